@@ -102,7 +102,7 @@ def search(case):
         sets[name] = changes(moves) | {key: float(factor)}
     widest = np.append(best, 1.0)
     if slip(widest) < TARGET:
-        inside = brentq(lambda share: slip(share * widest) - TARGET, 0.05, 1.0, xtol=1e-3)
+        inside = brentq(lambda fraction: slip(fraction * widest) - TARGET, 0.05, 1.0, xtol=1e-3)
         closest = minimize(
             lambda moves: float(moves @ moves),
             inside * widest,

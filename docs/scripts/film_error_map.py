@@ -214,7 +214,7 @@ def halving_table():
     rows = []
     for M, L in ((0.5, 0.0), (20.0, 0.0), (0.5, 15.0), (2.0, 8.0), (20.0, 15.0)):
         law = (lambda P, L=L: L * P) if L > 0 else None
-        problem = solver._Problem(M, law, None, share=1.0, floor=5e-5)
+        problem = solver._Problem(M, law, None, fraction=1.0, floor=5e-5)
         state = solver._along_the_path(problem, 24)
         films = []
         for _ in range(4):

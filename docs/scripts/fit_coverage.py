@@ -126,11 +126,11 @@ def coverage(name: str, repeats: int, *, profiles: bool = True) -> tuple[np.ndar
 
 def rows(name: str) -> list[tuple[str, ...]]:
     """Rows of the table for a case."""
-    shares, count = coverage(name, REPEATS)
+    fractions, count = coverage(name, REPEATS)
     made = []
     for k, parameter in enumerate(CASES[name].truth):
         for j, level in enumerate(LEVELS):
-            covariance, profile, limited = shares[:, k, j]
+            covariance, profile, limited = fractions[:, k, j]
             error = math.sqrt(level * (1 - level) / count)
             made.append(
                 (

@@ -127,15 +127,15 @@ def main(counts):
             continue
         squares, slips = runs(level, friction, starts)
         root = np.sqrt(squares.mean(axis=1))
-        share = squares.std(axis=1, ddof=1) / np.sqrt(starts) / (2.0 * root**2)
+        fraction = squares.std(axis=1, ddof=1) / np.sqrt(starts) / (2.0 * root**2)
         apart = (slips[1] - slips[0]) / slips[0].mean()
         rows.append(
             (
                 level,
                 friction,
                 str(starts),
-                *(f"{root[way]:.4g} +- {root[way] * share[way]:.1g}" for way in (1, 0)),
-                f"{root[1] / root[0] - 1.0:+.2%} +- {np.hypot(*share):.2%}",
+                *(f"{root[way]:.4g} +- {root[way] * fraction[way]:.1g}" for way in (1, 0)),
+                f"{root[1] / root[0] - 1.0:+.2%} +- {np.hypot(*fraction):.2%}",
                 f"{slips[1].mean():.5f}",
                 f"{apart.mean():+.3%} +- {apart.std(ddof=1) / np.sqrt(starts):.3%}",
                 f"{apart.std(ddof=1):.2%}",

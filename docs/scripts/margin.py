@@ -47,8 +47,8 @@ def figures(dataset, **names):
             )
 
 
-def percent(share):
-    return f"{100 * float(share):.3g}" if np.isfinite(share) else "beyond the range"
+def percent(fraction):
+    return f"{100 * float(fraction):.3g}" if np.isfinite(fraction) else "beyond the range"
 
 
 if __name__ == "__main__":
@@ -84,7 +84,7 @@ if __name__ == "__main__":
         "margin", ("quantity", "samples", "beyond", "unknown", "1 %", "5 %", "median", "95 %"), rows
     )
     print("indices of", *found.indexed.values)
-    share = found.isel(indexed=0)
+    fraction = found.isel(indexed=0)
     write_table(
         "margin_indices",
         ("input", "first order", "95 % interval", "total", "95 % interval"),
@@ -95,9 +95,9 @@ if __name__ == "__main__":
                     text
                     for order in ("first_order", "total_order")
                     for text in (
-                        f"{share[order].sel(input=key).item():.3f}",
-                        f"{share[f'{order}_low'].sel(input=key).item():.3f} to "
-                        f"{share[f'{order}_high'].sel(input=key).item():.3f}",
+                        f"{fraction[order].sel(input=key).item():.3f}",
+                        f"{fraction[f'{order}_low'].sel(input=key).item():.3f} to "
+                        f"{fraction[f'{order}_high'].sel(input=key).item():.3f}",
                     )
                 ),
             )

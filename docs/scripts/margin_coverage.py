@@ -117,14 +117,14 @@ if __name__ == "__main__":
         for n, (covered, ratios) in table.items():
             rows.append((name, n, *covered, *ratios))
             print(*rows[-1], sep=", ", flush=True)
-    shares = [f"{100 * p:g} %" for p in QUANTILES]
+    fractions = [f"{100 * p:g} %" for p in QUANTILES]
     write_table(
         "margin_coverage",
         (
             "function",
             "samples",
-            *(f"held at {p} [%]" for p in shares),
-            *(f"width at {p}" for p in shares),
+            *(f"held at {p} [%]" for p in fractions),
+            *(f"width at {p}" for p in fractions),
         ),
         rows,
     )

@@ -81,16 +81,16 @@ def search(case):
     high = np.array(high)
     counted = 0
 
-    def pair(share):
+    def pair(fraction):
         nonlocal counted
         counted += 1
         changes = dict(
-            zip(keys, map(float, low + np.clip(share, 0.0, 1.0) * (high - low)), strict=True)
+            zip(keys, map(float, low + np.clip(fraction, 0.0, 1.0) * (high - low)), strict=True)
         )
         return [critical(evolve(base, changes), closure) for base in bases.values()]
 
-    def misfit(share):
-        off = zip(pair(share), TARGETS.values(), strict=True)
+    def misfit(fraction):
+        off = zip(pair(fraction), TARGETS.values(), strict=True)
         return sum(((slip - target) / width) ** 2 for slip, (target, width) in off)
 
     found = differential_evolution(

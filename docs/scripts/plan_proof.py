@@ -40,7 +40,7 @@ def described(one):
     )
 
 
-def share(values):
+def fraction(values):
     """A share as numbers."""
     return f"{np.count_nonzero(values)} of {len(values)}"
 
@@ -88,13 +88,13 @@ def main():
     summary = [
         ["scenes", len(done)],
         ["scenes that the study refuses", len([v for v in verdicts if v.refused])],
-        ["actual error below the tolerance", share([v.kept for v in done])],
+        ["actual error below the tolerance", fraction([v.kept for v in done])],
         ["tolerance over actual error", middle(used)],
-        ["within a factor 30 of the tolerance", share((used >= 1.0) & (used <= 30.0))],
+        ["within a factor 30 of the tolerance", fraction((used >= 1.0) & (used <= 30.0))],
         ["time at the finest over time as planned and checked", middle(faster)],
         ["the same, with the time of planning", middle(whole)],
         ["time of planning over time at the finest", middle(planning)],
-        ["planned in less than a tenth of it or 20 ms", share((planning < 0.1) | (seconds < 0.02))],
+        ["planned in less than a tenth of it or 20 ms", fraction((planning < 0.1) | (seconds < 0.02))],
         ["without boundary friction", sum(not v.resolution["boundary"] for v in done)],
         ["taken back in", sum(bool(v.taken_back) for v in done)],
     ]  # fmt: skip

@@ -22,7 +22,7 @@ MEASURES = {
 MAKERS = ("NTN", "Schaeffler")
 
 
-def share(one, bulk):
+def fraction(one, bulk):
     """Return how much of a limit is used on the ring that fares worse."""
     worst = one.worst.to_numpy()
     limit = float(one.limit)
@@ -37,14 +37,14 @@ def rows(name):
     operation = scene.operation
     loads = [RULES[maker].asked(scene.bearing, 0.0)[0] for maker in MAKERS]
     for slip in SLIPS:
-        shares = []
+        fractions = []
         at = {} if slip is None else {"study.surface-damage.cage_slip": slip}
         for measure in MEASURES.values():
             result = run(evolve(scene, {"models.damage": measure, **at}), "surface-damage")
-            shares.append(share(result.isel(measure=0), operation.temperature))
-        shares += [load / operation.radial_load for load in loads]
+            fractions.append(fraction(result.isel(measure=0), operation.temperature))
+        fractions += [load / operation.radial_load for load in loads]
         state = f"{100 * float(result.slip):.3g}{' (steady)' if slip is None else ''}"
-        yield name, state, *(f"{one:.2g}" for one in shares), f"{max(shares) / min(shares):.0f}"
+        yield name, state, *(f"{one:.2g}" for one in fractions), f"{max(fractions) / min(fractions):.0f}"
 
 
 if __name__ == "__main__":

@@ -51,7 +51,7 @@ SERIES = ("10", "2", "2 old", "22", "3", "3 old", "23", "4")
 BORES = (25, 50, 100, 1000)
 #: What is asked of the torque over the formulas: this share between these, and the median between those.
 WITHIN = (0.5, 1.6)
-SHARE = 0.99
+FRACTION = 0.99
 MEDIAN = (0.75, 1.1)
 #: What new scenes had before: of drags, and of the film.
 BEFORE = {"cage.drag": [{"model": "churning", "oil_fraction": 0.02}], "models.film": "moes"}
@@ -176,8 +176,8 @@ def _at_slips(made, balance):
     if above < 0.0:
         return at(_FIRST), math.nan
     while high - low > max(_CLOSE * high, _LEAST):
-        share = min(max(below / (below - above), 0.1), 0.9)
-        middle = low + share * (high - low)
+        fraction = min(max(below / (below - above), 0.1), 0.9)
+        middle = low + fraction * (high - low)
         excess = balance.excess(middle)
         low, below, high, above = (
             (low, below, middle, excess) if excess > 0.0 else (middle, excess, high, above)
@@ -300,8 +300,8 @@ def main():
     )
     head = ["series", "drags", *(f"n d_m {n_dm:g}" for n_dm in (*SLOW, *SPEEDS))]
     write_table("torque_bench_series", head, by_series_and_speed(found, before))
-    share, median = verdict(found)
-    print(f"within {WITHIN[0]} to {WITHIN[1]}: {share:.1%}, median {median:.2f}")
+    fraction, median = verdict(found)
+    print(f"within {WITHIN[0]} to {WITHIN[1]}: {fraction:.1%}, median {median:.2f}")
 
 
 if __name__ == "__main__":

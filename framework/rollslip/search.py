@@ -50,7 +50,7 @@ def largest(evaluate: Callable[[Rows, Array], Array], x: Array, y: Array) -> tup
     low = x[:, 0]
     wide = x[:, 2] - x[:, 0]
     top = y[:, 1].copy()
-    share = np.full(top.size, np.nan)
+    fraction = np.full(top.size, np.nan)
     rows = np.arange(top.size)
     # three places of each curve and the values there, relative to interval and largest sample: no size gets lost
     at = ((x - low[:, None]) / wide[:, None]).T
@@ -75,7 +75,7 @@ def largest(evaluate: Callable[[Rows, Array], Array], x: Array, y: Array) -> tup
         known = rows[
             ended := ~goes_on & (value[1] > 1.0)
         ]  # else a kink or a plateau, which the search did not hit
-        share[known] = at[1, ended]
+        fraction[known] = at[1, ended]
         top[known] = value[1, ended] * top[known]
         rows = rows[goes_on]
         at = at[:, goes_on]
@@ -102,18 +102,18 @@ def largest(evaluate: Callable[[Rows, Array], Array], x: Array, y: Array) -> tup
         value[end, every] = np.where(better, value[1], found)
         at[1] = np.where(better, new, b)
         value[1] = np.where(better, found, value[1])
-    rows = np.flatnonzero((share > _BESIDE) & (share < 1.0 - _BESIDE))
+    rows = np.flatnonzero((fraction > _BESIDE) & (fraction < 1.0 - _BESIDE))
     if rows.size:
-        beside = np.concatenate((share[rows] - _BESIDE, share[rows] + _BESIDE))
+        beside = np.concatenate((fraction[rows] - _BESIDE, fraction[rows] + _BESIDE))
         behind, ahead = np.split(
             evaluate(np.tile(rows, 2), np.tile(low[rows], 2) + beside * np.tile(wide[rows], 2)), 2
         )
         with np.errstate(divide="ignore", invalid="ignore"):
             step = 0.5 * _BESIDE * (ahead - behind) / (2.0 * top[rows] - ahead - behind)
-        share[rows] += np.where(
+        fraction[rows] += np.where(
             np.abs(step) <= _MOVED * _BESIDE, step, 0.0
         )  # a kink moves it further
-    return np.where(np.isnan(share), x[:, 1], low + share * wide), top
+    return np.where(np.isnan(fraction), x[:, 1], low + fraction * wide), top
 
 
 def vertex(x: Sequence[float] | Array, y: Sequence[float] | Array) -> tuple[float, float]:

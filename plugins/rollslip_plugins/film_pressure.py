@@ -202,5 +202,5 @@ def pressure_ratio(M: Array, L: Array) -> Array:
     part = np.clip((L - low) / (high - low), 0.0, 1.0)
     below, above = (np.take_along_axis(uncut, at[None], axis=0)[0] for at in (k, k + 1))
     tabled = np.minimum(below + part * (above - below), 0.0)
-    share = np.clip((L - FITTED_TO) / (LUBRICANTS[0] - FITTED_TO), 0.0, 1.0)
-    return np.asarray(np.exp2(fitted + share * (tabled - fitted)))
+    fraction = np.clip((L - FITTED_TO) / (LUBRICANTS[0] - FITTED_TO), 0.0, 1.0)
+    return np.asarray(np.exp2(fitted + fraction * (tabled - fitted)))

@@ -207,10 +207,10 @@ class Roelands(PressureViscosity):
                 over_a * c.pressure_thermoviscosity * POLE_PRESSURE + over_k * c.thermoviscosity
             )
         y = np.expm1(z * x)
-        share = self.factor
+        fraction = self.factor
         return (
-            c.viscosity * np.exp(share * k * y),
-            (1 - share) * c.thermoviscosity + share * ((1 + y) * (c.thermoviscosity + bend * x)),
+            c.viscosity * np.exp(fraction * k * y),
+            (1 - fraction) * c.thermoviscosity + fraction * ((1 + y) * (c.thermoviscosity + bend * x)),
         )
 
     def kernel(self) -> object:
@@ -293,9 +293,9 @@ class Yasutomi(PressureViscosity):
         x0 = (
             np.float64(c.temperature) - self.glass_temperature
         )  # whose square may overflow without a word
-        share = 1 - self.b1 * np.log1p(self.b2 * p)
-        x = (x0 - self.a1 * np.log1p(self.a2 * p)) * share
-        glass = ~((share > 0) & (x >= 0) & (x0 > 0))
+        fraction = 1 - self.b1 * np.log1p(self.b2 * p)
+        x = (x0 - self.a1 * np.log1p(self.a2 * p)) * fraction
+        glass = ~((fraction > 0) & (x >= 0) & (x0 > 0))
         if np.any(glass):
             at = int(np.flatnonzero(glass)[0])
             raise DomainError(
@@ -305,7 +305,7 @@ class Yasutomi(PressureViscosity):
         k = self.factor * np.log(10) * self.c1 * self.c2
         return (
             c.viscosity * np.exp(k * (x0 - x) / ((self.c2 + x0) * (self.c2 + x))),
-            c.thermoviscosity + k * (share / (self.c2 + x) ** 2 - 1 / (self.c2 + x0) ** 2),
+            c.thermoviscosity + k * (fraction / (self.c2 + x) ** 2 - 1 / (self.c2 + x0) ** 2),
         )
 
     def coefficient(self, temperature: float) -> float:

@@ -231,7 +231,7 @@ class Network(ThermalModel):
     ambient_temperature: float = _temperature(
         "temperature of the surroundings, 20 degC in ISO 15312", _AMBIENT
     )
-    contact_share: float = parameter(
+    contact_fraction: float = parameter(
         default=0.5,
         unit="1",
         doc="share of a contact's heat that goes into the rollers, the rest into the ring",
@@ -340,10 +340,10 @@ class Network(ThermalModel):
         """Return the heat that flows into each node."""
         T = self._all(temperatures)
         flow = np.zeros(len(_NODES))
-        share = self.contact_share
+        fraction = self.contact_fraction
         for place, parts in {
-            "inner contact": ((_INNER, 1.0 - share), (_ROLLERS, share)),
-            "outer contact": ((_OUTER, 1.0 - share), (_ROLLERS, share)),
+            "inner contact": ((_INNER, 1.0 - fraction), (_ROLLERS, fraction)),
+            "outer contact": ((_OUTER, 1.0 - fraction), (_ROLLERS, fraction)),
             "pocket": ((_ROLLERS, 0.5), (_OIL, 0.5)),
             "inner land": ((_INNER, 0.5), (_OIL, 0.5)),
             "outer land": ((_OUTER, 0.5), (_OIL, 0.5)),

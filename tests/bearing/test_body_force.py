@@ -275,7 +275,7 @@ def test_weight_is_left_out_where_it_moves_nothing_beyond_the_tolerance(toleranc
         "accuracy.tolerance": tolerance,
     }
     light = assemble(evolve(SCENE, {**given, "operation.radial_load": "3 kN"}))
-    assert light.weight_share < tolerance
+    assert light.weight_fraction < tolerance
     assert light.body_force == (0.0, 0.0)
     exact = assemble(
         evolve(SCENE, {**given, "operation.radial_load": "3 kN", "accuracy.tolerance": 1e-6})
@@ -315,8 +315,8 @@ def test_a_run_says_what_weight_leaves_out():
         "accuracy.tolerance": 0.05,
     }
     scene = slow(**few)
-    share = f"{100.0 * assemble(scene).weight_share:.2g} % of what presses them"
-    assert run(scene, "effective-friction").attrs["warnings"].count(share) == 1
+    fraction = f"{100.0 * assemble(scene).weight_fraction:.2g} % of what presses them"
+    assert run(scene, "effective-friction").attrs["warnings"].count(fraction) == 1
     for other in (slow(**few, **{"operation.gravity_direction": "0 deg"}), evolve(SCENE, few)):
         assert "weight of the rollers" not in run(other, "effective-friction").attrs["warnings"]
 

@@ -406,11 +406,11 @@ def test_a_cage_whose_drags_are_not_stated_has_those_of_its_supply(table, guidan
     ).cage
     assert [drag.name for drag in cage.drags] == named
     whole = assemble(evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}})).cage.drags
-    share = {"grease": 0.0, "mist": 0.01 / whole.torques[0].oil_fraction}.get(
+    fraction = {"grease": 0.0, "mist": 0.01 / whole.torques[0].oil_fraction}.get(
         table.get("supply"), 1.0
     )
     assert cage.drags.torques[0].torque(300.0, 667.0, 0.0) == pytest.approx(
-        share * whole.torques[0].torque(300.0, 667.0, 0.0), rel=1e-12
+        fraction * whole.torques[0].torque(300.0, 667.0, 0.0), rel=1e-12
     )
     if len(cage.drags.torques) > 1 and table:
         assert cage.drags.torques[1].width == pytest.approx(whole.torques[1].width / 4, rel=1e-12)

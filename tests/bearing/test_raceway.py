@@ -16,13 +16,13 @@ def test_a_gauss_rule_is_exact_for_polynomials_in_the_root_of_the_load():
     rng = np.random.default_rng(3)
     load = rng.uniform(1.0, 9.0, 500)
     force = rng.uniform(0.0, 1.0, 500)
-    nodes, shares = gauss_rule(load, force, 6).T
-    assert ((nodes > load.min()) & (nodes < load.max()) & (shares > 0.0)).all()
+    nodes, fractions = gauss_rule(load, force, 6).T
+    assert ((nodes > load.min()) & (nodes < load.max()) & (fractions > 0.0)).all()
     for power in range(12):
         want = (force * load ** (power / 2)).sum() / force.sum()
-        assert shares @ nodes ** (power / 2) == pytest.approx(want, rel=1e-12)
+        assert fractions @ nodes ** (power / 2) == pytest.approx(want, rel=1e-12)
     want = (force * load**6).sum() / force.sum()
-    assert abs(shares @ nodes**6 / want - 1.0) > 1e-9  # degree 12 is beyond it
+    assert abs(fractions @ nodes**6 / want - 1.0) > 1e-9  # degree 12 is beyond it
 
 
 def test_few_loads_stand_for_all_only_where_they_are_right():
@@ -49,9 +49,9 @@ def test_rules_of_rows_are_those_of_each_alone_and_weigh_nothing_that_is_not_the
     np.testing.assert_allclose(weights.sum(axis=1), weight.sum(axis=1), rtol=1e-13)
     for k in (0, 1):
         some = weight[k] > 0.0
-        alone, share = gauss_rule(load[k][some], weight[k][some], 6).T
+        alone, fraction = gauss_rule(load[k][some], weight[k][some], 6).T
         np.testing.assert_allclose(nodes[k], alone, rtol=1e-11)
-        np.testing.assert_allclose(weights[k], share * weight[k].sum(), rtol=1e-10)
+        np.testing.assert_allclose(weights[k], fraction * weight[k].sum(), rtol=1e-10)
     assert weights[2] @ nodes[2] == pytest.approx(weight[2].sum() * 3.0, rel=1e-13)
     assert not weights[3].any()
 

@@ -196,7 +196,7 @@ def test_bins_of_every_grouping_add_up_to_the_whole_difference_of_the_curves(res
         inside = result.isel(bin=np.flatnonzero(result["bin_grouping"] == grouping))
         total = inside["bin_contribution"].sum("bin")
         np.testing.assert_allclose(total, result["mean_difference"], rtol=1e-10, atol=1e-15)
-        np.testing.assert_allclose(inside["bin_share"].sum("bin"), 1.0, rtol=1e-12)
+        np.testing.assert_allclose(inside["bin_fraction"].sum("bin"), 1.0, rtol=1e-12)
     assert (result["explained"] >= 0.0).all()
     assert (result["explained"] <= 1.0 + 1e-12).all()
 
@@ -226,8 +226,8 @@ def test_a_difference_of_one_regime_is_found_there_and_nowhere_else(study):
         combination="lowered"
     )
     heated = found.sel(bin="where Phi sigma S > 1")
-    assert (heated["bin_share"] > 0.01).any()
-    held = heated["bin_share"].to_numpy() > 0.0
+    assert (heated["bin_fraction"] > 0.01).any()
+    held = heated["bin_fraction"].to_numpy() > 0.0
     np.testing.assert_allclose(heated["bin_difference"].to_numpy()[held], -0.1, rtol=1e-9)
     others = found.isel(
         bin=np.flatnonzero((found["bin_grouping"] == "heating") & (found["bin"] != heated["bin"]))

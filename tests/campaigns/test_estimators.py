@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import optimize, stats
 
 from rollslip_campaigns.sweep.sampling import REPLICATES, probabilities
-from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
+from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, fraction
 
 
 @pytest.mark.parametrize("n", [40, 500, 1777])
@@ -43,10 +43,10 @@ def test_samples_beyond_a_range_keep_their_side():
 
 
 def test_probabilities_have_the_interval_of_clopper_and_pearson():
-    found = share(190, 0, 200)
+    found = fraction(190, 0, 200)
     assert found.low == pytest.approx(stats.beta.ppf(0.025, 190, 11), rel=1e-12)
     assert found.high == pytest.approx(stats.beta.ppf(0.975, 191, 10), rel=1e-12)
-    lost = share(180, 10, 200)  # of 190 true ones ten are not known
+    lost = fraction(180, 10, 200)  # of 190 true ones ten are not known
     assert lost.low < found.low
     assert lost.high == found.high
 
@@ -57,7 +57,7 @@ def test_the_margin_of_two_normals_is_the_analytic_one():
     operating = 0.05 + 0.01 * z[:, 0]
     critical = 0.10 + 0.02 * z[:, 1]
     exact = stats.norm.cdf(0.05 / math.hypot(0.01, 0.02))
-    found = share(int((operating < critical).sum()), 0, 4096)
+    found = fraction(int((operating < critical).sum()), 0, 4096)
     assert found.low < exact < found.high
     assert found.value == pytest.approx(exact, abs=2e-3)
     allowed = quantile(critical, 0.01)
@@ -127,16 +127,16 @@ def _jump(u):
     return (z[:, 0] - z[:, 1]) / math.sqrt(2.0) + 3.0 * (z[:, 0] + z[:, 1] > 0.0)
 
 
-def _lognormal_share(x):
+def _lognormal_fraction(x):
     return stats.norm.cdf(math.log(x) / math.hypot(0.3, 0.2))
 
 
-def _jump_share(x):
+def _jump_fraction(x):
     return 0.5 * (stats.norm.cdf(x) + stats.norm.cdf(x - 3.0))
 
 
 @pytest.mark.parametrize(
-    ("law", "distribution"), [(_lognormal, _lognormal_share), (_jump, _jump_share)]
+    ("law", "distribution"), [(_lognormal, _lognormal_fraction), (_jump, _jump_fraction)]
 )
 def test_intervals_of_replicates_hold_and_are_narrower_than_order_statistics(law, distribution):
     # of 150 intervals that hold with 95 % fewer than 135 do with a probability of 0.4 %
@@ -160,10 +160,10 @@ def test_the_interval_of_replicates_is_where_students_t_does_not_reject(p):
     found = quantile(values, p, replicates=REPLICATES)
 
     def rejects(x):
-        shares = (values.reshape(-1, REPLICATES) <= x).mean(axis=0)
+        fractions = (values.reshape(-1, REPLICATES) <= x).mean(axis=0)
         part = 128 * p % 1.0
-        error = math.sqrt(max(shares.var(ddof=1), part * (1 - part) / 128**2) / REPLICATES)
-        return abs(shares.mean() - p) > stats.t.ppf(0.975, REPLICATES - 1) * error
+        error = math.sqrt(max(fractions.var(ddof=1), part * (1 - part) / 128**2) / REPLICATES)
+        return abs(fractions.mean() - p) > stats.t.ppf(0.975, REPLICATES - 1) * error
 
     between = np.sort(values)
     between = 0.5 * (between[1:] + between[:-1])

@@ -500,8 +500,8 @@ def test_the_fit_is_that_of_30_digit_arithmetic(uncertainties):
     for name in names:
         one = found.sel(parameter=name)
         assert one["value"].item() == pytest.approx(want[f"{name} value"], rel=1e-8)
-        share = one["standard_error"].item() / one["value"].item()
-        assert share == pytest.approx(want[f"{name} error"], rel=1e-7)
+        fraction = one["standard_error"].item() / one["value"].item()
+        assert fraction == pytest.approx(want[f"{name} error"], rel=1e-7)
         ends = [
             want[f"{name} {level} {side}"]
             for level in ("68 %", "95 %")
@@ -847,16 +847,16 @@ def test_how_far_a_fit_is_is_told_and_rises():
         lambda x: design @ x - 0.1,
         *WIDE,
         known=True,
-        report=lambda text, share: told.append((text, share)),
+        report=lambda text, fraction: told.append((text, fraction)),
     )
-    texts, shares = zip(*told, strict=True)
+    texts, fractions = zip(*told, strict=True)
     assert texts == (
         *(f"search {n} of 9" for n in range(1, 10)),
         "profile 1 of 2",
         "profile 2 of 2",
     )
-    assert shares[0] == 0.0
-    assert all(low < high < 1.0 for low, high in itertools.pairwise(shares))
+    assert fractions[0] == 0.0
+    assert all(low < high < 1.0 for low, high in itertools.pairwise(fractions))
 
 
 def test_known_variances_have_the_quantiles_of_the_normal_distribution():
@@ -925,9 +925,9 @@ def test_intervals_of_the_covariance_hold_the_truth_as_often_as_they_say(monkeyp
     monkeypatch.setattr(
         least_squares, "_OTHER_STARTS", 0
     )  # the one minimum is not in question here
-    shares, count = coverage_script().coverage("four curves, 2 % noise", 100, profiles=False)
+    fractions, count = coverage_script().coverage("four curves, 2 % noise", 100, profiles=False)
     assert count == 100
-    for level, held in zip(LEVELS, shares[0].T, strict=True):
+    for level, held in zip(LEVELS, fractions[0].T, strict=True):
         assert np.all(abs(held - level) < 4 * math.sqrt(level * (1 - level) / count))
 
 
@@ -936,9 +936,9 @@ def test_intervals_of_the_covariance_hold_the_truth_as_often_as_they_say(monkeyp
     "case", ["four curves, 2 % noise", "four curves, known noise", "one curve, 10 % noise"]
 )
 def test_intervals_of_the_profile_hold_the_truth_as_often_as_they_say(case):
-    shares, count = coverage_script().coverage(case, 200)
+    fractions, count = coverage_script().coverage(case, 200)
     assert count == 200
-    for level, held in zip(LEVELS, shares[1].T, strict=True):
+    for level, held in zip(LEVELS, fractions[1].T, strict=True):
         assert np.all(abs(held - level) < 4 * math.sqrt(level * (1 - level) / count))
 
 

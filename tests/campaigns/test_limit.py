@@ -434,13 +434,13 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
     assert chosen["slices"] > 2 * 8
     assert not any(text.startswith("worst") for text in json.loads(fine.attrs["left"]))
 
-    def worst(share, **changes):
-        one = rollslip.evolve(scene, {"operation.radial_load": share * load, **changes})
+    def worst(fraction, **changes):
+        one = rollslip.evolve(scene, {"operation.radial_load": fraction * load, **changes})
         return float(rollslip.run(one, "surface-damage").worst.max())
 
     off = max(
-        abs(worst(share, **{"accuracy.slices": 8}) / worst(share) - 1.0)
-        for share in (0.8, 1.0, 1.2)
+        abs(worst(fraction, **{"accuracy.slices": 8}) / worst(fraction) - 1.0)
+        for fraction in (0.8, 1.0, 1.2)
     )
     said = json.loads(few.attrs["left"])[0]
     words = "with the scene's own operation.radial_load or at an end of its range, more than the tolerance of 0.001"

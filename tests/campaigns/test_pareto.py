@@ -806,10 +806,10 @@ def test_progress_is_told_with_the_time_that_is_left(tmp_path):
     told = []
     family = ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=2).plan()
     run_family(family, tmp_path, lambda *given: told.append(given))
-    shares = [share for _, share, _ in told]
+    fractions = [fraction for _, fraction, _ in told]
     assert len(told) == 3 + 2 * 3
-    assert shares == sorted(shares)
-    assert shares[0] == 0.0
+    assert fractions == sorted(fractions)
+    assert fractions[0] == 0.0
     assert np.isnan(told[0][2])
     assert 0.0 < told[-1][2] < told[-3][2]
     assert told[-1][0] == "friction-curve: 11 slices"

@@ -22,7 +22,7 @@ from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
 from rollslip_campaigns.uncertainty import UncertaintySettings, findings
-from rollslip_campaigns.uncertainty.samples import minimum_loads, of_friction, shares_of
+from rollslip_campaigns.uncertainty.samples import minimum_loads, of_friction, fractions_of
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
@@ -89,7 +89,7 @@ def test_data_of_a_bearing_and_fields_of_a_cage_or_a_table_scatter_alike(monkeyp
     from rollslip.bearing.cage import Cage
 
     field = attrs.fields_dict(Cage)["land_clearance"]
-    share = Scatter(
+    fraction = Scatter(
         distribution="lognormal",
         parameters={"deviation_of_ln": 0.7},
         grade="(D)",
@@ -97,7 +97,7 @@ def test_data_of_a_bearing_and_fields_of_a_cage_or_a_table_scatter_alike(monkeyp
     )
     quantity = quantities(assemble(SCENE), {})["cage.land_clearance"]
     declared = attrs.evolve(
-        quantity, attribute=field.evolve(metadata={**field.metadata, "scatter": share})
+        quantity, attribute=field.evolve(metadata={**field.metadata, "scatter": fraction})
     )
     monkeypatch.setattr(
         "rollslip_studies.variation.scatter.quantities",
@@ -347,13 +347,13 @@ def points(statuses):
 )
 def test_every_sample_is_counted_once(statuses):
     found = points(statuses)
-    shares = shares_of(found)
+    fractions = fractions_of(found)
     known = sum(text == "found" for text in statuses)
-    assert known + sum(int(shares[name].sum()) for name in ("skids", "bound", "unknown")) == len(
+    assert known + sum(int(fractions[name].sum()) for name in ("skids", "bound", "unknown")) == len(
         statuses
     )
     slips = of_friction(found)["steady slip"]
-    assert np.array_equal(np.isinf(slips), shares["skids"]), "what skids is beyond every slip"
+    assert np.array_equal(np.isinf(slips), fractions["skids"]), "what skids is beyond every slip"
     assert not np.isnan(slips).any(), "what is driven slips by nothing"
 
 

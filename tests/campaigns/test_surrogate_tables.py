@@ -52,8 +52,8 @@ def dataset(
     lead = {name: ("temperature", np.full(2, value)) for name, value in zip(
         ("drag_inner", "drag_outer"), drags, strict=False)}  # fmt: skip
     # so much at the rolling speed of rings that are 100 rad/s apart, in proportion to the logarithm of it
-    share = np.log(np.array([0.1, 50.0])) / math.log(100.0 / (1.0 / RI + 1.0 / RO))
-    lead["drag_cage"] = (("temperature", "rolling_speed"), np.tile(drags[2] * share, (2, 1)))
+    fraction = np.log(np.array([0.1, 50.0])) / math.log(100.0 / (1.0 / RI + 1.0 / RO))
+    lead["drag_cage"] = (("temperature", "rolling_speed"), np.tile(drags[2] * fraction, (2, 1)))
     return xr.Dataset(
         {
             "mean_friction": ((*dims, "slide_roll"), np.broadcast_to(rise * grown * np.arange(25.0), (*size, 25))),

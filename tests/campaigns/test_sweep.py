@@ -1092,7 +1092,7 @@ def test_a_sweep_says_at_how_many_of_its_corners_a_law_is_outside_what_it_was_ma
         outside = {
             row["law"]
             for row in json.loads(alone.attrs["validity"])["bounds"]
-            if row["share_outside"]
+            if row["fraction_outside"]
         }
         assert ("film 'dowson-1968'" in outside) == bool(number), "a run says so too"
 

@@ -30,8 +30,8 @@ NAN = math.nan
         (90.0, 60.0, 0.5, NAN, NAN, 0.0),  # overdue
     ],
 )
-def test_the_time_left_is_told_by_who_knows_most(elapsed, since, share, left, seconds, expected):
-    assert time_left(elapsed, since, share, left, seconds) == pytest.approx(expected)
+def test_the_time_left_is_told_by_who_knows_most(elapsed, since, fraction, left, seconds, expected):
+    assert time_left(elapsed, since, fraction, left, seconds) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("seconds", [NAN, 0.0, 3.0])
@@ -101,8 +101,8 @@ def test_a_comparison_tells_how_far_it_is():
     told = []
     scene = load_scene("1032930-70C")
     made = ComparisonSettings(scene, traction="muraki,eyring", study="friction-curve").plan()
-    run_comparison(made, lambda text, share: told.append((text, share)))
-    assert [share for _, share in told] == [0.0, 0.25, 0.5, 0.75]
+    run_comparison(made, lambda text, fraction: told.append((text, fraction)))
+    assert [fraction for _, fraction in told] == [0.0, 0.25, 0.5, 0.75]
     assert {text for text, _ in told} == set(made.combinations)
 
 

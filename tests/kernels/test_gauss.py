@@ -61,9 +61,9 @@ def test_rules_of_loads_as_of_a_roller_are_those_of_numpy(points, count):
         if np.count_nonzero(width) <= count:  # itself
             np.testing.assert_allclose(w.sum(), width.sum(), rtol=1e-13)
             continue
-        want, shares = by_numpy(row[width > 0.0], width[width > 0.0], count)
+        want, fractions = by_numpy(row[width > 0.0], width[width > 0.0], count)
         np.testing.assert_allclose(x, want, rtol=0, atol=1e-13 * want.max())
-        np.testing.assert_allclose(w, shares, rtol=0, atol=1e-11 * width.sum())
+        np.testing.assert_allclose(w, fractions, rtol=0, atol=1e-11 * width.sum())
 
 
 @pytest.mark.parametrize(("slices", "count"), [(12, 8), (77, 8), (40, 4)])

@@ -49,10 +49,10 @@ def over(unit, **values):
     st.lists(st.tuples(st.floats(1.0, 60.0), st.floats(1e-3, 1e3)), min_size=2, max_size=7),
     st.floats(0.0, 1.0),
 )
-def test_a_smooth_table_is_the_monotone_cubic_of_its_logarithm(steps, share):
+def test_a_smooth_table_is_the_monotone_cubic_of_its_logarithm(steps, fraction):
     T = tuple(250.0 + sum(step for step, _ in steps[: k + 1]) for k in range(len(steps)))
     table = SmoothTable(T, tuple(value for _, value in steps))
-    at = T[0] + share * (T[-1] - T[0])
+    at = T[0] + fraction * (T[-1] - T[0])
     other = PchipInterpolator(T, np.log([value for _, value in steps]))
     assert math.log(table(at)) == pytest.approx(float(other(at)), rel=1e-9, abs=1e-9)
     assert table.derivative(at) / table(at) == pytest.approx(

@@ -473,7 +473,7 @@ def test_what_is_beyond_the_range_of_an_axis_is_held_at_its_end():
     system = Varying(
         [(c.begin, c.powers) for c in map(constant, values)], [(0.0, 1.0)],
         lambda place: ([[0.0, 0.3, 0.6, 1.0]], [one.system.owner] * 4), cage_speed=0,
-        inner_share=k.inner_radius / (k.inner_radius + k.outer_radius), scale=one.system.scale,
+        inner_fraction=k.inner_radius / (k.inner_radius + k.outer_radius), scale=one.system.scale,
     )  # fmt: skip
     y = one.initial(0.05, 0.06)
     assert System(system.system())(0.0, y) == pytest.approx(one.system(0.0, y))

@@ -86,7 +86,7 @@ def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settl
     below = max(
         (motion for motion in way.path if motion.slip < jump.slip), key=lambda motion: motion.slip
     )
-    again = one.motions.at(np.array([jump.slip]), below.share[:1])[0][0]
+    again = one.motions.at(np.array([jump.slip]), below.fraction[:1])[0][0]
     assert jump.error < 1e-3
     assert again.torque == pytest.approx(
         jump.drag, rel=1.01 * jump.error
@@ -193,7 +193,7 @@ def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last
     def found():
         motions = one.motions.like(n_positions=1, few=0)
         return motions.spins(slips), [
-            (motion.torque, *motion.share) for here in motions.at(slips) for motion in here
+            (motion.torque, *motion.fraction) for here in motions.at(slips) for motion in here
         ]
 
     _, whole = found()
@@ -224,15 +224,15 @@ def test_all_motions_lie_between_those_that_both_ends_lead_to(number, resists, p
     motions = one.motions
     slips = np.array([slip])
     found = motions.at(slips)[0]
-    high = found[0].share
-    low = found[-1].share
+    high = found[0].fraction
+    low = found[-1].fraction
     low_end, high_end = motions._ends(motions.spins(slips), slips)[0] / motions.unit(slips)[0]
     between = motions.at(slips, np.array([low_end + part * (high_end - low_end)]))[0][0]
-    nearest = min(motions.apart(between.share, one) for one in (high, low))
+    nearest = min(motions.apart(between.fraction, one) for one in (high, low))
     if len(found) == 1:
         assert nearest < 0.02
     ends = np.minimum(low, high) - 0.1, np.maximum(low, high) + 0.1
-    assert np.mean((between.share > ends[0]) & (between.share < ends[1])) > 0.9
+    assert np.mean((between.fraction > ends[0]) & (between.fraction < ends[1])) > 0.9
 
 
 @given(number=st.integers(0, 10_000), order=st.permutations([0.003, 0.02, 0.15, 0.4, 0.7, 0.9]))
@@ -273,18 +273,18 @@ def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
 @pytest.mark.parametrize(
     ("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19), ("catalogue", 9)]
 )
-def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, share):
+def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, fraction):
     way = scenes.balance(getattr(scenes, kind)(number)).way()
     assert way.jumps
     for jump in way.jumps:
-        share = max(share, jump.error)
-        low, high = jump.around(share)
+        fraction = max(fraction, jump.error)
+        low, high = jump.around(fraction)
         below, above = (1.0 - motion.torque / jump.drag for motion in way.at([low, high]))
-        assert abs(below - share) <= 0.2 * share + jump.error
-        assert above <= 1.2 * share + jump.error  # less where the way has a gap
+        assert abs(below - fraction) <= 0.2 * fraction + jump.error
+        assert above <= 1.2 * fraction + jump.error  # less where the way has a gap
         assert not high > jump.to
         inner = [1.0 - motion.torque / jump.drag for motion in way.path if low < motion.slip < high]
-        assert max(inner, default=0.0) <= share + jump.error
+        assert max(inner, default=0.0) <= fraction + jump.error
 
 
 def test_slips_around_a_parabola_go_with_its_place():

@@ -55,9 +55,9 @@ class FlangeTorque(ResistanceModel):
     def evaluate(self, slices):
         """Fill the resistance: the inner contact is the one whose equivalent radius is below that of the roller."""
         sense = np.where(slices.conditions.radius < self.diameter / 2, 1.0, -1.0)
-        share = (self.orbit + sense * self.diameter) / (self.diameter * self.orbit)
+        fraction = (self.orbit + sense * self.diameter) / (self.diameter * self.orbit)
         torque = self.size * np.exp(-self.fall * (self.temperature - self.reference))
-        slices.resistance[...] = torque * share / self.length + 0.0 * slices.load
+        slices.resistance[...] = torque * fraction / self.length + 0.0 * slices.load
 
 
 #: Straight rollers of which both contacts are loaded all round.

@@ -77,11 +77,11 @@ def test_where_rubbing_takes_traction_forces_grow_as_in_a_belt():
     torque = np.array([[6.0, -1.0, -1.0, -1.0, -1.0]])
     falls = np.array([[0.0, f, f, f, f]])
     behind, ahead = Train(5, 0.1, c, 0.1).pushes(torque, falls)
-    share = (c * (ahead - behind) + falls * (ahead + behind) - torque)[
+    fraction = (c * (ahead - behind) + falls * (ahead + behind) - torque)[
         0
     ]  # of what the set carries, of each roller
-    assert share == pytest.approx(share[0], abs=1e-12)
-    y = 1.0 - share[0]
+    assert fraction == pytest.approx(fraction[0], abs=1e-12)
+    y = 1.0 - fraction[0]
     expected = 0.0
     for k in (4, 3, 2, 1):
         assert ahead[0, k] == pytest.approx(expected, abs=1e-12)

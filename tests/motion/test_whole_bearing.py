@@ -46,7 +46,7 @@ def test_it_starts_as_the_reference_found_equilibrium_and_rolling(name, level):
 @pytest.mark.parametrize(("name", "level"), CASES)
 def test_on_the_whole_it_loses_as_much_speed_and_pushes_its_cage_as_hard(name, level):
     _, *scatter = CASES[name, level]
-    for ours, theirs, share in zip(
+    for ours, theirs, fraction in zip(
         on_the_whole(name, level), their_whole(name, level), scatter, strict=True
     ):
-        assert ours == pytest.approx(theirs, rel=3.0 * 2.0**0.5 * share)
+        assert ours == pytest.approx(theirs, rel=3.0 * 2.0**0.5 * fraction)

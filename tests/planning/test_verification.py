@@ -226,7 +226,7 @@ def test_a_run_that_goes_on_finer_says_so_and_for_how_long(monkeypatch):
     told = []
     off = iter([2e-3, 1e-5])
 
-    def progress(text, share=math.nan, left=math.nan):
+    def progress(text, fraction=math.nan, left=math.nan):
         told.append((text, left))
 
     monkeypatch.setattr(

@@ -58,7 +58,7 @@ ROUNDING = 2e-13
 STEEL = 2.286e11
 
 
-def share_of(model, film_parameter, pressure=4e8, modulus=STEEL, children=NOT_YET):
+def describe_fraction(model, film_parameter, pressure=4e8, modulus=STEEL, children=NOT_YET):
     """Share of boundary friction, through the chain: the friction of a boundary of 1 and a film of nothing."""
     bare = attrs.evolve(law_of(model), **children)
     form = bare if law_of(model) is model else NumpyForm(bare)
@@ -145,18 +145,18 @@ def test_greenwood_and_tripps_pressure_is_the_sum_of_hertzian_tips(form):
             roughness_parameter=row["density"] * row["sigma"] * row["beta"],
             slope_parameter=row["sigma"] / row["beta"],
         )
-        share = share_of(
+        fraction = describe_fraction(
             form(model), row["separation"] or 1e-300, pressure=1e9, modulus=2 * row["modulus"]
         )
-        np.testing.assert_allclose(share * 1e9, row["pressure"], rtol=1e-13, err_msg=str(row))
+        np.testing.assert_allclose(fraction * 1e9, row["pressure"], rtol=1e-13, err_msg=str(row))
 
 
 @pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
 def test_asperities_carry_no_more_than_the_load(form):
     """Without a film, 26 MPa between steel surfaces: all of a light load, little of a heavy one."""
-    share = share_of(form(GreenwoodTripp()), 1e-9, pressure=np.array([1.0, 2.64e7, 2.65e7, 1e9]))
-    assert share[:2].tolist() == [1.0, 1.0]
-    np.testing.assert_allclose(share[2:] * [2.65e7, 1e9], 26.41e6, rtol=1e-3)
+    fraction = describe_fraction(form(GreenwoodTripp()), 1e-9, pressure=np.array([1.0, 2.64e7, 2.65e7, 1e9]))
+    assert fraction[:2].tolist() == [1.0, 1.0]
+    np.testing.assert_allclose(fraction[2:] * [2.65e7, 1e9], 26.41e6, rtol=1e-3)
 
 
 @pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
@@ -166,12 +166,12 @@ def test_zhou_and_hoeprichs_share_is_as_printed(form, film_parameter, factor, ex
     with mpmath.workdps(30):
         power = mpmath.mpf(factor) * mpmath.mpf(film_parameter) ** mpmath.mpf(exponent)
         expected = float(mpmath.exp(-power))
-    share = share_of(form(ZhouHoeprich(factor=factor, exponent=exponent)), film_parameter)[0]
+    fraction = describe_fraction(form(ZhouHoeprich(factor=factor, exponent=exponent)), film_parameter)[0]
     if abs(float(power) - 53 * np.log(2)) > 1e-12:
         expected = expected if expected > 2.0**-53 else 0.0
         # the exponent is known to some roundings of its size
         np.testing.assert_allclose(
-            share, expected, rtol=1e-15 * (2 + 4 * float(power)), atol=1e-323
+            fraction, expected, rtol=1e-15 * (2 + 4 * float(power)), atol=1e-323
         )
 
 
@@ -184,7 +184,7 @@ def test_what_zhou_and_hoeprich_leave_to_a_thin_film_keeps_its_digits(
     with mpmath.workdps(60):
         power = mpmath.mpf(factor) * mpmath.mpf(thickness) ** mpmath.mpf(exponent)
         expected = float(-mpmath.expm1(-power))
-    film = share_of(
+    film = describe_fraction(
         form(ZhouHoeprich(factor=factor, exponent=exponent)), thickness, children=ONLY_FILM
     )[0]
     np.testing.assert_allclose(film, expected, rtol=2e-15, atol=1e-323)
@@ -202,7 +202,7 @@ def test_what_a_power_leaves_to_the_film_keeps_its_digits(form, exponent, limits
         base = (high - mpmath.mpf(film_parameter)) / (mpmath.mpf(high) - mpmath.mpf(low))
         expected = float(1 - base ** mpmath.mpf(exponent)) if film_parameter < high else 1.0
     model = LambdaBlend(boundary_limit=low, hydrodynamic_limit=high, exponent=exponent)
-    film = share_of(form(model), film_parameter, children=ONLY_FILM)[0]
+    film = describe_fraction(form(model), film_parameter, children=ONLY_FILM)[0]
     # a power by squaring adds up the roundings of its factors
     np.testing.assert_allclose(film, expected, rtol=2e-15 + 5e-17 * exponent, atol=1e-323)
 
@@ -236,11 +236,11 @@ def test_the_kit_sees_what_a_difference_of_children_loses(cls):
 
     class ByDifference(cls):
         def evaluate(self, slices):
-            share, _ = self.shares(slices)
+            fraction, _ = self.fractions(slices)
             self.boundary.evaluate(slices)
             boundary = slices.friction.copy()
             self.hydrodynamic.evaluate(slices)
-            slices.friction[...] = slices.friction + (boundary - slices.friction) * share
+            slices.friction[...] = slices.friction + (boundary - slices.friction) * fraction
 
     check_compiled_equals_numpy(cls())
     with pytest.raises(Nonconformance, match="compiled against NumPy: friction"):
@@ -251,24 +251,24 @@ def test_zhou_and_hoeprichs_share_has_the_published_numbers():
     """Aihara: for Lambda over 2 almost all of the load is on the film. Wingertszahn et al.: B 2.32, C 0.97."""
     default = ZhouHoeprich()
     raceway = get_model("traction", "zhou-hoeprich", factor=2.32, exponent=0.97)
-    assert share_of(default, 2.0) == pytest.approx(0.016, abs=5e-4)
-    assert share_of(raceway, 1.0) == pytest.approx(np.exp(-2.32))
+    assert describe_fraction(default, 2.0) == pytest.approx(0.016, abs=5e-4)
+    assert describe_fraction(raceway, 1.0) == pytest.approx(np.exp(-2.32))
     assert default.full_film_from == pytest.approx(12.35, abs=0.01)
 
 
 @pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
 def test_a_linear_blend_is_a_straight_line(form):
-    share = share_of(
+    fraction = describe_fraction(
         form(LinearBlend(boundary_limit=0.5, hydrodynamic_limit=2.5)),
         [1e-9, 0.5, 1.0, 2.0, 2.5, 9.0],
     )
-    np.testing.assert_allclose(share, [1.0, 1.0, 0.75, 0.25, 0.0, 0.0], rtol=1e-15, atol=1e-323)
+    np.testing.assert_allclose(fraction, [1.0, 1.0, 0.75, 0.25, 0.0, 0.0], rtol=1e-15, atol=1e-323)
 
 
 def test_a_linear_blend_is_the_power_blend_with_power_one():
     film_parameter = np.linspace(1e-3, 2.0, 401)
     np.testing.assert_array_equal(
-        share_of(LinearBlend(), film_parameter), share_of(LambdaBlend(exponent=1.0), film_parameter)
+        describe_fraction(LinearBlend(), film_parameter), describe_fraction(LambdaBlend(exponent=1.0), film_parameter)
     )
 
 
@@ -276,20 +276,20 @@ def test_a_linear_blend_is_the_power_blend_with_power_one():
 @given(start=decades(-6, 1.2), pressure=decades(5, 9.6), step=decades(-12, 0))
 def test_the_share_falls_from_one_to_none_without_a_jump(model, start, pressure, step):
     thicker = start * (1 + step)
-    share = share_of(model, [start, thicker, 1e6], pressure)
-    assert np.all((share >= 0) & (share <= 1))
-    assert share[0] >= share[1] * (1 - 1e-14)
-    assert share[2] <= 1e-300
+    fraction = describe_fraction(model, [start, thicker, 1e6], pressure)
+    assert np.all((fraction >= 0) & (fraction <= 1))
+    assert fraction[0] >= fraction[1] * (1 - 1e-14)
+    assert fraction[2] <= 1e-300
     # -dshare/dln(Lambda) is at most C/e (exponential), Lambda_hd/band (line), and Lambda^2 + 7/2 (asperities): their
     # integral is exp(-Lambda^2/2) times the mean of exp(-Lambda t) over t^(5/2) exp(-t^2/2), where Lambda <t> <= 7/2
-    assert share[0] - share[1] <= (min(thicker, REACH) ** 2 + 3.5) * np.log1p(step) + 1e-13
+    assert fraction[0] - fraction[1] <= (min(thicker, REACH) ** 2 + 3.5) * np.log1p(step) + 1e-13
 
 
 @pytest.mark.parametrize("model", forms(BLENDS[4:]))
 @given(film_parameter=decades(-3, 0.8), pressure=decades(5, 9.6), factor=decades(0, 2))
 def test_the_share_of_asperities_falls_with_pressure_alone(model, film_parameter, pressure, factor):
     """They carry what they carry: share times pressure is the same, unless it is all."""
-    light, heavy = share_of(model, film_parameter, np.array([pressure, pressure * factor]))
+    light, heavy = describe_fraction(model, film_parameter, np.array([pressure, pressure * factor]))
     assert heavy <= light
     if light < 1:
         np.testing.assert_allclose(heavy * factor, light, rtol=1e-14)
@@ -311,21 +311,21 @@ def test_a_blend_is_its_children_by_their_shares(model, film, ratio):
     ]
     friction = film.friction(model, speed)
     slices = film.slices(law, speed)
-    share, rest = law.shares(slices)
+    fraction, rest = law.fractions(slices)
     larger = np.maximum(*children)
-    expected = share * children[0] + rest * children[1]
-    assert np.all(np.abs(share + rest - 1) <= 4e-16)
+    expected = fraction * children[0] + rest * children[1]
+    assert np.all(np.abs(fraction + rest - 1) <= 4e-16)
     # the share, a film parameter of two roundings to a power or in an exponent, is known to some roundings of its own
     assert np.all(np.abs(friction - expected) <= ROUNDING * larger + 1e-300)
     assert np.all(friction >= np.minimum(*children) - ROUNDING * larger)
     assert np.all(friction <= larger * (1 + ROUNDING) + 1e-300)
     if ratio >= law.full_film_from * (1 + 1e-12):
-        assert np.all(share == 0)
+        assert np.all(fraction == 0)
         np.testing.assert_allclose(
             friction, children[1], rtol=0 if model is law else ROUNDING, atol=1e-300
         )
     if ratio <= law.full_film_from * (1 - 1e-12):
-        assert np.all(share > 0)
+        assert np.all(fraction > 0)
 
 
 @pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
@@ -394,7 +394,7 @@ def test_a_blend_is_as_exact_as_its_less_exact_child(blend):
 
 def test_extreme_constants_keep_a_film_parameter():
     assert ZhouHoeprich(factor=1e-300, exponent=0.01).full_film_from == np.inf
-    assert share_of(ZhouHoeprich(factor=1e-300, exponent=0.01), 1e9) == pytest.approx(1.0)
+    assert describe_fraction(ZhouHoeprich(factor=1e-300, exponent=0.01), 1e9) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("name", ["linear-blend", "zhou-hoeprich", "greenwood-tripp"])

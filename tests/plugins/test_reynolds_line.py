@@ -178,7 +178,7 @@ def test_the_exit_is_reynoldss(M, L):
 def test_halving_the_elements_divides_the_change_by_sixteen_and_more(M, L):
     """Degree 4 at Radau points; measured are factors of 13 to 230, see docs/tables/reynolds_line_halving.csv."""
     problem = line_contact._Problem(
-        M, (lambda P: L * P) if L else None, None, share=1.0, floor=1e-5
+        M, (lambda P: L * P) if L else None, None, fraction=1.0, floor=1e-5
     )
     state = line_contact._along_the_path(problem, 16)
     films = []

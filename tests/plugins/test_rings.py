@@ -17,7 +17,7 @@ from rollslip.datasets import Material, Mounting, Raceway
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops, _lattice
-from rollslip.scene.clearance import share
+from rollslip.scene.clearance import fraction
 from rollslip.scene.rings import yielding
 from rollslip.structure import SceneHashes, scene_hash
 from rollslip_plugins.rings import (
@@ -151,8 +151,8 @@ def test_forces_of_teeth_move_a_rim_as_a_frame_of_beams_does(acts):
 @pytest.mark.parametrize(
     ("n", "share", "off"), [*((n, 0.02, 0.01) for n in (0, 2, 3, 6)), (2, 0.1, 0.0025)]
 )
-def test_a_thin_annulus_is_a_beam(n, share, off):
-    h = share * R
+def test_a_thin_annulus_is_a_beam(n, fraction, off):
+    h = fraction * R
     annulus = compliance_of_annulus(n, ((R - h / 2, R + h / 2, E, 0.3),), WIDTH) / (R - h / 2) * R
     assert annulus * beam_stiffness(n, R, WIDTH * h, WIDTH * h**3 / 12, E, 0.3) == pytest.approx(
         1.0, abs=off
@@ -277,7 +277,7 @@ def test_what_a_fit_leaves_of_the_clearance_agrees_with_the_annulus(raceway, sea
     ring_at_seat = (own[1], own[0], *own[2:])
     taken = of(own[0], own) - of(own[0], own, outside)
     both = of(own[1], ring_at_seat) + of(outside[0], outside)
-    through = share(bearing.material, raceway, seat, beyond, other)
+    through = fraction(bearing.material, raceway, seat, beyond, other)
     assert taken == pytest.approx(through**2 * both, rel=1e-5)
 
 
@@ -448,8 +448,8 @@ def test_at_rest_the_potential_is_least(rings):
         size = 10.0 ** rng.uniform(-6, -3)
         away = [rng.normal(size=part.shape) * size for part in rest]
         way = [
-            energy(c, *(a + share * b for a, b in zip(rest, away, strict=True)))
-            for share in (1.0, 0.5, 0.1)
+            energy(c, *(a + fraction * b for a, b in zip(rest, away, strict=True)))
+            for fraction in (1.0, 0.5, 0.1)
         ]
         assert way[0] > way[1] > way[2] > least
 
@@ -921,7 +921,7 @@ def test_a_plan_says_how_much_of_a_preload_reaches_the_rollers(thick, lobes):
         for more in ({"operation.radial_load": "0 N"}, held)
     )
     found = soft.inner_force.max() / rigid.inner_force.max()
-    expected = yielding(scene().bearing, lobes=lobes)[thick > 0].share(lobes)
+    expected = yielding(scene().bearing, lobes=lobes)[thick > 0].fraction(lobes)
     assert expected == pytest.approx(found, rel=0.15, abs=0.003)
     if lobes == 0 and thick == 0:
         (said,) = implausible(scene(**tight))
@@ -1001,7 +1001,7 @@ def test_a_uniform_preload_and_one_by_a_form_are_told_together_each_with_its_sha
     tight = {"bearing.radial_clearance": "-20 um"}
     form = {"bearing.outer_raceway.form": [WAVE]}
     (said,), (alone,) = (implausible(scene(**tight, **more)) for more in (form, {}))
-    bare, held = (100.0 * one.share(2) for one in yielding(scene().bearing))
+    bare, held = (100.0 * one.fraction(2) for one in yielding(scene().bearing))
     assert "of 20 um about" in said
     assert f"and of 12 um by the form about {bare:.0f} % (bare rings) to {held:.0f} %" in said
     assert said.partition(" and of ")[0] == alone.partition(" reach the rollers")[0]
@@ -1018,7 +1018,7 @@ def test_a_preload_with_one_rigid_ring_is_told_with_what_the_other_leaves():
         stated={"outer": Annulus(outside=0.23).shapes(scene().bearing, "outer", False)},
     )
     assert "the inner ring is rigid here" in said
-    assert f"about {100 * bare.share():.0f} % (bare rings) to {100 * held.share():.0f} %" in said
+    assert f"about {100 * bare.fraction():.0f} % (bare rings) to {100 * held.fraction():.0f} %" in said
     assert "give models.inner_ring, or" in said
     assert implausible(scene(**tight, **{"models.inner_ring": "annulus"})) == []
 
@@ -1257,15 +1257,15 @@ def newton(c, starts):
         H += 100.0 * np.eye(n + Z)
         step = -np.linalg.solve(H, slope[..., None])[..., 0]
         step *= np.minimum(1.0, 2e-4 / np.abs(step).max(axis=1))[:, None]
-        share = np.ones(len(u))
+        fraction = np.ones(len(u))
         before = potential(u)
         down = (slope * step).sum(axis=1)
         for _ in range(30):
             worse = potential(
-                u + share[:, None] * step
-            ) > before + 1e-4 * share * down + 1e-12 * np.abs(before)
-            share[worse] *= 0.5
-        u = u + share[:, None] * step
+                u + fraction[:, None] * step
+            ) > before + 1e-4 * fraction * down + 1e-12 * np.abs(before)
+            fraction[worse] *= 0.5
+        u = u + fraction[:, None] * step
     return Q[0]
 
 

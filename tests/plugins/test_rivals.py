@@ -98,11 +98,11 @@ def test_laws_are_exact(law):
     rows = [row for row in ROWS if row["law"] == law]
     assert len(rows) >= 60
     for row in rows:
-        model, slices, share = film_of(row)
+        model, slices, fraction = film_of(row)
         for form in (model, NumpyForm(model)):
             Chain(form)(slices)
             newtonian = ETA * slices.sliding_speed[0] / (H * P)
-            assert slices.friction[0] == pytest.approx(newtonian * share, rel=2e-14), row
+            assert slices.friction[0] == pytest.approx(newtonian * fraction, rel=2e-14), row
 
 
 # Against the differential equations ----------------------------------------------------------------------------------
@@ -186,8 +186,8 @@ def test_limiting_shear_solves_bair_and_winers_equation(viscosity, speed, modulu
     plastic = limit * p
 
     def right(t, y):  # a step that is tried may lie beyond the limit
-        share = min(y[0] / plastic, 1 - 1e-14)
-        return [modulus * (speed / h + plastic / warm * np.log1p(-share)), y[0]]
+        fraction = min(y[0] / plastic, 1 - 1e-14)
+        return [modulus * (speed / h + plastic / warm * np.log1p(-fraction)), y[0]]
 
     transit = 2 * b / u
     solved = solve_ivp(

@@ -124,8 +124,8 @@ def test_load_sharing_whose_film_and_traction_have_one_hardness():
         for size in ("2 GPa", "9 GPa")
     )
     for found in (soft, hard):
-        assert np.all((found.asperity_share > 0.0) & (found.asperity_share < 1.0))
-    assert float(soft.asperity_share.mean()) < float(hard.asperity_share.mean())
+        assert np.all((found.asperity_fraction > 0.0) & (found.asperity_fraction < 1.0))
+    assert float(soft.asperity_fraction.mean()) < float(hard.asperity_fraction.mean())
     assert float(soft.film_thickness.max()) < float(hard.film_thickness.max())
 
 

@@ -39,11 +39,11 @@ def test_the_default_torque_of_a_sample_is_near_makers_formulas(bench):
     found = [one for name, states in some(bench) for one in bench.held(name, only=states)]
     assert {one.series for one in found} == set(bench.SERIES)
     assert {one.supply for one in found} == set(bench.SUPPLIES)
-    share, median = bench.verdict(found)
+    fraction, median = bench.verdict(found)
     assert bench.MEDIAN[0] <= median <= bench.MEDIAN[1]
     # 99 of 100 are asked of all bearings: of a sample so many are outside in one of forty draws at most
-    outside = round((1.0 - share) * len(found))
-    assert outside <= binom.ppf(0.975, len(found), 1.0 - bench.SHARE)
+    outside = round((1.0 - fraction) * len(found))
+    assert outside <= binom.ppf(0.975, len(found), 1.0 - bench.FRACTION)
 
 
 def test_churning_alone_does_not_pass(bench):
@@ -52,8 +52,8 @@ def test_churning_alone_does_not_pass(bench):
         for name, states in some(bench)
         for one in bench.held(name, only=states[:2], **bench.BEFORE)
     ]
-    share, median = bench.verdict(found)
-    assert share < 0.01
+    fraction, median = bench.verdict(found)
+    assert fraction < 0.01
     assert median < 0.3
 
 

@@ -179,8 +179,8 @@ def couette(sigma, nahme):
     start = np.array([1e-3 * (1 - xi**2), -2e-3 * xi, xi])
     stress = np.arcsinh(sigma)
     full = nahme
-    for share in (0.01, 0.03, 0.1, 0.3, 1.0):  # heating is raised step by step
-        nahme = share * full
+    for fraction in (0.01, 0.03, 0.1, 0.3, 1.0):  # heating is raised step by step
+        nahme = fraction * full
         done = solve_bvp(slopes, ends, xi, start, p=[stress], tol=1e-9, max_nodes=100_000)
         assert done.success
         xi = done.x

@@ -107,11 +107,11 @@ def test_blend_lies_between_its_children_and_is_one_of_them_outside_the_band(mod
 
 
 @pytest.mark.parametrize("model", forms(BLENDS[:2]))
-@given(film=films(), share=st.floats(0.0, 1.0))
-def test_blend_follows_its_formula(model, film, share):
+@given(film=films(), fraction=st.floats(0.0, 1.0))
+def test_blend_follows_its_formula(model, film, fraction):
     """mu = mu_hd + (mu_bd - mu_hd) ((Lambda - Lambda_hd)/(Lambda_bd - Lambda_hd))^m inside the band."""
     law = law_of(model)
-    ratio = law.boundary_limit + share * (law.hydrodynamic_limit - law.boundary_limit)
+    ratio = law.boundary_limit + fraction * (law.hydrodynamic_limit - law.boundary_limit)
     ratio = max(ratio, 1e-3)  # a film of no thickness is outside the domain
     film = film.with_(roughness=film.columns["film_thickness"] / ratio)
     speed = film.speed(SIGMAS)

@@ -63,7 +63,7 @@ def answer(*arguments):
 
 @pytest.mark.parametrize("share", [16, pytest.param(150, marks=pytest.mark.faults)])
 def test_changed_attributes_are_told_or_refused_in_one_sentence(
-    result, tmp_path, monkeypatch, capsys, share
+    result, tmp_path, monkeypatch, capsys, fraction
 ):
     monkeypatch.setattr(
         "rollslip.results.figures.save_plots", lambda dataset, folder: []
@@ -71,7 +71,7 @@ def test_changed_attributes_are_told_or_refused_in_one_sentence(
     path = tmp_path / "r.nc"
     refused = 0
     told = 0
-    pairs = random.Random(16).sample(list(itertools.product(result.attrs, CHANGES)), share)
+    pairs = random.Random(16).sample(list(itertools.product(result.attrs, CHANGES)), fraction)
     for number, (name, how) in enumerate(pairs):
         attributes = {**result.attrs, name: CHANGES[how]}
         if CHANGES[how] is None:
@@ -89,7 +89,7 @@ def test_changed_attributes_are_told_or_refused_in_one_sentence(
             assert said.startswith(str(path)), (name, how, said)
             assert "\n" not in said, (name, how, said)
             assert len(said) < 600, (name, how, said)
-    assert min(refused, told) >= share / 5
+    assert min(refused, told) >= fraction / 5
 
 
 @pytest.mark.parametrize("attribute", ["curves", "validity"])

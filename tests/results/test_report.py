@@ -595,9 +595,9 @@ def test_plan_errors_and_times_stand_where_their_heads_say(results, figures, tmp
 
 def test_contacts_at_light_load_are_flagged(page, results):
     text = Page(page).text
-    share = float(results["effective-friction"].light_share.sel(ring="inner"))
-    assert share > 0.0
-    assert f"{percent(share)} of the force" in text
+    fraction = float(results["effective-friction"].light_fraction.sel(ring="inner"))
+    assert fraction > 0.0
+    assert f"{percent(fraction)} of the force" in text
     assert "at M < 2" in text
 
 

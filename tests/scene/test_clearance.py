@@ -14,7 +14,7 @@ from rollslip.datasets import Bearing, Catalogue, Material, Mounting, Raceway
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
 from rollslip.planning.plausibility import implausible
-from rollslip.scene.clearance import operating, share, spun, usual_fit
+from rollslip.scene.clearance import operating, fraction, spun, usual_fit
 from rollslip.scene.reading import from_raw, parse_scene
 from rollslip.structure import resolved, scene_hash
 from rollslip_plugins.data.cylindrical import CATALOGUE
@@ -108,7 +108,7 @@ ALUMINIUM = Material(elastic_modulus=70e9, poisson_ratio=0.33, density=2700.0)
 def test_a_shaft_widens_the_raceway_as_elasticity_says(shaft_bore, shaft):
     edges, pressure = solved([(shaft, shaft_bore, 0.15), (STEEL, 0.15, 0.165)], 5e-5)
     assert pressure > 0.0
-    assert 5e-5 * share(STEEL, 0.165, 0.15, shaft_bore, shaft) == pytest.approx(edges[3], rel=1e-9)
+    assert 5e-5 * fraction(STEEL, 0.165, 0.15, shaft_bore, shaft) == pytest.approx(edges[3], rel=1e-9)
 
 
 @pytest.mark.parametrize("around", [0.22, 0.3, 50.0])
@@ -116,9 +116,9 @@ def test_a_shaft_widens_the_raceway_as_elasticity_says(shaft_bore, shaft):
 def test_a_housing_narrows_the_raceway_as_elasticity_says(around, housing):
     edges, pressure = solved([(STEEL, 0.195, 0.21), (housing, 0.21, around)], 5e-5)
     assert pressure > 0.0
-    assert 5e-5 * share(STEEL, 0.195, 0.21, around, housing) == pytest.approx(-edges[0], rel=1e-9)
+    assert 5e-5 * fraction(STEEL, 0.195, 0.21, around, housing) == pytest.approx(-edges[0], rel=1e-9)
     if around > 1.0:
-        assert 5e-5 * share(STEEL, 0.195, 0.21, math.inf, housing) == pytest.approx(
+        assert 5e-5 * fraction(STEEL, 0.195, 0.21, math.inf, housing) == pytest.approx(
             -edges[0], rel=1e-4
         )
 
@@ -166,7 +166,7 @@ def test_a_scene_has_its_housing_at_its_temperature():
     alone = (
         0.8
         * 5e-5
-        * share(STEEL, cold.outer_raceway_diameter, 0.14, math.inf, Material(elastic_modulus=70e9))
+        * fraction(STEEL, cold.outer_raceway_diameter, 0.14, math.inf, Material(elastic_modulus=70e9))
     )
     assert warm.radial_clearance - cold.radial_clearance == pytest.approx(alone, abs=2e-12)
     cold, warm = (
@@ -182,11 +182,11 @@ def test_thin_rings_share_an_interference_by_their_walls():
     # a ring of 1 um on a tube of 3 um, both of 100 mm: each yields by what the other one's wall is of both
     ring = 1e-6
     tube = 3e-6
-    found = share(STEEL, 0.1 + 2 * ring, 0.1, 0.1 - 2 * tube)
+    found = fraction(STEEL, 0.1 + 2 * ring, 0.1, 0.1 - 2 * tube)
     assert found == pytest.approx(tube / (ring + tube), rel=1e-4)
     # a thin ring follows a solid shaft, and a thin one in a thick housing yields all of it
-    assert share(STEEL, 0.1 + 2 * ring, 0.1, 0.0) == pytest.approx(1.0, rel=1e-4)
-    assert share(STEEL, 0.1, 0.1 + 2 * ring, math.inf) == pytest.approx(1.0, rel=1e-4)
+    assert fraction(STEEL, 0.1 + 2 * ring, 0.1, 0.0) == pytest.approx(1.0, rel=1e-4)
+    assert fraction(STEEL, 0.1, 0.1 + 2 * ring, math.inf) == pytest.approx(1.0, rel=1e-4)
 
 
 def test_a_thin_hoop_and_a_solid_disc_grow_as_the_books_say():

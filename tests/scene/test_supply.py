@@ -102,8 +102,8 @@ def test_starvation_by_hand():
 def test_a_fast_bearing_throws_off_what_a_jet_brings():
     rpm = 5e5 / 70.0
     at, beyond, far = (
-        of(speed=share * rpm * math.pi / 30.0, viscosity=1e-9, supply="jet")
-        for share in (1.0, 1.1, 3)
+        of(speed=fraction * rpm * math.pi / 30.0, viscosity=1e-9, supply="jet")
+        for fraction in (1.0, 1.1, 3)
     )
     assert at.oil_fraction == pytest.approx(0.1, rel=1e-6)
     assert beyond.oil_fraction == pytest.approx(0.1 / 1.1**4, rel=1e-6)
@@ -125,8 +125,8 @@ def test_starvation_is_a_share_that_falls_with_speed_and_viscosity(kind, speed, 
 @given(speed=SPEEDS, viscosity=VISCOSITIES, level=st.floats(0.0, 0.09), more=st.floats(0.0, 0.09))
 def test_oil_between_the_rollers_rises_with_the_level_and_is_a_share(speed, viscosity, level, more):
     low, high = sorted((level, more))
-    shares = [of(speed, viscosity, oil_level=one).oil_fraction for one in (low, high)]
-    assert 0.0 <= shares[0] <= shares[1] <= 1.0
+    fractions = [of(speed, viscosity, oil_level=one).oil_fraction for one in (low, high)]
+    assert 0.0 <= fractions[0] <= fractions[1] <= 1.0
 
 
 @given(first=KINDS, stated=st.floats(0.0, 1.0))
@@ -200,8 +200,8 @@ def test_the_plan_says_where_drags_are_from():
 def test_the_deepest_bath_that_was_held_against_is_usual():
     from rollslip.planning.plausibility import implausible
 
-    def told(share):
-        level = f"{share * 180:.3g} mm"
+    def told(fraction):
+        level = f"{fraction * 180:.3g} mm"
         return [
             one
             for one in implausible(evolve(SCENE, {"lubrication.oil_level": level}))

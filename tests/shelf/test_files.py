@@ -13,7 +13,7 @@ pytestmark = pytest.mark.quick
 @attrs.frozen(kw_only=True)
 class Row:
     speed: float = parameter(unit="m/s", doc="speed", validator=positive)
-    share: float | None = parameter(default=None, unit="1", doc="share")
+    fraction: float | None = parameter(default=None, unit="1", doc="share")
 
 
 def read(text, **options):

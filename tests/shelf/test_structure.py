@@ -23,7 +23,7 @@ class Law:
         default=None, unit="K", doc="limit", validator=attrs.validators.optional(positive)
     )
     inner: ModelChoice = parameter(default=ModelChoice(name="x"), doc="another model")
-    share: float = attrs.field(default=0.5, validator=attrs.validators.instance_of(float))
+    fraction: float = attrs.field(default=0.5, validator=attrs.validators.instance_of(float))
     _hidden: float = attrs.field(default=0.0, init=False)
 
     def __attrs_post_init__(self) -> None:
@@ -43,7 +43,7 @@ def test_a_class_is_made_from_raw_values() -> None:
     law = structure(Law, raw, "law", problems)
     assert problems == []
     assert law == Law(
-        modulus=3e8, span=(0.01, 0.3), limit=343.15, inner=ModelChoice(name="moes"), share=1.0
+        modulus=3e8, span=(0.01, 0.3), limit=343.15, inner=ModelChoice(name="moes"), fraction=1.0
     )
 
 

@@ -338,8 +338,8 @@ def test_the_ledger_is_summed_up():
     assert momentum_closure(dataset) == pytest.approx(1e-12 * np.sin(0.5), rel=0.05)
     _, rows = ledger_table(dataset)
     assert [row[0] for row in rows] == [*ledger(dataset), "kept in the motion", "residual"]
-    shares = [float(row[2].removesuffix(" %")) for row in rows]
-    assert sum(abs(share) for share in shares[:-1]) == pytest.approx(200.0, abs=1.0)
+    fractions = [float(row[2].removesuffix(" %")) for row in rows]
+    assert sum(abs(fraction) for fraction in fractions[:-1]) == pytest.approx(200.0, abs=1.0)
     assert "closes to 8.9e-09 of the 112" in of("ledger", dataset)
 
 

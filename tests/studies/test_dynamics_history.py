@@ -132,8 +132,8 @@ def independent(bearing, ring_speed, loads, end, times, slip=0.0):
         torque = drag + ((k.inner_radius + radius) * F_i + (k.outer_radius - radius) * F_o).sum()
         return np.concatenate(([speed, torque / inertia], radius * (F_i - F_o) / spin_inertia))
 
-    share = k.inner_radius / (k.inner_radius + k.outer_radius)
-    start = share * ring_speed(0.0)
+    fraction = k.inner_radius / (k.inner_radius + k.outer_radius)
+    start = fraction * ring_speed(0.0)
     spin = (
         k.inner_radius
         * k.outer_radius

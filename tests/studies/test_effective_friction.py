@@ -98,12 +98,12 @@ def test_a_free_roller_stays_on_its_balance_while_there_is_one():
     ) / rolling[:, None]
     # all balances of one roller at each slip, from where the difference of the pulls changes its sign on a fine grid
     roller = 2
-    shares = np.linspace(-0.85, 1.0, 1500)
+    fractions = np.linspace(-0.85, 1.0, 1500)
     choices = 0
     inner = raceways.inner
     outer = raceways.outer
-    for slip, lag, share in zip(slips, rolling, found[:, roller], strict=True):
-        speeds = assembly.kinematics.surface_speeds(np.full(shares.size, slip), lag * shares)
+    for slip, lag, fraction in zip(slips, rolling, found[:, roller], strict=True):
+        speeds = assembly.kinematics.surface_speeds(np.full(fractions.size, slip), lag * fractions)
         pulls = []
         for contacts, u, V in (
             (inner, speeds.inner_rolling, speeds.inner_sliding),
@@ -111,15 +111,15 @@ def test_a_free_roller_stays_on_its_balance_while_there_is_one():
         ):
             mine = contacts.owner == roller
             slices = contacts.raceway.evaluate(
-                np.tile(contacts.slices.load[mine], shares.size),
+                np.tile(contacts.slices.load[mine], fractions.size),
                 np.repeat(u, mine.sum()),
                 np.repeat(V, mine.sum()),
             )
-            pulls.append(slices.friction.reshape(shares.size, -1) @ contacts.force[mine])
+            pulls.append(slices.friction.reshape(fractions.size, -1) @ contacts.force[mine])
         off = pulls[0] - pulls[1]
-        stable = shares[:-1][(off[:-1] < 0.0) & (off[1:] >= 0.0)]
+        stable = fractions[:-1][(off[:-1] < 0.0) & (off[1:] >= 0.0)]
         choices += stable.size > 1
-        assert np.abs(stable - share).min() < 2.0 * (shares[1] - shares[0])
+        assert np.abs(stable - fraction).min() < 2.0 * (fractions[1] - fractions[0])
     assert choices > 20  # else it could not have left one
     assert np.abs(np.diff(found[:, roller])).max() < 0.2
 
@@ -423,7 +423,7 @@ def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(change
     raceways = LoadedRaceways(assembly, loads, "epicyclic")
     slip = np.array([0.02, 0.3])
     curve, film = raceways.evaluated(raceways.speeds(slip))
-    shares, largest, light = raceways.regimes(raceways.speeds(slip))
+    fractions, largest, light = raceways.regimes(raceways.speeds(slip))
     wanted = np.zeros((2, 4)), np.zeros(2), np.zeros(2)
     for k, s in enumerate(slip):
         for i, (slices, mean) in enumerate(
@@ -439,7 +439,7 @@ def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(change
                 max(wanted[1][i], M.max()),
                 wanted[2][i] + force[M < 2.0].sum(),
             )
-    for found, plain in zip((shares, largest, light), wanted, strict=True):
+    for found, plain in zip((fractions, largest, light), wanted, strict=True):
         np.testing.assert_allclose(found, plain, rtol=1e-11, atol=1e-13)
     whole = (np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)) / (
         1 if "misal" in str(changes) else 2

@@ -32,15 +32,15 @@ class Sharing(Muraki):
     name = "sharing"
     outputs = MappingProxyType(
         {
-            "asperity_share": ("1", "share of the load that asperities carry"),
+            "asperity_fraction": ("1", "share of the load that asperities carry"),
             "heating": ("W/m2", "heat of the film"),
         }
     )
 
     def quantities(self, slices: Slices):
-        share = np.exp(-slices.film_thickness / slices.conditions.roughness)
+        fraction = np.exp(-slices.film_thickness / slices.conditions.roughness)
         heat = slices.conditions.viscosity * slices.sliding_speed**2 / slices.film_thickness
-        return super().quantities(slices) | {"asperity_share": share, "heating": heat}
+        return super().quantities(slices) | {"asperity_fraction": fraction, "heating": heat}
 
 
 @pytest.fixture
@@ -53,16 +53,16 @@ def scene():
 
 def test_points_of_a_friction_curve_have_them(scene):
     found = run(scene, "friction-curve")
-    assert found.asperity_share.dims == ("normal_force", "slip")
-    assert found.asperity_share.attrs == {
+    assert found.asperity_fraction.dims == ("normal_force", "slip")
+    assert found.asperity_fraction.attrs == {
         "units": "1",
         "long_name": "share of the load that asperities carry",
         "law": "sharing",
     }
     # by force over the slices: less than where the film is thinnest
-    assert np.all(found.asperity_share <= np.exp(-found.film_parameter) * (1.0 + 1e-12))
+    assert np.all(found.asperity_fraction <= np.exp(-found.film_parameter) * (1.0 + 1e-12))
     one = run(evolve(scene, {"bearing.profile": "none"}), "friction-curve")
-    assert np.allclose(one.asperity_share, np.exp(-one.film_parameter), rtol=1e-12)
+    assert np.allclose(one.asperity_fraction, np.exp(-one.film_parameter), rtol=1e-12)
     sliding = one.slip * one.attrs["rolling_speed"]
     viscosity = json.loads(one.attrs["conditions"])["inner"]["viscosity"]
     assert np.allclose(one.heating, viscosity * (sliding**2 / one.film_thickness).T, rtol=1e-12)
@@ -77,8 +77,8 @@ def test_points_of_a_friction_curve_have_them(scene):
 
 def test_raceways_of_effective_friction_have_them(scene):
     found = run(scene, "effective-friction")
-    assert found.asperity_share.dims == ("ring", "cage_slip")
-    assert np.all(found.asperity_share <= np.exp(-found.film_parameter) * (1.0 + 1e-12))
+    assert found.asperity_fraction.dims == ("ring", "cage_slip")
+    assert np.all(found.asperity_fraction <= np.exp(-found.film_parameter) * (1.0 + 1e-12))
     assert np.all(found.heating[:, 1:] > 0.0)
 
 
@@ -87,8 +87,8 @@ def test_a_steady_slip_has_them_for_each_ring(scene):
         evolve(scene, {"cage.drag": [{"model": "constant-torque", "size": "0.1 N m"}]}),
         "steady-slip",
     )
-    assert found.asperity_share.dims[0] == "ring"
-    assert np.all((found.asperity_share > 0.0) & (found.asperity_share < 1.0))
+    assert found.asperity_fraction.dims[0] == "ring"
+    assert np.all((found.asperity_fraction > 0.0) & (found.asperity_fraction < 1.0))
 
 
 def test_without_such_laws_a_result_has_nothing_of_them():
@@ -103,10 +103,10 @@ def test_a_column_that_slices_do_not_have_is_refused_when_it_is_registered():
         """Fills what nobody knows."""
 
         name = "lost"
-        writes = frozenset({"friction", "asperity_share"})
+        writes = frozenset({"friction", "asperity_fraction"})
 
     with pytest.raises(
-        PluginError, match=r"writes has 'asperity_share', which is no column of slices; .* outputs"
+        PluginError, match=r"writes has 'asperity_fraction', which is no column of slices; .* outputs"
     ):
         register(Lost)
 

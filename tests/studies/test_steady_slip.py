@@ -244,10 +244,10 @@ def test_branches_of_a_peaked_law_are_those_by_hand():
     (force, _) = even_forces(assembly, 0.0)
     most = 28 * arms * force * law.largest
     fold = 2.0 * law.speed / (arms * k.epicyclic_cage_speed)
-    for share in (0.3, 0.9):
-        found = run(dragged(MASSLESS, brake(share * most)), law, points=12)
-        y = (1.0 - np.sqrt(1.0 - share**2)) / share
-        np.testing.assert_allclose(found.steady_slip, [y * fold, fold / share], rtol=1e-6)
+    for fraction in (0.3, 0.9):
+        found = run(dragged(MASSLESS, brake(fraction * most)), law, points=12)
+        y = (1.0 - np.sqrt(1.0 - fraction**2)) / fraction
+        np.testing.assert_allclose(found.steady_slip, [y * fold, fold / fraction], rtol=1e-6)
         assert found.stable.values.tolist() == [1, 0]
         assert "with more slip the rollers drive the cage less" in str(found.stability[1].item())
         assert float(found.limit_drag) == pytest.approx(most, rel=1e-6)
@@ -843,11 +843,11 @@ def test_films_are_weighed_by_the_force_of_every_slice():
             positions = load.reshape(-1, 5)[order]
             rolling = np.broadcast_to(u[:, None], positions.shape)[positions > 0.0]
             slices = raceway.evaluate(positions[positions > 0.0], rolling, 0.0)
-            share = slices.load / slices.load.sum() / result.sizes["steady"]
-            want[ring] += np.bincount(film_by_regime(*groups(slices))[1].astype(int), share, 4)
-            light[ring] += share[moes_groups(slices)[0] < LIGHT].sum()
-    np.testing.assert_allclose(result.regime_share, want, atol=1e-12)
-    np.testing.assert_allclose(result.light_share, light, atol=1e-12)
+            fraction = slices.load / slices.load.sum() / result.sizes["steady"]
+            want[ring] += np.bincount(film_by_regime(*groups(slices))[1].astype(int), fraction, 4)
+            light[ring] += fraction[moes_groups(slices)[0] < LIGHT].sum()
+    np.testing.assert_allclose(result.regime_fraction, want, atol=1e-12)
+    np.testing.assert_allclose(result.light_fraction, light, atol=1e-12)
 
 
 @pytest.mark.parametrize("torque", [0.1, 5.0])
@@ -959,7 +959,7 @@ def test_the_least_load_of_a_slip_that_the_cage_does_not_hold_is_that_with_less_
     load = float(found.minimum_load)
     assert found.minimum_load.attrs["floor"] == found.attrs["rollers_weight"]
     more, less = (
-        run(evolve(scene, {"operation.radial_load": share * load})) for share in (1.003, 0.997)
+        run(evolve(scene, {"operation.radial_load": fraction * load})) for fraction in (1.003, 0.997)
     )
     status = str(found.minimum_load_status.item())
     at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))

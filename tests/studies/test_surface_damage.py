@@ -167,9 +167,9 @@ def test_a_steady_slip_that_is_off_is_judged_by_a_secant_and_damage_where_that_l
         ).max(keepdims=True)
 
     exact = worst(balance.orbit_of(steady.motion))
-    for share in (None, steady.motion.share[0]):
+    for fraction in (None, steady.motion.fraction[0]):
         for off in (0.004, -0.01):
-            found, at = by_secant(balance, (1.0 + off) * steady.slip, worst, share)
+            found, at = by_secant(balance, (1.0 + off) * steady.slip, worst, fraction)
             assert found == pytest.approx(abs(off), rel=0.03)
             assert at == pytest.approx(exact, rel=1e-3)
             assert abs(worst(balance.orbit((1.0 + off) * steady.slip)) / exact - 1.0) > 3e-3

@@ -349,7 +349,7 @@ def test_the_end_of_the_curve_is_where_the_cage_runs_away():
         ({"cage.drag": ["petroff-land", "pocket-friction"]}, {"oil_flow": "15 g/s"}),
         (
             {"operation.radial_load": "6 kN"},
-            {"oil_flow": "2 g/s", "contact_share": 0.2, "oil_rollers": 0.0},
+            {"oil_flow": "2 g/s", "contact_fraction": 0.2, "oil_rollers": 0.0},
         ),
     ],
 )
@@ -515,7 +515,7 @@ def test_what_size_and_oil_say_of_a_network_is_that_by_hand():
 
 
 def test_heat_of_a_contact_is_split_as_asked():
-    model = get_model("thermal", "network", contact_share=0.2, **CUT | {"inner_ring_rollers": 1.0})
+    model = get_model("thermal", "network", contact_fraction=0.2, **CUT | {"inner_ring_rollers": 1.0})
     flows = dict(
         zip(model.nodes, model.inflows(np.full(3, 293.15), {"inner contact": 100.0}), strict=True)
     )

@@ -240,8 +240,8 @@ def test_what_muraki_is_off_outside_is_what_it_is_off_the_exact_law():
 
 def test_inside_its_bounds_muraki_is_within_three_per_cent():
     inside = [
-        (sigma, D, min(1.0, 0.03 / sigma) * share)
-        for sigma in np.logspace(-3, 4, 36) for D in (0.0, 1e-3, 0.03, 0.1) for share in (0.0, 0.1, 1.0)
+        (sigma, D, min(1.0, 0.03 / sigma) * fraction)
+        for sigma in np.logspace(-3, 4, 36) for D in (0.0, 1e-3, 0.03, 0.1) for fraction in (0.0, 0.1, 1.0)
     ]  # fmt: skip
     off = [abs(float(muraki(*at)) / float(maxwell_eyring(*at)) - 1) for at in inside]
     assert 0.02 < max(off) < 0.03
@@ -322,11 +322,11 @@ def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
         for one in outside([contact], [*inner, *outer])
         if one.validity.quantity == "load_parameter"
     )
-    assert (found.share, found.ring, found.values) == (0.75, "outer", (pytest.approx(1.0),) * 2)
+    assert (found.fraction, found.ring, found.values) == (0.75, "outer", (pytest.approx(1.0),) * 2)
     (found,) = (
         one for one in outside([contact], inner * 2) if one.validity.quantity == "load_parameter"
     )
-    assert (found.share, found.ring) == (0.25, ""), "both alike"
+    assert (found.fraction, found.ring) == (0.25, ""), "both alike"
     even = tables(force=np.ones(41), load=2.0 * light[0] * np.arange(1, 42) / 100.0)
     (spread,) = (
         one for one in outside([contact], even) if one.validity.quantity == "load_parameter"
@@ -360,7 +360,7 @@ def test_nothing_is_said_within_the_bounds_and_of_what_is_not_known():
     (heat,) = (
         one for one in outside([get_model("film", "moes")], quiet) if one.validity is ISOTHERMAL
     )
-    assert (heat.known, heat.share) == (False, 0.0)
+    assert (heat.known, heat.fraction) == (False, 0.0)
 
 
 def test_a_blend_takes_care_of_asperities_and_its_parts_of_the_rest():
@@ -449,7 +449,7 @@ def test_what_a_law_is_off_another_comes_first_while_it_is_more_than_the_toleran
     own = Validity(
         quantity="x", low=3.0, high=5.0, consequence="it is off", remedy="none", source="a test"
     )
-    (known,) = told([Outside(law="traction 'simple'", validity=own, share=1.0)], off)
+    (known,) = told([Outside(law="traction 'simple'", validity=own, fraction=1.0)], off)
     assert ", with 100 % at x < 3 and > 5 of the contact force; remedy" in known.text
     assert [(one.measured, one.warned) for one in told(found, off, tolerance=0.1)] == [
         (False, True),
@@ -521,7 +521,7 @@ def test_every_study_tells_it(study):
     assert {row["law"] for row in bounds} == {
         "contact 'palmgren'", "film 'moes'", "pressure 'hertz'", "'barus'", "traction 'muraki'",
     } | ({"drag 'rolling-resistance'"} if study == "steady-slip" else set())  # fmt: skip
-    assert all(0.0 <= row["share_outside"] <= 1.0 for row in bounds)
+    assert all(0.0 <= row["fraction_outside"] <= 1.0 for row in bounds)
 
 
 def test_the_end_of_a_motion_is_judged_too():
@@ -670,6 +670,6 @@ def test_what_elasticity_is_said_to_take_is_right_at_any_deborah_number(deborah)
     """By mpmath; at 1e8 and beyond the formula as it is printed has nothing left but rounding, and then zero."""
     (law,) = (one for one in get_class("traction", "eyring").validity if one.quantity == "deborah")
     with mpmath.workdps(450):
-        share = 1 - (mpmath.mpf(deborah) / 2) * (1 - mpmath.exp(-2 / mpmath.mpf(deborah)))
-        expected = float(100 / share - 100)
+        fraction = 1 - (mpmath.mpf(deborah) / 2) * (1 - mpmath.exp(-2 / mpmath.mpf(deborah)))
+        expected = float(100 / fraction - 100)
     assert law.error(deborah) == pytest.approx(expected, rel=1e-9)

@@ -164,10 +164,10 @@ class Resistance(ResistanceModel):
     references = SOURCE
     reads = frozenset({"load"})
     domain = MappingProxyType({"load": POSITIVE})
-    share: float = parameter(default=1e-3, unit="1", validator=positive, doc="share k")
+    fraction: float = parameter(default=1e-3, unit="1", validator=positive, doc="share k")
 
     def evaluate(self, slices):
-        slices.resistance[...] = self.share * slices.load
+        slices.resistance[...] = self.fraction * slices.load
 
 
 @attrs.frozen(kw_only=True)
@@ -763,10 +763,10 @@ class Softens(Springs):
     def evaluate(self, slices):
         c = slices.conditions
         d = np.maximum(slices.approach, 0.0)
-        share = d / (1e-3 * c.radius)
-        slices.load[...] = c.modulus * d / (1 + share**2)
+        fraction = d / (1e-3 * c.radius)
+        slices.load[...] = c.modulus * d / (1 + fraction**2)
         slices.stiffness[...] = np.where(
-            d > 0, c.modulus * np.abs(1 - share**2) / (1 + share**2) ** 2, 0.0
+            d > 0, c.modulus * np.abs(1 - fraction**2) / (1 + fraction**2) ** 2, 0.0
         )
 
 
@@ -880,7 +880,7 @@ class Helps(Resistance):
     """The oil rolls the rollers on."""
 
     def evaluate(self, slices):
-        slices.resistance[...] = -self.share * slices.load
+        slices.resistance[...] = -self.fraction * slices.load
 
 
 @breaks("check_resistance_does_not_fall_with_load_and_speed")
@@ -888,7 +888,7 @@ class TiresWithLoad(Resistance):
     """The resistance falls as the load rises."""
 
     def evaluate(self, slices):
-        slices.resistance[...] = self.share / slices.load
+        slices.resistance[...] = self.fraction / slices.load
 
 
 @breaks("check_coefficient_of_the_pocket_is_a_share", coefficient=12.0)

@@ -52,7 +52,7 @@ class ModulusInMegapascals(_SpringsInMegapascals):
     """A deflection whose modulus is taken for megapascals."""
 
 
-@breaks(SIZE, share=1.0)
+@breaks(SIZE, fraction=1.0)
 class ResistanceInThousandths(Resistance):
     """The resistance is in thousandths of the load."""
 

@@ -20,11 +20,11 @@ class Straight(RK45):
         end = self.y
 
         def line(t):
-            share = (t - step.t_old) / step.h
+            fraction = (t - step.t_old) / step.h
             return (
-                start + (end - start) * share
+                start + (end - start) * fraction
                 if np.ndim(t) == 0
-                else start[:, None] + np.outer(end - start, share)
+                else start[:, None] + np.outer(end - start, fraction)
             )
 
         step._call_impl = line

@@ -210,17 +210,17 @@ def yasutomi(model, m):
         for name in ("glass_temperature", "a1", "a2", "b1", "b2", "c1", "c2")
     )
 
-    def share(p):
+    def fraction(p):
         return 1 - b1 * mp.log(1 + b2 * p)
 
     def above(p):
-        return (m["temperature"] - tg0 - a1 * mp.log(1 + a2 * p)) * share(p)
+        return (m["temperature"] - tg0 - a1 * mp.log(1 + a2 * p)) * fraction(p)
 
     def log_viscosity(p):
         return -mp.log(10) * c1 * above(p) / (c2 + above(p))
 
     def fall(p):
-        return mp.log(10) * c1 * c2 * share(p) / (c2 + above(p)) ** 2
+        return mp.log(10) * c1 * c2 * fraction(p) / (c2 + above(p)) ** 2
 
     p = m["pressure"]
     return {
@@ -396,9 +396,9 @@ def _couette(thinning):
         )
 
         def stress(tau):
-            share = mp.exp(-beta * flash * tau * speed) * thinning(tau, m)
-            x = mp.sqrt(beta * m["film_viscosity"] * share * speed**2 / (8 * m["conductivity"]))
-            return newtonian * share * (mp.asinh(x) / (x * mp.sqrt(1 + x * x)) if x else 1)
+            fraction = mp.exp(-beta * flash * tau * speed) * thinning(tau, m)
+            x = mp.sqrt(beta * m["film_viscosity"] * fraction * speed**2 / (8 * m["conductivity"]))
+            return newtonian * fraction * (mp.asinh(x) / (x * mp.sqrt(1 + x * x)) if x else 1)
 
         return fixed_point(stress, newtonian, newtonian, beta * flash * speed) / m["pressure"]
 
@@ -419,10 +419,10 @@ def lambda_blend(model, m):
     ratio = m["film_thickness"] / m["roughness"]
     low = mpf(model.boundary_limit)
     high = mpf(model.hydrodynamic_limit)
-    share = min(max((ratio - high) / (low - high), mpf(0)), mpf(1)) ** mpf(model.exponent)
-    full = hydrodynamic(model.hydrodynamic, m)["friction"] if share < 1 else mpf(0)
-    rough = boundary(model.boundary, m)["friction"] if share > 0 else mpf(0)
-    return {"friction": full + (rough - full) * share}
+    fraction = min(max((ratio - high) / (low - high), mpf(0)), mpf(1)) ** mpf(model.exponent)
+    full = hydrodynamic(model.hydrodynamic, m)["friction"] if fraction < 1 else mpf(0)
+    rough = boundary(model.boundary, m)["friction"] if fraction > 0 else mpf(0)
+    return {"friction": full + (rough - full) * fraction}
 
 
 #: Model, or "MODEL deflection" -> its law.

@@ -672,7 +672,7 @@ def exact_straight(subject, case):
     seat = outer(centrifugal / l) if centrifugal else mpf(0)
     half = case.psi.shape[1] // 2 + 1
     cos = [mp.cos(mpf(psi)) for psi in case.psi[0, :half]]
-    shares = [1] + [2] * (half - 2) + [1]
+    fractions = [1] + [2] * (half - 2) + [1]
 
     def force(gap):
         if gap <= seat:
@@ -690,7 +690,7 @@ def exact_straight(subject, case):
 
     def unbalanced(dx):
         return (
-            sum(k * c * q for k, c, q in zip(shares, cos, forces(dx), strict=True))
+            sum(k * c * q for k, c, q in zip(fractions, cos, forces(dx), strict=True))
             / mpf(case.radial_load)
             - 1
         )
@@ -2073,9 +2073,9 @@ def lost_in_crown():
 def lost_in_logarithmic_profile():
     x = float(slice_positions(LENGTH, 10_000_001)[-1])
     with mp.workdps(DIGITS):
-        share = mpf(x) / (mpf(LENGTH) / 2)
-        expected = -mpf("0.00035") * mpf("0.015") * mp.log(1 - share**2)
-        kappa = float(abs(2 * share**2 / (1 - share**2) / mp.log(1 - share**2)))
+        fraction = mpf(x) / (mpf(LENGTH) / 2)
+        expected = -mpf("0.00035") * mpf("0.015") * mp.log(1 - fraction**2)
+        kappa = float(abs(2 * fraction**2 / (1 - fraction**2) / mp.log(1 - fraction**2)))
     got = off(profile_of("iso16281", x), expected)
     return Loss(
         formula="logarithmic profile, ln(1 - (2 x/L)^2)",
@@ -2169,14 +2169,14 @@ def lost_in_blend():
         "film_thickness": ratio * 2.36e-7,
     }
     ratio = row["film_thickness"] / row["roughness"]
-    share = (
+    fraction = (
         (model.hydrodynamic_limit - ratio) / (model.hydrodynamic_limit - model.boundary_limit)
     ) ** model.exponent
     with mp.workdps(DIGITS):
         high = mpf(model.hydrodynamic_limit)
         low = mpf(model.boundary_limit)
         at = mpf(row["film_thickness"]) / mpf(row["roughness"])
-        plain = off(share, ((high - at) / (high - low)) ** mpf(model.exponent))
+        plain = off(fraction, ((high - at) / (high - low)) ** mpf(model.exponent))
     return Loss(
         formula="share of the boundary, ((Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd))^6",
         where="Lambda 1e-6 below Lambda_hd",

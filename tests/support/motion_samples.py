@@ -155,7 +155,7 @@ def motion(
                 np.array([e[2] for e in happened], dtype=np.int8),
                 about("1", "rising"),
             ),
-            "regime_share": (
+            "regime_fraction": (
                 ("ring", "regime"),
                 np.array([[0.25, 0, 0, 0.75], [0, 0, 0, 1]]),
                 about("1", "share of a regime"),
@@ -165,7 +165,7 @@ def motion(
                 np.array([40.0, 50.0]),
                 about("1", "largest Moes load parameter M"),
             ),
-            "light_share": (
+            "light_fraction": (
                 ("ring",),
                 np.array([0.125, 0.0]),
                 about("1", "share of the forces at light load"),

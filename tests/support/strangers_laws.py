@@ -165,7 +165,7 @@ class LoadSharing(TractionModel):
     name = "load-sharing"
     equation = "mu = L mu_bd + (1 - L) mu_hd, L = 5e-5 W^-0.408 U^-0.088 G^0.103 ln(1 + 4470 (s/R)^6.015 ...) <= 1"
     references = (MASJEDI,)
-    outputs = MappingProxyType({"asperity_share": ("1", "share of the load that asperities carry")})
+    outputs = MappingProxyType({"asperity_fraction": ("1", "share of the load that asperities carry")})
     hardness: float = of_surfaces()
     boundary: TractionModel = submodel(
         "traction", default="kragelsky", doc="friction of asperities"
@@ -181,20 +181,20 @@ class LoadSharing(TractionModel):
         own = {**FilmModel.domain, "pressure_viscosity": POSITIVE, "roughness": NON_NEGATIVE}
         return MappingProxyType({**self.boundary.domain, **self.hydrodynamic.domain, **own})
 
-    def share(self, slices):
+    def fraction(self, slices):
         w, u, g, s, v = groups(slices, self.hardness)
         contacts = np.log1p(4470 * s**6.015 * v**1.168 * w**0.485 * u**-3.741 * g**-2.898)
         return np.minimum(5e-5 * w**-0.408 * u**-0.088 * g**0.103 * contacts, 1.0)
 
     def evaluate(self, slices):
-        share = self.share(slices)
+        fraction = self.fraction(slices)
         self.boundary.evaluate(slices)
-        asperities = share * slices.friction
+        asperities = fraction * slices.friction
         self.hydrodynamic.evaluate(slices)
-        slices.friction[...] = asperities + (1 - share) * slices.friction
+        slices.friction[...] = asperities + (1 - fraction) * slices.friction
 
     def quantities(self, slices):
-        return {"asperity_share": self.share(slices)}
+        return {"asperity_fraction": self.fraction(slices)}
 
 
 # Flange drag ----------------------------------------------------------------------------------------------------------
@@ -212,7 +212,7 @@ class FlangeDrag(DragModel):
     friction: float = parameter(
         default=0.006, unit="1", validator=non_negative, doc="coefficient f_f (C)"
     )
-    share: float = parameter(
+    fraction: float = parameter(
         default=0.02, unit="1", validator=in_range(0, 1), doc="axial over radial load c (D)"
     )
     slow: float = parameter(
@@ -220,7 +220,7 @@ class FlangeDrag(DragModel):
     )
 
     def torque(self, cage_speed, inner_speed, outer_speed):
-        size = self.friction * self.share * self.load * 2 * self.orbit
+        size = self.friction * self.fraction * self.load * 2 * self.orbit
         return -size * cage_speed / math.hypot(cage_speed, self.slow)
 
 

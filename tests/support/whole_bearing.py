@@ -70,17 +70,17 @@ def motion(name, level, seed=None):
     assembly, friction, mass = bearing(name)
     if level == "planar":
         moving = planar_motion(assembly, PlanarSettings(inner_ring_mass=mass), friction)
-        share = left_out(name)
+        fraction = left_out(name)
     else:
         moving = carried_motion(assembly, friction, level=level)
-        share = 1e-6
+        fraction = 1e-6
     system = moving.system
     t = np.linspace(0.0, 20e-3, 2001)
     start = moving.initial()
     if seed is not None:
         place = moving.split(start)["pocket_position"]
         place += (
-            share
+            fraction
             * assembly.cage.pocket_clearance
             * np.random.default_rng(seed).uniform(-1.0, 1.0, place.size)
         )

@@ -105,7 +105,7 @@ class TestEngine(Conformance):
 
 
 class TestThermal(Conformance):
-    models = (*box("thermal"), get_model("thermal", "network", oil_flow=0.02, contact_share=0.1))
+    models = (*box("thermal"), get_model("thermal", "network", oil_flow=0.02, contact_fraction=0.1))
 
 
 class TestDamage(Conformance):

@@ -81,7 +81,7 @@ def boundary(k, s):
 
 
 @njit
-def share(k, h):
+def fraction(k, h):
     """Share of boundary friction."""
     x = (k.hydrodynamic_limit - h * k.per_roughness) / (k.hydrodynamic_limit - k.boundary_limit)
     x = min(max(x, 0.0), 1.0)
@@ -102,7 +102,7 @@ def with_branches(film):
             b = math.sqrt(k.per_load * w)
             h = k.radius * math.exp(film(k, math.log(u), math.log(w)))
             p = k.per_width * b
-            part = share(k, h)
+            part = fraction(k, h)
             mu = full(k, b, p, h, u, v) if part < 1.0 else 0.0
             if part > 0.0:
                 mu += (boundary(k, v / u) - mu) * part
@@ -127,7 +127,7 @@ def without_branches(film):
             h = k.radius * math.exp(film(k, math.log(u), math.log(w)))
             p = k.per_width * b
             mu = full(k, b, p, h, u, v)
-            mu += (boundary(k, v / u) - mu) * share(k, h)
+            mu += (boundary(k, v / u) - mu) * fraction(k, h)
             friction[i] = math.copysign(mu, sliding[i])
         force = 0.0
         for i in range(load.size):

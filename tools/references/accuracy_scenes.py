@@ -286,7 +286,7 @@ def summary(rows):
             study,
             *ended,
             len(of) - sum(ended[1:]),
-            *(f"{np.quantile(judged, share):.2f}" for share in (0.5, 0.9)),
+            *(f"{np.quantile(judged, fraction):.2f}" for fraction in (0.5, 0.9)),
         ]
 
 

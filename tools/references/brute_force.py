@@ -126,13 +126,13 @@ LINKS = {
 def limits(k):
     """Rows of a scene whose limit is searched."""
     study, name, sense, own = QUESTIONS[k % len(QUESTIONS)]
-    key, unit, share, step = VARIED[k // len(QUESTIONS) % len(VARIED)]
+    key, unit, fraction, step = VARIED[k // len(QUESTIONS) % len(VARIED)]
     kind = loading_branch_scenes.catalogue if k % 2 else loading_branch_scenes.free
     scene = evolve(kind(FIRST + k, even=k % 4 > 0), {"accuracy.tolerance": TOLERANCE, **own})
     table, name_varied = key.split(".")
     here = getattr(getattr(scene, table), name_varied, 1.0)
     low, high = (
-        ((1.0 - share) * here, (1.0 + share) * here) if share else (here - step, here + step)
+        ((1.0 - fraction) * here, (1.0 + fraction) * here) if fraction else (here - step, here + step)
     )
     start = low + float(np.random.default_rng([SEED, k]).uniform(0.1, 0.9)) * (high - low)
     worst = np.nanmax if sense == "<=" else np.nanmin

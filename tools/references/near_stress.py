@@ -121,7 +121,7 @@ def lambert(a, b, c, x):
     return (1 + a * x + b * x**2) / (1 + c * x + b * x**2)
 
 
-def share(p, steady, rho):
+def fraction(p, steady, rho):
     """Mean over steady stress."""
     g = 1 / (1 + p[0] * steady**2)
     alpha = p[1] + g * (p[2] + g * p[3])
@@ -160,7 +160,7 @@ def main():
     exact = mean(steady, steady / (np.tanh(steady) * rho)) / steady
     allowed = np.clip(0.0008 + 0.0012 * (steady - 1), 0.0008, 0.009)
     found = smallest_worst(
-        lambda p: ((share(p, steady, rho) / exact - 1) / allowed).ravel(),
+        lambda p: ((fraction(p, steady, rho) / exact - 1) / allowed).ravel(),
         [0.36, 0.45, 0.38, -0.10, 1.29, -0.15, -0.74, 1.04, -0.39],
     )
     print("share, in units of 0.08 % for S < 1 to 0.9 % for S > 8:", *found)

@@ -189,8 +189,8 @@ def rigid():
     with (HERE / "reynolds_line_rigid.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(("share_of_limit", "gV", "hhat_minimum", "hhat_zero_gradient"))
-        for share in ("1e-9", "0.1", "0.3", "0.5", "0.7", "0.8", "0.9", "0.97", "0.99", "1"):
-            L = mp.mpf(share) / largest
+        for fraction in ("1e-9", "0.1", "0.3", "0.5", "0.7", "0.8", "0.9", "0.97", "0.99", "1"):
+            L = mp.mpf(fraction) / largest
 
             # the load is that of -(X + Xc) dP/dX, P' = q'/(1 - L q), whose integrand stays finite everywhere
             def density(g, L=L):
@@ -204,7 +204,7 @@ def rigid():
 
             M = mp.quad(density, [-mp.pi / 2, -1, -end - 0.05, -end, -end + 0.05, 0, end])
             row = (mp.sqrt(2) * M**1.5 * L, 2 * H0 * M, 2 * H0 / mp.cos(end) ** 2 * M)
-            table.writerow((share, *(mpmath.nstr(value, 10) for value in row)))
+            table.writerow((fraction, *(mpmath.nstr(value, 10) for value in row)))
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ def root(low, high, rising):
     return x
 
 
-def kept_share(kept):
+def accepted_fraction(kept):
     """Solve t = kept(t), t <= 1, in ln t."""
     return mp.exp(root(mp.log(mpf(10) ** -9), mpf(0), lambda x: x - mp.log(kept(mp.exp(x)))))
 
@@ -41,11 +41,11 @@ def kept_share(kept):
 def carreau(strain, softening, n):
     """T = eta_N/eta [1 + (eta_N g/G)^2]^((n - 1)/2), eta_N = eta exp(-w t)."""
 
-    def kept(share):
-        viscosity = mp.exp(-softening * share)
+    def kept(fraction):
+        viscosity = mp.exp(-softening * fraction)
         return viscosity * (1 + (strain * viscosity) ** 2) ** ((n - 1) / 2)
 
-    return kept_share(kept)
+    return accepted_fraction(kept)
 
 
 def transit(eps, p):
@@ -83,8 +83,8 @@ def transit_by_taylor(eps, p):
 def limiting(strain, deborah, softening, mean=transit):
     """T = mean/c at eps = c exp(-w t), P = 2 exp(w t)/D."""
 
-    def kept(share):
-        y = softening * share
+    def kept(fraction):
+        y = softening * fraction
         return mean(strain * mp.exp(-y), 2 * mp.exp(y) / deborah) / strain
 
     if softening == 0:
@@ -118,12 +118,12 @@ def conducted(square):
 def couette(strain, surfaces, across):
     """T = e G(e Na/8), e = exp(-w t) S/sinh S, S = c t."""
 
-    def kept(share):
-        stress = strain * share
-        e = mp.exp(-surfaces * share) * (stress / mp.sinh(stress) if stress else 1)
+    def kept(fraction):
+        stress = strain * fraction
+        e = mp.exp(-surfaces * fraction) * (stress / mp.sinh(stress) if stress else 1)
         return e * (conducted(e * across / 8) if across else 1)
 
-    return kept_share(kept)
+    return accepted_fraction(kept)
 
 
 def cases():
@@ -156,14 +156,14 @@ def main():
             ]  # the values that doubles hold
             c, d, w, na, n = numbers
             if law == "carreau":
-                share = carreau(c, w, n)
+                fraction = carreau(c, w, n)
             elif law == "couette":
                 with mp.workdps(25):
-                    share = couette(c, w, na)
+                    fraction = couette(c, w, na)
             else:
                 with mp.workdps(22):
-                    share = limiting(c, d, w)
-            table.writerow((*row, mp.nstr(share, 18)))
+                    fraction = limiting(c, d, w)
+            table.writerow((*row, mp.nstr(fraction, 18)))
     worst = mpf(0)
     with mp.workdps(20):
         for eps, d, y in ODE_POINTS:

@@ -170,8 +170,8 @@ def oil_friction(w, u, V, R):
     fluid = TAU0 * S / p
     slip = size / u
     solid = (22.28 * slip - 0.1) * np.exp(-181.46 * slip) + 0.1
-    share = np.clip((h / ROUGHNESS - 1.5) / (0.01 - 1.5), 0.0, 1.0) ** 6
-    return sign * (fluid + (solid - fluid) * share)
+    fraction = np.clip((h / ROUGHNESS - 1.5) / (0.01 - 1.5), 0.0, 1.0) ** 6
+    return sign * (fluid + (solid - fluid) * fraction)
 
 
 def traction(b, w, u, V, R):
@@ -430,8 +430,8 @@ def pocket(b, mbs):
     pitch = 2 * np.pi * np.arange(b.rollers) / b.rollers
     # approaches of a roller at the places of one orbit, for some centrifugal forces, linear in between
     parts = round(7168 / Z)
-    shares = np.linspace(0.9, 1.1, 11)
-    pulls = shares * b.mass * b.orbit * b.cage_speed**2
+    fractions = np.linspace(0.9, 1.1, 11)
+    pulls = fractions * b.mass * b.orbit * b.cage_speed**2
     phase = np.arange(parts) / parts * 2 * np.pi / Z
     psi = np.broadcast_to(phase[:, None] + pitch, (pulls.size, parts, Z))
     place, out = equilibrium(b, psi, pulls[:, None, None], b.load)

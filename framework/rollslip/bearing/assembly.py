@@ -135,13 +135,13 @@ class Assembly:
         if o.carrier is not None:
             force = self.roller_mass * o.carrier.speed**2 * o.carrier.radius
             direction = o.carrier.direction
-        elif o.gravity_direction is not None and self.weight_share > self.scene.accuracy.tolerance:
+        elif o.gravity_direction is not None and self.weight_fraction > self.scene.accuracy.tolerance:
             force = self.roller_mass * GRAVITY
             direction = o.gravity_direction
         return force * math.cos(direction), force * math.sin(direction) * self.kinematics.direction
 
     @property
-    def weight_share(self) -> float:
+    def weight_fraction(self) -> float:
         """Weight of a roller over what presses it besides, F_r/Z + F_c."""
         pressed = (
             self.scene.operation.radial_load / self.scene.bearing.rollers + self.centrifugal_force

@@ -30,11 +30,11 @@ def gauss_rule(load: Array, force: Array, count: int) -> Array:
     G. H. Golub, J. H. Welsch, Calculation of Gauss quadrature rules, Math. Comp. 23 (1969) 221-230.
     """
     nodes, weights = rules(load, force, np.array([0, load.size]), count)
-    share = weights[0] / force.sum()
+    fraction = weights[0] / force.sum()
     held = (
-        share > _ROUNDING
+        fraction > _ROUNDING
     )  # of loads that differ by rounding alone there are fewer: no law takes a load of nothing
-    return np.asarray(np.stack((nodes[0], share), axis=1)[held])
+    return np.asarray(np.stack((nodes[0], fraction), axis=1)[held])
 
 
 def load_rule(load: Array, force: Array, mean: Callable[[Array], Array], tolerance: float) -> Array:

@@ -208,7 +208,7 @@ class LoadedContacts:
             V = sliding[chosen]
 
             def mean(rule: Array) -> Array:
-                load, share = rule.T
+                load, fraction = rule.T
                 rows = []
                 step = max(1, _TABLE // load.size)
                 for k in range(0, u.size, step):
@@ -217,7 +217,7 @@ class LoadedContacts:
                         np.tile(load, speeds[0].size),
                         *(np.repeat(speed, load.size) for speed in speeds),
                     )
-                    rows.append(slices.friction.reshape(speeds[0].size, -1) @ share)
+                    rows.append(slices.friction.reshape(speeds[0].size, -1) @ fraction)
                     del slices  # before the next table is made
                 return self.orbit * np.concatenate(rows)
 

@@ -413,9 +413,9 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
     if not sys.stderr.isatty():
         said = watch.begin
 
-        def line(text: str, share: float = math.nan, left: float = math.nan) -> None:
+        def line(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
             nonlocal said
-            watch.tell(share, left)
+            watch.tell(fraction, left)
             if watch.at - said >= 30.0:
                 said = watch.at
                 click.echo(
@@ -463,14 +463,14 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
         above.enter_context(redirect_stderr(Above(console, sys.stderr)))
         task = shown.add_task(what, total=None)
 
-        def show(text: str, share: float = math.nan, left: float = math.nan) -> None:
-            watch.tell(share, left)
-            known = not math.isnan(share)
+        def show(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
+            watch.tell(fraction, left)
+            known = not math.isnan(fraction)
             shown.update(
                 task,
                 description=f"{what}: {text}",
                 total=1.0 if known else None,
-                completed=share if known else 0.0,
+                completed=fraction if known else 0.0,
             )
 
         yield show

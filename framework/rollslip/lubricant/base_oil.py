@@ -61,7 +61,7 @@ class BaseOil:
     conductivity: float  # [W/(m K)]
     eyring_stress: float  # [Pa]
     shear_modulus: float = 0.3e9  # [Pa]
-    alpha_share: float = (
+    alpha_factor: float = (
         1.0  # its pressure-viscosity coefficient over that of Wu, Klaus and Duda [1]
     )
     alpha_scatter: float  # relative half width of that [1]
@@ -73,7 +73,7 @@ class BaseOil:
     def coefficient(self, kinematic: Walther) -> TemperatureLaw:
         """Return the pressure-viscosity coefficient alpha(T), the tangent at no pressure, of a viscosity [m2/s]."""
         law = WuKlausDuda(attrs.evolve(kinematic, scale=1e-6))
-        return law if self.alpha_share == 1.0 else Product(Constant(self.alpha_share), law)
+        return law if self.alpha_factor == 1.0 else Product(Constant(self.alpha_factor), law)
 
 
 _GRADES: Final = {"density": "C", "pressure_viscosity": "C", "conductivity": "C", "eyring_stress": "C",
@@ -115,7 +115,7 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
             viscosity_index=140.0,
             conductivity=0.15,
             eyring_stress=4e6,
-            alpha_share=0.79,
+            alpha_factor=0.79,
             alpha_scatter=0.3,
             alpha_source="0.79 of the formula of Wu, Klaus and Duda, as fits of MIL-L-7808 and MIL-L-23699 have (D); "
             "formulas for esters differ by 30 %",
@@ -130,7 +130,7 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
             viscosity_index=220.0,
             conductivity=0.15,
             eyring_stress=4e6,
-            alpha_share=0.9,
+            alpha_factor=0.9,
             alpha_scatter=0.3,
             alpha_source="0.9 of the formula of Wu, Klaus and Duda, halfway to that of Gold (D); they are 20 % apart",
             exponent=0.8,

@@ -239,15 +239,15 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         ]
     found += implausible(plan.scene)
     o = plan.scene.operation
-    share = assembly.weight_share
+    fraction = assembly.weight_fraction
     weighed = (
         running.with_weight
         or not running.bearing_loads
         or (o.carrier, o.gravity_direction) != (None, None)
     )
-    if share > accuracy.tolerance and not weighed:
+    if fraction > accuracy.tolerance and not weighed:
         found.append(
-            f"the weight of the rollers, {100.0 * share:.2g} % of what presses them on average, is left out, as "
+            f"the weight of the rollers, {100.0 * fraction:.2g} % of what presses them on average, is left out, as "
             "its direction is not stated; give operation.gravity_direction, 0 deg where the load is itself a weight"
         )
     found += validity.corrections(assembly.film)

@@ -240,21 +240,21 @@ def _stage(kind: str, model: SliceModel, named: Any) -> Part:
 def _pulls(assembly: Assembly, weighed: bool) -> list[Part]:
     """Return what acts on all rollers in one direction, but for the weight that all studies have themselves."""
     o = assembly.scene.operation
-    share = assembly.weight_share
+    fraction = assembly.weight_fraction
     tolerance = assembly.scene.accuracy.tolerance
     direction = o.gravity_direction
     if (carrier := o.carrier) is not None:
         what = "carrier"
         direction = carrier.direction
         why = "the bearing turns about another axis; the cage's own weight there is its guide's, and left out"
-    elif (share > tolerance and not weighed) or direction is not None:
+    elif (fraction > tolerance and not weighed) or direction is not None:
         weight = format_quantity(assembly.roller_mass * GRAVITY, "N", 2)
         what = "gravity of rollers"
-        why = f"{weight} each, {100.0 * share:.2g} % of what presses a roller on average"
-        if direction is None or share <= tolerance:
+        why = f"{weight} each, {100.0 * fraction:.2g} % of what presses a roller on average"
+        if direction is None or fraction <= tolerance:
             less = (
                 "below the tolerance"
-                if share <= tolerance
+                if fraction <= tolerance
                 else "operation.gravity_direction would take it in"
             )
             return [

@@ -157,14 +157,14 @@ def _clearance(
     told = "too large"
     seated = " (with the housing and shaft of bearing.mounting, or thick ones)"
     with contextlib.suppress(RollslipError):
-        shares = []
+        fractions = []
         for preload, lobes, what in parts:
-            bare, held = (100 * one.share(lobes) for one in yielding(b, lobes=lobes, stated=stated))
-            shares.append(
+            bare, held = (100 * one.fraction(lobes) for one in yielding(b, lobes=lobes, stated=stated))
+            fractions.append(
                 f"of {preload * 1e6:.3g} um{what} about {bare:.0f} % (bare rings) to {held:.0f} %{seated}"
             )
             seated = ""
-        told = f"too large: {' and '.join(shares)} reach the rollers"
+        told = f"too large: {' and '.join(fractions)} reach the rollers"
     yield (
         at,
         f"the bearing runs preloaded{how}; {here} rigid here, so that forces of rollers are {told}; give {keys}, or "

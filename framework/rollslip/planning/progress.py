@@ -17,15 +17,15 @@ __all__ = ["Shown", "Watch", "in_notebook", "progress_in_notebook", "time_left"]
 class Shown(Protocol):
     """Shows how far something is: in words, the share that is done, and the time left [s] where it is known."""
 
-    def __call__(self, text: str, share: float = math.nan, left: float = math.nan) -> None:
+    def __call__(self, text: str, fraction: float = math.nan, left: float = math.nan) -> None:
         """Show it."""
         ...
 
 
-def time_left(elapsed: float, since: float, share: float, left: float, seconds: float) -> float:
+def time_left(elapsed: float, since: float, fraction: float, left: float, seconds: float) -> float:
     """Return the time left [s]; NaN where nothing is known of it."""
-    if math.isnan(left) and share > 0.01:
-        left = (elapsed - since) * (1.0 - share) / share
+    if math.isnan(left) and fraction > 0.01:
+        left = (elapsed - since) * (1.0 - fraction) / fraction
     if not math.isnan(left):
         return max(left - since, 0.0)
     return seconds - elapsed if seconds > elapsed else math.nan
@@ -38,19 +38,19 @@ class Watch:
         self._seconds = seconds
         self.begin = time.monotonic()
         self.at = self.begin
-        self._share = math.nan
+        self._fraction = math.nan
         self._left = math.nan
 
-    def tell(self, share: float, left: float) -> None:
+    def tell(self, fraction: float, left: float) -> None:
         """Take the share that is done, and the time left [s] where it is known."""
         self.at = time.monotonic()
-        self._share = share
+        self._fraction = fraction
         self._left = left
 
     def left_in_words(self) -> str:
         """Return the time left in words; nothing where it is not known."""
         now = time.monotonic()
-        left = time_left(now - self.begin, now - self.at, self._share, self._left, self._seconds)
+        left = time_left(now - self.begin, now - self.at, self._fraction, self._left, self._seconds)
         return "" if math.isnan(left) else f"{duration(left)} left" if left >= 1.0 else "soon done"
 
 
@@ -68,15 +68,15 @@ def progress_in_notebook(
     Its estimated time [s] is a function, since an estimate takes time that nothing but a notebook needs.
     """
     if not in_notebook():
-        yield lambda text, share=math.nan, left=math.nan: None
+        yield lambda text, fraction=math.nan, left=math.nan: None
         return
     page: Any = importlib.import_module("IPython.display")
     watch = Watch(seconds())
     place = page.display(page.HTML(escape(what)), display_id=True)
 
-    def show(text: str, share: float = math.nan, left: float = math.nan) -> None:
-        watch.tell(share, left)
-        bar = "" if math.isnan(share) else f'<progress value="{share:.3f}"></progress> '
+    def show(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
+        watch.tell(fraction, left)
+        bar = "" if math.isnan(fraction) else f'<progress value="{fraction:.3f}"></progress> '
         told = ", ".join(filter(None, (f"{what}: {text}", watch.left_in_words())))
         place.update(page.HTML(bar + escape(told)))
 

@@ -136,9 +136,9 @@ class Curve:
         )
 
 
-def percent(share: float) -> str:
+def percent(fraction: float) -> str:
     """Show a share in percent, with three digits."""
-    return f"{digits(100 * share, 3)} %"
+    return f"{digits(100 * fraction, 3)} %"
 
 
 def digits(value: float, count: int) -> str:

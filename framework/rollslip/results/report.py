@@ -400,17 +400,17 @@ def _regimes(datasets: "Datasets") -> str:
             continue
         for position, contact in enumerate(account_of(dataset).contacts(dataset)):
             largest = float(dataset["load_parameter"][position])
-            if "light_share" in dataset:
-                share = float(dataset["light_share"][position])
-                light = f"{percent(share)} of the force" if share > 0.0 else "none"
+            if "light_fraction" in dataset:
+                fraction = float(dataset["light_fraction"][position])
+                light = f"{percent(fraction)} of the force" if fraction > 0.0 else "none"
             else:
                 light = "the contact" if largest < LIGHT else "no"
             regime = contact.regime or ", ".join(
-                f"{LONG_NAMES[str(kind)]} {percent(share)}"
-                for kind, share in zip(
-                    dataset["regime"].values, dataset["regime_share"].values[position], strict=True
+                f"{LONG_NAMES[str(kind)]} {percent(fraction)}"
+                for kind, fraction in zip(
+                    dataset["regime"].values, dataset["regime_fraction"].values[position], strict=True
                 )
-                if share > 0.0
+                if fraction > 0.0
             )
             film = _value(contact.film_parameter, "1", digits=3)
             rows.append([f"{name}, {contact.name}", regime, film, f"{largest:.3g}", light])

@@ -290,7 +290,7 @@ def two(value: float) -> str:
     return f"{round(value, digits):.{max(digits, 0)}f}"
 
 
-def percent(share: float) -> str:
+def percent(fraction: float) -> str:
     """Return a share in per cent, two digits.
 
     Examples
@@ -298,7 +298,7 @@ def percent(share: float) -> str:
     >>> percent(0.0434), percent(7e-6), percent(0.934)
     ('4.3 %', 'below 0.1 %', '93 %')
     """
-    return "below 0.1 %" if abs(share) < 1e-3 else f"{two(100.0 * share)} %"
+    return "below 0.1 %" if abs(fraction) < 1e-3 else f"{two(100.0 * fraction)} %"
 
 
 def duration(seconds: float) -> str:

@@ -3,7 +3,7 @@
 G = G_0 - k I_s W_s - k I_h W_h - a (E_i dT_i + 2 D dT_r) + growth by speed + deviation.
 
 - G_0 is the clearance before mounting, I_s and I_h are the interferences of the seats, k is what smoothing leaves of
-  them, 0 where a seat is loose. W_s and W_h are the shares that come through a ring to its raceway (Lame, `share`):
+  them, 0 where a seat is loose. W_s and W_h are the shares that come through a ring to its raceway (Lame, `fraction`):
   d/E_i of a solid shaft and E_o/D_o of a thick housing of the rings' steel. Seats are fitted at 20 degC: a shaft or
   housing of another material tightens or loosens by what it expands more than its ring.
 - Growth is that of turning rings (`spun`), and of an outer ring by the rollers' centrifugal force (`_pushed`) if it is
@@ -86,7 +86,7 @@ def interference(fit: str, diameter: float) -> tuple[float, float]:
     raise ValueError(f"{fit} is known up to {most}, not for {format_quantity(diameter, 'm')}")
 
 
-def share(
+def fraction(
     ring: Material, raceway: float, seat: float, beyond: float, other: Material | None = None
 ) -> float:
     """Return the share of an interference that comes through a ring to its raceway, of diameters, in plane stress.
@@ -190,8 +190,8 @@ def operating(
     shaft, pressed, of_shaft = _seat(m, "shaft", usual_fit(bore), bore, bare["shaft"])
     housing, tight, of_housing = _seat(m, "housing", _USUAL_HOUSING, outside, bare["housing"])
     through = (
-        0.0 if bare["shaft"] else share(of_inner, inner, bore, m.shaft_bore, shaft_steel),
-        0.0 if bare["housing"] else share(of_outer, outer, outside, around, housing_steel),
+        0.0 if bare["shaft"] else fraction(of_inner, inner, bore, m.shaft_bore, shaft_steel),
+        0.0 if bare["housing"] else fraction(of_outer, outer, outside, around, housing_steel),
     )
     beyond = around if bare["housing"] and not math.isinf(around) else outside
     warm = rollers = m.temperature_difference

@@ -215,8 +215,8 @@ def skf_minimum_load(bearing: Any, speed: float) -> float:
     if given is None or given.minimum_load_factor is None:
         return math.nan
     pitch = (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter) / 2
-    share = 0.0 if given.reference_speed is None else abs(speed) / given.reference_speed
-    return float(1e3 * given.minimum_load_factor * (6.0 + 4.0 * share) * (10.0 * pitch) ** 2)
+    fraction = 0.0 if given.reference_speed is None else abs(speed) / given.reference_speed
+    return float(1e3 * given.minimum_load_factor * (6.0 + 4.0 * fraction) * (10.0 * pitch) ** 2)
 
 
 def _rollers(scene: Scene) -> float:

@@ -103,7 +103,7 @@ class Yielding:
     phi: Floats  #: Approach that rings take of a form of n waves, 0 a preload, over that which rollers take, (N + 1,).
     bending: float  #: w_2/delta: by how much rings become oval under the load, over the approach of the rollers.
 
-    def share(self, lobes: int = 0) -> float:
+    def fraction(self, lobes: int = 0) -> float:
         """Return which share of a preload, or of one by lobes, presses rollers."""
         return 1.0 / (1.0 + float(self.phi[lobes]))
 

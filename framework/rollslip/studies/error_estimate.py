@@ -376,12 +376,12 @@ def few_slices(assembly: Assembly) -> Assembly:
 
 
 def by_curves(
-    study: Curved, assembly: Assembly, *, share: float = 1.0, cheaper_laws: bool = True
+    study: Curved, assembly: Assembly, *, fraction: float = 1.0, cheaper_laws: bool = True
 ) -> Estimated:
     """Choose the resolution of a study by its curves, on a ladder of few slices and roller positions."""
     if assembly.scene.accuracy.exact:
         return exactly(study, assembly)
-    estimated, probe, few = slices_and_positions(study, assembly, share)
+    estimated, probe, few = slices_and_positions(study, assembly, fraction)
     return _laws(estimated, study, probe, few, cheaper_laws)
 
 
@@ -391,12 +391,12 @@ def exactly(study: Curved, assembly: Assembly) -> Estimated:
     return Estimated(resolution=best if study.averaged else attrs.evolve(best, n_positions=1))
 
 
-def with_tables(estimated: Estimated, assembly: Assembly, share: float) -> Estimated:
+def with_tables(estimated: Estimated, assembly: Assembly, fraction: float) -> Estimated:
     """Return a choice with tables that take a share of the tolerances of friction and cage speed."""
-    if not share:
+    if not fraction:
         return estimated
     accuracy = assembly.scene.accuracy
-    table = share * min(accuracy.of("friction"), accuracy.of("cage_speed"))
+    table = fraction * min(accuracy.of("friction"), accuracy.of("cage_speed"))
     return attrs.evolve(
         estimated,
         resolution=attrs.evolve(estimated.resolution, table_tolerance=table),
@@ -405,13 +405,13 @@ def with_tables(estimated: Estimated, assembly: Assembly, share: float) -> Estim
 
 
 def slices_and_positions(
-    study: Curved, assembly: Assembly, share: float
+    study: Curved, assembly: Assembly, fraction: float
 ) -> tuple[Estimated, Probe, Assembly]:
     """Choose slices and positions alone; return probe and bearing with few slices, by which that was done, too."""
     accuracy = assembly.scene.accuracy
     best = finest(assembly.scene)
     parts = 1 + (assembly.slices > 1)
-    allowed = {name: _AIM * share * accuracy.of(name) for name in ("friction", "critical_slip")}
+    allowed = {name: _AIM * fraction * accuracy.of(name) for name in ("friction", "critical_slip")}
     few = few_slices(assembly)
     probe = Probe(study, few)
     n_positions = 1
@@ -477,13 +477,13 @@ def _laws(
         ("law", bool(extremes.groups), {"traction": law.closed_form}, ExactLaw(law, most), _LAW, difference),
     ]  # fmt: skip
     reference = list[Sample]()
-    for name, applies, changes, bound, share, change in choices:
+    for name, applies, changes, bound, fraction, change in choices:
         if not (cheaper_laws and applies):
             continue
         reference = reference or probe.sample(few, _OF_LAWS, small=_SMALL)
         cheaper = few.at(attrs.evolve(few.resolution, **changes))
         error = change(probe.sample(cheaper, _OF_LAWS, small=_SMALL)[0], reference[0])
-        if not exceeding(error, few.scene.accuracy, share):
+        if not exceeding(error, few.scene.accuracy, fraction):
             resolution = attrs.evolve(resolution, **changes)
             errors[name] = error
             left_out.append(bound)

@@ -12,17 +12,17 @@ from rollslip.scene.rings import yielding
 from rollslip.studies.answers import Errors, Estimated, Part
 
 
-def share_of(assembly: Assembly, estimated: Estimated) -> str:
+def describe_fraction(assembly: Assembly, estimated: Estimated) -> str:
     """Say why slices and instants are as many as they are."""
     if estimated.failed:
         return f"there are no estimates: {estimated.failed}"
     if estimated.seen:
         return f"{estimated.seen}, so it was run again"
     accuracy = assembly.scene.accuracy
-    share = " and ".join(
+    fraction = " and ".join(
         f"{accuracy.of(result):g} ({result.replace('_', ' ')})" for result in estimated.total
     )
-    return f"the fewest whose estimated error keeps {share}" if share else "the finest of all"
+    return f"the fewest whose estimated error keeps {fraction}" if fraction else "the finest of all"
 
 
 def slices(assembly: Assembly, errors: Errors, why: str) -> Part:

@@ -239,7 +239,7 @@ class Study(Curved, abc.ABC):
         """
         left = dict(costs)
         errors = estimated.errors
-        why = parts.share_of(assembly, estimated)
+        why = parts.describe_fraction(assembly, estimated)
         found = [parts.slices(assembly, errors.get("slices", {}), why)]
         if self.bearing_loads:
             found += parts.loads(

@@ -69,13 +69,13 @@ _KINDS: Final = (
 class Outside:
     """How much of a ring's contact force, or of rows of data, lies outside one bound of a law.
 
-    ``law`` is kind and name, ``share`` is 1 for all, ``values`` what the quantity is outside, by force from 5 to 95 %,
+    ``law`` is kind and name, ``fraction`` is 1 for all, ``values`` what the quantity is outside, by force from 5 to 95 %,
     and ``middle`` in the middle of it; ``known`` is False where the quantity takes data that the oil does not give.
     """
 
     law: str
     validity: Validity
-    share: float
+    fraction: float
     values: tuple[float, ...] = ()
     middle: float = math.nan
     ring: str = ""
@@ -86,7 +86,7 @@ class Outside:
     def weight(self) -> float:
         """Share of the force outside times the consequence in its middle; that is 1 where nobody knows it."""
         error = self.validity.error
-        return self.share * (
+        return self.fraction * (
             0.01 * error(self.middle) if error is not None and self.values else 1.0
         )
 
@@ -235,18 +235,18 @@ def outside(models: Sequence[SliceModel], tables: Sequence[Filled]) -> list[Outs
         force = {
             ring: np.concatenate([table.force for table in those]) for ring, those in rings.items()
         }
-        shares = {ring: _share(validity, values[ring], force[ring]) for ring in rings}
-        ring = max(shares, key=lambda name: shares[name])
-        alike = shares[ring] - min(shares.values()) < TOLD_FROM
+        fractions = {ring: _fraction(validity, values[ring], force[ring]) for ring in rings}
+        ring = max(fractions, key=lambda name: fractions[name])
+        alike = fractions[ring] - min(fractions.values()) < TOLD_FROM
         found.append(
             _outside(
-                label, validity, shares[ring], values[ring], force[ring], "" if alike else ring
+                label, validity, fractions[ring], values[ring], force[ring], "" if alike else ring
             )
         )
     return found
 
 
-def _share(validity: Validity, values: Array, force: Array) -> float:
+def _fraction(validity: Validity, values: Array, force: Array) -> float:
     """Share of the force that lies outside of a bound; what is not known lies inside."""
     total = float(force.sum())
     return (
@@ -255,16 +255,16 @@ def _share(validity: Validity, values: Array, force: Array) -> float:
 
 
 def _outside(
-    label: str, validity: Validity, share: float, values: Array, force: Array, ring: str
+    label: str, validity: Validity, fraction: float, values: Array, force: Array, ring: str
 ) -> Outside:
     spread = tuple[float, ...]()
     middle = math.nan
     detail = ""
-    if share > 0.0:
+    if fraction > 0.0:
         beyond = validity.excess(values) > 0.0
         low, middle, high = _quantiles(values[beyond], force[beyond], (0.05, 0.5, 0.95))
         spread = low, high
-    if validity.quantity == "film_regime" and share > 0.0:
+    if validity.quantity == "film_regime" and fraction > 0.0:
         parts = {
             LONG_NAMES[name]: float(force[values == code].sum() / force.sum())
             for code, name in enumerate(NAMES)
@@ -275,7 +275,7 @@ def _outside(
     return Outside(
         law=label,
         validity=validity,
-        share=share,
+        fraction=fraction,
         values=spread,
         middle=middle,
         ring=ring,
@@ -349,11 +349,11 @@ def told(
     """Return what was left, with share, consequence and remedy, by consequence; no sentence has its full stop."""
     said = list[Told]()
     for one in sorted(found, key=lambda each: (each.counted, -each.weight)):
-        if one.share < TOLD_FROM or (off is not None and _told_with(one, off)):
+        if one.fraction < TOLD_FROM or (off is not None and _told_with(one, off)):
             continue
         ring = f" of the {one.ring} ring" if one.ring else ""
         detail = f" ({one.detail})" if one.detail else ""
-        left = f"{_percent(one.share)} {what}{ring} is"
+        left = f"{_percent(one.fraction)} {what}{ring} is"
         if left.startswith("100 % of the contact force"):
             left = f"all loaded contacts{ring} are"
         text = (
@@ -361,7 +361,7 @@ def told(
             f"{f' {where}' if where else ''}{detail}, where {one.validity.consequence_at(*one.values)}; "
             f"remedy: {one.validity.remedy}"
         )
-        short = f"{one.law} ({bound_of(one.validity)}; {_percent(one.share)} outside)"
+        short = f"{one.law} ({bound_of(one.validity)}; {_percent(one.fraction)} outside)"
         warned = not one.counted and one.weight > tolerance
         said.append(
             Told(
@@ -404,8 +404,8 @@ def sentences(said: Sequence[Told], tolerance: float = 0.0) -> list[str]:
     ]
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.0f} %"
+def _percent(fraction: float) -> str:
+    return f"{100.0 * fraction:.0f} %"
 
 
 def bound_of(validity: Validity) -> str:
@@ -431,12 +431,12 @@ def _told_with(one: Outside, off: Difference) -> bool:
 
 def _off(off: Difference, found: Sequence[Outside], where: str, what: str) -> str:
     bounds = [
-        f"{_percent(one.share)} at {bound_of(one.validity).replace('<=', '>').replace('>=', '<')}"
+        f"{_percent(one.fraction)} at {bound_of(one.validity).replace('<=', '>').replace('>=', '<')}"
         for one in found
-        if _told_with(one, off) and one.share >= TOLD_FROM
+        if _told_with(one, off) and one.fraction >= TOLD_FROM
     ]
     beyond = f", with {' and '.join(bounds)} {what}" if bounds else ""
-    rms, mean, largest = (100.0 * share for share in (off.rms, off.mean, off.largest))
+    rms, mean, largest = (100.0 * fraction for fraction in (off.rms, off.mean, off.largest))
     return (
         f"the friction of {off.law!r} is {rms:.2g} % (rms) off that of {off.reference!r}, the law that it "
         f"approximates, {where or 'on these slices'}: {mean:+.2g} % in the mean, {largest:+.2g} % at most{beyond}; "
@@ -459,7 +459,7 @@ def record(
             "code": one.validity.code,
             "law": one.law,
             "made_for": bound_of(one.validity),
-            "share_outside": one.share if one.known else None,
+            "fraction_outside": one.fraction if one.known else None,
             "ring": one.ring,
             "values_outside": list(one.values),
             "consequence": one.validity.consequence_at(*one.values)

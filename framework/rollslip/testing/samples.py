@@ -223,15 +223,15 @@ def _parts(
     return parts, edges
 
 
-def _between(part: Limits, share: Any) -> Any:
+def _between(part: Limits, fraction: Any) -> Any:
     """Return the values at shares of an interval: even in the logarithm, unless the interval crosses zero."""
     low, high = part
     if low > 0 or high < 0:
         value = math.copysign(1.0, low) * np.exp(
-            (1 - share) * math.log(abs(low)) + share * math.log(abs(high))
+            (1 - fraction) * math.log(abs(low)) + fraction * math.log(abs(high))
         )
     else:
-        value = low + share * (high - low)
+        value = low + fraction * (high - low)
     return np.clip(value, low, high)
 
 
@@ -290,10 +290,10 @@ def table(model: SliceModel, n: int, magnitudes: Mapping[str, Limits] | None = N
             name, _limits(model, name), None if magnitudes is None else magnitudes.get(name)
         )
         # Multiples of an irrational number fill an interval evenly, those of different roots independently.
-        shares = np.arange(1, n + 1) * math.sqrt((2, 3, 5, 7, 11, 13, 17, 19, 23, 29)[k]) % 1.0
+        fractions = np.arange(1, n + 1) * math.sqrt((2, 3, 5, 7, 11, 13, 17, 19, 23, 29)[k]) % 1.0
         column = np.full(n, edges[0] if edges else 0.0)
         for i, part in enumerate(parts):
-            column[i :: len(parts)] = _between(part, shares[i :: len(parts)])
+            column[i :: len(parts)] = _between(part, fractions[i :: len(parts)])
         for i, edge in (
             zip(range(k, n, 2 * len(COLUMNS)), itertools.cycle(edges)) if edges and parts else ()
         ):
@@ -315,12 +315,12 @@ def thin_films(model: SliceModel, n: int) -> Slices:
         if a.metadata.get("unit") == "1"
     )
     limits = [value for value in parameters if isinstance(value, float) and value > 0.0]
-    share = np.arange(1, len(slices) + 1) * math.sqrt(31) % 1.0
-    ratio = 10.0 ** (13.0 * share - 12.0)
+    fraction = np.arange(1, len(slices) + 1) * math.sqrt(31) % 1.0
+    ratio = 10.0 ** (13.0 * fraction - 12.0)
     for k, limit in enumerate(limits, start=1):
         at = slice(k, None, len(limits) + 1)
         ratio[at] = limit * (
-            1.0 + np.where(share[at] < 0.5, -1.0, 1.0) * 10.0 ** (30.0 * (share[at] % 0.5) - 16.0)
+            1.0 + np.where(fraction[at] < 0.5, -1.0, 1.0) * 10.0 ** (30.0 * (fraction[at] % 0.5) - 16.0)
         )
     slices.film_thickness[:] = np.clip(
         ratio * slices.conditions.roughness, *model.domain["film_thickness"]

@@ -36,7 +36,7 @@ class ComparisonSettings(OfScene):
         ``difference`` over the curve with max_error and rms_error, critical_slip_error and peak_error, smallest_film
         and film_location, seconds_per_slice and cost (times that of the cheapest), status in words; and over the
         dimension ``bin``, the slices of the reference sorted by film regime, film parameter, and what its law states
-        to be sorted by (of an Eyring fluid strain rate, heating, D): bin_share of the contact force, bin_difference,
+        to be sorted by (of an Eyring fluid strain rate, heating, D): bin_fraction of the contact force, bin_difference,
         bin_contribution to mean_difference; explained(grouping).
 
     Raises

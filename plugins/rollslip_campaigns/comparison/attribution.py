@@ -233,7 +233,7 @@ def attribute_differences(
     mean = np.full(each, np.nan)
     explained = np.full((*each, len(sizes)), np.nan)
     difference, contribution = np.full((2, *each, sum(sizes)), np.nan)
-    share = np.full((dataset.sizes[curve], sum(sizes)), np.nan)
+    fraction = np.full((dataset.sizes[curve], sum(sizes)), np.nan)
     for j, (force, standard, codes) in enumerate(
         zip(work.force, found[reference], by.codes, strict=True)
     ):
@@ -243,7 +243,7 @@ def attribute_differences(
                 [np.bincount(code, values, size) for code, size in zip(codes, sizes, strict=True)]
             )
 
-        share[j] = summed(force) / force.sum()
+        fraction[j] = summed(force) / force.sum()
         weight = force * np.abs(standard)
         weights = summed(weight)
         whole = weight.sum()
@@ -271,7 +271,7 @@ def attribute_differences(
             mean,
             about("1", f"{what} of the friction force summed over the slices of the curve"),
         ),
-        bin_share=((curve, "bin"), share, about("1", "share of the contact force over the curve")),
+        bin_fraction=((curve, "bin"), fraction, about("1", "share of the contact force over the curve")),
         bin_difference=((*of, "bin"), difference, about("1", f"{what} within the bin")),
         bin_contribution=(
             (*of, "bin"),

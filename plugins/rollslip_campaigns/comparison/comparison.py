@@ -269,7 +269,7 @@ def _at_one_resolution(
 
 
 def run_comparison(
-    comparison: Comparison, progress: Callable[[str, float], None] = lambda text, share: None
+    comparison: Comparison, progress: Callable[[str, float], None] = lambda text, fraction: None
 ) -> "xr.Dataset":
     """Run all combinations that can run; see `compare`."""
     begin = time.perf_counter()

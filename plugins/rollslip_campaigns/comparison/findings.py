@@ -155,7 +155,7 @@ def _bins(one: "xr.Dataset") -> list[dict[str, Any]]:
             "bin": row["bin"],
             "grouping": row["bin_grouping"],
             "explained": explained[row["bin_grouping"]],
-            "share": row["bin_share"],
+            "share": row["bin_fraction"],
             "difference": row["bin_difference"],
             "contribution": row["bin_contribution"],
         }
@@ -220,13 +220,13 @@ def _explanation(one: Mapping[str, Any], reference: str) -> str:
     if best["explained"] < EXPLAINS:
         return f"{said}; no regime explains more than {100 * EXPLAINS:.0f} % of how that varies"
     bins = [bin for bin in one["bins"] if bin["grouping"] == best["grouping"]]
-    shares = [
+    fractions = [
         f"{100 * bin['share']:.3g} %{'' if k else ' of the contact force'}"
         for k, bin in enumerate(bins)
     ]
     parts = [
-        f"{_in_words(bin['difference'])} {bin['bin']} ({share})"
-        for bin, share in zip(bins, shares, strict=True)
+        f"{_in_words(bin['difference'])} {bin['bin']} ({fraction})"
+        for bin, fraction in zip(bins, fractions, strict=True)
     ]
     return f"{said}: {', '.join(parts)}; {best['grouping']} explains {100 * best['explained']:.0f} % of how that varies"
 

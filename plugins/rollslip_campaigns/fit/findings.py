@@ -48,13 +48,13 @@ def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
         unit = one["unit"]
         value = one["value"]
         error = one["standard_error"]
-        share = f"{100 * error / abs(value):.2g} %" if value else format_quantity(error, unit, 2)
+        fraction = f"{100 * error / abs(value):.2g} %" if value else format_quantity(error, unit, 2)
         unknown = [UNKNOWN in status for status in statuses]
         rows.append(
             (
                 one["parameter"],
                 format_quantity(value, unit, 4),
-                "-" if math.isnan(error) else share,
+                "-" if math.isnan(error) else fraction,
                 *(_interval(ends, unit, unknown) for ends in intervals),
                 one["status"],
             )

@@ -87,7 +87,7 @@ def fit_parameters(
     kept: Mapping[str, str] = {},
     *,
     profiles: bool = True,
-    report: Report = lambda text, share: None,
+    report: Report = lambda text, fraction: None,
 ) -> Fit:
     """Fit some parameters, all of them, with or without their profiles."""
     measured = problem.data.columns["friction"]

@@ -129,7 +129,7 @@ def estimate(
     *,
     known: bool,
     profiles: bool = True,
-    report: Report = lambda text, share: None,
+    report: Report = lambda text, fraction: None,
 ) -> LeastSquaresEstimate:
     """Minimise squared residuals from the origin and from eight starts around it, and tell the uncertainty."""
     count = low.size

@@ -444,8 +444,8 @@ def _warnings(fitted: Fit, sets: Sequence[Indices]) -> list[str]:
 
 def _same_size(distances: Array, width: float) -> NDArray[np.bool_]:
     """Whether distances are within a factor of two of the width expected."""
-    share = np.abs(distances) / width
-    return np.asarray((share > 0.5) & (share < 2.0))
+    fraction = np.abs(distances) / width
+    return np.asarray((fraction > 0.5) & (fraction < 2.0))
 
 
 def _other_minima(fitted: Fit) -> list[str]:

@@ -186,8 +186,8 @@ def _jumps(dataset: "xr.Dataset") -> list[str]:
         dataset["edge_kept"].to_numpy(), dataset["edge_passed"].to_numpy(), strict=True
     ):
         a, b = np.searchsorted(values, sorted(ends)).tolist()
-        share = max(_JUMP, _STEEP * float(x[b] - x[a]) / float(np.ptp(x)))
-        if abs(results[b] - results[a]) > share * float(np.nanmax(results) - np.nanmin(results)):
+        fraction = max(_JUMP, _STEEP * float(x[b] - x[a]) / float(np.ptp(x)))
+        if abs(results[b] - results[a]) > fraction * float(np.nanmax(results) - np.nanmin(results)):
             told = [
                 f"{_value(dataset, float(values[k]))}, where {_result(dataset, float(values[k]))}"
                 + (f" ({words[k]})" if words[k] not in ("", "found") else "")

@@ -51,7 +51,7 @@ from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import values_of
 from rollslip_campaigns.sweep.run import Progress, asked_engine
-from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs, read_share
+from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs, read_fraction
 from rollslip_campaigns.sweep.sweep import assembled, plan_sweep, study_with
 from rollslip_studies.variation.quantities import quantities
 
@@ -145,7 +145,7 @@ def plan_limit(asked: "LimitSettings") -> Limit:
     """Check a search and lay out its values."""
     given = asked.given
     over = read_overs(asked.over)
-    within = read_share(asked.within)
+    within = read_fraction(asked.within)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     name = study_with(base, asked.study, outputs_of(asked.keep))
     requirement = read_requirement(asked.keep, study_class(name, base), named_damage(base))

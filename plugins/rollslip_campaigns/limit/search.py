@@ -108,7 +108,7 @@ def read_requirement(
         unit = "K/1" if measure.difference else measure.unit
     try:
         limit = quantity(value, unit)
-        if (share := in_percent(name, unit)) and not 0.0 <= limit <= 1.0:
+        if (fraction := in_percent(name, unit)) and not 0.0 <= limit <= 1.0:
             hint = (
                 f"; did you mean {limit:g} %?"
                 if 1.0 < limit <= 100.0 and unit_given(value, unit) != "%"
@@ -117,7 +117,7 @@ def read_requirement(
             raise SceneError(
                 [f"keep: {name}: a slip from 0 to 100 % is expected, not {value}{hint}"]
             )
-        return Requirement(name, unit, sense, limit, unit_given(value, unit), share)
+        return Requirement(name, unit, sense, limit, unit_given(value, unit), fraction)
     except UnitError as error:
         raise SceneError([f"keep: {name}: {error}"]) from error
 

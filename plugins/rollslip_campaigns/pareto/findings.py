@@ -275,10 +275,10 @@ def _of_models(one: "xr.Dataset", name: str, planned: int, finest: int, rounds: 
     return [*sentences, f"{name}, from the scene's own film: {films}"] if films else sentences
 
 
-def _percent(share: float, floor: float = 0.0) -> str:
+def _percent(fraction: float, floor: float = 0.0) -> str:
     """Show an error in percent with two digits; below what is known only that."""
-    if share > floor:
-        return f"{100 * share:.2g} %"
+    if fraction > floor:
+        return f"{100 * fraction:.2g} %"
     return "as the finest" if floor <= _ROUNDING else f"below {100 * floor:.2g} %"
 
 

@@ -36,7 +36,7 @@ from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import values_of
 from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, asked_engine
-from rollslip_campaigns.sweep.sampling import read_overs, read_share
+from rollslip_campaigns.sweep.sampling import read_overs, read_fraction
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.raceway_friction.study import (
     ROLLING,
@@ -61,7 +61,7 @@ _STRIDES = (16, 8, 4, 2, 1)
 #: Strides of the nodes of a point: cage ratio, rolling speed, slide-roll ratio, coarse to fine.
 _WITHIN: Final = ((4, 2), (8, 4, 2), (4, 2))
 #: Share of the error for one axis at first, and by how much less it is where random operations are off.
-_SHARE = 0.8
+_FRACTION = 0.8
 _TIGHTER = 0.5
 _TIMES = 4
 #: Ranges where none are named: factors of a load and of a speed, and kelvins about a temperature.
@@ -166,7 +166,7 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
              "be tabulated; leave it out, or go through time at level pocket"]
         )  # fmt: skip
     ranges = _ranges(base, asked.over)
-    error = read_share(asked.error)
+    error = read_fraction(asked.error)
     if not 1e-4 <= error <= 0.2:
         raise SceneError(
             [
@@ -399,15 +399,15 @@ def run_surrogate(
     axes = made.axes
     at = _random_places(made)
     level = [0, 0]
-    share = _SHARE
+    fraction = _FRACTION
     for _ in range(_TIMES):
-        level = _refined(nodes, level, share * made.error)
+        level = _refined(nodes, level, fraction * made.error)
         rows = [_row(axis, k) for axis, k in zip(axes.values(), level, strict=True)]
         whole = nodes.at(*rows)
-        strides = _strides_within(whole, share * made.error)
+        strides = _strides_within(whole, fraction * made.error)
         while strides[1] > 1 and _drags(
             made.sweep.scene, np.array(made.ranges[_KEYS[0]]), made.ranges, whole["rolling_speed"][0, 0][:: strides[1]]
-        )[2] > share * made.error:  # fmt: skip
+        )[2] > fraction * made.error:  # fmt: skip
             strides[1] //= 2
         tables = _thin(whole, strides)
         errors = _errors(_thick(_interpolated(tables, axes, rows, at), strides), random)
@@ -415,7 +415,7 @@ def run_surrogate(
              f"{100 * errors.max():.2g} % at most")  # fmt: skip
         if errors.max() <= made.error:
             break
-        share *= _TIGHTER
+        fraction *= _TIGHTER
     else:
         raise ConvergenceError(
             f"the most nodes leave {100 * errors.max():.2g} % at random operations, more than the "

@@ -69,12 +69,12 @@ class Axis:
         low = self.nodes[0]
         high = self.nodes[-1]
         at = np.maximum(value, low)
-        share = (
+        fraction = (
             np.log(at / low) / math.log(high / low)
             if self.logarithmic
             else (at - low) / (high - low)
         )
-        return np.asarray(share * (self.nodes.size - 1))
+        return np.asarray(fraction * (self.nodes.size - 1))
 
     def weights(self, value: Array | float) -> Array:
         """Return the weights of the nodes at values, (values, nodes)."""

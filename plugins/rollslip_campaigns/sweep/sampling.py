@@ -55,7 +55,7 @@ __all__ = [
     "range_parts",
     "read_axis",
     "read_overs",
-    "read_share",
+    "read_fraction",
 ]
 
 SAMPLINGS: Final = ("sobol", "replicated-sobol", "latin-hypercube", "saltelli")
@@ -185,7 +185,7 @@ def parse_overs(texts: Sequence[str]) -> dict[str, object]:
     return dict(pairs)
 
 
-def read_share(given: float | str) -> float:
+def read_fraction(given: float | str) -> float:
     """Return a share that is given as a number or in percent; NaN where it is neither."""
     try:
         return in_unit(given, "1") if "%" in str(given) else float(given)

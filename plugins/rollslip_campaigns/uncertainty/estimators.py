@@ -135,7 +135,7 @@ def _replicated(
     return float(ends[first]), float(ends[last + 1])
 
 
-def share(true: int, unknown: int, n: int, confidence: float = 0.95) -> Estimate:
+def fraction(true: int, unknown: int, n: int, confidence: float = 0.95) -> Estimate:
     """Return the probability of what holds for some of n samples and is not known for others.
 
     The interval is that of Clopper and Pearson (1934, doi:10.1093/biomet/26.4.404): its low end counts the unknown

@@ -146,13 +146,13 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
             else (1 - below - unknown / n, 1 - below)
         )
         label = f"{name}: share of {n} samples {side}"
-        shares: dict[str, Any] = {
+        fractions: dict[str, Any] = {
             "drawstyle": "steps-post",
             "color": colour,
             "linestyle": dashes,
             "label": label,
         }
-        axes.plot(100 * known, 100 * (least if side == "below" else most), **shares)
+        axes.plot(100 * known, 100 * (least if side == "below" else most), **fractions)
         if unknown:
             axes.fill_between(
                 100 * known,

@@ -124,7 +124,7 @@ class UncertaintyAccount(Account):
         for name in map(str, dataset["quantity"].to_numpy()):
             most = name in (STEADY, LOAD)
             sure = _quantile(dataset, name, p if most else round(1.0 - p, 12))
-            values = *(_quantile(dataset, name, share)[0] for share in (0.5, 0.05, 0.95)), *sure
+            values = *(_quantile(dataset, name, fraction)[0] for fraction in (0.5, 0.05, 0.95)), *sure
             unit, shown = in_people_s_unit(name, values, units.get(name, "1"))
             counts = [
                 int(dataset[word].sel(quantity=name)) for word in ("samples", "beyond", "unknown")
@@ -399,8 +399,8 @@ def _force(value: float) -> str:
     return format_quantity(value, "N", 3) if math.isfinite(value) else "more than any"
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.3g} %" if math.isfinite(share) else "more than the range"
+def _percent(fraction: float) -> str:
+    return f"{100 * fraction:.3g} %" if math.isfinite(fraction) else "more than the range"
 
 
 ACCOUNT: Final = UncertaintyAccount("uncertainty")

@@ -42,9 +42,9 @@ from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
-from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
+from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, fraction
 from rollslip_campaigns.uncertainty.findings import DRAG, LOAD, RESERVE, SKIDDING, STEADY
-from rollslip_campaigns.uncertainty.samples import LOWEST, minimum_loads, of_friction, shares_of
+from rollslip_campaigns.uncertainty.samples import LOWEST, minimum_loads, of_friction, fractions_of
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.scatter import with_scatter
@@ -292,10 +292,10 @@ def _dataset(
     if STEADY in values:
         slip = values[STEADY]
         away = values[SKIDDING]
-        shares = shares_of(critical)
+        fractions = fractions_of(critical)
         known = ~np.isnan(slip) & ~np.isnan(away)
-        margin = share(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
-        skids = share(int(shares["skids"].sum()), int(shares["unknown"].sum()), n, CONFIDENCE)
+        margin = fraction(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
+        skids = fraction(int(fractions["skids"].sum()), int(fractions["unknown"].sum()), n, CONFIDENCE)
         variables |= _estimate(
             "margin",
             margin,
@@ -305,7 +305,7 @@ def _dataset(
             "skidding", skids, "probability that the cage has no balance of torques"
         )
         said = "samples of which the reserve is a lower bound"
-        variables["bounded"] = (), int(shares["bound"].sum()), about("1", said)
+        variables["bounded"] = (), int(fractions["bound"].sum()), about("1", said)
     if "load" in points:  # third of what is told
         loads = {LOAD: minimum_loads(points["load"])}
         values = (

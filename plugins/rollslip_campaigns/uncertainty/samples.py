@@ -17,7 +17,7 @@ from rollslip_studies.motion.torque_balance import AT_LEAST, FOUND, NOWHERE, SKI
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LOWEST", "minimum_loads", "of_friction", "shares_of"]
+__all__ = ["LOWEST", "minimum_loads", "of_friction", "fractions_of"]
 
 LOWEST: Final = "critical slip"
 
@@ -51,7 +51,7 @@ def has_cage(points: "xr.Dataset") -> bool:
     )
 
 
-def shares_of(points: "xr.Dataset") -> dict[str, Any]:
+def fractions_of(points: "xr.Dataset") -> dict[str, Any]:
     """Return in which samples the cage skids, of which the reserve is a lower bound, and whose reserve is not known."""
     skids, bound = (_begins(points, "reserve_status", word) for word in (SKIDS, AT_LEAST))
     return {

@@ -90,7 +90,7 @@ def plan_ranking(asked: "RankingSettings") -> Validation:
 def run_ranking(
     plan: Validation,
     asked: "RankingSettings",
-    report: Callable[[str, float], None] = lambda text, share: None,
+    report: Callable[[str, float], None] = lambda text, fraction: None,
 ) -> "xr.Dataset":
     """Rank laws by their errors on conditions that they were not fitted to."""
     begin = time.perf_counter()

@@ -161,7 +161,7 @@ def plan_validation(asked: "ValidationSettings | RankingSettings") -> Validation
 
 
 def run_validation(
-    plan: Validation, report: Callable[[str, float], None] = lambda text, share: None
+    plan: Validation, report: Callable[[str, float], None] = lambda text, fraction: None
 ) -> "xr.Dataset":
     """Compute what a validation needs; see `rollslip.validate`."""
     begin = time.perf_counter()

@@ -162,9 +162,9 @@ class BulkAndFlash(DamageModel):
         ring, roller = (
             np.sqrt(K * capacity * speed) for K, capacity, speed in self.flash.conductors(contacts)
         )
-        share = ring / (ring + roller)
+        fraction = ring / (ring + roller)
         return np.asarray(
-            share * contacts.ring_temperature + (1.0 - share) * contacts.roller_temperature
+            fraction * contacts.ring_temperature + (1.0 - fraction) * contacts.roller_temperature
         )
 
     def evaluate(self, contacts: Contacts) -> Array:

@@ -147,8 +147,8 @@ class PassEnergy(DamageModel):
     def across(self, contacts: Contacts, places: Array) -> Array:
         """Return the energy that a point of the surface has met up to each place of its pass."""
         x = np.clip(places, -1.0, 1.0)
-        share = 0.5 + (x * np.sqrt(1.0 - x * x) + np.arcsin(x)) / math.pi
-        return np.asarray(self.evaluate(contacts)[:, None] * share)
+        fraction = 0.5 + (x * np.sqrt(1.0 - x * x) + np.arcsin(x)) / math.pi
+        return np.asarray(self.evaluate(contacts)[:, None] * fraction)
 
     @property
     def limit(self) -> tuple[float, str] | None:

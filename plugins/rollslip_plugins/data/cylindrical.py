@@ -170,8 +170,8 @@ def boundaries(series: str) -> list[tuple[int, int, int]]:
 def estimated(series: str, bore: float, outside: float, width: float) -> Inside:
     """Return the inside of a bearing by the rule of its series."""
     rule = RULES[series]
-    share = rule.large[1] if bore >= rule.large[0] else rule.diameter
-    diameter = nearest_roller(share * (outside - bore))
+    fraction = rule.large[1] if bore >= rule.large[0] else rule.diameter
+    diameter = nearest_roller(fraction * (outside - bore))
     pitch = round(rule.pitch * (bore + outside)) / 2
     rollers = math.floor(math.pi * pitch / (rule.spacing * diameter + rule.bar) + 0.5)
     chamfers = next(both for least, both in _CHAMFERS if diameter >= least)

@@ -130,8 +130,8 @@ def _name(series: str, code: str, group: str) -> str:
 def _bearing(
     name: str, series: str, bore: int, outside: int, width: int, group: str
 ) -> BearingData:
-    *_, share, of_mean = _SERIES[series]
-    diameter = nearest_roller(share * (outside - bore))
+    *_, fraction, of_mean = _SERIES[series]
+    diameter = nearest_roller(fraction * (outside - bore))
     spacing = (1.0 + _GAP) * diameter
     rollers = round(math.pi / math.asin(2.0 * spacing / (of_mean * (bore + outside))))
     pitch = round(spacing / math.sin(math.pi / rollers), 3)

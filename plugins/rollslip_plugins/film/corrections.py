@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 #: Factor of a starved inlet from which on it is as good as full.
 _NEARLY_FULL: Final = 0.9
 #: Share of the thinner of film and layer in the other, below which the other does not matter to the last bit.
-_LEAST_SHARE: Final = 1e-30
+_MIN_FRACTION: Final = 1e-30
 
 #: What each law reads, in the kernel's order of the laws.
 LAWS: Final[dict[str, Domain]] = {
@@ -281,8 +281,8 @@ class InletCorrection(FilmModel):
             oil = self.oil_layer
             g = self.layer_exponent
             thin = np.minimum(film, oil)
-            share = np.maximum(thin / np.maximum(film, oil), _LEAST_SHARE)
-            slices.film_thickness[...] = thin * (1.0 + share**g) ** (-1.0 / g)
+            fraction = np.maximum(thin / np.maximum(film, oil), _MIN_FRACTION)
+            slices.film_thickness[...] = thin * (1.0 + fraction**g) ** (-1.0 / g)
 
     def _thermal_factor(self, s: Slices) -> Array:
         if self.thermal == "none":

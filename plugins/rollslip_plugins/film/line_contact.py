@@ -153,7 +153,7 @@ def solve_line_contact(
             return L * pressure
 
     floor = _FLOOR * accuracy
-    state = _Problem(M, log_viscosity, density, share=1.0, floor=floor)
+    state = _Problem(M, log_viscosity, density, fraction=1.0, floor=floor)
     try:
         for elements in _ELEMENTS:
             try:
@@ -202,7 +202,7 @@ class _Problem:
     M: float
     log_viscosity: Law | None
     density: Law | None
-    share: float
+    fraction: float
     floor: float
 
     def oil(self, pressure: Array) -> tuple[Array, Array, Array, Array]:
@@ -220,12 +220,12 @@ class _Problem:
             return law(pressure), (law(above) - law(below)) / (above - below)
 
         rise, slope = with_slope(self.log_viscosity)
-        fluidity = (1 - self.floor) * np.exp(-self.share * rise)
+        fluidity = (1 - self.floor) * np.exp(-self.fraction * rise)
         density = (one, zero)
         if self.density is not None:
             rho, gradient = with_slope(self.density)
-            density = (1 + self.share * (rho - 1), self.share * gradient)
-        return fluidity + self.floor, -self.share * slope * fluidity, *density
+            density = (1 + self.fraction * (rho - 1), self.fraction * gradient)
+        return fluidity + self.floor, -self.fraction * slope * fluidity, *density
 
 
 def _residual(grid: Elements, unknowns: Array, problem: _Problem) -> tuple[Array, Array]:
@@ -364,7 +364,7 @@ def _solved(state: _State, problem: _Problem, tolerance: float) -> _State:
 def _along_the_path(goal: _Problem, elements: int) -> _State:
     """Return the solution on adapted elements, from that of a light, isoviscous contact, at the goal."""
     first = min(goal.M, 0.3)
-    light = attrs.evolve(goal, M=first, share=0.0, floor=0.0)
+    light = attrs.evolve(goal, M=first, fraction=0.0, floor=0.0)
     state = _solved(_rigid(first, goal.M, elements), light, 1e-5)
     if first < goal.M:
         state = _followed(
@@ -381,7 +381,7 @@ def _along_the_path(goal: _Problem, elements: int) -> _State:
     state = _followed(
         "viscosity",
         state,
-        lambda part: attrs.evolve(early, share=part),
+        lambda part: attrs.evolve(early, fraction=part),
         elements,
         0.7 / rise if rise > 0.7 else 1.0,
     )

@@ -85,15 +85,15 @@ class _Blend(TractionModel, abc.ABC):
         return attrs.evolve(self, hydrodynamic=law)
 
     @abc.abstractmethod
-    def shares(self, slices: Slices) -> tuple[Array, Array]:
+    def fractions(self, slices: Slices) -> tuple[Array, Array]:
         """Return the shares of boundary and of film friction in each slice, from 0 to 1, which add to 1."""
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient; each child sees only the slices that need it."""
-        share, rest = self.shares(slices)
-        boundary = _where(self.boundary, slices, share > 0)
+        fraction, rest = self.fractions(slices)
+        boundary = _where(self.boundary, slices, fraction > 0)
         hydrodynamic = _where(self.hydrodynamic, slices, rest > 0)
-        slices.friction[...] = boundary * share + hydrodynamic * rest
+        slices.friction[...] = boundary * fraction + hydrodynamic * rest
 
 
 @attrs.frozen(kw_only=True)
@@ -139,7 +139,7 @@ class _BetweenLimits(_Blend):
         """Film parameter up to which there is boundary friction alone."""
         return self.boundary_limit
 
-    def shares(self, slices: Slices) -> tuple[Array, Array]:
+    def fractions(self, slices: Slices) -> tuple[Array, Array]:
         """Return the shares of boundary and of film friction in each slice."""
         film_parameter = slices.film_thickness / slices.conditions.roughness
         band = self.hydrodynamic_limit - self.boundary_limit
@@ -333,7 +333,7 @@ class ZhouHoeprich(_Blend):
         with np.errstate(over="ignore"):  # small constants put it beyond the largest float
             return float(np.divide(53 * math.log(2), self.factor) ** (1 / self.exponent))
 
-    def shares(self, slices: Slices) -> tuple[Array, Array]:
+    def fractions(self, slices: Slices) -> tuple[Array, Array]:
         """Return the shares of boundary and of film friction in each slice."""
         film_parameter = slices.film_thickness / slices.conditions.roughness
         power = -self.factor * film_parameter**self.exponent
@@ -456,16 +456,16 @@ class GreenwoodTripp(_Blend):
         """Film parameter from which on F_5/2 is below 2^-53 of its value at zero, which counts as none."""
         return REACH
 
-    def shares(self, slices: Slices) -> tuple[Array, Array]:
+    def fractions(self, slices: Slices) -> tuple[Array, Array]:
         """Return the shares of boundary and of film friction in each slice."""
         touching = asperity_integral(slices.film_thickness / slices.conditions.roughness)
-        share = np.minimum(
+        fraction = np.minimum(
             self.coefficient * slices.conditions.modulus / slices.pressure * touching, 1.0
         )
-        share = np.where(
-            touching > 0, share, 0.0
+        fraction = np.where(
+            touching > 0, fraction, 0.0
         )  # whatever the pressure, which may make the quotient infinite
-        return share, 1.0 - share
+        return fraction, 1.0 - fraction
 
     def kernel(self) -> object:
         """Return the compiled form, with each child's compiled form or a call of its NumPy form."""

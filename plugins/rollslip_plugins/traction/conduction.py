@@ -148,11 +148,11 @@ class ConductedHeat(Heat):
         # The heat that has not stayed in the film flows into the surfaces: this fixes how far their temperature rises.
         stored = m.mean * self._end * storage
         into = self._flash * grid.flash[i + 1, i] / 4
-        share = 1 + into * storage[:, 0] * (1 - stored @ m.mean)
+        fraction = 1 + into * storage[:, 0] * (1 - stored @ m.mean)
         known = self._flash * (self.flux[:, :i] @ grid.flash[i + 1, :i]) - self.surface[:, i]
         given_back = (gone * self._amplitude) @ m.mean * storage[:, 0]
-        self._rise = (known + into * given_back) / share
-        self._rise_of_release = (into / share)[:, None] * (m.weight - stored @ self._project)
+        self._rise = (known + into * given_back) / fraction
+        self._rise_of_release = (into / fraction)[:, None] * (m.weight - stored @ self._project)
         offset = (self.surface[:, i] + self._rise / 2)[:, None] + (
             kept * self._amplitude - mean * storage * self._rise[:, None] * m.mean
         ) @ m.shape.T

@@ -128,10 +128,10 @@ def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
             beta = (oil.softening[todo, i] * unit[todo])[:, None]
             t = temperature[todo, i]
             top = np.max(beta * t, axis=1)
-            share = np.exp(beta * t - top[:, None])  # of the places in the shear
-            mean_share = share @ weight
-            share = share / mean_share[:, None]
-            log = warming[todo, i] = top + np.log(mean_share)
+            fraction = np.exp(beta * t - top[:, None])  # of the places in the shear
+            mean_fraction = fraction @ weight
+            fraction = fraction / mean_fraction[:, None]
+            log = warming[todo, i] = top + np.log(mean_fraction)
             # hotter films are met on the way to the mean stress only
             kappa = oil.thinning[todo, i] * np.exp(np.minimum(log, 600))
             change = oil.change[todo, i]
@@ -149,12 +149,12 @@ def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
             slope = np.where((np.abs(apart) > 1e-7) & (np.abs(apart) < NEAR), secant, slope)
             log_before[todo] = log
             heated_before[todo] = heated
-            released = heated[:, None] * share
-            steeper = (slope - heated)[:, None] * share
+            released = heated[:, None] * fraction
+            steeper = (slope - heated)[:, None] * fraction
             r = response[todo]
             residual = t - offset[todo] - _times(r, released)
             jacobian = identity - r * (beta * released)[:, None, :]
-            jacobian -= _times(r, steeper)[:, :, None] * (beta * share * weight)[:, None, :]
+            jacobian -= _times(r, steeper)[:, :, None] * (beta * fraction * weight)[:, None, :]
             step = _solved(jacobian, residual)
             size = np.max(np.abs(beta * step), axis=1)
             good = np.isfinite(size)

@@ -104,7 +104,7 @@ class HeatedFilm(TractionModel, abc.ABC):
     flash: float
 
     @abc.abstractmethod
-    def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
+    def fraction(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
         """Return t of slices.
 
         Parameters
@@ -133,7 +133,7 @@ class HeatedFilm(TractionModel, abc.ABC):
         )
         across = softening * s.film_thickness / c.conductivity
         s.friction[...] = (
-            newtonian / s.pressure * self.share(np.abs(newtonian), surfaces, across, s)
+            newtonian / s.pressure * self.fraction(np.abs(newtonian), surfaces, across, s)
         )
 
 
@@ -142,17 +142,17 @@ def mean_softening(surfaces: Array, across: Array) -> Array:
     return surfaces + across / 12
 
 
-def softened(law: Callable[[Array], tuple[Array, Array]], share: Array) -> Array:
+def softened(law: Callable[[Array], tuple[Array, Array]], fraction: Array) -> Array:
     """Solve t = F(t) from an upper bound; law(t) returns F, which falls, and -dlnF/dln t."""
     for _ in range(MAX_STEPS):
-        value, fall = law(share)
-        step = np.log(share / value) / (1 + fall)
-        share = share * np.exp(-step)
+        value, fall = law(fraction)
+        step = np.log(fraction / value) / (1 + fall)
+        fraction = fraction * np.exp(-step)
         if not np.any(
             (1 + fall) * step**2 > 1e-17
         ):  # the error left is below (1 + fall) step^2; NaN also ends
             break
-    return share
+    return fraction
 
 
 def newtonian_bound(softening: Array) -> Array:

@@ -11,7 +11,7 @@ from numpy.polynomial.legendre import leggauss
 from rollslip.search import Array
 from rollslip_plugins.traction.stress import dilogarithm
 
-RAMP, SHARE = (values / 2 for values in leggauss(4))
+RAMP, FRACTION = (values / 2 for values in leggauss(4))
 RAMP = RAMP + 0.5
 
 
@@ -47,7 +47,7 @@ def relaxed(start: Array, kappa: Array, sigma: Array, deborah: Array) -> tuple[A
     ramp = p < 0.25  # there the bracket cancels, while S is smooth
     if np.any(ramp):
         part = (values[ramp, None] for values in (steady, fading, z, y))
-        mean[ramp] = after(p[ramp, None] * RAMP, *part) @ SHARE
+        mean[ramp] = after(p[ramp, None] * RAMP, *part) @ FRACTION
     return mean, after(p, steady, fading, z, y)
 
 

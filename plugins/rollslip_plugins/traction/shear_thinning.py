@@ -93,17 +93,17 @@ class Carreau(HeatedFilm):
     )
     flash: float = flash_factor()
 
-    def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
+    def fraction(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
         """Return t = exp(-w t) [1 + (c exp(-w t))^2]^((n - 1)/2), c = eta V/(h G)."""
         n = self.exponent
         strain = newtonian / self.critical_stress
         softening = mean_softening(surfaces, across)
 
-        def law(share: Array) -> tuple[Array, Array]:
-            thinned = np.exp(-softening * share)
+        def law(fraction: Array) -> tuple[Array, Array]:
+            thinned = np.exp(-softening * fraction)
             x = strain * thinned
             c = np.hypot(1.0, x)  # the square would overflow first
-            return thinned * c ** (n - 1), softening * share * (n + (1 - n) / c / c)
+            return thinned * c ** (n - 1), softening * fraction * (n + (1 - n) / c / c)
 
         cold = np.hypot(1.0, strain) ** (n - 1)
         return softened(law, np.minimum(newtonian_bound(softening), cold))
@@ -170,15 +170,15 @@ class LimitingShear(HeatedFilm):
     )
     flash: float = flash_factor()
 
-    def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
+    def fraction(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
         """Return t from the mean stress over the transit."""
         strain = np.maximum(newtonian / (self.limit * slices.pressure), NO_EFFECT)
         deborah = slices.film_viscosity * slices.rolling_speed
         deborah = deborah / (slices.conditions.shear_modulus * slices.half_width)
         softening = mean_softening(surfaces, across)
 
-        def law(share: Array) -> tuple[Array, Array]:
-            y = softening * share
+        def law(fraction: Array) -> tuple[Array, Array]:
+            y = softening * fraction
             thinned = np.exp(-y)
             mean, fall = transit(strain * thinned, 2 / (deborah * thinned))
             return mean / strain, y * fall

@@ -81,7 +81,7 @@ class NewtonianThermal(HeatedFilm):
 
     flash: float = flash_factor()
 
-    def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
+    def fraction(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
         """Return t of the film without thinning."""
         return couette(np.zeros_like(newtonian), surfaces, across)
 
@@ -139,7 +139,7 @@ class EyringThermal(HeatedFilm):
 
     flash: float = flash_factor()
 
-    def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
+    def fraction(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
         """Return t of the film with Eyring's thinning."""
         return couette(newtonian / slices.conditions.eyring_stress, surfaces, across)
 
@@ -151,11 +151,11 @@ class EyringThermal(HeatedFilm):
 def couette(strain: Array, surfaces: Array, across: Array) -> Array:
     """Return t = e asinh(x)/(x sqrt(1 + x^2)), x^2 = e Na/8, e = exp(-surfaces t) S/sinh S, S = strain t."""
 
-    def law(share: Array) -> tuple[Array, Array]:
-        stress = np.maximum(strain * share, NO_EFFECT)
+    def law(fraction: Array) -> tuple[Array, Array]:
+        stress = np.maximum(strain * fraction, NO_EFFECT)
         drop = -np.expm1(-2 * stress)
-        thinned = np.exp(-surfaces * share - stress) * (2 * stress / drop)
-        fall = surfaces * share + stress * (2 - drop) / drop - 1  # of ln(thinned): S coth S - 1
+        thinned = np.exp(-surfaces * fraction - stress) * (2 * stress / drop)
+        fall = surfaces * fraction + stress * (2 - drop) / drop - 1  # of ln(thinned): S coth S - 1
         value, rise = conducted(across / 8 * thinned)
         return thinned * value, fall * (1 + rise)
 

@@ -46,7 +46,7 @@ OPEN: Final = {"friction": "conventional", "level": "pocket", "integrator": None
 _FEW = 12
 _TABLE = 1e-3
 #: Shares of the tolerance of the cage speed that the simpler friction and the simpler level may take.
-_SHARE: Final = {"friction": 0.3, "level": 0.2}
+_FRACTION: Final = {"friction": 0.3, "level": 0.2}
 #: Error of their steps, relative to the tolerance of the cage speed, and the largest one.
 _STEP = 0.1
 _LOOSEST = 1e-3
@@ -253,7 +253,7 @@ class _Trials:
         """Effective friction where it moves the cage as conventional friction does, over all of the time."""
         times = np.linspace(0.0, study.duration, _INSTANTS + 1)[1:]
         tolerance = min(_STEP * self.asked, _LOOSEST)
-        allowed = _SHARE["friction"] * self.asked
+        allowed = _FRACTION["friction"] * self.asked
         conventional, effective = (
             study.evolved(friction=friction, level="cage-set")
             for friction in ("conventional", "effective")
@@ -294,7 +294,7 @@ class _Trials:
         off = within - alone
         means = np.abs(off[1:].reshape(-1, _INSTANTS).mean(axis=1))
         moved = float(means.max())
-        allowed = _SHARE["level"] * self.asked
+        allowed = _FRACTION["level"] * self.asked
         found = (
             f"play in the pockets moves the mean speed of the cage by up to {moved:.1e} (and lets it "
             f"swing by {np.ptp(off):.1e})"
@@ -380,10 +380,10 @@ def step_tolerance(study: Movable, assembly: Assembly, fades: bool) -> tuple[flo
     times = adds_up(study, few, span) if fades else study.duration / span
     off = _come_apart(study, moving, (_USUAL, 1e-3 * _USUAL), [span])[0]
     error = float(off[~np.isnan(off)][-1:].sum()) * times
-    share = _OF_STEPS * assembly.scene.accuracy.of("cage_speed")
+    fraction = _OF_STEPS * assembly.scene.accuracy.of("cage_speed")
     # nobody has seen a step of more than the typical tolerance do well where a contact opens
     least = finest(assembly.scene).integrator_tolerance or 0.0
-    tolerance = min(max(_USUAL * share / max(error, 1e-300), least), _USUAL)
+    tolerance = min(max(_USUAL * fraction / max(error, 1e-300), least), _USUAL)
     left = error * tolerance / _USUAL
     return tolerance, left if study.level == "cage-set" else max(
         left, _swings_apart(study, moving, tolerance)

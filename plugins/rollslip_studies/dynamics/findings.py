@@ -282,7 +282,7 @@ def compared(datasets: "Mapping[str, xr.Dataset]") -> list[str]:
     for name, dataset in others:
         gap = np.abs(difference(reference, dataset, "cage_speed")).max(initial=0.0)
         said.append(
-            f"the cage speed of {name} is never further than {_share(gap)} of its largest from that of {first}"
+            f"the cage speed of {name} is never further than {_fraction(gap)} of its largest from that of {first}"
         )
         steady = [1.0 - float(one.attrs["steady_cage_slip"]) for one in (dataset, reference)]
         if _is_steady(reference) and _is_steady(dataset) and steady[1] != 0.0:
@@ -324,7 +324,7 @@ def common_times(reference: "xr.Dataset", dataset: "xr.Dataset") -> Array:
 # Sentences ----------------------------------------------------------------------------------------------------------
 
 
-def _share(value: float) -> str:
+def _fraction(value: float) -> str:
     return f"{100 * value:.3g} %"
 
 
@@ -360,12 +360,12 @@ def _steady(dataset: "xr.Dataset") -> str:
     a = dataset.attrs
     if _is_steady(dataset):
         return (
-            f"steady cage slip {_share(float(a['steady_cage_slip']))}, the mean of the last orbit"
+            f"steady cage slip {_fraction(float(a['steady_cage_slip']))}, the mean of the last orbit"
         )
     why = str(a["steady_status"])
     what = f"cage slip is {why}" if why.startswith("not ") else f"no steady cage slip: {why}"
     last = float(dataset["cage_slip"][-1])
-    return what if math.isnan(last) else f"{what}; at the end it is {_share(last)}"
+    return what if math.isnan(last) else f"{what}; at the end it is {_fraction(last)}"
 
 
 def _critical(dataset: "xr.Dataset") -> str:
@@ -375,10 +375,10 @@ def _critical(dataset: "xr.Dataset") -> str:
     if math.isnan(critical):
         said = f"slip at largest traction of the inner ring's friction curve unknown: {a['critical_status']}"
     else:
-        said = f"slip at largest traction of the inner ring's friction curve {_share(critical)} {rests_on}".rstrip()
+        said = f"slip at largest traction of the inner ring's friction curve {_fraction(critical)} {rests_on}".rstrip()
     first = float(a.get("first_maximum_slip", math.nan))
     if first < (math.inf if math.isnan(critical) else critical):
-        said += f"; friction falls already from a slip of {_share(first)} on, then rises again"
+        said += f"; friction falls already from a slip of {_fraction(first)} on, then rises again"
     return said
 
 
@@ -393,13 +393,13 @@ def _skidding_sentences(dataset: "xr.Dataset") -> list[str]:
         said.append(
             f"{UNSURE}, and slip comes near: run with --set study.{a['study']}.friction=conventional to be sure"
         )
-    value = f"the {_share(away)} at which skidding begins"
+    value = f"the {_fraction(away)} at which skidding begins"
     passages = skidding_passages(dataset)
     if not passages:
         return [*said, f"cage slip stays {'below' if slip.max() <= away else 'beyond'} {value}"]
     begun = len(said)
     said += (
-        [f"cage slip begins at {_share(float(slip[0]))}, beyond {value}"] if slip[0] > away else []
+        [f"cage slip begins at {_fraction(float(slip[0]))}, beyond {value}"] if slip[0] > away else []
     )
     for k, (time, rising) in enumerate(passages):
         if not rising:
@@ -430,8 +430,8 @@ def _largest(dataset: "xr.Dataset") -> str:
     k = int(np.argmax(cage))
     i, j = np.unravel_index(np.argmax(rollers), rollers.shape)
     return (
-        f"largest cage slip {_share(float(cage[k]))} at {_time(times[k])}; largest slip of a roller "
-        f"{_share(float(rollers[i, j]))}, roller {dataset['roller'].to_numpy()[j]} at {_time(times[i])}"
+        f"largest cage slip {_fraction(float(cage[k]))} at {_time(times[k])}; largest slip of a roller "
+        f"{_fraction(float(rollers[i, j]))}, roller {dataset['roller'].to_numpy()[j]} at {_time(times[i])}"
     )
 
 

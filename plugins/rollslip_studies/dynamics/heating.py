@@ -190,7 +190,7 @@ def heated(
     )
 
 
-def share(heating: Heating | None, done: float) -> float:
+def fraction(heating: Heating | None, done: float) -> float:
     """Return what of a run is done, with passes before it, where of its motion that share is."""
     before = 0 if heating is None else heating.passes
     return (before + done) / (before + 1)
@@ -296,7 +296,7 @@ def _heat(
     work = np.diff(of["work_drag"])
     turned = np.diff(of["impulse_drag"])
     now = moving.ring_speeds(t)
-    for torque, share in zip(
+    for torque, fraction in zip(
         torques, _shares(moving, torques, t, of["cage_speed"], now), strict=True
     ):
         against = torque.against
@@ -304,7 +304,7 @@ def _heat(
             ("oil", 0.0) if against not in RINGS else (f"{against} land", now[RINGS.index(against)])
         )
         middle = body if isinstance(body, float) else 0.5 * (body[1:] + body[:-1])
-        made = share * (middle * turned - work)
+        made = fraction * (middle * turned - work)
         heat[place] = heat.get(place, 0.0) + np.concatenate(([0.0], np.cumsum(made)))
     return heat
 

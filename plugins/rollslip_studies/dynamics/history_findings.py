@@ -72,11 +72,11 @@ def time_beyond(dataset: "xr.Dataset") -> float:
     one = margin[:-1]
     other = margin[1:]
     with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.where(
+        fraction = np.where(
             one * other < 0.0, np.maximum(one, other) / np.abs(other - one), (one + other) > 0.0
         )
     known = np.isfinite(one) & np.isfinite(other)
-    return float(np.sum(np.where(known, share, 0.0) * np.diff(t)))
+    return float(np.sum(np.where(known, fraction, 0.0) * np.diff(t)))
 
 
 def sliding_distance(dataset: "xr.Dataset") -> dict[str, Array]:

@@ -160,7 +160,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         if place not in found:
             here = {name: float(grid[k]) for name, grid, k in zip(names, grids, place, strict=True)}
             speed = here.pop("speed", float(apart[top]))
-            there = held | here | {name: float(share * speed) for name, share in speeds.items()}
+            there = held | here | {name: float(fraction * speed) for name, fraction in speeds.items()}
             try:
                 bearing = assembly if path is None else path.bearing(assembly, there.pop(path.name))
                 raceways = study.loaded(
@@ -177,16 +177,16 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         return found[place]
 
     cells = list[Any]()
-    shares = list[Array]()
+    fractions = list[Array]()
     for value, grid in zip(values, grids, strict=True):
         k = np.clip(np.searchsorted(grid, value, side="right") - 1, 0, grid.size - 2)
         cells.append(k)
-        shares.append(np.clip((value - grid[k]) / (grid[k + 1] - grid[k]), 0.0, 1.0))
+        fractions.append(np.clip((value - grid[k]) / (grid[k + 1] - grid[k]), 0.0, 1.0))
     result = np.zeros((3, times.size))
     for corner in itertools.product((0, 1), repeat=len(names)):
         weight = np.ones(times.size)
-        for bit, share in zip(corner, shares, strict=True):
-            weight = weight * (share if bit else 1.0 - share)
+        for bit, fraction in zip(corner, fractions, strict=True):
+            weight = weight * (fraction if bit else 1.0 - fraction)
         places = np.stack(
             [cell + bit for bit, cell in zip(corner, cells, strict=True)]
             or [np.zeros(times.size, int)]
@@ -245,16 +245,16 @@ def critical_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
 
 
 def at_the_ends(
-    study: EffectiveFriction, assembly: Assembly, history: History | None, share: float
+    study: EffectiveFriction, assembly: Assembly, history: History | None, fraction: float
 ) -> Estimated:
     """Slices and instants as the operation needs them, and the least and the largest load and temperature."""
-    estimated, *_ = slices_and_positions(study, assembly, share)
+    estimated, *_ = slices_and_positions(study, assembly, fraction)
     if history is None:
         return estimated
     for end in (0, 1):
         spans = {name: history.spans[name][end] for name in history.conditions}
         try:
-            other, *_ = slices_and_positions(study, operated(assembly, spans), share)
+            other, *_ = slices_and_positions(study, operated(assembly, spans), fraction)
         except RollslipError:  # the motion tells what cannot be put together
             continue
         if (other.resolution.slices or 0) > (estimated.resolution.slices or 0):

@@ -79,7 +79,7 @@ LEVELS: Final = {
 #: Level -> typical step [s] at a tolerance of 1e-5 and evaluations of the rates in it, for estimates of cost.
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
 #: Shares of the tolerances that slices and instants may use, and that tables may take.
-_SHARE = 0.5
+_FRACTION = 0.5
 _TABLES = 0.2
 #: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
 _LEAST_TOLERANCE: Final = 2.3e-14
@@ -234,7 +234,7 @@ class Dynamics(Study):
         averaged = self.curved(assembly)
         if assembly.scene.accuracy.exact:
             return self._with_choice(exactly(averaged, assembly), assembly)
-        estimated = over_time.at_the_ends(averaged, assembly, self.course(assembly), _SHARE)
+        estimated = over_time.at_the_ends(averaged, assembly, self.course(assembly), _FRACTION)
         estimated = self._with_choice(with_tables(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
@@ -456,7 +456,7 @@ class Dynamics(Study):
             if kept.progress is not None:
                 t = trajectory.last_t
                 kept.progress(
-                    f"{t:.4g} of {self.duration:.4g} s", heating.share(heat, t / self.duration)
+                    f"{t:.4g} of {self.duration:.4g} s", heating.fraction(heat, t / self.duration)
                 )
 
         found = integrate(

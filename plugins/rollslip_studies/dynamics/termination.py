@@ -168,12 +168,12 @@ def regimes_of(
 ) -> tuple[dict[str, Any], Trajectory]:
     """Film regimes and load parameters of the contacts at some cage slips, NaN if a model fails; as `outputs_of`."""
     try:
-        shares = raceways.regimes(raceways.speeds(slip))
+        fractions = raceways.regimes(raceways.speeds(slip))
     except Exception as error:
         found = _failing(found, error, "film regimes")
         unknown = np.full(len(RINGS), np.nan)
-        shares = np.full((len(RINGS), len(NAMES)), np.nan), unknown, unknown
-    return regime_variables(*shares), found
+        fractions = np.full((len(RINGS), len(NAMES)), np.nan), unknown, unknown
+    return regime_variables(*fractions), found
 
 
 def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:

@@ -34,7 +34,7 @@ from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.spins import Spins
 
 #: Error of a map's loads relative to the tolerance.
-_MAP_SHARE = 1e-3
+_MAP_FRACTION = 1e-3
 #: Loads that stand for the slices of a ring, and for those of each roller.
 _FEW: Final = (24, 8)
 #: From how many cage slips the spins at the next one go on, and by how much these differ at least, relative to it.
@@ -47,9 +47,9 @@ _START = 1e-3
 #: The variables that say in which film regimes the contacts run, and how lightly loaded.
 REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
     {
-        "regime_share": Output("ring regime", "1", "share of the contact forces in a film regime"),
+        "regime_fraction": Output("ring regime", "1", "share of the contact forces in a film regime"),
         "load_parameter": Output("ring", "1", "largest Moes load parameter M"),
-        "light_share": Output(
+        "light_fraction": Output(
             "ring",
             "1",
             f"share of the contact forces at M < {LIGHT:g}, where the film's pressure is not Hertz's",
@@ -59,10 +59,10 @@ REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
 
 
 def regime_variables(
-    share: Array, load_parameter: Array, light: Array, where: str = ""
+    fraction: Array, load_parameter: Array, light: Array, where: str = ""
 ) -> dict[str, Any]:
     """Return the variables of a result that say in which film regimes the contacts run, and how lightly loaded."""
-    values = {"regime_share": share, "load_parameter": load_parameter, "light_share": light}
+    values = {"regime_fraction": fraction, "load_parameter": load_parameter, "light_fraction": light}
     variables: dict[str, Any] = {
         name: output.variable(values[name]) for name, output in REGIMES.items()
     }
@@ -180,10 +180,10 @@ class LoadedRaceways:
         if new.size:
             self._find_shares(new)
         none = np.zeros(self.inner.rollers)
-        shares = np.array(
+        fractions = np.array(
             [self._shares[slip] if slip > 0.0 else none for slip in cage_slip.tolist()]
         )
-        return kinematics.surface_speeds(cage_slip[:, None], outer_rolling[:, None] * shares)
+        return kinematics.surface_speeds(cage_slip[:, None], outer_rolling[:, None] * fractions)
 
     def _find_shares(self, cage_slip: Array) -> None:
         """Find the roller slips at which both rings pull a roller alike, relative to rolling on the outer ring.
@@ -208,7 +208,7 @@ class LoadedRaceways:
         near = self._below(float(cage_slip[0]))
         if not near and cage_slip[0] > _START:
             cage_slip = np.concatenate(([_START], cage_slip))
-        shares, lost, self._slopes, row, ended = self._spins.kernel.followed(
+        fractions, lost, self._slopes, row, ended = self._spins.kernel.followed(
             np.array([ahead.inner_sliding, ahead.outer_sliding]),
             rolls,
             cage_slip,
@@ -220,7 +220,7 @@ class LoadedRaceways:
         if ended in RINGS:
             self.require_entrainment(
                 kinematics.surface_speeds(
-                    cage_slip[row : row + 1, None], rolls * cage_slip[row] * shares[row]
+                    cage_slip[row : row + 1, None], rolls * cage_slip[row] * fractions[row]
                 )
             )
         self._spins.ended(ended)
@@ -231,7 +231,7 @@ class LoadedRaceways:
                 "or has no balance"
                 + (f"; take --set {self.settings}.closure=epicyclic" if self.settings else "")
             )
-        self._shares.update(zip(cage_slip.tolist(), shares, strict=True))
+        self._shares.update(zip(cage_slip.tolist(), fractions, strict=True))
 
     def _below(self, cage_slip: float) -> list[float]:
         """The next smaller cage slips at which shares are known, none of them closer together than tells."""
@@ -329,8 +329,8 @@ class LoadedRaceways:
             regime_shares(self.inner, speeds.inner_rolling),
             regime_shares(self.outer, speeds.outer_rolling),
         )
-        share, light, largest = (np.array(values) for values in zip(*rings, strict=True))
-        return share, largest, light
+        fraction, light, largest = (np.array(values) for values in zip(*rings, strict=True))
+        return fraction, largest, light
 
     def per_roller(self, slip: Array) -> Array:
         """Friction coefficient of every roller at the first instant, (2, Z, n), NaN without load."""
@@ -354,7 +354,7 @@ class LoadedRaceways:
         roller = np.concatenate((-half[:0:-1], half))
         speeds = kinematics.surface_speeds(np.repeat(cage, roller.size), np.tile(roller, cage.size))
         self.require_entrainment(speeds)
-        tolerance = _MAP_SHARE * self.assembly.scene.accuracy.tolerance
+        tolerance = _MAP_FRACTION * self.assembly.scene.accuracy.tolerance
         surface = np.array(
             [
                 self.inner.means(speeds.inner_rolling, speeds.inner_sliding, tolerance),
@@ -457,7 +457,7 @@ def regime_shares(contacts: LoadedContacts, rolling: Array) -> tuple[Array, floa
 
     The speeds [m/s] are of shape (n,) for all rollers, or (n, rollers).
     """
-    share = np.zeros(4)
+    fraction = np.zeros(4)
     light = 0.0
     largest = 0.0
     alike = [(np.ones(contacts.owner.size, dtype=bool), rolling)]
@@ -479,10 +479,10 @@ def regime_shares(contacts: LoadedContacts, rolling: Array) -> tuple[Array, floa
         )
         rigid = np.minimum(elastic, piezoviscous)
         mixed = np.maximum(both, piezoviscous)
-        share += [
+        fraction += [
             part.sum()
             for part in (rigid, mixed - piezoviscous, piezoviscous - rigid, below[-1] - mixed)
         ]
         light += float(below[np.searchsorted(W, LIGHT * np.sqrt(2.0 * U))].sum())
         largest = max(largest, float(W[-1] / np.sqrt(2.0 * U.min())))
-    return share, light, largest
+    return fraction, light, largest

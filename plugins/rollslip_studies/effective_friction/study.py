@@ -159,7 +159,7 @@ _WHOLE_CURVE: Final = frozenset({"effective_friction"})
 #: How many times as far a film is off its thinnest to one side as to the other where rollers jump, or the tolerance.
 _JUMP: Final = 10.0
 #: Error that few loads may leave of the friction of all slices, relative to the tolerance.
-_FEW_SHARE: Final = 1e-2
+_COARSE_FRACTION: Final = 1e-2
 #: What is found of running away.
 _SKIDDING: Final = frozenset({"skidding_slip", "limit_drag", "skidding_status"})
 #: What is found of how the cage runs.
@@ -658,7 +658,7 @@ def _by_few_loads(
         (own, [_held_at(slip, ring) for ring in both])
         for own, (slip, _), both in zip(few, cases, critical, strict=True)
     ]
-    errors = [_FEW_SHARE * raceways.assembly.scene.accuracy.tolerance for _, raceways in cases]
+    errors = [_COARSE_FRACTION * raceways.assembly.scene.accuracy.tolerance for _, raceways in cases]
     return [
         both if agrees else None
         for both, agrees in zip(critical, agree_together(held, errors), strict=True)

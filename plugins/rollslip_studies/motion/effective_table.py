@@ -63,8 +63,8 @@ _MOST_CLASSES = 1024
 #: Slices evaluated at a time.
 _AT_ONCE: Final = 1 << 18
 #: Of the tolerance, for the cells and for the classes.
-_CELLS_SHARE = 0.8
-_CLASSES_SHARE = 0.1
+_CELLS_FRACTION = 0.8
+_CLASSES_FRACTION = 0.1
 #: Of two maxima among the probes that differ by less, either may be the larger one.
 _ALIKE: Final = 0.05
 #: What rounding leaves of the place of a maximum.
@@ -159,14 +159,14 @@ def effective_table(
         Share of what cubics over the sliding speed alone may leave between nodes that is aimed at, up to 1.
     """
     epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    rolling = np.array([epicyclic, *(epicyclic * share for share in _ROLLING)][: 3 if slips else 1])
+    rolling = np.array([epicyclic, *(epicyclic * fraction for fraction in _ROLLING)][: 3 if slips else 1])
     distinct, times = np.unique(
         load[load > 0.0], return_counts=True
     )  # mirror images are equal to the bit
     law, left = _gathered(
-        raceway, distinct, times.astype(float), rolling, _CLASSES_SHARE * tolerance
+        raceway, distinct, times.astype(float), rolling, _CLASSES_FRACTION * tolerance
     )
-    cells = _CELLS_SHARE * tolerance
+    cells = _CELLS_FRACTION * tolerance
     if slips:
         table = map_table(law, epicyclic, cells)
     else:
@@ -209,16 +209,16 @@ def curve_table(
         Error down to which nodes are added as long as there are not the most of them, by default the tolerance.
     """
     shape = _shape(friction, rolling)
-    scale, limit, share = _mapping([(1.0, friction)], shape, rolling)
+    scale, limit, fraction = _mapping([(1.0, friction)], shape, rolling)
 
     def at(x: Array) -> Array:
         return friction(_speed(x, scale))
 
-    cells = _first_cells(share)
+    cells = _first_cells(fraction)
     fine = at(_halves(limit, 4 * cells))
     while True:
         values = fine[::4]
-        slopes = _slopes(limit, values, scale * shape.slope, share if shape.has_critical else 0.0)
+        slopes = _slopes(limit, values, scale * shape.slope, fraction if shape.has_critical else 0.0)
         error = _missed(fine, slopes)
         enough = error <= (tolerance if aim is None else aim) and _rises(
             limit, slopes, scale * shape.slope
@@ -252,12 +252,12 @@ def map_table(
         As for `curve_table`.
     """
     shape = _shape(partial(friction, epicyclic), epicyclic)
-    laws = [(share, partial(friction, share * epicyclic)) for share in (1.0, *_ROLLING)]
-    scale, limit, share = _mapping(laws, shape, epicyclic)
+    laws = [(fraction, partial(friction, fraction * epicyclic)) for fraction in (1.0, *_ROLLING)]
+    scale, limit, fraction = _mapping(laws, shape, epicyclic)
     ratio = scale / epicyclic
     near = _NEAR * shape.half / epicyclic
     low, high = (part / (part + 1.0) for part in _ROLLING)
-    cells = _first_cells(share)
+    cells = _first_cells(fraction)
     rows = _FIRST_ROWS
     while cells <= _MOST_CELLS and rows <= _MOST_ROWS:
         x = _halves(limit, 4 * cells)
@@ -272,7 +272,7 @@ def map_table(
         slopes = _slopes(limit, values, np.array(rise))
         middle = 5 * rows // 8  # the epicyclic row
         slopes[middle] = _slopes(
-            limit, values[middle], rise[middle], share if shape.has_critical else 0.0
+            limit, values[middle], rise[middle], fraction if shape.has_critical else 0.0
         )
         rising, twisting = (_spline(part.T).T for part in (values, slopes))
         # half-way between the rows
@@ -402,30 +402,30 @@ def _mapping(
     reach = _REACH * rolling
     node = shape.critical.slip if shape.has_critical else shape.half
     rises = [_slope(law, _NEAR * shape.half * longer)[0] for longer, law in laws]
-    shares = [share for share in _SHARES if share * reach > node]
+    fractions = [fraction for fraction in _SHARES if fraction * reach > node]
     for cells in (_FIRST_CELLS, _CLEARER, _CLEAR_CELLS):
         found = list[tuple[float, float, float, float]]()
-        for share in shares:
-            scale = node * reach * (1.0 - share) / (share * reach - node)
+        for fraction in fractions:
+            scale = node * reach * (1.0 - fraction) / (fraction * reach - node)
             limit = reach / (reach + scale)
             error = 0.0
             for (longer, law), rise in zip(laws, rises, strict=True):
                 fine = law(_speed(_halves(limit, 4 * cells), scale * longer))
                 error = max(error, _missed(fine, _slopes(limit, fine[::4], scale * longer * rise)))
-            found.append((error, scale, limit, share))
+            found.append((error, scale, limit, fraction))
         found.sort(key=lambda one: one[0])
         if found[0][0] <= _UNCLEAR:
             break
-        shares = [
-            share for *_, share in found[: (len(found) + 1) // 2]
+        fractions = [
+            fraction for *_, fraction in found[: (len(found) + 1) // 2]
         ]  # what is worse is not the best with more
     return found[0][1:]
 
 
-def _first_cells(share: float) -> int:
+def _first_cells(fraction: float) -> int:
     """Fewest cells of which a node is at a share of either half."""
     cells = _FIRST_CELLS
-    while share * cells % 2.0:
+    while fraction * cells % 2.0:
         cells *= 2
     return cells
 
@@ -443,18 +443,18 @@ def _halves(limit: float, cells: int) -> Array:
 # The cubics ----------------------------------------------------------------------------------------------------------
 
 
-def _slopes(limit: float, values: Array, rise: Any, share: float = 0.0) -> Array:
+def _slopes(limit: float, values: Array, rise: Any, fraction: float = 0.0) -> Array:
     """Derivatives times the width of a cell at nodes along the last axis, from splines in each half, limited.
 
-    ``rise`` is the derivative in the middle, and ``share`` that of ``limit`` at which friction is largest; 0 for none.
+    ``rise`` is the derivative in the middle, and ``fraction`` that of ``limit`` at which friction is largest; 0 for none.
     """
     middle = values.shape[-1] // 2
     step = limit / middle
     above = _spline(values[..., middle:], step * np.asarray(rise))
     below = _spline(values[..., middle::-1], -step * np.asarray(rise))
     slopes = np.concatenate((-below[..., :0:-1], above), axis=-1)
-    if share:
-        critical = round(share * middle)
+    if fraction:
+        critical = round(fraction * middle)
         slopes[..., middle + critical] = 0.0
         if np.array_equal(values, -values[..., ::-1]):
             slopes[..., middle - critical] = 0.0
@@ -541,9 +541,9 @@ def _bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
     return bounds[0], bounds[1]
 
 
-def _between(values: Array, slopes: Array, share: float) -> Array:
+def _between(values: Array, slopes: Array, fraction: float) -> Array:
     """Hermite's cubics at a share of every cell of the last axis."""
-    x = share
+    x = fraction
     rise = np.diff(values, axis=-1)
     part = values[..., :-1] + x * x * (3.0 - 2.0 * x) * rise
     return np.asarray(part + x * (1.0 - x) * ((1.0 - x) * slopes[..., :-1] - x * slopes[..., 1:]))
@@ -581,16 +581,16 @@ def _gathered(
     Classes are of equal force. Returns mean friction over rolling and sliding speed, and their errors: of friction at
     any of the rolling speeds, and at the first one of the slope at no slip and of the maximum.
     """
-    share = load * times / (load * times).sum()
-    whole = _mean_friction(raceway, load, share)
+    fraction = load * times / (load * times).sum()
+    whole = _mean_friction(raceway, load, fraction)
     true = [whole(u, _probe(u)) for u in rolling.tolist()]
     epicyclic = float(rolling[0])
     shape = _shape(partial(whole, epicyclic), epicyclic) if load.size > _FIRST_CLASSES else None
     count = _FIRST_CLASSES
     while shape is not None and count < min(load.size, _MOST_CLASSES):
-        number = np.minimum((count * (np.cumsum(share) - 0.5 * share)).astype(int), count - 1)
-        force = np.asarray(np.bincount(number, share, count), dtype=float)
-        mean = np.bincount(number, share * load, count)[force > 0.0] / force[force > 0.0]
+        number = np.minimum((count * (np.cumsum(fraction) - 0.5 * fraction)).astype(int), count - 1)
+        force = np.asarray(np.bincount(number, fraction, count), dtype=float)
+        mean = np.bincount(number, fraction * load, count)[force > 0.0] / force[force > 0.0]
         law = _mean_friction(raceway, mean, force[force > 0.0])
         off = max(
             _relative(law(u, _probe(u)) - one, one)
@@ -612,7 +612,7 @@ def _gathered(
     return whole, (0.0, 0.0, 0.0)
 
 
-def _mean_friction(raceway: Raceway, load: Array, share: Array) -> Callable[[float, Array], Array]:
+def _mean_friction(raceway: Raceway, load: Array, fraction: Array) -> Callable[[float, Array], Array]:
     """Mean friction, over rolling and sliding speed, of slices with loads per length and shares of the force."""
     part = max(_AT_ONCE // max(load.size, 1), 1)
 
@@ -624,7 +624,7 @@ def _mean_friction(raceway: Raceway, load: Array, share: Array) -> Callable[[flo
             V = sliding[begin : begin + part]
             slices = raceway.evaluate(np.tile(load, V.size), rolling, np.repeat(V, load.size))
             parts.append(
-                (slices.friction.reshape(V.size, -1) * share).sum(axis=1)
+                (slices.friction.reshape(V.size, -1) * fraction).sum(axis=1)
             )  # not by BLAS, whose threads show
         return np.concatenate(parts)
 

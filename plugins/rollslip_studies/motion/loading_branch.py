@@ -179,7 +179,7 @@ class LoadingBranch:
 
     def at(self, slips: Sequence[float]) -> list[Motion]:
         """Return the motions of the way at other slips of its range, by the loads of the search."""
-        starts = np.array([self.near(slip).share[0] for slip in slips])
+        starts = np.array([self.near(slip).fraction[0] for slip in slips])
         return [one for one, *_ in self._search.motions.at(np.array(slips), starts)]
 
     def near(self, slip: float) -> Motion:
@@ -215,13 +215,13 @@ class LoadingBranch:
         def excess(at: float) -> float:
             nonlocal motion
             near = min(known, key=lambda one: abs(one.slip - at))
-            motion = self.exact.at(np.array([at]), near.share[:1])[0][0]
+            motion = self.exact.at(np.array([at]), near.fraction[:1])[0][0]
             value = motion.torque + drag(at)
             return value if abs(value) > _STEADY * abs(motion.torque) else 0.0
 
         def rise() -> float:
             beside = motion.slip * np.array([1.0 - _NUDGE, 1.0 + _NUDGE])
-            left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.share[0])))
+            left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.fraction[0])))
             return (right.torque + drag(right.slip) - left.torque - drag(left.slip)) / (
                 right.slip - left.slip
             )
@@ -261,28 +261,28 @@ class _Search:
                 if below.sure and not any(
                     one.sure for one in pair
                 ):  # neither end settles, what is between them may
-                    pair = motions.at(np.array(slips[k : k + 1]), below.share[:1])[0]
+                    pair = motions.at(np.array(slips[k : k + 1]), below.fraction[:1])[0]
                 way.append(
                     motions.link(
-                        below, min(pair, key=lambda one: motions.apart(one.share, below.share))
+                        below, min(pair, key=lambda one: motions.apart(one.fraction, below.fraction))
                     )
                 )
             two = [k for k in range(1, n) if len(pairs[k]) > 1]
             wrong = None
             if two:
                 again = motions.at(
-                    np.array([slips[k] for k in two]), np.array([way[k - 1].share[0] for k in two])
+                    np.array([slips[k] for k in two]), np.array([way[k - 1].fraction[0] for k in two])
                 )
                 off = (
                     (k, one[0])
                     for k, one in zip(two, again, strict=True)
-                    if motions.apart(one[0].share, way[k].share) >= TWO
+                    if motions.apart(one[0].fraction, way[k].fraction) >= TWO
                 )
                 wrong = next(off, None)
             if wrong is None:
-                own = {motion.slip: motion.share for motion in way}
+                own = {motion.slip: motion.fraction for motion in way}
                 return way, [
-                    one for one in others if motions.apart(one.share, own[one.slip]) >= TWO
+                    one for one in others if motions.apart(one.fraction, own[one.slip]) >= TWO
                 ]
             pairs[wrong[0]] = [wrong[1]]  # and what follows is chosen anew
 
@@ -308,7 +308,7 @@ class _Search:
             if not todo:
                 break
             middle = np.array([slip_of(0.5 * (way[k].place + way[k + 1].place)) for k in todo])
-            found = self.motions.at(middle, np.array([way[k].share[0] for k in todo]))
+            found = self.motions.at(middle, np.array([way[k].fraction[0] for k in todo]))
             for k, (motion, *_) in sorted(zip(todo, found, strict=True), key=lambda one: -one[0]):
                 if not motion.sure:  # it only halves the interval
                     motion = attrs.evolve(motion, torque=min(way[k].torque, way[k + 1].torque))
@@ -360,7 +360,7 @@ class _Search:
             return b.place
 
         def over(place: float) -> float:
-            return self.motions.at(np.array([slip_of(place)]), a.share[:1])[0][0].torque - drag
+            return self.motions.at(np.array([slip_of(place)]), a.fraction[:1])[0][0].torque - drag
 
         return bracketed(over, a.place, b.place, a.torque - drag, b.torque - drag, tolerance=_AGAIN)
 
@@ -377,7 +377,7 @@ class _Search:
             near = min(known.values(), key=lambda motion: abs(motion.place - at))
             if abs(near.place - at) < _SAME:
                 break
-            new = motions.at(np.array([slip_of(at)]), near.share[:1])[0][0]
+            new = motions.at(np.array([slip_of(at)]), near.fraction[:1])[0][0]
             if not new.sure:
                 break
             known[at] = new
@@ -398,7 +398,7 @@ class _Search:
         places: tuple[float, ...] = (place - half, place, min(place + half, end))
         for _ in range(_FURTHER):
             slips = np.array([slip_of(x) for x in places])
-            new = self._fine.at(slips, np.full(slips.size, near.share[0]))
+            new = self._fine.at(slips, np.full(slips.size, near.fraction[0]))
             found |= {x: one[0] for x, one in zip(places, new, strict=True) if one[0].sure}
             if len(found) < 2 or max(one.torque for one in found.values()) == 0.0:
                 return None
@@ -414,7 +414,7 @@ class _Search:
 
     def _at_finer(self, motion: Motion) -> Motion:
         """A motion by four times the positions."""
-        return self._fine.at(np.array([motion.slip]), motion.share[:1])[0][0]
+        return self._fine.at(np.array([motion.slip]), motion.fraction[:1])[0][0]
 
     def missed(self, motion: Motion) -> float:
         """What slips, positions and loads of a roller leave of the torque of a motion, relative."""
@@ -426,7 +426,7 @@ class _Search:
         """Place and height of the end of a motion by four times the positions; None if they do not tell it."""
         low = way[k].place - _WIDE
         high = way[k].place + _WIDE
-        start = way[k].share[0]
+        start = way[k].fraction[0]
         best: tuple[float, float, float] | None = None
         for _ in range(_LOOKS):
             places = np.linspace(low, high, _BETWEEN).tolist()
@@ -459,11 +459,11 @@ def _is_peak(way: list[Motion], k: int) -> bool:
 
 
 def _around(
-    way: list[Motion], k: int, peak: tuple[float, float], known: float, share: float
+    way: list[Motion], k: int, peak: tuple[float, float], known: float, fraction: float
 ) -> list[float]:
     """Slips up to which the torque is within a share of a peak beside motion k, whose place is known to be another."""
     (place, drag) = peak
-    most = math.sqrt(share)
+    most = math.sqrt(fraction)
     ends = list[float]()
     for step in (-1, 1):
         end = place

@@ -121,11 +121,11 @@ def _rolling(
     terms = resistance.terms if isinstance(resistance, TotalResistance) else (resistance,)
     losses = []
     for ring, of, whole in zip(RINGS, balance.evaluated(orbit), power, strict=True):
-        shares = np.array([_power_of(term, of) for term in terms])
-        shares = shares / (shares.sum() or 1.0)
+        fractions = np.array([_power_of(term, of) for term in terms])
+        fractions = fractions / (fractions.sum() or 1.0)
         losses += [
-            Loss(f"{term.name}, {ring} raceway", f"{ring} contact", whole * float(share))
-            for term, share in zip(terms, shares, strict=True)
+            Loss(f"{term.name}, {ring} raceway", f"{ring} contact", whole * float(fraction))
+            for term, fraction in zip(terms, fractions, strict=True)
         ]
     return losses
 

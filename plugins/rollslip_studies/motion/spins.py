@@ -162,7 +162,7 @@ class Motion:
     #: slip, torque: Cage slip, and mean torque of all rollers on the cage [N m], positive where it drives.
     slip: float
     torque: float
-    share: Array  # roller slips along the orbit over ``unit``, which goes with the cage slip, (K,)
+    fraction: Array  # roller slips along the orbit over ``unit``, which goes with the cage slip, (K,)
     unit: float  # roller slip of share one
     #: Whether it repeats, is held by the rollers and was found by differences of second order, or is told with its
     #: error.
@@ -183,7 +183,7 @@ class Motion:
     @property
     def roller_slip(self) -> Array:
         """Roller slips at the positions of the orbit, (K,)."""
-        return self.share * self.unit
+        return self.fraction * self.unit
 
 
 class Spins:
@@ -511,12 +511,12 @@ class Motions:
         begin = None if starts is None else np.repeat((starts * unit)[:, None], 2, axis=1)
         brakes, missed = self._braked(slips, begin) if self.rubbing > 0.0 else (None, None)
         found, met, left = self._came_to(slips, begin, brakes=brakes)
-        shares = found / unit[:, None, None]
+        fractions = found / unit[:, None, None]
         two = [
             row
             for row in np.flatnonzero(~met).tolist()
             if starts is None
-            and self.apart(shares[row, 0], shares[row, 1])
+            and self.apart(fractions[row, 0], fractions[row, 1])
             >= (TWO if left[row].max() < _REPEATS else 0.0)
         ]
         rows = np.array([*range(slips.size), *two])
@@ -530,8 +530,8 @@ class Motions:
         out = [[motion] for motion in motions[: slips.size]]
         for row, motion in zip(two, motions[slips.size :], strict=True):
             if brakes is not None:  # neighbours brake it in its own way
-                motion = self.at(slips[row : row + 1], motion.share[:1])[0][0]
-            if self.apart(out[row][0].share, motion.share) >= TWO:
+                motion = self.at(slips[row : row + 1], motion.fraction[:1])[0][0]
+            if self.apart(out[row][0].fraction, motion.fraction) >= TWO:
                 out[row].append(motion)
         return out
 
@@ -611,7 +611,7 @@ class Motions:
             Motion(
                 slip=float(slips[r]),
                 torque=float(torque[k]),
-                share=at[k] / unit[r],
+                fraction=at[k] / unit[r],
                 unit=float(unit[r]),
                 sure=bool(sure[k]),
                 error=float(error[k]),
@@ -623,7 +623,7 @@ class Motions:
 
     def link(self, below: Motion, motion: Motion) -> Motion:
         """Return a motion, marked by whether it goes on from the one at the slip below."""
-        return attrs.evolve(motion, linked=self.apart(below.share, motion.share) <= GOES_ON)
+        return attrs.evolve(motion, linked=self.apart(below.fraction, motion.fraction) <= GOES_ON)
 
 
 # Loads over an orbit ------------------------------------------------------------------------------------------------

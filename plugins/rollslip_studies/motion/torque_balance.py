@@ -222,7 +222,7 @@ class TorqueBalance:
         for k, here in zip(order.tolist(), found, strict=True):
             if not _settled(here):
                 known = below or self._below(float(cage_slips[k]))
-                here = motions.at(cage_slips[k : k + 1], known.share[:1])[0]
+                here = motions.at(cage_slips[k : k + 1], known.fraction[:1])[0]
             below = here[0]
             out[k] = below.torque
         return out
@@ -237,7 +237,7 @@ class TorqueBalance:
         return (
             here[0]
             if _settled(here)
-            else self.motions.at(np.array([slip]), self._below(slip).share[:1])[0][0]
+            else self.motions.at(np.array([slip]), self._below(slip).fraction[:1])[0][0]
         )
 
     def orbit_of(self, motion: Motion) -> Orbit:
@@ -323,9 +323,9 @@ def look_along(assembly: Assembly, end: float, *, inertia: bool = True) -> None:
     Its search is compiled and looks at no bound.
     """
     balance = rollers(assembly, 1, inertia=inertia)
-    for share in _LOOKED_AT:
+    for fraction in _LOOKED_AT:
         try:
-            balance.evaluated(balance.orbit(share * end))
+            balance.evaluated(balance.orbit(fraction * end))
         except (DomainError, ConvergenceError):  # where it ends; a run says so
             return
 
@@ -458,10 +458,10 @@ def reserve(
     if not (runs.status == FOUND or runs.status.startswith(NOWHERE)):
         return Reserve(math.nan, runs.status)
     slips, torques = balance.way(largest).curve
-    shares = [torque / -balance.drag(slip) for slip, torque in zip(slips, torques, strict=True)
+    fractions = [torque / -balance.drag(slip) for slip, torque in zip(slips, torques, strict=True)
               if torque > 0.0 and balance.drag(slip) < 0.0]  # fmt: skip
     return Reserve(
-        min(max(shares, default=0.0), 1.0), f"{SKIDS}: its drags are more than the rollers carry"
+        min(max(fractions, default=0.0), 1.0), f"{SKIDS}: its drags are more than the rollers carry"
     )
 
 

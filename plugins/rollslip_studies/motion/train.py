@@ -55,15 +55,15 @@ class Train:
         given = torque.reshape(shape)
         falls = np.zeros(shape) if falls is None else falls.reshape(shape)
         kept = (self.lever - falls) / (self.lever + falls)
-        share = 1.0 / (self.lever + falls)
+        fraction = 1.0 / (self.lever + falls)
         # a = kept b + share (Y - D), round the train: what stands behind each roller with none behind the first one and
         # D = 0, what one newton behind the first one adds, and what D = 1 takes
         pushed, added, taken = (np.zeros((shape[0], self.rollers + 1, shape[2])) for _ in range(3))
         added[:, 0] = 1.0
         for k in range(self.rollers):
-            pushed[:, k + 1] = kept[:, k] * pushed[:, k] + share[:, k] * given[:, k]
+            pushed[:, k + 1] = kept[:, k] * pushed[:, k] + fraction[:, k] * given[:, k]
             added[:, k + 1] = kept[:, k] * added[:, k]
-            taken[:, k + 1] = kept[:, k] * taken[:, k] + share[:, k]
+            taken[:, k + 1] = kept[:, k] * taken[:, k] + fraction[:, k]
         whole = taken / taken[:, -1:]  # D is such that the last one pushes the first one
         pushed = pushed - whole * pushed[:, -1:]
         added = added - whole * (added[:, -1:] - 1.0)

@@ -145,8 +145,8 @@ class RacewayFriction(Study):
         assembly = assembly.with_resistance()
         epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
         low, high = (
-            share * epicyclic if stated is None else stated
-            for stated, share in zip((self.slowest, self.fastest), _SPEEDS, strict=True)
+            fraction * epicyclic if stated is None else stated
+            for stated, fraction in zip((self.slowest, self.fastest), _SPEEDS, strict=True)
         )
         u = np.geomspace(min(low, 0.5 * high), high, ROLLING)
         same = self.least_ratio == self.most_ratio

@@ -44,10 +44,10 @@ class Branch:
         before = self.parameter[:-1]
         after = self.parameter[1:]
         crosses = np.flatnonzero((before - parameter) * (after - parameter) <= 0.0)
-        share = (parameter - before[crosses]) / np.where(after == before, 1.0, after - before)[
+        fraction = (parameter - before[crosses]) / np.where(after == before, 1.0, after - before)[
             crosses
         ]
-        slips = self.slip[crosses] + share * (self.slip[crosses + 1] - self.slip[crosses])
+        slips = self.slip[crosses] + fraction * (self.slip[crosses + 1] - self.slip[crosses])
         return bool(np.any(np.abs(slips - slip) <= 0.01 * np.ptp(self.slip)))
 
     @property

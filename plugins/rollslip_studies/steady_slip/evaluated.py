@@ -59,18 +59,18 @@ def by_secant(
     balance: "TorqueBalance",
     slip: float,
     of: "Callable[[Orbit], Array]",
-    share: float | None = None,
+    fraction: float | None = None,
 ) -> tuple[float, Array]:
     """Return by how much a steady slip is off that of another balance, relative, and what goes with the slip there.
 
     Both by one secant, from the motions on the way up or from that of a share of the slip at the first position.
     """
     slips = slip * np.array([1.0, 1.0 + STEP])
-    if share is None:
+    if fraction is None:
         orbits = [balance.orbit(one) for one in slips.tolist()]
     else:
         orbits = [
-            balance.orbit_of(each[0]) for each in balance.motions.at(slips, np.full(2, share))
+            balance.orbit_of(each[0]) for each in balance.motions.at(slips, np.full(2, fraction))
         ]
     over, more = (orbit.torque + balance.drag(orbit.cage_slip) for orbit in orbits)
     steps = over / (over - more) if more != over else math.inf
@@ -90,7 +90,7 @@ def films(
 ) -> dict[str, Any]:
     """Film regimes of the contacts over the orbits, and their smallest film parameter."""
     n = len(states)
-    share = np.zeros((2, 4))
+    fraction = np.zeros((2, 4))
     light = np.zeros(2)
     largest = np.zeros(2)
     thinnest = np.full((2, n), np.nan)
@@ -102,12 +102,12 @@ def films(
             force = contacts.force / contacts.total
             thinnest[i, k] = slices.film_thickness.min() / slices.conditions.roughness
             code = film_by_regime(*groups(slices))[1].astype(int)
-            share[i] += np.bincount(code, weights=force, minlength=4) / n
+            fraction[i] += np.bincount(code, weights=force, minlength=4) / n
             M = moes_groups(slices)[0]
             largest[i] = max(largest[i], M.max())
             light[i] += force[M < LIGHT].sum() / n
     where = ", at the steady slips" if steady else ", over the range of slips"
-    found = regime_variables(share, largest, light, where)
+    found = regime_variables(fraction, largest, light, where)
     if steady:
         found |= study.variables(film_parameter=thinnest)
     return found

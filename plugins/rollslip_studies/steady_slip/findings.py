@@ -319,8 +319,8 @@ def _inertia(dataset: "xr.Dataset") -> str:
     return f"{way} {what} {_percent(effect)}"
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"
+def _percent(fraction: float) -> str:
+    return f"{100.0 * fraction:.3g} %"
 
 
 def _what(dataset: "xr.Dataset", name: str) -> str:
@@ -365,7 +365,7 @@ def _losses(dataset: "xr.Dataset") -> list[str]:
         if not total > 0.0:
             continue
         order = np.argsort(-losses, kind="stable")[:_MOST_SOURCES]
-        shares = ", ".join(
+        fractions = ", ".join(
             f"{_percent(losses[n] / total)} {one['source'].to_numpy()[n]}"
             for n in order
             if losses[n] > 0
@@ -373,7 +373,7 @@ def _losses(dataset: "xr.Dataset") -> list[str]:
         said.append(
             f"at a cage slip of {_percent(float(one['steady_slip']))} the bearing turns "
             f"{format_quantity(total, 'W', 3)} into heat, a friction torque of "
-            f"{format_quantity(float(one['friction_torque']), 'N m', 3)}{_beside(dataset, one)}: {shares}"
+            f"{format_quantity(float(one['friction_torque']), 'N m', 3)}{_beside(dataset, one)}: {fractions}"
         )
     return said + _judged(dataset) + _by_formula(dataset)
 
@@ -466,11 +466,11 @@ def _by_formula(dataset: "xr.Dataset") -> list[str]:
             for part, value in terms.items()
             if part.partition(": ")[0] == name
         }
-        shares = ", ".join(
+        fractions = ", ".join(
             f"{_percent(value / torque if torque else 0.0)} {term}" for term, value in own.items()
         )
         said.append(
-            f"by formula {str(name)!r} the friction torque is {format_quantity(float(torque), 'N m', 3)}: {shares}; it "
+            f"by formula {str(name)!r} the friction torque is {format_quantity(float(torque), 'N m', 3)}: {fractions}; it "
             f"knows no slip, and no drag but its own terms"
         )
     if "formula_estimated" in dataset and (guessed := str(dataset["formula_estimated"].item())):

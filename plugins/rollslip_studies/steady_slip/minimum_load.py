@@ -152,12 +152,12 @@ def _around_maxima(balance: TorqueBalance, slip: float) -> Iterator[float]:
                 yield one
 
 
-def _maxima(balance: TorqueBalance, slips: Array, torques: Array, share: float) -> Iterator[float]:
+def _maxima(balance: TorqueBalance, slips: Array, torques: Array, fraction: float) -> Iterator[float]:
     """Slips at which more torque is left over than at both next to them, and at least a share of the drag is there."""
     drags = -np.array([balance.drag(one) for one in slips.tolist()])
     over = torques - drags
     inside = (
-        (over[1:-1] > over[:-2]) & (over[1:-1] >= over[2:]) & (torques[1:-1] > share * drags[1:-1])
+        (over[1:-1] > over[:-2]) & (over[1:-1] >= over[2:]) & (torques[1:-1] > fraction * drags[1:-1])
     )
     yield from slips[1:-1][inside].tolist()
 

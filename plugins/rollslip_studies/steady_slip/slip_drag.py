@@ -29,8 +29,8 @@ def slip_drag(
     slip, torque = _curve(way, min(range_, way.end) if inside else way.end, points)
     most_slip, most = way.largest
     errors = (balance.assembly.scene.accuracy.tolerance, 0.0 if away is None else away.error)
-    share = max(one for one in errors if math.isfinite(one))
-    low, high = (math.nan, math.nan) if away is None else away.around(share)
+    fraction = max(one for one in errors if math.isfinite(one))
+    low, high = (math.nan, math.nan) if away is None else away.around(fraction)
     values = {
         "driving_torque": torque,
         "drag_torque": np.array([-balance.drag(float(one)) for one in slip]),
@@ -60,7 +60,7 @@ def slip_drag(
         / _EXACTER
     )
     variables = {name: OUTPUTS[name].variable(value) for name, value in values.items()}
-    variables["limit_drag_low"][2]["within"] = variables["limit_drag_high"][2]["within"] = share
+    variables["limit_drag_low"][2]["within"] = variables["limit_drag_high"][2]["within"] = fraction
     return variables, coords, error
 
 

@@ -68,7 +68,7 @@ _MOST_OF_A_JUMP: Final = 16
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 #: Share of the tolerances that slices and instants may use.
-_SHARE: Final = 0.5
+_FRACTION: Final = 0.5
 #: Ways up that a run finds while it doubles instants, slips of one, motions of the rollers of a followed branch, and
 #: ways up of a search for a least load at a slip where rollers have several motions.
 _WAYS = 2
@@ -174,7 +174,7 @@ class SteadySlip(Study):
 
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
         """Choose slices, instants and laws by the slip-drag curve."""
-        found = by_curves(self, assembly, share=_SHARE, cheaper_laws=cheaper_laws)
+        found = by_curves(self, assembly, fraction=_FRACTION, cheaper_laws=cheaper_laws)
         n_positions = max(found.resolution.n_positions or 0, minimum_positions(assembly))
         return attrs.evolve(found, resolution=attrs.evolve(found.resolution, n_positions=n_positions))
 
@@ -277,7 +277,7 @@ class SteadySlip(Study):
         states = [balance.orbit_of(one.motion) for one in steady]
         if not states:
             end = min(self.max_cage_slip, way.end)
-            states = [balance.orbit(slip) for slip in slips or [share * end for share in _JUDGED]]
+            states = [balance.orbit(slip) for slip in slips or [fraction * end for fraction in _JUDGED]]
         variables, coords, error = slip_drag(
             balance, way, slips, self.max_cage_slip, self.points, self.table
         )

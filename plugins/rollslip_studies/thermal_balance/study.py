@@ -184,8 +184,8 @@ class ThermalBalance(Study):
         start = model.start(assembly.scene)
         n = len(model.nodes)
         seconds = []
-        for share in (0.0, 0.5):
-            T = start + share * (self.highest_temperature - start[0])
+        for fraction in (0.0, 0.5):
+            T = start + fraction * (self.highest_temperature - start[0])
             heated.at(T)
             seconds.append(timed(partial(heated.at, T + _NEARBY), 1))
         states = self.points * (1 if n == 1 else _FOLLOWING) + 4 * n + _COURSE * bool(self.duration)

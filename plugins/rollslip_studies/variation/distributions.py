@@ -59,12 +59,12 @@ class Distribution(abc.ABC):
         low = (
             0.0
             if self.at_least is None
-            else float(self._share(np.asarray(self.at_least, dtype=float)))
+            else float(self._fraction(np.asarray(self.at_least, dtype=float)))
         )
         high = (
             1.0
             if self.at_most is None
-            else float(self._share(np.asarray(self.at_most, dtype=float)))
+            else float(self._fraction(np.asarray(self.at_most, dtype=float)))
         )
         if not high > low:
             raise FieldError(
@@ -79,10 +79,10 @@ class Distribution(abc.ABC):
 
     @abc.abstractmethod
     def _quantile(self, probability: Array) -> Array:
-        """Inverse of `_share`."""
+        """Inverse of `_fraction`."""
 
     @abc.abstractmethod
-    def _share(self, value: Array) -> Array:
+    def _fraction(self, value: Array) -> Array:
         """Share of the distribution without truncation that lies below a value."""
 
 
@@ -147,7 +147,7 @@ class Normal(Distribution):
     def _quantile(self, probability: Array) -> Array:
         return np.asarray(self.mean + self.deviation * _scores(probability))
 
-    def _share(self, value: Array) -> Array:
+    def _fraction(self, value: Array) -> Array:
         return np.asarray(_below((value - self.mean) / self.deviation))
 
 
@@ -187,7 +187,7 @@ class LogNormal(Distribution):
     def _quantile(self, probability: Array) -> Array:
         return np.asarray(self.median * np.exp(self._sigma * _scores(probability)))
 
-    def _share(self, value: Array) -> Array:
+    def _fraction(self, value: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(_below(np.log(np.maximum(value, 0.0) / self.median) / self._sigma))
 
@@ -222,7 +222,7 @@ class Uniform(Distribution):
     def _quantile(self, probability: Array) -> Array:
         return np.asarray(self.low + probability * (self.high - self.low))
 
-    def _share(self, value: Array) -> Array:
+    def _fraction(self, value: Array) -> Array:
         return np.asarray(np.clip((value - self.low) / (self.high - self.low), 0.0, 1.0))
 
 
@@ -244,7 +244,7 @@ class LogUniform(Distribution):
     def _quantile(self, probability: Array) -> Array:
         return np.asarray(self.low * np.exp(probability * math.log(self.high / self.low)))
 
-    def _share(self, value: Array) -> Array:
+    def _fraction(self, value: Array) -> Array:
         return np.asarray(
             np.log(np.clip(value, self.low, self.high) / self.low) / math.log(self.high / self.low)
         )
@@ -276,7 +276,7 @@ class Triangular(Distribution):
         above = self.high - np.sqrt((1.0 - probability) * width * (width - rise))
         return np.asarray(np.where(probability * width <= rise, below, above))
 
-    def _share(self, value: Array) -> Array:
+    def _fraction(self, value: Array) -> Array:
         width = self.high - self.low
         rise = self.mode - self.low
         v = np.clip(value, self.low, self.high)

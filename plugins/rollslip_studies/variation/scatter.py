@@ -73,10 +73,10 @@ def _is_known(raw: Mapping[str, object], key: str, scatter: Scatter) -> bool:
 
 def _of_nothing(scatter: Scatter, quantity: Quantity) -> bool:
     """Whether a value is zero, or is not there, of which a share scatters."""
-    shares = {"scatter", "deviation_of_ln"} & scatter.parameters.keys()
+    fractions = {"scatter", "deviation_of_ln"} & scatter.parameters.keys()
     return (
-        bool(shares)
-        and scatter.parameters.keys() <= {*shares, "at_least", "at_most"}
+        bool(fractions)
+        and scatter.parameters.keys() <= {*fractions, "at_least", "at_most"}
         and not quantity.value
     )
 

@@ -27,14 +27,14 @@ def friction(limit: float, speeds: Any) -> Any:
 
 def test_it_inverts_the_flow_law_of_lee_and_hamrock() -> None:
     """g = (tau/eta)/sqrt(1 - (tau/tau_L)^2) in 40 digits gives the sliding speed that belongs to a stress."""
-    shares = np.array([1e-12, 1e-6, 0.01, 0.5, 0.9, 0.999999])
+    fractions = np.array([1e-12, 1e-6, 0.01, 0.5, 0.9, 0.999999])
     with mpmath.workdps(40):
         limiting = mpmath.mpf("0.07") * 600_000_000
-        stresses = [limiting * mpmath.mpf(float(share)) for share in shares]
+        stresses = [limiting * mpmath.mpf(float(fraction)) for fraction in fractions]
         rates = [stress / 180 / mpmath.sqrt(1 - (stress / limiting) ** 2) for stress in stresses]
         speeds = np.array([float(rate * mpmath.mpf("4e-7")) for rate in rates])
-    np.testing.assert_allclose(friction(0.07, speeds), 0.07 * shares, rtol=2e-14)
-    np.testing.assert_allclose(friction(0.07, -speeds), -0.07 * shares, rtol=2e-14)
+    np.testing.assert_allclose(friction(0.07, speeds), 0.07 * fractions, rtol=2e-14)
+    np.testing.assert_allclose(friction(0.07, -speeds), -0.07 * fractions, rtol=2e-14)
 
 
 def test_it_begins_newtonian_and_ends_at_the_limit() -> None:

@@ -32,19 +32,19 @@ def test_the_shares_are_those_of_a_search_slice_by_slice() -> None:
     made = filled(model)
     for k, speed in enumerate(SPEEDS):
 
-        def thickness(share: float, speed: float = speed) -> Any:
-            modulus = share * 2.28e11
-            return film.film_thickness(share * 1e5, speed, 5e-3, modulus, 8e-3, 1.5e-8)
+        def thickness(fraction: float, speed: float = speed) -> Any:
+            modulus = fraction * 2.28e11
+            return film.film_thickness(fraction * 1e5, speed, 5e-3, modulus, 8e-3, 1.5e-8)
 
-        def left(share: float, thickness: Any = thickness) -> float:
-            tail = 4.4086e-5 * max(4.0 - thickness(share) / 0.4e-6, 0.0) ** 6.804
+        def left(fraction: float, thickness: Any = thickness) -> float:
+            tail = 4.4086e-5 * max(4.0 - thickness(fraction) / 0.4e-6, 0.0) ** 6.804
             asperities = 16 * np.sqrt(2) * np.pi / 15 * 0.2**2 * np.sqrt(1e-3) * 2.28e11 / 2 * tail
-            return float(1.0 - share - asperities / 5e8)
+            return float(1.0 - fraction - asperities / 5e8)
 
-        share = brentq(left, 1e-6, 1.0, xtol=1e-15, rtol=1e-14)
-        np.testing.assert_allclose(made.film_thickness[k], thickness(share), rtol=1e-12)
+        fraction = brentq(left, 1e-6, 1.0, xtol=1e-15, rtol=1e-14)
+        np.testing.assert_allclose(made.film_thickness[k], thickness(fraction), rtol=1e-12)
     told = model.quantities(made)
-    assert told["asperity_share"][0] > 0.3 > told["asperity_share"][-1] == 0.0
+    assert told["asperity_fraction"][0] > 0.3 > told["asperity_fraction"][-1] == 0.0
     assert np.all(np.abs(told["film_left"]) < 1e-12)
 
 
@@ -82,6 +82,6 @@ def test_film_and_traction_share_their_asperities_in_a_scene() -> None:
         run(evolve(scene, {"lubricant.models": {"roughness_parameter": size}}), "friction-curve")
         for size in (0.1, 0.02)
     )
-    assert np.all(rough.asperity_share > smooth.asperity_share)
+    assert np.all(rough.asperity_fraction > smooth.asperity_fraction)
     assert float(abs(rough.film_left).max()) < 1e-12
     assert np.all(rough.film_thickness > smooth.film_thickness)

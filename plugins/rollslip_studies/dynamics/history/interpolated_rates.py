@@ -56,7 +56,7 @@ _LEAST: Final = 0.05
 _HARDLY: Final = 1e-9
 #: Share of the tolerance that is left to what is seen at the checked places: tables take another, and where a slice
 #: parts between them the rates have a kink, at which a cubic errs two to three times as much.
-_SHARE: Final = 0.4
+_FRACTION: Final = 0.4
 #: Entries of the ledger that rates are compared by, beside the spins of the rollers.
 _COMPARED: Final = (
     "impulse_inner",
@@ -104,7 +104,7 @@ class Axis:
     def roots(self) -> tuple[float, ...]:
         """Places between which it is halved."""
         if self.name == "speed":
-            return tuple(share * self.high for share in _FIRST_SPEEDS)
+            return tuple(fraction * self.high for fraction in _FIRST_SPEEDS)
         return self.low, self.high
 
     def place(self, node: int) -> float:
@@ -165,7 +165,7 @@ class Stations:
 
     @property
     def _allowed(self) -> float:
-        return _SHARE * self.tolerance / max(len(self.axes), 1)
+        return _FRACTION * self.tolerance / max(len(self.axes), 1)
 
     @property
     def motions(self) -> Mapping[Place, MovingBearing]:
@@ -212,11 +212,11 @@ class Stations:
             return self.motion((*rest[:axis], self.axes[axis].place(node), *rest[axis:]))
 
         found = 0.0
-        for share in _CHECKED:
-            true = there(_between(low, high, share))
+        for fraction in _CHECKED:
+            true = there(_between(low, high, fraction))
             at_nodes = [self._rates(there(node), true) for node in _nodes(low, high)]
             cubic = sum(
-                weight * rates for weight, rates in zip(_weights(share), at_nodes, strict=True)
+                weight * rates for weight, rates in zip(_weights(fraction), at_nodes, strict=True)
             )
             error = off(
                 np.asarray(cubic), self._rates(true, true), _LEAST * self._largest, self._rollers
@@ -268,8 +268,8 @@ class Stations:
         if place not in known:
             values = {axis.name: axis.value(at) for axis, at in zip(self.axes, place, strict=True)}
             speed = values.pop("speed", None)
-            share = 1.0 if speed is None else speed / abs(self.speeds[0] - self.speeds[1])
-            values |= {"inner_speed": share * self.speeds[0], "outer_speed": share * self.speeds[1]}
+            fraction = 1.0 if speed is None else speed / abs(self.speeds[0] - self.speeds[1])
+            values |= {"inner_speed": fraction * self.speeds[0], "outer_speed": fraction * self.speeds[1]}
             known[place] = operated(self.assembly, values)
         return known[place]
 
@@ -337,14 +337,14 @@ def rates_of(
     rows = list[list[Array]]()
     before = speeds.copy()
     compared = _compared(like)
-    shares = speed_shares if motion.friction.settings.name == "conventional" else (1.0,)
-    for share, slip in itertools.product(shares, _slips(like.assembly)):
-        speeds[:] = share * k.direction * np.array([k.inner_speed, k.outer_speed])
+    fractions = speed_shares if motion.friction.settings.name == "conventional" else (1.0,)
+    for fraction, slip in itertools.product(fractions, _slips(like.assembly)):
+        speeds[:] = fraction * k.direction * np.array([k.inner_speed, k.outer_speed])
         y = like.initial(slip, _SPIN * float(k.roller_slip_outer_rolling(slip)) if slip else 0.1)
         of_state = like.split(y)  # which are views
         for name, values in of_state.items():
             if like.units[name] == "rad/s":
-                values *= share
+                values *= fraction
         rows.append([])
         for place in _PLACES:
             of_state["cage_angle"][...] = 2.0 * np.pi / rollers * place

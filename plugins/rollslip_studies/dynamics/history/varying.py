@@ -309,7 +309,7 @@ def varying_motion(
         speed_axis=names.index("speed") if "speed" in names else -1,
         root_axis=names.index("radial_load") if "radial_load" in names else -1,
         cage_speed=list(base.names[0]).index("cage_speed"),
-        inner_share=k.inner_radius / (k.inner_radius + k.outer_radius),
+        inner_fraction=k.inner_radius / (k.inner_radius + k.outer_radius),
         still=STILL * _fastest(assembly, history),
         autonomous=not (history.varies or assembly.cage.drags.in_time),
         scale=base.system.scale,

@@ -298,9 +298,9 @@ class Orbits:
         off = 0.5 * (self.at(low) + self.at(high))
         true = self.at(0.5 * (low + high))
         off -= true
-        error = self._share(np.abs(off @ self.assembly.widths), true)
+        error = self._fraction(np.abs(off @ self.assembly.widths), true)
         if error <= self.tolerance:
-            error = max(error, self._share(np.abs(off) @ self.assembly.widths, true) / _ALONG)
+            error = max(error, self._fraction(np.abs(off) @ self.assembly.widths, true) / _ALONG)
         self.right[low, high] = error <= self.tolerance
         if self.right[low, high]:
             self.over_force = max(self.over_force, error)
@@ -308,9 +308,9 @@ class Orbits:
 
     def _misplaced(self, interpolated: Array, true: Array) -> float:
         """Share of the load of a ring that is at the wrong place, the larger of both rings; loads (2, m, n)."""
-        return self._share(np.abs((interpolated - true) @ self.assembly.widths), true)
+        return self._fraction(np.abs((interpolated - true) @ self.assembly.widths), true)
 
-    def _share(self, off: Array, true: Array) -> float:
+    def _fraction(self, off: Array, true: Array) -> float:
         """Share of the load of a ring that forces (2, m) are, the larger of both rings."""
         whole = np.maximum((true @ self.assembly.widths).sum(axis=1), self.least * true.shape[1])
         return float((off.sum(axis=1) / np.where(whole > 0.0, whole, 1.0)).max())

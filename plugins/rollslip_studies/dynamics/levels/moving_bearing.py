@@ -41,7 +41,7 @@ def unknowns(level: str, assembly: Assembly) -> int:
 def check_moves(assembly: Assembly, level: str) -> None:
     """Refuse a bearing that is known at steady slips alone, or at another level."""
     operation = assembly.scene.operation
-    heavy = assembly.weight_share > assembly.scene.accuracy.tolerance
+    heavy = assembly.weight_fraction > assembly.scene.accuracy.tolerance
     bare = assembly.scene.models.neighbour_friction is not None
     weighs = operation.gravity_direction is not None and heavy and level != "planar"
     for table, key, there, told in (

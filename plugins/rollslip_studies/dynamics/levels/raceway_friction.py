@@ -124,25 +124,25 @@ class _Grid:
     speed_ends: tuple[float, float] = (0.0, 0.5)  # its first and last node
     nodes: tuple[int, int, int] = _FIRST_NODES
 
-    def speed(self, share: Array) -> Array:
+    def speed(self, fraction: Array) -> Array:
         """Rolling speed at shares 0 to 1 of its nodes."""
-        at = _between(self.speed_ends, share)
+        at = _between(self.speed_ends, fraction)
         return np.asarray(self.speed_scale * at / (1.0 - at))
 
-    def force(self, share: Array) -> Array:
+    def force(self, fraction: Array) -> Array:
         """Force at them."""
-        at = _between(self.root_ends, share)
+        at = _between(self.root_ends, fraction)
         return np.asarray((self.root_scale * at / (1.0 - at)) ** 2)
 
-    def sliding(self, share: Array) -> Array:
+    def sliding(self, fraction: Array) -> Array:
         """Sliding speed at them, from -1 to 1."""
-        at = self.sliding_end * share
+        at = self.sliding_end * fraction
         return np.asarray(at * self.sliding_scale / (1.0 - np.abs(at)))
 
 
-def _between(ends: tuple[float, float], share: Array) -> Array:
+def _between(ends: tuple[float, float], fraction: Array) -> Array:
     low, high = ends
-    return low + (high - low) * share
+    return low + (high - low) * fraction
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -196,8 +196,8 @@ class RacewayFriction:
 
 def usual_force(assembly: Assembly) -> float:
     """Return a roller's share of the load, and its centrifugal force [N]; at least 0.1 N."""
-    share = assembly.scene.operation.radial_load / assembly.scene.bearing.rollers
-    return share + assembly.centrifugal_force + 0.1
+    fraction = assembly.scene.operation.radial_load / assembly.scene.bearing.rollers
+    return fraction + assembly.centrifugal_force + 0.1
 
 
 def _forces(assembly: Assembly) -> tuple[float, float]:
@@ -422,8 +422,8 @@ class _OfRoller:
 
     def scale(self, forces: tuple[float, ...], speed: float) -> float:
         """The speed V_s over which friction of usual and of heavy contacts, slow and fast, is best taken."""
-        share = np.linspace(-1.0, 1.0, 2 * _RISE + 1)
-        both = np.sort(np.concatenate((share, share[:-1] + 0.5 / _RISE)))
+        fraction = np.linspace(-1.0, 1.0, 2 * _RISE + 1)
+        both = np.sort(np.concatenate((fraction, fraction[:-1] + 0.5 / _RISE)))
         contacts = [(force, factor) for force in forces for factor in _SPEEDS]
         loads = self.loads(np.array([force for force, _ in contacts])).repeat(both.size, axis=0)
         rolling = np.array([factor for _, factor in contacts]).repeat(both.size) * speed
@@ -444,18 +444,18 @@ class _OfRoller:
     def on(self, at: _Grid, known: Array | None = None, axis: int = 0) -> Array:
         """Values on all nodes, (1 or 2, speeds, roots, slidings); every other one along an axis may be known."""
         speeds, roots, half = at.nodes
-        shares = [
+        fractions = [
             np.linspace(0.0, 1.0, speeds),
             np.linspace(0.0, 1.0, roots),
             np.linspace(-1.0, 1.0, 2 * half + 1),
         ]
         if known is not None:
-            shares[axis] = shares[axis][1::2]
-        V, u = (grid.ravel() for grid in np.meshgrid(at.sliding(shares[2]), at.speed(shares[0])))
+            fractions[axis] = fractions[axis][1::2]
+        V, u = (grid.ravel() for grid in np.meshgrid(at.sliding(fractions[2]), at.speed(fractions[0])))
         rows = []
-        for load in self.loads(at.force(shares[1])):
+        for load in self.loads(at.force(fractions[1])):
             values = self._each(np.broadcast_to(load, (V.size, load.size)), V, u)
-            rows.append(values.reshape(-1, shares[0].size, shares[2].size))
+            rows.append(values.reshape(-1, fractions[0].size, fractions[2].size))
         values = np.stack(rows, axis=2)
         if known is None:
             return values
@@ -466,18 +466,18 @@ class _OfRoller:
 
     def error(self, at: _Grid, values: Array, usual: float, axis: int | None = None) -> float:
         """Largest error at random contacts, or half-way between nodes of one axis and on nodes of the others."""
-        shares = np.random.default_rng(1).uniform(size=(3, _PROBES))
-        shares[2] = 2.0 * shares[2] - 1.0
+        fractions = np.random.default_rng(1).uniform(size=(3, _PROBES))
+        fractions[2] = 2.0 * fractions[2] - 1.0
         if axis is not None:
             for k, nodes in enumerate(at.nodes):
                 cells = nodes - (k < 2)
                 off = 0.5 if k == axis else 0.0
-                shares[k] = (
-                    np.clip(np.floor(shares[k] * cells), -cells if k == 2 else 0, cells - 1) + off
+                fractions[k] = (
+                    np.clip(np.floor(fractions[k] * cells), -cells if k == 2 else 0, cells - 1) + off
                 ) / cells
-        force = at.force(shares[1])
-        sliding = at.sliding(shares[2])
-        speed = at.speed(shares[0])
+        force = at.force(fractions[1])
+        sliding = at.sliding(fractions[2])
+        speed = at.speed(fractions[0])
         true = self.at_random if axis is None else None
         if true is None:
             true = self._each(self.loads(force), sliding, speed)
@@ -485,9 +485,9 @@ class _OfRoller:
                 true if axis is None else self.at_random
             )  # the same contacts however many nodes there are
         places = [
-            _whole(shares[0], at.nodes[0]),
-            _whole(shares[1], at.nodes[1]),
-            _places(shares[2], at.nodes[2]),
+            _whole(fractions[0], at.nodes[0]),
+            _whole(fractions[1], at.nodes[1]),
+            _places(fractions[2], at.nodes[2]),
         ]
         found = np.array([_interpolated(part, places) for part in values])
         wrong = np.abs(found - true) * np.sqrt(force)
@@ -499,17 +499,17 @@ class _OfRoller:
         return float(np.max(errors))
 
 
-def _whole(share: Array, nodes: int) -> tuple[Array, Array]:
+def _whole(fraction: Array, nodes: int) -> tuple[Array, Array]:
     """First of the four nodes about a place, and the place from it on."""
-    place = share * (nodes - 1)
+    place = fraction * (nodes - 1)
     first = np.clip(np.floor(place).astype(int) - 1, 0, nodes - 4)
     return first, place - first
 
 
-def _places(share: Array, half: int) -> tuple[Array, Array]:
+def _places(fraction: Array, half: int) -> tuple[Array, Array]:
     """The same over the sliding speed, where no four nodes reach across zero."""
-    place = half * (share + 1.0)
-    low = np.where(share >= 0.0, half, 0)
+    place = half * (fraction + 1.0)
+    low = np.where(fraction >= 0.0, half, 0)
     first = np.clip(np.floor(place).astype(int) - 1, low, low + half - 3)
     return first, place - first
 

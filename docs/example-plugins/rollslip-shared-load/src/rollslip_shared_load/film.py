@@ -52,7 +52,7 @@ class SharedLoad(FilmModel):
     )
     outputs: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
         {
-            "asperity_share": ("1", "share of the load that asperities carry"),
+            "asperity_fraction": ("1", "share of the load that asperities carry"),
             "film_left": ("1", "film of the load that they leave, over the film, less one"),
         }
     )
@@ -82,16 +82,16 @@ class SharedLoad(FilmModel):
         """Fill the film thickness."""
         slices.film_thickness[...] = self.film_of(slices, self.share_of_film(slices))
 
-    def film_of(self, slices: Slices, share: Array) -> Array:
+    def film_of(self, slices: Slices, fraction: Array) -> Array:
         """Return the film of a share of the load."""
         c = slices.conditions
-        load = share * slices.load
-        modulus = share * c.modulus
+        load = fraction * slices.load
+        modulus = fraction * c.modulus
         return self.film.film_thickness(
             load, slices.rolling_speed, c.radius, modulus, c.viscosity, c.pressure_viscosity
         )
 
-    def asperity_share(self, slices: Slices, film: Array) -> Array:
+    def asperity_fraction(self, slices: Slices, film: Array) -> Array:
         """Return the share of the load that asperities carry at a film."""
         shape = 16 * np.sqrt(2) * np.pi / 15 / 2 * self.roughness_parameter**2 * np.sqrt(self.slope_parameter)
         with np.errstate(divide="ignore"):
@@ -104,8 +104,8 @@ class SharedLoad(FilmModel):
         Each slice stops by itself, so that its share does not depend on who is evaluated with it.
         """
 
-        def left(share: Array) -> Array:
-            return 1.0 - share - self.asperity_share(slices, self.film_of(slices, share))
+        def left(fraction: Array) -> Array:
+            return 1.0 - fraction - self.asperity_fraction(slices, self.film_of(slices, fraction))
 
         low = np.full(len(slices), LEAST)
         high = np.ones(len(slices))
@@ -114,19 +114,19 @@ class SharedLoad(FilmModel):
         if np.any(bare := ~(below > 0.0)):
             i = int(np.argmax(bare))
             raise DomainError(f"{self.name}: slice {i}: asperities carry the whole load; there is no film")
-        share = high.copy()
+        fraction = high.copy()
         rest = above.copy()
         for step in range(self.steps):
             open_ = (np.abs(rest) > LEFT) & (high - low > WIDTH * high)
             if not np.any(open_):
-                return share
+                return fraction
             secant = high - above * (high - low) / (above - below)
-            share = np.where(open_, 0.5 * (low + high) if step % 2 else np.clip(secant, low, high), share)
-            rest = np.where(open_, left(share), rest)
+            fraction = np.where(open_, 0.5 * (low + high) if step % 2 else np.clip(secant, low, high), fraction)
+            rest = np.where(open_, left(fraction), rest)
             up = rest > 0.0
-            low = np.where(up, share, low)
+            low = np.where(up, fraction, low)
             below = np.where(up, rest, below)
-            high = np.where(up, high, share)
+            high = np.where(up, high, fraction)
             above = np.where(up, above, rest)
         i = int(np.argmax(np.abs(rest)))
         raise ConvergenceError(
@@ -136,9 +136,9 @@ class SharedLoad(FilmModel):
 
     def quantities(self, slices: Slices) -> Mapping[str, NDArray[Any]]:
         """Return the share of asperities at the film, and how far the film is from that of the load they leave."""
-        share = self.asperity_share(slices, slices.film_thickness)
-        left = self.film_of(slices, np.maximum(1.0 - share, LEAST))
-        return {"asperity_share": share, "film_left": left / slices.film_thickness - 1.0}
+        fraction = self.asperity_fraction(slices, slices.film_thickness)
+        left = self.film_of(slices, np.maximum(1.0 - fraction, LEAST))
+        return {"asperity_fraction": fraction, "film_left": left / slices.film_thickness - 1.0}
 
 
 @hookimpl
