@@ -162,8 +162,8 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
 }
 
 #: The least number that people write before a unit, and the largest without an exponent.
-_WRITTEN_LEAST = 1e-3
-_WRITTEN_MOST = 1e6
+_WRITTEN_MIN = 1e-3
+_WRITTEN_MAX = 1e6
 #: SI unit, or one that was given -> units in which the same number is likely meant, the likeliest first.
 _MEANT: Mapping[str, tuple[str, ...]] = {
     "1": ("%",),
@@ -190,7 +190,7 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
 
 _LONGEST = 80  # characters of a value that a message repeats
 _LONGEST_UNIT = 12  # characters of one whose factors may stand together
-_MOST_FACTORS = 8  # above or below the line; exact fractions of thousands take minutes
+_MAX_FACTORS = 8  # above or below the line; exact fractions of thousands take minutes
 _CELSIUS_ZERO = Fraction("273.15")
 #: Scales of temperature: size of a degree, and their zero [K].
 _OFFSETS = {
@@ -243,7 +243,7 @@ def _product(factors: str, unit: str) -> tuple[Fraction, Dimension]:
     words = factors.split() or [""]
     if words == ["1"]:
         return size, dimension
-    if len(words) > _MOST_FACTORS:
+    if len(words) > _MAX_FACTORS:
         raise UnitError(f"{as_written(unit)} is not a unit, it has {len(words)} factors")
     for word in words:
         factor = _FACTOR.fullmatch(word)
@@ -549,7 +549,7 @@ def format_quantity(value: float, unit: str, digits: int = 6, given: str | None 
 def _shown(number: float, digits: int) -> str:
     """A rounded number as people write it before a unit: 22040, where Python would write 2.204e+04."""
     text = f"{number:.{digits}g}"
-    return f"{float(text):.0f}" if "e+0" in text and abs(number) < _WRITTEN_MOST else text
+    return f"{float(text):.0f}" if "e+0" in text and abs(number) < _WRITTEN_MAX else text
 
 
 def shown_unit(value: float, unit: str) -> str:
@@ -597,7 +597,7 @@ def likely(value: float, given: str, unit: str, usual: Callable[[float], bool]) 
         return None
     size, zero = _scale(given, unit)
     number = f"{float((Fraction(value) - zero) / size):.12g}"
-    if abs(float(number)) < _WRITTEN_LEAST:
+    if abs(float(number)) < _WRITTEN_MIN:
         return None
     meanings = _MEANT.get(given) or sorted(
         _MEANT.get(unit, ()), key=lambda other: abs(math.log(float(_scale(other, unit)[0] / size)))

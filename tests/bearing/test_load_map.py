@@ -246,7 +246,7 @@ def evolve_chain(assembly):
 
 def test_an_unreachable_tolerance_is_refused_in_words(monkeypatch):
     assembly = bearing(**SCENES["clearance"])
-    monkeypatch.setattr(load_map, "_MOST_FORCES", 3)
+    monkeypatch.setattr(load_map, "_MAX_FORCES", 3)
     loads = build_load_map(assembly, 2e-3)
     with pytest.raises(
         ConvergenceError, match=r"3 centrifugal forces leave more than 1.0e-03 .*; raise accuracy"

@@ -724,7 +724,7 @@ def nothing(work, points):
 def test_of_a_point_that_waits_or_is_done_one_byte_is_held(monkeypatch, tmp_path):
     """Tasks of 100 points come and go, in a long sweep as in a short one; neither numbers nor layouts are kept."""
     monkeypatch.setattr(sweep_run, "compute", nothing)
-    monkeypatch.setattr(sweep_run, "_MOST_IN_TASK", 100)
+    monkeypatch.setattr(sweep_run, "_MAX_IN_TASK", 100)
     peaks = []
     for run, size in enumerate((1_000, 1_000, 5_000)):  # the first one fills caches
         sweep = planned(

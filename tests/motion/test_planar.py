@@ -889,7 +889,7 @@ def test_beyond_a_table_of_forces_the_slices_are_asked():
 
 
 def test_a_force_that_few_cells_do_not_tell_comes_from_the_slices(monkeypatch):
-    monkeypatch.setattr(planar_module, "_MOST_CELLS", 1024)
+    monkeypatch.setattr(planar_module, "_MAX_CELLS", 1024)
     scene = scene_of.__wrapped__(5)  # of its own: tables are kept with the bearing
     rough, sliced = (motion(scene, tabulated=yes) for yes in (True, False))
     assert rough.forces == ()

@@ -40,7 +40,7 @@ LEFT_OUT = shutil.ignore_patterns(
     ".git", ".venv", ".hypothesis", "build", "_build", "*_cache", "htmlcov"
 )
 COMPILED = {".pyx", ".pxd", ".h"}
-MOST_SECONDS = 600.0  # a fault may make a test endless; a loaded machine makes all of them slow
+MAX_SECONDS = 600.0  # a fault may make a test endless; a loaded machine makes all of them slow
 
 
 @attrs.frozen
@@ -144,7 +144,7 @@ def outcome_of(tree: Path, tests: tuple[str, ...]) -> tuple[str, str, float]:
         _tested(tree, tests, log)
     status = None
     try:
-        while status is None and time.monotonic() - began < MOST_SECONDS:
+        while status is None and time.monotonic() - began < MAX_SECONDS:
             time.sleep(0.05)
             done, raw = os.waitpid(child, os.WNOHANG)
             status = os.waitstatus_to_exitcode(raw) if done else None

@@ -274,7 +274,7 @@ def test_no_solution_is_no_number():
 def test_a_film_under_the_spike_is_refused_only_where_it_is_asked_for(monkeypatch):
     """At M = 2, L = 25 the spike sits at X = 0.07, so that its height moves the central film."""
     monkeypatch.setattr(line_contact, "_ELEMENTS", (24,))
-    monkeypatch.setattr(line_contact, "_MOST_ELEMENTS", 100)
+    monkeypatch.setattr(line_contact, "_MAX_ELEMENTS", 100)
     with pytest.raises(
         ConvergenceError, match=r"the film \(central\) is uncertain by 0.00\d on \d+ elements"
     ):

@@ -20,7 +20,7 @@ from rollslip.cli.main import cli
 from rollslip.errors import DomainError, SceneError, UnknownNameError
 from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import (
-    MOST_LINES,
+    MAX_LINES,
     RULES,
     UNKNOWN,
     VERDICTS,
@@ -211,7 +211,7 @@ def test_lines_are_no_wider_than_the_terminal_and_fifteen_at_most(width):
     lines = answer.lines(width)
     assert max(map(len, lines)) <= width
     assert lines[0] == "OK   NU 2312, ISO VG 220"
-    assert len(lines) <= MOST_LINES
+    assert len(lines) <= MAX_LINES
     assert any(line.startswith("  next") for line in lines)
 
 
@@ -447,7 +447,7 @@ def test_ten_answers_are_short_narrow_and_begin_with_the_verdict(ten):
     }  # fmt: skip
     for name, text in ten.items():
         lines = text.splitlines()
-        assert len(lines) <= MOST_LINES, name
+        assert len(lines) <= MAX_LINES, name
         assert max(len(line) for line in lines if "rollslip " not in line) <= 80, name
         assert not re.search(r"\de[+-]?\d", text), name
         assert len({unit for unit in ("kN", "N") if re.search(rf"\d {unit}\b(?! m)", text)}) == 1, (
@@ -595,7 +595,7 @@ def test_all_rows_stay_on_a_narrow_terminal_and_what_is_below_them_is_shortened(
         verdict="OK",
     )
     lines = answer.lines(width)
-    assert len(lines) <= MOST_LINES
+    assert len(lines) <= MAX_LINES
     assert max(map(len, lines)) <= width
     assert [line.split()[2] for line in lines if line.startswith("  operating")] == [
         str(k) for k in range(8)

@@ -711,7 +711,7 @@ def test_where_effective_friction_cannot_be_tabulated_along_a_history_friction_i
 def test_where_effective_friction_takes_too_many_bearings_along_a_history_friction_is_conventional(
     monkeypatch,
 ):
-    monkeypatch.setattr(over_time, "_MOST_BEARINGS", 3)
+    monkeypatch.setattr(over_time, "_MAX_BEARINGS", 3)
     run_up = {"shape": "run-up", "from": "6000 rpm", "within": "0.3 s"}
     made = rollslip.plan(
         scene({"study.dynamics.friction": "effective"}, inner_speed=run_up), "dynamics"

@@ -22,9 +22,9 @@ PLACES = ("framework/rollslip", "plugins/rollslip_studies", "plugins/rollslip_ca
 #: The face of the package names everything, for types.
 FACE = "rollslip"
 #: Modules of a folder: as many names as a reader takes in at once.
-MOST_MODULES = 12
+MAX_MODULES = 12
 #: Lines of code of a module, without docstrings, comments and blank lines: what is read in one sitting.
-MOST_CODE_LINES = 600
+MAX_CODE_LINES = 600
 #: A campaign may build upon another only here.
 #: A validation holds what the others compute against what was measured: points and samples, scatter, models that take
 #: their place, contacts of a rig. None of them knows of it.
@@ -181,8 +181,8 @@ def too_large(root: Path = ROOT) -> list[str]:
     for path in (*known.values(), *plugins):
         text = path.read_text(encoding="utf-8")
         # counting code takes 100 times as long as counting lines
-        lines = legibility.measure(text)["code_lines"] if text.count("\n") > MOST_CODE_LINES else 0
-        if lines > MOST_CODE_LINES:
+        lines = legibility.measure(text)["code_lines"] if text.count("\n") > MAX_CODE_LINES else 0
+        if lines > MAX_CODE_LINES:
             found.append(f"{path.relative_to(root)} has {lines} lines of code")
         if path.name != "__init__.py":
             count[path.parent] = count.get(path.parent, 0) + 1
@@ -190,7 +190,7 @@ def too_large(root: Path = ROOT) -> list[str]:
     found += [
         f"{of.relative_to(root)} has {number} modules"
         for of, number in count.items()
-        if number > MOST_MODULES + 2 * (of == shelf)
+        if number > MAX_MODULES + 2 * (of == shelf)
     ]
     for module, path in known.items():
         if path.name != "__init__.py" or module == FACE or folder(module) == "rollslip_campaigns":

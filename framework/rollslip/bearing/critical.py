@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 #: A maximum that the rest of the curve undercuts by less than this share is rounding, not a falling branch.
 _FLAT = 1e-9
 #: Up to which slip of a cage it is advised to look, whose range is open at 1; and slide-roll ratio of pure sliding.
-MOST_CAGE_SLIP = 0.99
+MAX_CAGE_SLIP = 0.99
 PURE_SLIDING = 2.0
 #: Share of a maximum by which friction has to fall behind it so that it is told beside a larger one further on.
 _FALL = 1e-3
@@ -72,7 +72,7 @@ class Curve:
     slip: Array
     friction: Array
     allow: str  # key of the setting that widens the range, as it is typed, for the status; empty if there is none
-    most: float = MOST_CAGE_SLIP  # largest slip to look for: of a cage one that still turns
+    most: float = MAX_CAGE_SLIP  # largest slip to look for: of a cage one that still turns
 
 
 def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow: str) -> Critical:

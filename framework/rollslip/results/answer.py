@@ -47,8 +47,8 @@ _FEW = 2
 _STEPS = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)
 _Moved = Mapping[str, tuple[float, float]]
 #: Lines of an answer and rows of it, at most; width where there is no terminal, and between which it is kept.
-MOST_LINES = 15
-MOST_ROWS = 8
+MAX_LINES = 15
+MAX_ROWS = 8
 _WIDTH: Final = 100
 #: Letters of the longest heading below the rows.
 _HEADING: Final = len("assumed")
@@ -250,8 +250,8 @@ class Answer:
         return found
 
     def shown(self) -> list[Row]:
-        """Return the rows that people see, `MOST_ROWS` at most: those with an alarm, and the first others."""
-        kept = sorted(self.rows, key=lambda row: not row.alarm)[:MOST_ROWS]
+        """Return the rows that people see, `MAX_ROWS` at most: those with an alarm, and the first others."""
+        kept = sorted(self.rows, key=lambda row: not row.alarm)[:MAX_ROWS]
         return [row for row in self.rows if row in kept]
 
     def groups(self, more: str = "") -> list[tuple[str, list[str]]]:
@@ -263,7 +263,7 @@ class Answer:
         ]
 
     def lines(self, width: int = 0, more: str = "-v") -> list[str]:
-        """Return the lines of a terminal: no wider than it, `MOST_LINES` at most, what matters least left out.
+        """Return the lines of a terminal: no wider than it, `MAX_LINES` at most, what matters least left out.
 
         Commands are not wrapped: as one line they can be pasted. ``more`` is where notes are told in full.
         """
@@ -276,7 +276,7 @@ class Answer:
                      aligned(list(_headed(name, texts)), math.inf if name == "next" else width)]  # fmt: skip
             parts = [part for part in (head, aligned(rows, width), below) if part]
             lines = [line for k, part in enumerate(parts) for line in ([""] * (k > 0) + part)]
-            if len(lines) <= MOST_LINES:
+            if len(lines) <= MAX_LINES:
                 break
         return lines
 
@@ -318,7 +318,7 @@ class Answer:
             *dict.fromkeys(f"{one.code} {one.short}".strip() for one in self.notes),
         ]
         below = "".join(
-            f"<p>{name}: {'<br/>'.join(map(escape, texts[:MOST_ROWS]))}</p>"
+            f"<p>{name}: {'<br/>'.join(map(escape, texts[:MAX_ROWS]))}</p>"
             for name, texts in groups.items()
             if texts
         )

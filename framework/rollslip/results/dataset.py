@@ -67,7 +67,7 @@ OTHERWISE: Final = (
 #: Characters of a value that a message shows.
 _SHOWN: Final = 80
 #: By how much deflate packs at most, and bytes of values that any file may claim.
-_MOST_PACKED: Final = 1032
+_MAX_PACKED: Final = 1032
 _FREELY: Final = 1 << 24
 #: Version of what stands in a file of a result, and what its last line says.
 FORMAT: Final = 1
@@ -141,7 +141,7 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
                 for one in file.values()
                 if isinstance(one, h5py.Dataset)
             )
-        if claims > _MOST_PACKED * len(content) + _FREELY:
+        if claims > _MAX_PACKED * len(content) + _FREELY:
             raise ValueError(f"it claims {claims:.3g} bytes of values in {len(content)} bytes")
         with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", phony_dims="access") as stored:
             dataset = stored.load()

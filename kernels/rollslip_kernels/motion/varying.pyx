@@ -46,7 +46,7 @@ cdef enum:   # courses
     AXES                # the first axis
 
 #: Values at most that tables may depend on at once.
-MOST_AXES: Final[int] = MAX_AXES
+MAX_AXES: Final[int] = MAX_AXES
 
 
 cdef struct course_t:
@@ -75,7 +75,7 @@ cdef struct varying_t:
     station_t *stations
     box_t *boxes
     size_t n_boxes, last
-    double inner_share, still   # R_i/(R_i + R_o); epicyclic speed below which there is no slip
+    double inner_fraction, still   # R_i/(R_i + R_o); epicyclic speed below which there is no slip
     size_t cage_speed     # its place in the head
     size_t watched
     # of the time last looked at
@@ -235,8 +235,8 @@ cdef int _watch(double t, const double *y, double *values, void *state) noexcept
     if status != 0:
         return status
     limit = _value(&v.course[LIMIT], t)
-    speed = v.inner_share * _value(&v.course[INNER_SPEED], t)
-    speed += (1.0 - v.inner_share) * _value(&v.course[OUTER_SPEED], t)
+    speed = v.inner_fraction * _value(&v.course[INNER_SPEED], t)
+    speed += (1.0 - v.inner_fraction) * _value(&v.course[OUTER_SPEED], t)
     if isnan(limit) or not fabs(speed) > v.still:
         values[0] = 0.0
     else:
@@ -312,7 +312,7 @@ cdef class Varying:
         The axis on which the root of its course counts, -1 for none.
     cage_speed : int
         Place of the cage's speed among the unknowns.
-    inner_share, still : float
+    inner_fraction, still : float
         R_i/(R_i + R_o), and the epicyclic cage speed below which no slip is watched [rad/s].
     autonomous : bool
         Nothing varies at all.
@@ -331,7 +331,7 @@ cdef class Varying:
     def __init__(
         self, courses: Sequence[tuple[ArrayLike, ArrayLike]], ranges: Sequence[tuple[float, float]],
         around: Callable[[tuple[float, ...]], tuple[Sequence[Sequence[float]], Sequence[Any]]], *,
-        int speed_axis=-1, int root_axis=-1, size_t cage_speed, double inner_share, double still=0.0,
+        int speed_axis=-1, int root_axis=-1, size_t cage_speed, double inner_fraction, double still=0.0,
         bint autonomous=False, scale: ArrayLike,
     ):
         cdef varying_t *v = &self.v
@@ -340,7 +340,7 @@ cdef class Varying:
         cdef double[:, ::1] powers
         cdef double[::1] room
         v.axes, v.speed_axis, v.root_axis = len(ranges), speed_axis, root_axis
-        v.inner_share, v.still, v.t, v.cage_speed = inner_share, still, NAN, cage_speed
+        v.inner_fraction, v.still, v.t, v.cage_speed = inner_fraction, still, NAN, cage_speed
         if v.axes > MAX_AXES or len(courses) != <Py_ssize_t>(AXES + v.axes):
             raise ValueError(f"{len(courses)} courses on {len(ranges)} axes: {AXES} more than axes are expected, "
                              f"and at most {MAX_AXES} of these")

@@ -54,7 +54,7 @@ film = "moes"
 traction = "muraki"
 """
 
-_MOST_FAULTS = 20
+_MAX_FAULTS = 20
 #: Coefficients of friction that are possible.
 _LARGEST: Final = 10.0
 
@@ -225,9 +225,9 @@ def text_named(path: str | os.PathLike[str]) -> tuple[str, str]:
 
 def faults_of(source: str, faults: Sequence[str]) -> SceneError:
     """Return the error of what is wrong with a file, of many faults the first ones."""
-    more = len(faults) - _MOST_FAULTS
+    more = len(faults) - _MAX_FAULTS
     return SceneError(
-        [*faults[:_MOST_FAULTS], *([f"{source}: and {more} faults more"] if more > 0 else [])]
+        [*faults[:_MAX_FAULTS], *([f"{source}: and {more} faults more"] if more > 0 else [])]
     )
 
 

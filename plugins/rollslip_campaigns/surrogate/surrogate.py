@@ -74,8 +74,8 @@ _FASTER = 1.6
 _SLOWEST = 0.01
 #: Speeds of a ring at which ratios are looked at, and bounds of these: without a cage speed no roller is pressed.
 _LOOKED_AT = 9
-_LEAST_RATIO = 0.05
-_MOST_RATIO = 50.0
+_MIN_RATIO = 0.05
+_MAX_RATIO = 50.0
 #: Cage speeds and shaft speeds of the tables over them.
 _CAGE = 65
 _SHAFT = 9
@@ -281,8 +281,8 @@ def _speeds(
     if not outer.any():
         return slow, fast, 1.0, 1.0
     rho = np.abs(Ri * inner + Ro * outer)[u != 0.0] / (Ri + Ro) * Ro / np.abs(u[u != 0.0])
-    most = min(float(rho.max()), _MOST_RATIO)
-    least = max(float(rho.min()), _LEAST_RATIO * most)
+    most = min(float(rho.max()), _MAX_RATIO)
+    least = max(float(rho.min()), _MIN_RATIO * most)
     return slow, fast, least, most if most > least else 2.0 * least
 
 

@@ -71,7 +71,7 @@ _WORTH = 2.0
 #: A point of more than this is worth a process without measuring, and how long a slice takes [s].
 _DEAR = 0.25
 _SLICE = 1e-8
-_MOST_IN_TASK: Final = 1000
+_MAX_IN_TASK: Final = 1000
 #: Points by which the pace of cheap ones is measured.
 _SOME: Final = 16
 _TICK: Final = 0.2  # s, how often the loop looks round
@@ -429,7 +429,7 @@ class _Run:
                     min(
                         int(engine.task_seconds * self.here / max(self.spent, 1e-9)),
                         fair,
-                        _MOST_IN_TASK,
+                        _MAX_IN_TASK,
                     ),
                 )
             numbers = pending.take(count)

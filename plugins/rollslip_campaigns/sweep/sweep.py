@@ -65,7 +65,7 @@ __all__ = [
 
 #: Values of an axis that are tried in the scene, each with all others as they are; those of a longer one lie between.
 _TRIED = 1000
-_MOST_POINTS = 10_000_000
+_MAX_POINTS = 10_000_000
 #: What the sweep is, in its folder.
 FILE: Final = "sweep.json"
 #: Points besides the scene itself for which a choice is made; a choice costs about six points.
@@ -140,10 +140,10 @@ def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
             )
         )
     design = Design(tuple(axes), tuple(known[key] for key in uncertainty.distributions), drawn)
-    if design.size > _MOST_POINTS:
+    if design.size > _MAX_POINTS:
         raise SceneError(
             [
-                f"sweep: {design.size} points are more than {_MOST_POINTS}; take fewer values or samples"
+                f"sweep: {design.size} points are more than {_MAX_POINTS}; take fewer values or samples"
             ]
         )
     tried, unusual = _tried(base, name, design)

@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
+from rollslip.bearing.critical import MAX_CAGE_SLIP, look_further
 from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
 from rollslip.results.dataset import UNITS, about
@@ -474,7 +474,7 @@ def _attributes(
         probability=made.probability,
         slip_range=study.skidding_range,
         look_further=look_further(
-            f"{study.table}.skidding_range", study.skidding_range, MOST_CAGE_SLIP
+            f"{study.table}.skidding_range", study.skidding_range, MAX_CAGE_SLIP
         ),
         curves_with=CLOSURES[study.closure],
         confidence=CONFIDENCE,

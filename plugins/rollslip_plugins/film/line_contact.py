@@ -46,7 +46,7 @@ ACCURACIES: Final = (1e-6, 1e-2)
 
 #: Elements to try on the way to a contact, and how many they may become by halving.
 _ELEMENTS = (24, 40, 64)
-_MOST_ELEMENTS = 400
+_MAX_ELEMENTS = 400
 #: The inlet starts so many film lengths sqrt(2 H) and Hertz widths before the exit, behind a tail of P = 8/X^3.
 _REACH: Final = 80.0
 #: Floor of the fluidity on the way, and at the goal as a share of the accuracy.
@@ -492,7 +492,7 @@ def _to_accuracy(
         worst = location or max(LOCATIONS, key=lambda name: error[name])
         if error[worst] <= accuracy:
             return state, thickness, error
-        if 2 * len(state.grid.half) > _MOST_ELEMENTS:
+        if 2 * len(state.grid.half) > _MAX_ELEMENTS:
             raise _Stuck(
                 f"the film ({worst}) is uncertain by {error[worst]:.1g} on {len(state.grid.half)} elements",
                 state,

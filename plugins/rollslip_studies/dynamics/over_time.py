@@ -46,7 +46,7 @@ _INSTANTS: Final = 2001
 #: Instants at which a plan looks at the maps along a history, and bearings over an axis of speed from which on
 #: conventional friction takes far less time than effective friction.
 _LOOKS = 257
-_MOST_BEARINGS = 100
+_MAX_BEARINGS = 100
 #: Least value over the largest from which on steps of a grid are equal; below, they are in proportion.
 _EVEN: Final = 0.5
 #: Instants of a pitch for the slip of running away; more move it by less than an event is worth.
@@ -370,7 +370,7 @@ def without_tables(
     ):
         return ""
     try:
-        _through(history, make(), _MOST_BEARINGS)
+        _through(history, make(), _MAX_BEARINGS)
     except ConvergenceError as refused:
         return f"effective friction cannot be tabulated along the history, as {refused}"
     return ""

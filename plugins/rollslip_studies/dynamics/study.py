@@ -82,7 +82,7 @@ _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5
 _FRACTION = 0.5
 _TABLES = 0.2
 #: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
-_LEAST_TOLERANCE: Final = 2.3e-14
+_MIN_TOLERANCE: Final = 2.3e-14
 
 
 @attrs.frozen(kw_only=True)
@@ -164,7 +164,7 @@ class Dynamics(Study):
         default=1e-5,
         unit="1",
         doc="error of a step, relative to the magnitude of an unknown",
-        validator=in_range(_LEAST_TOLERANCE, 0.1),
+        validator=in_range(_MIN_TOLERANCE, 0.1),
     )
     stop_at: str = parameter(
         default="end",

@@ -49,7 +49,7 @@ _PROBES: Final = 129
 #: A speed that is to be a node is at one of these shares of the way to the largest one, the last for steep rises.
 _SHARES: Final = (*(k / 16 for k in range(1, 16)), *(1.0 - 0.5**k for k in range(5, 11)))
 _FIRST_CELLS = 64
-_MOST_CELLS = 4096
+_MAX_CELLS = 4096
 #: To what a curve goes on that misses its tolerance with the most: a fast roller bends far from where friction rises.
 _LAST_CELLS: Final = 32768
 #: Where the first cells err more than this, more of them are needed to tell which mapping is best.
@@ -57,9 +57,9 @@ _UNCLEAR = 0.01
 _CLEARER = 256
 _CLEAR_CELLS = 1024
 _FIRST_ROWS = 8
-_MOST_ROWS = 256
+_MAX_ROWS = 256
 _FIRST_CLASSES = 16
-_MOST_CLASSES = 1024
+_MAX_CLASSES = 1024
 #: Slices evaluated at a time.
 _AT_ONCE: Final = 1 << 18
 #: Of the tolerance, for the cells and for the classes.
@@ -223,7 +223,7 @@ def curve_table(
         enough = error <= (tolerance if aim is None else aim) and _rises(
             limit, slopes, scale * shape.slope
         )
-        if enough or (cells >= _MOST_CELLS and error <= tolerance):
+        if enough or (cells >= _MAX_CELLS and error <= tolerance):
             break
         if cells >= _LAST_CELLS:
             raise _too_coarse(error, tolerance)
@@ -259,7 +259,7 @@ def map_table(
     low, high = (part / (part + 1.0) for part in _ROLLING)
     cells = _first_cells(fraction)
     rows = _FIRST_ROWS
-    while cells <= _MOST_CELLS and rows <= _MOST_ROWS:
+    while cells <= _MAX_CELLS and rows <= _MAX_ROWS:
         x = _halves(limit, 4 * cells)
         e = np.linspace(low, high, 2 * rows + 1)
         u = epicyclic * e / (1.0 - e)
@@ -285,7 +285,7 @@ def map_table(
             for q in (1, 2, 3)
         )
         error = max(along, across, inside)
-        steep = cells < _MOST_CELLS and not _rises(limit, slopes[middle], rise[middle])
+        steep = cells < _MAX_CELLS and not _rises(limit, slopes[middle], rise[middle])
         if error <= tolerance and not steep:
             nodes = np.stack((values, slopes, rising, twisting), axis=-1)
             table = EffectiveTable(
@@ -587,7 +587,7 @@ def _gathered(
     epicyclic = float(rolling[0])
     shape = _shape(partial(whole, epicyclic), epicyclic) if load.size > _FIRST_CLASSES else None
     count = _FIRST_CLASSES
-    while shape is not None and count < min(load.size, _MOST_CLASSES):
+    while shape is not None and count < min(load.size, _MAX_CLASSES):
         number = np.minimum((count * (np.cumsum(fraction) - 0.5 * fraction)).astype(int), count - 1)
         force = np.asarray(np.bincount(number, fraction, count), dtype=float)
         mean = np.bincount(number, fraction * load, count)[force > 0.0] / force[force > 0.0]

@@ -21,7 +21,7 @@ _LARGEST_STEP = 0.05
 _SMALLEST_STEP = 1e-6
 #: Cosine of the largest turn of a branch in one step.
 _TURN = 0.95
-_MOST_STEPS = 600
+_MAX_STEPS = 600
 #: Precision of a point of a branch, as a share of the box.
 _PRECISE = 1e-7
 #: Step by which the excess torque is differentiated, as a share of the box.
@@ -137,7 +137,7 @@ class _Path:
         """Points of the branch from z on until it leaves the box."""
         points: list[Array] = []
         step = _FIRST_STEP
-        for _ in range(_MOST_STEPS):
+        for _ in range(_MAX_STEPS):
             reach = _to_edge(z, tangent)
             if reach <= _SMALLEST_STEP:
                 return points

@@ -34,7 +34,7 @@ _RPM = 30.0 / math.pi
 _FAR = 2.0
 _JUDGED_FROM = 5.0
 #: Sources of loss that a sentence names.
-_MOST_SOURCES = 4
+_MAX_SOURCES = 4
 #: Commands that help, by verdict; those of a load where one is known that may.
 NEXT: Final[dict[str, tuple[str, ...]]] = {
     "OK": ("rollslip run {scene} --report",),
@@ -364,7 +364,7 @@ def _losses(dataset: "xr.Dataset") -> list[str]:
         total = float(losses.sum())
         if not total > 0.0:
             continue
-        order = np.argsort(-losses, kind="stable")[:_MOST_SOURCES]
+        order = np.argsort(-losses, kind="stable")[:_MAX_SOURCES]
         fractions = ", ".join(
             f"{_percent(losses[n] / total)} {one['source'].to_numpy()[n]}"
             for n in order

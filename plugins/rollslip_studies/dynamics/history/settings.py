@@ -42,7 +42,7 @@ TEMPERATURES: Final = ("temperature", *OF_PARTS)
 VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "load_direction", *TEMPERATURES)
 #: Those that tables of a bearing at rest depend on.
 CONDITIONS: Final = ("radial_load", *TEMPERATURES)
-_MOST_FAULTS: Final = 20
+_MAX_FAULTS: Final = 20
 #: Share of the largest value by which a course that ends at 0 may miss it.
 _ROUNDING: Final = 1e-12
 
@@ -309,11 +309,11 @@ def _read(
         columns, numbers = read_columns(text, source, _Row, faults, _something)
         if faults:
             more = (
-                [f"{source}: and {len(faults) - _MOST_FAULTS} more faults"]
-                if len(faults) > _MOST_FAULTS
+                [f"{source}: and {len(faults) - _MAX_FAULTS} more faults"]
+                if len(faults) > _MAX_FAULTS
                 else []
             )
-            raise SceneError([*faults[:_MOST_FAULTS], *more])
+            raise SceneError([*faults[:_MAX_FAULTS], *more])
         quick = {name: np.array(values) for name, values in columns.items()}, np.array(numbers)
     arrays, lines = quick
     if fault := unordered(arrays["time"]):

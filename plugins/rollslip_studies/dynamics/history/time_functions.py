@@ -37,9 +37,9 @@ _PER_PERIOD = 200
 _PER_CONSTANT = 32
 _CONSTANTS = 37
 #: Times at which an integrator starts anew, at most, but for jumps.
-_MOST_BREAKS: Final = 1000
+_MAX_BREAKS: Final = 1000
 #: Periods of a sine that a run may have.
-_MOST_PERIODS: Final = 10_000
+_MAX_PERIODS: Final = 10_000
 
 
 @attrs.frozen(eq=False)
@@ -98,7 +98,7 @@ def table(time: Array, value: Array) -> Course:
     powers[:-1, 1] = np.divide(np.diff(value), apart, out=np.zeros(apart.size), where=apart > 0.0)
     jumps = time[1:][(apart == 0.0) & (np.diff(value) != 0.0)]
     bends = np.abs(np.diff(powers[:, 1], prepend=0.0))
-    sharpest = np.argsort(bends, kind="stable")[::-1][:_MOST_BREAKS]
+    sharpest = np.argsort(bends, kind="stable")[::-1][:_MAX_BREAKS]
     return Course(
         time, powers, tuple(np.union1d(jumps, time[sharpest[bends[sharpest] > 0.0]]).tolist())
     )
@@ -253,9 +253,9 @@ def _after(at: float, value: float, change: Course, breaks: tuple[float, ...]) -
 
 
 def _sine(mean: float, amplitude: float, period: float, phase: float, end: float) -> Course:
-    if not end / period <= _MOST_PERIODS:
+    if not end / period <= _MAX_PERIODS:
         raise FieldError(
-            "period", f"the run has {end / period:.3g} of them, more than {_MOST_PERIODS:,}"
+            "period", f"the run has {end / period:.3g} of them, more than {_MAX_PERIODS:,}"
         )
     count = int(np.ceil(end / period * _PER_PERIOD)) + 2
     t = np.linspace(0.0, period / _PER_PERIOD * (count - 1), count)

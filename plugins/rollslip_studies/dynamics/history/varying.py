@@ -16,7 +16,7 @@ from rollslip.fields import FieldError
 from rollslip.rings import Rings
 from rollslip.structure import Location
 from rollslip_kernels.motion.system import System
-from rollslip_kernels.motion.varying import MOST_AXES, Varying
+from rollslip_kernels.motion.varying import MAX_AXES, Varying
 from rollslip_studies.dynamics.history.interpolated_rates import (
     Axis,
     Stations,
@@ -255,10 +255,10 @@ def varying_motion(
         axes.append(Axis("speed", 0.0, abs(speeds[0] - speeds[1])))
     if (path := history.path) is not None:
         axes.append(PathAxis(path.name, 0.0, 1.0, path))
-    if len(axes) > MOST_AXES:
+    if len(axes) > MAX_AXES:
         over = ", ".join(axis.name.replace("_", " ") for axis in axes)
         raise DomainError(
-            f"tables over {over} are more than {MOST_AXES} at once; keep some of them the same, or let "
+            f"tables over {over} are more than {MAX_AXES} at once; keep some of them the same, or let "
             "operation.temperature stand for the parts"
         )
     held = {name: spans[name][0] for name in history.conditions if name not in history.varies}

@@ -36,7 +36,7 @@ _log = logging.getLogger(__name__)
 
 _FIRST_POSITIONS = 2
 _MAX_POSITIONS = 256
-_MOST_FORCES = 1025
+_MAX_FORCES = 1025
 #: Up to how many halvings between forces a map is measured between positions: it errs there alike at forces alike.
 _MEASURED = 2
 #: Times the tolerance that the share of the load at the wrong place along a roller may be between forces, where its
@@ -229,9 +229,9 @@ class Orbits:
     def at(self, force: float) -> Array:
         """Loads of one roller over its orbit at a centrifugal force, (2, K, n)."""
         if force not in self.solved:
-            if len(self.right) > 2 * _MOST_FORCES:
+            if len(self.right) > 2 * _MAX_FORCES:
                 raise ConvergenceError(
-                    f"{_MOST_FORCES} centrifugal forces leave more than {self.tolerance:.1e} of the load at the wrong "
+                    f"{_MAX_FORCES} centrifugal forces leave more than {self.tolerance:.1e} of the load at the wrong "
                     f"place near {force:g} N; {COARSER_TABLES}"
                 )
             found = self._orbit(self.assembly.load_distribution(self.n_positions, self._speed(force)))

@@ -56,7 +56,7 @@ _PRESSED: Final = (
 _FORCE_ERROR = 3e-5
 _LIGHT = 1e-2
 _FIRST_CELLS = 512
-_MOST_CELLS = 65536
+_MAX_CELLS = 65536
 #: Approaches of a roller and a raceway [m] at which their force is evaluated to find that of a given force.
 _APPROACHES: Final = np.geomspace(1e-9, 1e-3, 601)
 
@@ -496,7 +496,7 @@ def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | Non
         error = float((np.abs(wrong) / np.maximum(half_way[0], light)).max())
         if error <= _FORCE_ERROR:
             break
-        if 2 * cells > _MOST_CELLS:  # a profile or law with a jump
+        if 2 * cells > _MAX_CELLS:  # a profile or law with a jump
             return None
         both = np.empty((2, 2 * cells + 1))
         both[:, ::2] = known

@@ -50,7 +50,7 @@ _REACH = 2.5
 _SLOW: Final = 0.5
 #: Nodes of rolling speed, of force and on either side of no sliding at first, and the most of all together.
 _FIRST_NODES = (5, 17, 24)
-_MOST_NODES = 300_000
+_MAX_NODES = 300_000
 #: What more nodes have to leave of the error at most, and how often in a row they may fail to before there is no table.
 _GAIN = 0.9
 _VAIN = 4
@@ -362,7 +362,7 @@ def _friction_table(
             errors = [law.error(at, values, usual, axis) for axis in range(3)]
             axis = int(np.argmax(errors))
             nodes[axis] = 2 * nodes[axis] - (axis < 2)
-            if nodes[0] * nodes[1] * (2 * nodes[2] + 1) > _MOST_NODES or vain == _VAIN:
+            if nodes[0] * nodes[1] * (2 * nodes[2] + 1) > _MAX_NODES or vain == _VAIN:
                 return (
                     f"a table of it on the {raceway.ring} ring would err by {error:.1e}, more than the {tolerance:.1e} "
                     "that tables may leave"
