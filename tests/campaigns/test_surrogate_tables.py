@@ -175,7 +175,7 @@ def test_speeds_of_a_plan_hold_those_of_its_ranges():
         Ro * (Ri * inner + Ro * outer) / (Ri * Ro * (inner - outer))
         for inner, outer in ((1000, 10), (100, 20))
     ]
-    assert [told["least_ratio"], told["most_ratio"]] == pytest.approx(ratios)
+    assert [told["smallest_ratio"], told["largest_ratio"]] == pytest.approx(ratios)
     backwards = rollslip.evolve(scene, {"operation.inner_speed": "-500 rpm"})
     ends = SurrogateSettings(backwards, {}, engine="serial").plan().ranges["operation.inner_speed"]
     assert ends == pytest.approx((-600.0 * rpm, -75.0 * rpm))

@@ -157,7 +157,7 @@ def test_more_slips_of_a_curve_change_nothing_that_is_said_of_it():
     bearing = few(HARD["two motions"])
     plain, dense = (SteadySlip(points=points).run(bearing) for points in (25, 150))
     assert dense.sizes["cage_slip"] > 150 > plain.sizes["cage_slip"]
-    for name in ("steady_slip", "limit_drag", "skidding_slip", "most_torque", "drag_reserve"):
+    for name in ("steady_slip", "limit_drag", "skidding_slip", "largest_torque", "drag_reserve"):
         np.testing.assert_array_equal(dense[name], plain[name])
     assert RANGE > float(plain.cage_slip[-1]) == 0.9
 

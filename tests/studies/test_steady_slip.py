@@ -728,8 +728,8 @@ def test_the_first_of_two_maxima_of_the_torque_is_told():
         0.5 * (k.inner_radius + k.outer_radius) * k.epicyclic_cage_speed
     )  # V at each ring over the slip
     assert float(found.first_maximum_slip) == pytest.approx(1.0 / half, rel=1e-3)
-    assert float(found.most_torque_slip) == pytest.approx(10.0 / half, rel=1e-3)
-    assert float(found.first_maximum_torque / found.most_torque) == pytest.approx(0.4, rel=1e-3)
+    assert float(found.largest_torque_slip) == pytest.approx(10.0 / half, rel=1e-3)
+    assert float(found.first_maximum_torque / found.largest_torque) == pytest.approx(0.4, rel=1e-3)
     assert float(found.limit_drag) == float(found.first_maximum_torque), (
         "from there the slip more than doubles"
     )
@@ -1088,7 +1088,7 @@ def test_a_curve_whose_end_is_not_found_loses_no_answer(monkeypatch):
     monkeypatch.setattr(LoadingBranch, "largest_error", property(unknown))
     found = run(scene, points=40)
     assert np.isnan(found.driving_torque[-1])
-    assert np.isnan(found.most_torque_error)
+    assert np.isnan(found.largest_torque_error)
     known = ~np.isnan(found.driving_torque)
     assert known.sum() > 20
     np.testing.assert_array_equal(found.driving_torque[known], whole.driving_torque[known])

@@ -23,5 +23,5 @@ for axes, scene in zip(both, ("turbine", "1032930-50C"), strict=True):
     axes.set(title=scene, xlabel="Cage slip [%]", ylabel="Torque [mN m]")
     axes.legend()
     slip = float(result.steady_slip[0])
-    reserve = float(result.most_torque / result.torque[0])
+    reserve = float(result.largest_torque / result.torque[0])
     print(f"{scene}: slip {slip:.1%}, drag reserve {reserve:.1f}")

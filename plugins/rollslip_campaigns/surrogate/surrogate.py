@@ -175,8 +175,8 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
         )
     slow, fast, least, most = _speeds(assembly, ranges)
     of_study = f"study.{RacewayFriction.name}"
-    told = {f"{of_study}.slowest": slow, f"{of_study}.fastest": fast, f"{of_study}.least_ratio": least,
-            f"{of_study}.most_ratio": most}  # fmt: skip
+    told = {f"{of_study}.slowest": slow, f"{of_study}.fastest": fast, f"{of_study}.smallest_ratio": least,
+            f"{of_study}.largest_ratio": most}  # fmt: skip
     scene = evolve(base, told)
     rolling = np.geomspace(slow, fast, ROLLING)
     off = _drags(scene, np.array(ranges[_KEYS[0]]), ranges, rolling)[2]

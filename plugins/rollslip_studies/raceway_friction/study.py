@@ -102,18 +102,18 @@ class RacewayFriction(Study):
         usual=(1e-2, 200),
         possible=(0, 1e4),
     )
-    least_ratio: float = parameter(
+    smallest_ratio: float = parameter(
         default=1.0, unit="1", doc="smallest R_o w/u of cage and rolling speed", validator=positive,
         usual=(1e-2, 100), possible=(0, 1e6),
     )  # fmt: skip
-    most_ratio: float = parameter(
+    largest_ratio: float = parameter(
         default=1.0, unit="1", doc="largest R_o w/u; with the smallest it has one node", validator=positive,
         usual=(1e-2, 100), possible=(0, 1e6),
     )  # fmt: skip
 
     def __attrs_post_init__(self) -> None:
-        if self.most_ratio < self.least_ratio:
-            raise FieldError("least_ratio", f"{self.least_ratio:g} is above the largest ratio")
+        if self.largest_ratio < self.smallest_ratio:
+            raise FieldError("smallest_ratio", f"{self.smallest_ratio:g} is above the largest ratio")
         if (
             self.slowest is not None
             and self.fastest is not None
@@ -149,8 +149,8 @@ class RacewayFriction(Study):
             for stated, fraction in zip((self.slowest, self.fastest), _SPEEDS, strict=True)
         )
         u = np.geomspace(min(low, 0.5 * high), high, ROLLING)
-        same = self.least_ratio == self.most_ratio
-        rho = np.geomspace(self.least_ratio, self.most_ratio, 1 if same else _RATIOS)
+        same = self.smallest_ratio == self.largest_ratio
+        rho = np.geomspace(self.smallest_ratio, self.largest_ratio, 1 if same else _RATIOS)
         ratio = SMALL * np.sinh(np.linspace(0.0, math.asinh(REACH / SMALL), _SLIDING))
         n_positions = assembly.resolution.n_positions or _INSTANTS
         speeds = np.outer(rho, u) / assembly.kinematics.outer_radius

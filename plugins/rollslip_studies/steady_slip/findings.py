@@ -483,7 +483,7 @@ def _largest(dataset: "xr.Dataset") -> str:
     largest = float(dataset["limit_drag"])
     slip = float(dataset["skidding_slip"])
     if math.isnan(largest):
-        if "most_torque" in dataset:
+        if "largest_torque" in dataset:
             return f"{dataset['skidding_status'].item()}{_first(dataset)}"
         reached = format_quantity(float(dataset["driving_torque"].max()), "N m", 3)
         reached = f"in this range the rollers drive the cage with up to {reached}"
@@ -510,7 +510,7 @@ def _jump(dataset: "xr.Dataset") -> str:
     )
     if math.isnan(to):
         return f"{said}; nothing in the range carries more"
-    most, at = (float(dataset[name]) for name in ("most_torque", "most_torque_slip"))
+    most, at = (float(dataset[name]) for name in ("largest_torque", "largest_torque_slip"))
     beyond = f"up to {format_quantity(most, 'N m', 3)} at {_percent(at)}"
     return f"{said}; a larger one takes it to {_percent(to)}, where slips carry {beyond}"
 

@@ -19,7 +19,7 @@ from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_studies.steady_slip.evaluated import STEP, by_secant
-from rollslip_studies.steady_slip.minimum_load import most_left_over
+from rollslip_studies.steady_slip.minimum_load import largest_excess
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def _off(
     if math.isfinite(float(dataset["limit_drag"])):
         yield from _largest(balance, dataset)
     elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _PLENTY:
-        slip, own = (float(dataset[name]) for name in ("most_torque_slip", "most_torque"))
+        slip, own = (float(dataset[name]) for name in ("largest_torque_slip", "largest_torque"))
         # of several motions the one that is meant: a way up on all slices would take far longer
         torques = [motion.torque for motion in balance.motions.at(np.array([slip]))[0]]
         yield "reserve to skidding", _apart(own, min(torques, key=lambda one: abs(one - own)))
@@ -137,7 +137,7 @@ def _off(
     if load > dataset.attrs.get("rollers_weight", 0.0):
         by = np.atleast_1d(dataset["minimum_load"].attrs["slips"]).tolist()
         over, more = (
-            most_left_over(at_load(one), by, acceptable)[1] for one in (load, (1.0 + STEP) * load)
+            largest_excess(at_load(one), by, acceptable)[1] for one in (load, (1.0 + STEP) * load)
         )
         yield "minimum load", STEP * abs(over / (more - over)) if more != over else math.inf
 

@@ -32,7 +32,7 @@ __all__ = [
     "Rule",
     "minimum_loads_of_makers",
     "minimum_load",
-    "most_left_over",
+    "largest_excess",
     "rollers_weight",
     "static_rating",
 ]
@@ -83,7 +83,7 @@ def minimum_load(
     slips: tuple[float, ...] = (slip,)
 
     def excess(log: float) -> float:
-        return most_left_over(balance(math.exp(log)), slips, slip)[1]
+        return largest_excess(balance(math.exp(log)), slips, slip)[1]
 
     if balance(load).rolls_freely:
         return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}", ()
@@ -102,7 +102,7 @@ def minimum_load(
             if found < weight:
                 break
             slips = (slip, *_around_maxima(balance(found), slip))
-            at, over = most_left_over(balance(found), slips, slip)
+            at, over = largest_excess(balance(found), slips, slip)
             if abs(over) <= 4.0 * _FOUND * abs(drag):
                 break
         balance(found).orbit(
@@ -113,7 +113,7 @@ def minimum_load(
     return found, "found" if at == slip else f"found; {WITH_LESS} {at:.2g} on", slips
 
 
-def most_left_over(
+def largest_excess(
     balance: TorqueBalance, slips: Sequence[float], slip: float
 ) -> tuple[float, float]:
     """Return the slip up to a given one at which most torque is left over to speed the cage up, and that [N m].

@@ -116,11 +116,11 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "reserve_status": Output(
             "", "1", "what was found of the reserve: found, at least, or why there is none"
         ),
-        "most_torque": Output(
+        "largest_torque": Output(
             "", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"
         ),
-        "most_torque_slip": Output("", "1", "cage slip there"),
-        "most_torque_error": Output("", "1", "relative error left of it"),
+        "largest_torque_slip": Output("", "1", "cage slip there"),
+        "largest_torque_error": Output("", "1", "relative error left of it"),
         "first_maximum_torque": Output(
             "",
             "N m",

@@ -41,9 +41,9 @@ def slip_drag(
         "limit_drag_high": high,
         "skidding_status": "found" if away else nowhere(way, f"{table}.max_cage_slip"),
         "jump_slip": math.nan if away is None else away.to,
-        "most_torque": most,
-        "most_torque_slip": most_slip,
-        "most_torque_error": _or_unknown(lambda: way.largest_error),
+        "largest_torque": most,
+        "largest_torque_slip": most_slip,
+        "largest_torque_error": _or_unknown(lambda: way.largest_error),
         "first_maximum_torque": math.nan if first is None else first.drag,
         "first_maximum_slip": math.nan if first is None else first.slip,
     }
