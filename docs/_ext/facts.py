@@ -51,8 +51,8 @@ def relations():
         (
             f"``{one.table}.{one.field}``",
             one.words,
-            one.range_in_words(one.usual) if any(map(math.isfinite, one.usual)) else "",
-            one.range_in_words(one.possible) if any(map(math.isfinite, one.possible)) else "",
+            one.format_range(one.usual) if any(map(math.isfinite, one.usual)) else "",
+            one.format_range(one.possible) if any(map(math.isfinite, one.possible)) else "",
             one.source,
         )
         for one in RELATIONS

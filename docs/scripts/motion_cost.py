@@ -133,13 +133,13 @@ def estimates():
             planning = time.process_time() - begin
             found = execute(made, "dynamics")
             cost = json.loads(found.attrs["cost"])
-            foreseen = cost["estimated"]
+            cost_sentences = cost["estimated"]
             spent = cost["actual"]
             numbers = (
                 f"{planning:.2f}",
-                f"{foreseen:.3f}",
+                f"{cost_sentences:.3f}",
                 f"{spent:.3f}",
-                f"{foreseen / spent:.2f}",
+                f"{cost_sentences / spent:.2f}",
             )
             rows.append((name, level, friction, f"{duration:g}", *numbers))
             print(

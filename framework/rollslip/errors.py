@@ -50,7 +50,7 @@ class RollslipDeprecationWarning(DeprecationWarning):
     """Something public will go away; the message says what takes its place. It stays for one minor version at least."""
 
 
-def in_words(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """Return type and message of an error on one line."""
     return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
 

@@ -35,7 +35,7 @@ __all__ = [
     "own_unit",
     "parameter",
     "positive",
-    "span_in_words",
+    "format_span",
     "unusual",
     "within_possible",
 ]
@@ -269,7 +269,7 @@ def within_possible(instance: object, attribute: "attrs.Attribute[Any]", value: 
     span: Span = attribute.metadata["possible"]
     for one in value if isinstance(value, tuple) else (value,):
         if isinstance(one, int | float) and not span[0] <= one <= span[1]:
-            came = f"must be {span_in_words(span, *_unit_and_given(attribute))}, not {_told(one, attribute)}"
+            came = f"must be {format_span(span, *_unit_and_given(attribute))}, not {_told(one, attribute)}"
             raise FieldError(attribute.name, came + _hint(one, attribute))
 
 
@@ -279,7 +279,7 @@ def unusual(attribute: "attrs.Attribute[Any]", value: float, given: str | None =
     if span is None or span[0] <= value <= span[1]:
         return ""
     told = attribute.evolve(metadata={**attribute.metadata, "given": given})
-    usual = span_in_words(span, *_unit_and_given(told))
+    usual = format_span(span, *_unit_and_given(told))
     return f"{as_given(value, attribute, given)} is unusual ({usual} is usual)" + _hint(value, told)
 
 
@@ -288,7 +288,7 @@ def as_given(value: float, attribute: "attrs.Attribute[Any]", given: str | None 
     return _told(value, attribute.evolve(metadata={**attribute.metadata, "given": given}))
 
 
-def span_in_words(span: Span, unit: str | None, given: str | None = None) -> str:
+def format_span(span: Span, unit: str | None, given: str | None = None) -> str:
     """Say from what to what: "from 5 nm to 3 um", "at most 4 GPa"."""
     low, high = (_bound(end, unit, given) for end in span)
     if math.isinf(span[1]):

@@ -228,15 +228,15 @@ def test_the_plan_says_what_of_the_cage_is_estimated():
     assert part.reason.startswith(
         "MA of NU 2312 MA says so; estimated (D): mass, inertia, pocket_clearance"
     )
-    (note,) = (text for text in plan(scene).foreseen if text.startswith("the cage"))
+    (note,) = (text for text in plan(scene).cost_sentences if text.startswith("the cage"))
     assert "MA of NU 2312 MA says so" in note
-    bare = plan(evolve(scene, {"bearing.name": "NU 2312"})).foreseen
+    bare = plan(evolve(scene, {"bearing.name": "NU 2312"})).cost_sentences
     assert any(
         "the make is assumed, as most makers have it in NU 2312; state cage.make where" in text
         for text in bare
     )
     stated = evolve(scene, {"cage.mass": "450 g"})
-    assert not any(text.startswith("the cage") for text in plan(stated).foreseen)
+    assert not any(text.startswith("the cage") for text in plan(stated).cost_sentences)
 
 
 def test_what_is_estimated_of_a_land_can_be_sampled():

@@ -10,7 +10,7 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
-from rollslip.planning.lines import LONG, foreseen, time_in_words
+from rollslip.planning.lines import LONG, cost_sentences, format_time
 from rollslip.planning.plan import plan, require_memory
 from rollslip.results.words import duration
 from rollslip.studies.study import settings
@@ -84,12 +84,12 @@ def test_nine_of_ten_runs_take_half_to_three_times_what_was_foreseen():
 
 def test_what_takes_long_is_told_in_words():
     scene = load_scene(SCENE)
-    assert foreseen(assemble(scene), {}, 0.5 * LONG, 0) == []
-    (told,) = foreseen(assemble(scene), {}, 7200.0, 10**6)
+    assert cost_sentences(assemble(scene), {}, 0.5 * LONG, 0) == []
+    (told,) = cost_sentences(assemble(scene), {}, 7200.0, 10**6)
     assert told.startswith(
         "this will take 1 h 0 min to 6 h 0 min; 1.0e+06 slices to evaluate; Ctrl-C"
     )
-    (by_slices,) = foreseen(
+    (by_slices,) = cost_sentences(
         assemble(scene), {}, 0.0, 10**11
     )  # 20 ns each, whatever was estimated from small parts
     assert "this will take 16 min 40 s to 1 h 40 min;" in by_slices
@@ -99,18 +99,18 @@ def test_only_what_runs_again_may_take_longer_than_a_plan_tells():
     assembly = assemble(scene := load_scene(SCENE))
     longer = "0.5 to 3 s, longer if the check of a result asks for more"
     for name, told in (("effective-friction", longer), ("dynamics", "0.5 to 3 s")):
-        assert time_in_words(1.0, settings(scene, name).values(), assembly) == told
+        assert format_time(1.0, settings(scene, name).values(), assembly) == told
     exact = assemble(evolve(scene, {"accuracy.tolerance": "exact"}))
-    assert time_in_words(1.0, settings(scene, "effective-friction").values(), exact) == "0.5 to 3 s"
+    assert format_time(1.0, settings(scene, "effective-friction").values(), exact) == "0.5 to 3 s"
 
 
 def test_a_tolerance_that_nothing_reaches_is_told():
     scene = evolve(load_scene(SCENE), {"accuracy.tolerance": 1e-12})
-    (told,) = foreseen(assemble(scene), {}, 0.0, 0)
+    (told,) = cost_sentences(assemble(scene), {}, 0.0, 0)
     assert told.startswith(
         "accuracy.tolerance = 1e-12 is less than the finest of everything leaves"
     )
-    assert foreseen(assemble(evolve(scene, {"accuracy.tolerance": "exact"})), {}, 0.0, 0) == []
+    assert cost_sentences(assemble(evolve(scene, {"accuracy.tolerance": "exact"})), {}, 0.0, 0) == []
     said = CliRunner().invoke(
         cli, ["plan", SCENE, "--study", "friction-curve", "--set", "accuracy.tolerance=1e-12"]
     )

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from drawn import words
 from rollslip.bearing.assembly import assemble
 from rollslip.cli import app
-from rollslip.planning.provenance import film_limits_told
+from rollslip.planning.provenance import describe_film_limits
 from rollslip.results.curves import Curve, curves, percent
 from rollslip.results.figures import plot, save_plots
 from rollslip.results.style import (
@@ -41,7 +41,7 @@ FALLING = "friction falls beyond it"
 def dataset(study, scene=COLD):
     assembly = assemble(scene)
     result = study.run(assembly)
-    result.attrs["film_limits"] = json.dumps(film_limits_told(assembly))
+    result.attrs["film_limits"] = json.dumps(describe_film_limits(assembly))
     return result
 
 

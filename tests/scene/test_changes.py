@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import PluginError, RollslipError, SceneError
-from rollslip.planning.provenance import scene_told
+from rollslip.planning.provenance import describe_scene
 from rollslip.scene import FrozenTable, ModelChoice, Scene, resolved, scene_hash
 from rollslip.scene.changes import SHORT, evolve, parse_set
 from rollslip.scene.reading import load_scene, parse_scene
@@ -88,9 +88,9 @@ def test_the_title_of_a_result_follows_what_was_changed() -> None:
         {"operation.temperature": "60 degC", "accuracy.slices": 5, "models.film.model": "moes"},
     )
     said = f"{scene.title}; changed: operation.temperature = 60 degC, models.film.model = moes"
-    assert [scene_told(one)["title"] for one in (scene, changed)] == [scene.title, said]
-    assert scene_told(changed, scene)["title"] == scene.title
-    assert scene_told(evolve(changed, {"title": "mine"}))["title"] == "mine"
+    assert [describe_scene(one)["title"] for one in (scene, changed)] == [scene.title, said]
+    assert describe_scene(changed, scene)["title"] == scene.title
+    assert describe_scene(evolve(changed, {"title": "mine"}))["title"] == "mine"
 
 
 def test_changes_add_up() -> None:

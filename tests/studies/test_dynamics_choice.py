@@ -231,9 +231,9 @@ def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, 
     study = Dynamics(level=level, friction=friction, duration=duration, points=21, planar=planar)
     assembly = bearing()
     tried = estimates.with_few_slices(assembly) if friction == "conventional" else assembly
-    foreseen, each, _ = costs._foreseen(study, study.moving(tried))
+    cost_sentences, each, _ = costs._foreseen(study, study.moving(tried))
     found = study.run(assembly)
-    assert 0.5 < foreseen / found.attrs["rate_evaluations"] < 2.0
+    assert 0.5 < cost_sentences / found.attrs["rate_evaluations"] < 2.0
     assert each > 0.0
     assert set(study.cost(assembly)) == {"tables", "motion", "skidding"}
 
@@ -256,8 +256,8 @@ def test_a_run_up_from_rest_is_foreseen_by_later_instants_too():
     )
     assembly = assemble(scene)
     study = Dynamics.of(scene)
-    foreseen, _, _ = costs._foreseen(study, study.moving(assembly))
-    assert 0.5 < foreseen / study.run(assembly).attrs["rate_evaluations"] < 2.0
+    cost_sentences, _, _ = costs._foreseen(study, study.moving(assembly))
+    assert 0.5 < cost_sentences / study.run(assembly).attrs["rate_evaluations"] < 2.0
 
 
 def test_integrators_say_whether_they_are_explicit():

@@ -451,8 +451,8 @@ def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
 def test_a_plan_foresees_how_many_steady_slips_a_balance_takes(duration, monkeypatch):
     scene = evolve(SCENE, {"models.thermal": network(), "study.thermal-balance.duration": duration})
     monkeypatch.setattr("rollslip.studies.timing.timed", lambda work, times: 1.0)
-    foreseen = settings(scene, "thermal-balance")["thermal-balance"].cost(assemble(scene))["run"]
-    assert 0.5 < foreseen / run(scene, "thermal-balance").attrs["evaluated_temperatures"] < 2.0
+    cost_sentences = settings(scene, "thermal-balance")["thermal-balance"].cost(assemble(scene))["run"]
+    assert 0.5 < cost_sentences / run(scene, "thermal-balance").attrs["evaluated_temperatures"] < 2.0
 
 
 def test_warm_rings_change_the_clearance_where_they_expand():
@@ -652,6 +652,6 @@ def test_a_plan_says_which_studies_a_network_does_not_act_in():
     assert [(part.part, part.included) for part in steady.parts if part.part == "thermal"] == [
         ("thermal", False)
     ]
-    assert any("models.thermal does not act in steady-slip" in text for text in steady.foreseen)
+    assert any("models.thermal does not act in steady-slip" in text for text in steady.cost_sentences)
     given = plan(evolve(scene, {"models.thermal": "given"}), "steady-slip")
-    assert not any("models.thermal" in text for text in given.foreseen)
+    assert not any("models.thermal" in text for text in given.cost_sentences)

@@ -340,7 +340,7 @@ def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
     ) or {}
 
 
-def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
+def describe_cage(scene: Scene, cage: Cage) -> tuple[str, str]:
     """Return what a cage is, in words, and how that is known."""
     name, written = _written(scene)
     if (friction := scene.models.neighbour_friction) is not None:

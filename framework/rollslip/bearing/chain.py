@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rollslip.catalogue.discovery import origin
 from rollslip.engine import helps, shared, threads
-from rollslip.errors import DomainError, PluginError, RollslipError, in_words
+from rollslip.errors import DomainError, PluginError, RollslipError, describe_error
 from rollslip.models import SliceModel
 from rollslip.models.domains import FINITE, refusal_text
 from rollslip_kernels import chain as kernels
@@ -48,7 +48,7 @@ def _kernel(model: SliceModel) -> object | None:
         raise
     except Exception as error:
         raise PluginError(
-            f"model {model.name!r}: {_who(model)} fails ({in_words(error)}); {origin(type(model))}"
+            f"model {model.name!r}: {_who(model)} fails ({describe_error(error)}); {origin(type(model))}"
         ) from error
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollslip.bearing.chain import stage
 from rollslip.catalogue.discovery import origin
-from rollslip.errors import DomainError, PluginError, RollslipError, in_words
+from rollslip.errors import DomainError, PluginError, RollslipError, describe_error
 from rollslip.fields import parameter, submodels
 from rollslip.models import (
     FINITE,
@@ -147,7 +147,7 @@ def torque_capsule(model: DragModel) -> object:
     except RollslipError:
         raise
     except Exception as error:
-        raise PluginError(f"{who} fails ({in_words(error)}); {origin(type(model))}") from error
+        raise PluginError(f"{who} fails ({describe_error(error)}); {origin(type(model))}") from error
     if capsule is None:
         return compiled.python_drag(_checked(model), model.varies_in_time)
     if problem := compiled.problem(capsule):

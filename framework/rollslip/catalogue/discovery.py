@@ -30,8 +30,8 @@ import attrs
 from rollslip.catalogue.installed import THIS_PROCESS, Offer, with_session
 from rollslip.catalogue.installed import installed as _installed
 from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
-from rollslip.catalogue.shipped import altered, held, is_ours, told_if_slow
-from rollslip.errors import PluginError, UnknownNameError, did_you_mean, in_words, wants_memory
+from rollslip.catalogue.shipped import altered, held, is_ours, warn_if_slow
+from rollslip.errors import PluginError, UnknownNameError, did_you_mean, describe_error, wants_memory
 from rollslip.units import as_written
 
 _log = logging.getLogger(__name__)
@@ -206,14 +206,14 @@ def _load(offer: Offer) -> Any:
     path, _, member = offer.module.partition(":")
     before = {} if is_ours(path) else held()
     try:
-        with told_if_slow(blame, offer.module, offer.package):
+        with warn_if_slow(blame, offer.module, offer.package):
             module = importlib.import_module(path)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
         if wants_memory(error):
-            raise MemoryError(in_words(error)) from error
-        raise PluginError(f"{blame} cannot be imported ({in_words(error)}); {remedy}") from error
+            raise MemoryError(describe_error(error)) from error
+        raise PluginError(f"{blame} cannot be imported ({describe_error(error)}); {remedy}") from error
     if changed := [] if is_ours(path) else altered(before):
         why = f"its import changes {' and '.join(changed[:3])} of rollslip, so that results would name rollslip for it"
         raise PluginError(
@@ -229,7 +229,7 @@ def _load(offer: Offer) -> Any:
         raise
     except BaseException as error:
         raise PluginError(
-            f"{blame} cannot be used, its {hook}() fails ({in_words(error)}); {remedy}"
+            f"{blame} cannot be used, its {hook}() fails ({describe_error(error)}); {remedy}"
         ) from error
     for name, thing in offered:
         if name == offer.name:
@@ -262,7 +262,7 @@ def _of_family(offer: Offer, family: Any, kind: Kind, blame: str, remedy: str) -
     except KeyboardInterrupt:
         raise
     except Exception as error:
-        raise PluginError(f"{blame} cannot be made ({in_words(error)}); {remedy}") from error
+        raise PluginError(f"{blame} cannot be made ({describe_error(error)}); {remedy}") from error
     if problem := kind.fault(thing):
         raise PluginError(f"{blame} cannot be used, {problem}; {remedy}")
     return thing

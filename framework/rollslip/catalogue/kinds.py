@@ -16,7 +16,7 @@ from typing import Any
 import attrs
 
 from rollslip.catalogue.installed import by_package, installed, kinds
-from rollslip.errors import PluginError, UnknownNameError, did_you_mean, in_words, nearest
+from rollslip.errors import PluginError, UnknownNameError, did_you_mean, describe_error, nearest
 
 __all__ = [
     "Kind", "Template", "built_in_module", "check_kind", "get_kind", "kind_of", "kinds", "offered_kinds",
@@ -114,7 +114,7 @@ def get_kind(name: str) -> Kind:
     try:
         kind = point.load()
     except (Exception, SystemExit) as error:
-        blame = f"kind {name!r} of package {package} cannot be imported ({in_words(error)})"
+        blame = f"kind {name!r} of package {package} cannot be imported ({describe_error(error)})"
         raise PluginError(f"{blame}; repair or uninstall {package}") from error
     if not isinstance(kind, Kind) or kind.name != name:
         blame = f"kind {name!r} of package {package}: {point.value} is no Kind of that name"

@@ -11,7 +11,7 @@ import attrs
 from rollslip.catalogue.discovery import available, catalogue, find, get_class, origin
 from rollslip.catalogue.installed import Offer
 from rollslip.catalogue.kinds import get_kind
-from rollslip.errors import PluginError, SceneError, in_words
+from rollslip.errors import PluginError, SceneError, describe_error
 from rollslip.fields import FieldError
 from rollslip.structure import Location, structure
 
@@ -153,5 +153,5 @@ def structure_model(
         problems.append(where.at(error.field).says(error.reason))
         return None
     except Exception as error:  # what a scene can be blamed for is noted already
-        blame = f"{kind} {name!r} cannot be made ({in_words(error)}); {origin(cls)}"
+        blame = f"{kind} {name!r} cannot be made ({describe_error(error)}); {origin(cls)}"
         raise PluginError(where.says(blame)) from error

@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from types import FunctionType, ModuleType
 from typing import Any, Final
 
-__all__ = ["altered", "held", "is_ours", "told_if_slow"]
+__all__ = ["altered", "held", "is_ours", "warn_if_slow"]
 
 #: Seconds that an import may take without a word.
 _SLOW: Final = 10.0
@@ -62,9 +62,9 @@ def altered(before: Mapping[str, Any]) -> list[str]:
 
 
 @contextmanager
-def told_if_slow(what: str, module: str, package: str) -> Iterator[None]:
+def warn_if_slow(what: str, module: str, package: str) -> Iterator[None]:
     """Say on the standard error what is being imported, once it has taken longer than anybody is patient."""
-    told = threading.Timer(_SLOW, _tell_slow, (what, module, package))
+    told = threading.Timer(_SLOW, _warn_slow, (what, module, package))
     told.daemon = True
     told.start()
     try:
@@ -73,7 +73,7 @@ def told_if_slow(what: str, module: str, package: str) -> Iterator[None]:
         told.cancel()
 
 
-def _tell_slow(what: str, module: str, package: str) -> None:
+def _warn_slow(what: str, module: str, package: str) -> None:
     disabled = ",".join(filter(None, (os.environ.get("ROLLSLIP_DISABLED_PLUGINS"), package)))
     with suppress(OSError, ValueError, AttributeError):  # there may be nobody to tell
         sys.stderr.write(

@@ -419,7 +419,7 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
             if watch.at - said >= 30.0:
                 said = watch.at
                 click.echo(
-                    ": ".join([what, ", ".join(filter(None, [text, watch.left_in_words()]))]),
+                    ": ".join([what, ", ".join(filter(None, [text, watch.format_time_left()]))]),
                     err=True,
                 )
 
@@ -439,7 +439,7 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
 
     class Left(ProgressColumn):
         def render(self, task: Task) -> Text:
-            return Text(watch.left_in_words())
+            return Text(watch.format_time_left())
 
     columns = (
         SpinnerColumn(),

@@ -63,11 +63,11 @@ def headline(plan: "Plan") -> str:
     first = headline_of(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
     mounted = plan.scene.bearing.mounted
     return (
-        first if mounted is None else f"{first}\nclearance in operation: {clearance_told(mounted)}"
+        first if mounted is None else f"{first}\nclearance in operation: {describe_clearance(mounted)}"
     )
 
 
-def clearance_told(mounted: "MountedClearance") -> str:
+def describe_clearance(mounted: "MountedClearance") -> str:
     """Say how a clearance in operation came about, and what of it nobody stated."""
     assumed = (
         f"; assumed: {' and '.join(mounted.assumed)} (bearing.mounting)" if mounted.assumed else ""
@@ -121,9 +121,9 @@ def print_plan(plan: "Plan") -> None:
 
 
 def _print_size(plan: "Plan") -> None:
-    from rollslip.planning.lines import time_in_words
+    from rollslip.planning.lines import format_time
 
-    time = time_in_words(plan.seconds, plan.studies.values(), plan.assembly)
+    time = format_time(plan.seconds, plan.studies.values(), plan.assembly)
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; about "
         f"{plan.evaluations} slices to evaluate in {time}; planned in {plan.planning:.2g} s"
@@ -407,7 +407,7 @@ def scene_info(scene: Scene) -> Groups:
             *(
                 []
                 if (mounted := scene.bearing.mounted) is None
-                else [("clearance is", clearance_told(mounted))]
+                else [("clearance is", describe_clearance(mounted))]
             ),
             ("roller mass", format_quantity(assembly.roller_mass, "kg")),
             ("epicyclic cage speed", format_quantity(k.epicyclic_cage_speed, "rad/s")),

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.errors import in_words
+from rollslip.errors import describe_error
 
 __all__ = ["Finding", "as_text", "examine", "healthy", "instructions", "versions"]
 
@@ -52,7 +52,7 @@ def examine() -> list[Finding]:
             found += check()
         except Exception as error:  # whatever is broken: the other checks go on
             found.append(
-                Finding(name, "fault", f"cannot be examined ({in_words(error)})", _REINSTALL)
+                Finding(name, "fault", f"cannot be examined ({describe_error(error)})", _REINSTALL)
             )
     return found
 

@@ -24,7 +24,7 @@ from rollslip.errors import (
     PluginError,
     RollslipError,
     UnknownNameError,
-    in_words,
+    describe_error,
     wants_memory,
 )
 from rollslip.planning.campaign import campaign, campaigns, help_of
@@ -376,6 +376,6 @@ def _told(error: Exception) -> int:
 
 def _short_of_memory(error: Exception) -> int:
     click.echo(
-        f"memory is too short ({in_words(error)}); close other programs, or ask for less", err=True
+        f"memory is too short ({describe_error(error)}); close other programs, or ask for less", err=True
     )
     return BAD_SCENE

@@ -193,7 +193,7 @@ def run(
     if verbose and not results.as_json:
         click.echo(console.headline(made))
     own = own_cage(made.scene, made.studies)  # which the answer tells among what is assumed
-    for sentence in made.foreseen:
+    for sentence in made.cost_sentences:
         if verbose or sentence != own:
             click.echo(f"note: {sentence}", err=True)
     results.go_to(f"{Path(scene).stem}-results")
@@ -310,7 +310,7 @@ def plan(
             click.echo(
                 f"every part with its reason: {shlex.join(['rollslip', 'plan', '-v', scene])}"
             )
-        for sentence in made.foreseen:
+        for sentence in made.cost_sentences:
             click.echo(f"note: {sentence}", err=True)
 
 

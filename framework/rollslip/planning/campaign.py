@@ -21,7 +21,7 @@ import attrs
 
 from rollslip.catalogue.discovery import catalogue, get_class
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.errors import PluginError, SceneError, in_words, nearest
+from rollslip.errors import PluginError, SceneError, describe_error, nearest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -291,7 +291,7 @@ def own_command(cls: type[Campaign]) -> Any:
     try:
         return pkgutil.resolve_name(cls.own_command)
     except (Exception, SystemExit) as error:
-        blame = f"campaign {cls.name!r}: its command {cls.own_command} cannot be imported ({in_words(error)})"
+        blame = f"campaign {cls.name!r}: its command {cls.own_command} cannot be imported ({describe_error(error)})"
         raise PluginError(f"{blame}; repair or uninstall its package") from error
 
 

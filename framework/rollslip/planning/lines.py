@@ -7,7 +7,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.cage import in_words, read_cage
+from rollslip.bearing.cage import describe_cage, read_cage
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.registry import find
 from rollslip.models import FilmModel, PressureModel, SliceModel
@@ -20,7 +20,7 @@ from rollslip.units import GRAVITY, format_quantity
 
 __all__ = [
     "LONG", "caged", "check", "foreseen", "how_finely", "of_bearing", "of_studies", "own_cage", "part_as_dict",
-    "time_in_words",
+    "format_time",
 ]  # fmt: skip
 
 #: Time that is told before it is spent [s].
@@ -72,7 +72,7 @@ def of_studies(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     ]
 
 
-def time_in_words(seconds: float, studies: Iterable[Study], assembly: Assembly) -> str:
+def format_time(seconds: float, studies: Iterable[Study], assembly: Assembly) -> str:
     """Return how long studies take, and that it may be longer where one may run again."""
     again = any(study.may_run_again(assembly) for study in studies)
     return duration_range(seconds) + ", longer if the check of a result asks for more" * again
@@ -113,7 +113,7 @@ def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
     if not caged(studies) or "mass" in (scene.cage or {}):
         return ""
     cage = read_cage(scene)
-    told = "; ".join(in_words(scene, cage))
+    told = "; ".join(describe_cage(scene, cage))
     return (
         f"the cage is the bearing's own, {told}"
         if scene.models.neighbour_friction is None
@@ -121,7 +121,7 @@ def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
     )
 
 
-def foreseen(
+def cost_sentences(
     assembly: Assembly, studies: Mapping[str, Study], seconds: float, evaluations: int
 ) -> list[str]:
     """Return in words what somebody should know before a plan is run; empty if there is nothing."""
@@ -143,7 +143,7 @@ def foreseen(
     seconds = max(seconds, _SLICE * evaluations)
     if seconds > LONG:
         said.append(
-            f"this will take {time_in_words(seconds, studies.values(), assembly)}; {evaluations:.1e} slices to "
+            f"this will take {format_time(seconds, studies.values(), assembly)}; {evaluations:.1e} slices to "
             "evaluate; Ctrl-C ends it, and rollslip plan says what the time goes to"
         )
     return said
@@ -171,7 +171,7 @@ def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     named = "drag" in (assembly.scene.cage or {})
     supply = assembly.scene.lubrication.supply
     reason = "cage.drag names it" if named else f"default, of lubrication.supply = {supply!r}"
-    choice, known = in_words(assembly.scene, assembly.cage)
+    choice, known = describe_cage(assembly.scene, assembly.cage)
     parts = [
         Part(part="cage", choice=choice, reason=known),
         *(

@@ -24,7 +24,7 @@ from rollslip.bearing.cage import read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
-from rollslip.planning.lines import caged, check, foreseen, of_bearing, of_studies, part_as_dict
+from rollslip.planning.lines import caged, check, cost_sentences, of_bearing, of_studies, part_as_dict
 from rollslip.results.words import LOWER_BOUNDS, duration_range
 from rollslip.scene.named import unknown_names
 from rollslip.scene.reading import as_scene
@@ -86,9 +86,9 @@ class Plan:
         return sum(part.seconds or 0.0 for part in self.parts if part.study == study)
 
     @property
-    def foreseen(self) -> list[str]:
+    def cost_sentences(self) -> list[str]:
         """What somebody should know before it is run, in words: that it takes long, or asks for what there is not."""
-        return foreseen(self.assembly, self.studies, self.seconds, self.evaluations)
+        return cost_sentences(self.assembly, self.studies, self.seconds, self.evaluations)
 
     @property
     def cautions(self) -> list[str]:

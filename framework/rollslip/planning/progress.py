@@ -47,7 +47,7 @@ class Watch:
         self._fraction = fraction
         self._left = left
 
-    def left_in_words(self) -> str:
+    def format_time_left(self) -> str:
         """Return the time left in words; nothing where it is not known."""
         now = time.monotonic()
         left = time_left(now - self.begin, now - self.at, self._fraction, self._left, self._seconds)
@@ -77,7 +77,7 @@ def progress_in_notebook(
     def show(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
         watch.tell(fraction, left)
         bar = "" if math.isnan(fraction) else f'<progress value="{fraction:.3f}"></progress> '
-        told = ", ".join(filter(None, (f"{what}: {text}", watch.left_in_words())))
+        told = ", ".join(filter(None, (f"{what}: {text}", watch.format_time_left())))
         place.update(page.HTML(bar + escape(told)))
 
     try:

@@ -38,17 +38,17 @@ if TYPE_CHECKING:
 
 __all__ = [
     "citations",
-    "citations_told",
+    "describe_citations",
     "cited",
     "data_references",
-    "lubricant_told",
+    "describe_lubricant",
     "models_origin",
-    "models_told",
+    "describe_models",
     "origin",
     "packages_of",
     "references_of",
     "run_origin",
-    "scene_told",
+    "describe_scene",
     "together",
 ]
 
@@ -72,7 +72,7 @@ def run_origin(plan: Plan, evaluations: int, wall_time: float) -> dict[str, Any]
     """Return the attributes by which a result can be made again: its scene, the packages, and what it took."""
     scene = plan.scene
     return origin(
-        **scene_told(scene),
+        **describe_scene(scene),
         description=scene.description,
         **({"note": scene.note} if scene.note else {}),
         packages=packages_of(()),
@@ -91,21 +91,21 @@ def models_origin(plan: Plan, study: str) -> dict[str, Any]:
     own = own_cage(scene, plan.studies)
     return as_attributes(
         packages=packages_of(offers),
-        models=models_told(plan.models),
-        lubricant=lubricant_told(assembly.lubricant),
+        models=describe_models(plan.models),
+        lubricant=describe_lubricant(assembly.lubricant),
         **(
             {"bound_below": 1}
             if "cage" in assembly.known_cage and assembly.cage.drags.bound_below
             else {}
         ),
         **({"own_cage": own} if own else {}),
-        data=[data_told(offer) for offer in named_data(raw) if offer.kind != "lubricant"]
-        + surfaces_told(raw),
-        film_limits=film_limits_told(assembly),
+        data=[describe_data(offer) for offer in named_data(raw) if offer.kind != "lubricant"]
+        + describe_surfaces(raw),
+        film_limits=describe_film_limits(assembly),
         conditions={
             raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways
         },
-        **citations_told(citations(plan)),
+        **describe_citations(citations(plan)),
     )
 
 
@@ -124,7 +124,7 @@ def together(origins: Collection[Mapping[str, Any]], *lists: str) -> dict[str, A
 # What it is made of -------------------------------------------------------------------------------------------------
 
 
-def scene_told(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
+def describe_scene(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
     """Return title, text and hash of a scene; `given` is the scene as it was written, where a campaign changes it."""
     given = given or scene
     mounted = scene.bearing.mounted
@@ -167,7 +167,7 @@ def packages_of(offers: Iterable[Offer]) -> dict[str, str]:
     return dict(sorted(used.items())) | {"python": sys.version.split()[0]}
 
 
-def models_told(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
+def describe_models(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
     """Return what is kept of models, given with their kinds."""
     return [
         {
@@ -188,14 +188,14 @@ def models_told(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def film_limits_told(assembly: "Assembly") -> dict[str, float]:
+def describe_film_limits(assembly: "Assembly") -> dict[str, float]:
     """Return the film parameters up to which a film is mixed, and boundary, as far as the scene's traction has any."""
     traction = assembly.at(attrs.evolve(assembly.resolution, boundary=True)).traction
     limits = {"mixed": traction.full_film_from or 0.0, "boundary": traction.boundary_up_to}
     return {film: limit for film, limit in limits.items() if 0.0 < limit < math.inf}
 
 
-def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
+def describe_lubricant(oil: "Lubricant") -> dict[str, Any]:
     """Return what is kept of an oil."""
     return {
         "name": oil.name,
@@ -206,7 +206,7 @@ def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
     }
 
 
-def data_told(offer: Offer) -> dict[str, Any]:
+def describe_data(offer: Offer) -> dict[str, Any]:
     """Return what is kept of a bearing that a scene takes by a name."""
     named = load(offer)
     return {
@@ -218,7 +218,7 @@ def data_told(offer: Offer) -> dict[str, Any]:
     }
 
 
-def surfaces_told(raw: Mapping[str, Any]) -> list[dict[str, Any]]:
+def describe_surfaces(raw: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return what is kept of the surfaces that a scene takes by a name, if it does."""
     table = raw.get("surface", {})
     if "name" not in table:
@@ -256,7 +256,7 @@ def data_references(assembly: "Assembly") -> list[Citation]:
     return [*used, *oil.references, *oil.pressure_viscosity_law.references]
 
 
-def citations_told(found: Iterable[Citation]) -> dict[str, list[Any]]:
+def describe_citations(found: Iterable[Citation]) -> dict[str, list[Any]]:
     """Return the attributes `CITED` of a dataset."""
     found = list(found)
     return dict(zip(CITED, (list(map(str, found)), list(map(as_dict, found))), strict=True))

@@ -80,7 +80,7 @@ _SEALED: Final = re.compile(rb"\nrollslip result (\d+) sha256 ([0-9a-f]{64})\n\Z
 #: Attribute of a coordinate of names: the unit of what has each, where they differ, as JSON.
 UNITS: Final = "units_by_name"
 #: Attribute of a variable: which other one says in words why it has no value.
-TOLD_BY: Final = "told_by"
+STATUS_VARIABLE: Final = "told_by"
 
 
 def about(unit: str, long_name: str) -> dict[str, Any]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "ANY_LOAD", "AT_REST", "DRIVEN", "IN_ROWS", "LOWER_BOUNDS", "NO_LOAD", "REST", "SWITCHED_OFF", "TOLD_FROM",
+    "ANY_LOAD", "AT_REST", "DRIVEN", "IN_ROWS", "LOWER_BOUNDS", "NO_LOAD", "REST", "SWITCHED_OFF", "REPORTED_FROM",
     "UNSURE", "WITH_LESS", "capital", "confidence", "counted", "duration", "duration_range", "estimated",
     "first_line", "force", "force_unit", "html_table", "in_python", "of_key", "of_laws", "percent", "places", "plain",
     "power", "rounded_up", "runs_at", "describe_skidding", "single_values", "span", "two", "warned", "with_unit",
@@ -48,7 +48,7 @@ LOWER_BOUNDS: Final = "no rolling resistance: slip a lower bound, friction torqu
 #: Part of a warning that the row of makers' minimum loads tells, too.
 IN_ROWS: Final = "of SKF's catalogue minimum load"
 #: Share of the contact force outside a bound from which on it counts.
-TOLD_FROM: Final = 0.005
+REPORTED_FROM: Final = 0.005
 #: How the warning begins that counts bounds which are no warnings of their own.
 REST: Final = "laws are outside their range of validity, too, where the consequence is"
 #: Bounds that are told at once, at most, and the slip of a driven cage, without sign, that is told as none.

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import attrs
 
-from rollslip.errors import PluginError, SceneError, UnknownNameError, in_words, nearest
+from rollslip.errors import PluginError, SceneError, UnknownNameError, describe_error, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import in_operation
 from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
@@ -97,7 +97,7 @@ def _of_package(name: str) -> bytes:
             f"scene {name!r} of package {offer.package} {offer.version}: its file cannot be read"
         )
         raise PluginError(
-            f"{blame} ({in_words(error)}); repair or uninstall {offer.package}"
+            f"{blame} ({describe_error(error)}); repair or uninstall {offer.package}"
         ) from error
 
 

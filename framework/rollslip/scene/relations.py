@@ -14,7 +14,7 @@ from typing import Any, Final, TypeAlias
 
 import attrs
 
-from rollslip.fields import FieldError, Span, as_given, span_in_words
+from rollslip.fields import FieldError, Span, as_given, format_span
 from rollslip.scene.supply import DEEPEST
 from rollslip.structure import Location
 from rollslip.units import GRAVITY, format_quantity, likely, unit_given
@@ -99,7 +99,7 @@ class Relation:
             scene.bearing.mounted if self.field == "radial_clearance" else None
         )  # what it follows from
         shown = as_given(value, attribute, given) if sums is None else str(sums)
-        said = f"{shown} is {self._shown(amounts)} {self.words}, {self.range_in_words(span)} is {which}"
+        said = f"{shown} is {self._shown(amounts)} {self.words}, {self.format_range(span)} is {which}"
         if (
             unit is None or given is None or math.isinf(span[1])
         ):  # of too little nothing is likely: any unit has more
@@ -123,12 +123,12 @@ class Relation:
             f"{100 * amounts:.3g} %" if self.unit == "1" else format_quantity(amounts, self.unit, 3)
         )
 
-    def range_in_words(self, span: Span) -> str:
+    def format_range(self, span: Span) -> str:
         """Say from what to what it may go."""
         if self.unit == _SPEED_FACTOR:
             return f"at most {self._shown(span[1])}"
         if self.unit != "1":
-            return span_in_words(span if span[0] != 0 else (-math.inf, span[1]), self.unit)
+            return format_span(span if span[0] != 0 else (-math.inf, span[1]), self.unit)
         if math.isinf(span[1]):
             return f"at least {100 * span[0]:g} %"
         return f"{100 * span[0]:g} % to {100 * span[1]:g} %"

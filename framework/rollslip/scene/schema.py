@@ -5,7 +5,7 @@ from typing import Any, NamedTuple, get_args, get_origin
 
 import attrs
 
-from rollslip.fields import span_in_words
+from rollslip.fields import format_span
 from rollslip.scene.named import NAMED
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, bare_key, fields_of, types_of
@@ -100,7 +100,7 @@ def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
 def shown_range(attribute: "attrs.Attribute[Any]", which: str) -> str:
     """Return what is "usual", or "possible", of a field as people read it; nothing where it says nothing."""
     span = attribute.metadata.get(which)
-    return "" if span is None else span_in_words(span, attribute.metadata.get("unit"))
+    return "" if span is None else format_span(span, attribute.metadata.get("unit"))
 
 
 def shown_default(attribute: "attrs.Attribute[Any]") -> str:

@@ -31,7 +31,7 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
-from rollslip.results.words import REST, TOLD_FROM
+from rollslip.results.words import REST, REPORTED_FROM
 from rollslip.studies.answers import Evaluated
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices
@@ -237,7 +237,7 @@ def outside(models: Sequence[SliceModel], tables: Sequence[Filled]) -> list[Outs
         }
         fractions = {ring: _fraction(validity, values[ring], force[ring]) for ring in rings}
         ring = max(fractions, key=lambda name: fractions[name])
-        alike = fractions[ring] - min(fractions.values()) < TOLD_FROM
+        alike = fractions[ring] - min(fractions.values()) < REPORTED_FROM
         found.append(
             _outside(
                 label, validity, fractions[ring], values[ring], force[ring], "" if alike else ring
@@ -349,7 +349,7 @@ def told(
     """Return what was left, with share, consequence and remedy, by consequence; no sentence has its full stop."""
     said = list[Told]()
     for one in sorted(found, key=lambda each: (each.counted, -each.weight)):
-        if one.fraction < TOLD_FROM or (off is not None and _told_with(one, off)):
+        if one.fraction < REPORTED_FROM or (off is not None and _told_with(one, off)):
             continue
         ring = f" of the {one.ring} ring" if one.ring else ""
         detail = f" ({one.detail})" if one.detail else ""
@@ -433,7 +433,7 @@ def _off(off: Difference, found: Sequence[Outside], where: str, what: str) -> st
     bounds = [
         f"{_percent(one.fraction)} at {bound_of(one.validity).replace('<=', '>').replace('>=', '<')}"
         for one in found
-        if _told_with(one, off) and one.fraction >= TOLD_FROM
+        if _told_with(one, off) and one.fraction >= REPORTED_FROM
     ]
     beyond = f", with {' and '.join(bounds)} {what}" if bounds else ""
     rms, mean, largest = (100.0 * fraction for fraction in (off.rms, off.mean, off.largest))

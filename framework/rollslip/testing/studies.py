@@ -15,7 +15,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.datasets import SceneData
-from rollslip.errors import RollslipError, in_words
+from rollslip.errors import RollslipError, describe_error
 from rollslip.files import decoded
 from rollslip.planning.campaign import Campaign, function_of, help_of, own_command
 from rollslip.planning.plan import estimate
@@ -311,7 +311,7 @@ def check_a_scene_is_read_and_its_bearing_put_together(scene: SceneData) -> None
         assemble(read)
         settings(read, None)
     except (ImportError, OSError, RollslipError) as error:
-        raise Nonconformance(f"{scene.name!r} in {scene.package}: {in_words(error)}") from error
+        raise Nonconformance(f"{scene.name!r} in {scene.package}: {describe_error(error)}") from error
 
 
 # Campaigns -----------------------------------------------------------------------------------------------------------
@@ -330,7 +330,7 @@ def check_a_campaign_has_its_command_and_its_function(campaign: type[Campaign]) 
         function_of(campaign)
     except Exception as error:
         raise Nonconformance(
-            f"no function can be made of it ({in_words(error)}); give its fields types"
+            f"no function can be made of it ({describe_error(error)}); give its fields types"
         ) from error
     if campaign.own_command:
         command = own_command(campaign)

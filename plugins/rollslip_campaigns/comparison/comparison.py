@@ -26,7 +26,7 @@ from rollslip.errors import (
     SceneError,
     UnknownNameError,
     did_you_mean,
-    in_words,
+    describe_error,
     nearest,
 )
 from rollslip.planning.campaign import listed
@@ -336,7 +336,7 @@ def _raise_all(errors: Mapping[str, Exception]) -> NoReturn:
 
 
 def _text(error: Exception) -> str:
-    return str(error) if isinstance(error, RollslipError) else in_words(error)
+    return str(error) if isinstance(error, RollslipError) else describe_error(error)
 
 
 # The dataset --------------------------------------------------------------------------------------------------------

@@ -20,10 +20,10 @@ from rollslip.catalogue.registry import find
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel, TractionModel
 from rollslip.planning.provenance import (
-    citations_told,
+    describe_citations,
     cited,
-    lubricant_told,
-    models_told,
+    describe_lubricant,
+    describe_models,
     origin,
     packages_of,
 )
@@ -489,7 +489,7 @@ def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
     offers = [find(kind, model.name) for kind, model in models.items()]
     if rig.lubricant.name is not None:
         offers.append(find("lubricant", rig.lubricant.name))
-    described = models_told(models.items())
+    described = describe_models(models.items())
     asked = json.dumps(
         [resolved(rig), described, problem.data.sha256, list(dataset["parameter"].values)],
         sort_keys=True,
@@ -505,8 +505,8 @@ def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
         scene_hash=hashlib.sha256(asked.encode()).hexdigest(),
         packages=packages_of(offers),
         models=described,
-        lubricant=lubricant_told(oil),
-        **citations_told(cited([*models.values(), oil.pressure_viscosity_law], oil.references)),
+        lubricant=describe_lubricant(oil),
+        **describe_citations(cited([*models.values(), oil.pressure_viscosity_law], oil.references)),
         evaluations=problem.evaluated,
         **_tables(fitted, dataset),
     )

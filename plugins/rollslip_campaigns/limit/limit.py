@@ -44,7 +44,7 @@ from rollslip_campaigns.limit.search import (
     outputs_of,
     passages,
     read_requirement,
-    tells_in_words,
+    refuse_text_output,
 )
 from rollslip_campaigns.sweep.definition import Resolutions, Sweep, name_of
 from rollslip_campaigns.sweep.folder import Points
@@ -346,7 +346,7 @@ def _result(made: Limit, arrays: Mapping[str, Any]) -> float:
     if values is None:
         return math.nan
     if np.asarray(values).dtype.kind not in "fiu":
-        raise tells_in_words(made.requirement.output)
+        raise refuse_text_output(made.requirement.output)
     return made.requirement.worst(np.ravel(values).tolist())
 
 

@@ -93,7 +93,7 @@ def read_requirement(
     name = named_outputs(study, [asked])[0]
     sense = f"{sense[0]}="
     if name in {output.status for output in study.outputs.values()}:
-        raise tells_in_words(name)
+        raise refuse_text_output(name)
     unit = study.outputs[name].unit
     if unit == OWN:
         if len(measures) != 1:
@@ -122,7 +122,7 @@ def read_requirement(
         raise SceneError([f"keep: {name}: {error}"]) from error
 
 
-def tells_in_words(name: str) -> SceneError:
+def refuse_text_output(name: str) -> SceneError:
     """Return the error of an output that is no number."""
     return SceneError(
         [f"keep: {name} tells in words, so it has no limit; name an output that is a number"]

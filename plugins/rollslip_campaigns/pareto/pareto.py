@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import Array
-from rollslip.errors import RollslipError, in_words
+from rollslip.errors import RollslipError, describe_error
 from rollslip.planning.plan import Plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import models_origin, origin, run_origin, together
@@ -148,7 +148,7 @@ def _take(family: Family, choice: Choice, record: Record) -> None:
         if choice.kind == "reference":
             raise
         record.status = (
-            f"failed: {str(error) if isinstance(error, RollslipError) else in_words(error)}"
+            f"failed: {str(error) if isinstance(error, RollslipError) else describe_error(error)}"
         )
         return
     record.seconds.append(spent / count)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import Account, Sheet, Table
-from rollslip.results.dataset import TOLD_BY, UNITS
+from rollslip.results.dataset import STATUS_VARIABLE, UNITS
 from rollslip.results.table import sheet
 from rollslip.results.words import in_percent, plain, two, with_unit
 
@@ -175,7 +175,7 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
 
 def _status_of(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray | None":
     """The words beside a variable that say why it has no value, if there is one such variable."""
-    if (told := variable.attrs.get(TOLD_BY)) in dataset:
+    if (told := variable.attrs.get(STATUS_VARIABLE)) in dataset:
         return dataset[told]
     names = [
         name

@@ -28,7 +28,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError, in_words
+from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError, describe_error
 from rollslip.fields import FieldError
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
@@ -213,7 +213,7 @@ class _Point:
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # sys.exit() of a model too
-            words = str(error) if isinstance(error, PluginError) else in_words(error)
+            words = str(error) if isinstance(error, PluginError) else describe_error(error)
             notes = () if isinstance(error, PluginError) else getattr(error, "__notes__", ())
             self._end("crashed", "; ".join((words, *notes)))
         self.row.seconds += time.perf_counter() - begin

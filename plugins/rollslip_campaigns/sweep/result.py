@@ -22,12 +22,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
-from rollslip.errors import in_words
+from rollslip.errors import describe_error
 from rollslip.planning.execution import compute
 from rollslip.planning.plan import plan
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.provenance import citations_told, origin, scene_told
-from rollslip.results.dataset import TOLD_BY, about
+from rollslip.planning.provenance import describe_citations, origin, describe_scene
+from rollslip.results.dataset import STATUS_VARIABLE, about
 from rollslip.results.words import counted
 from rollslip.scene.changes import evolve, full_key
 from rollslip.studies import validity
@@ -79,7 +79,7 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
     known = settings(sweep.scene, sweep.study)[sweep.study].outputs
     told = {name: called.get(one.status) for name, one in known.items()}
     variables = {
-        called[name]: (of, values, said | ({TOLD_BY: by} if (by := told.get(name)) else {}))
+        called[name]: (of, values, said | ({STATUS_VARIABLE: by} if (by := told.get(name)) else {}))
         for name, (of, values, said) in fields.variables(dims, design.shape).items()
     }
     variables |= {
@@ -116,7 +116,7 @@ def apart_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
     except Exception as error:  # somebody's law may raise anything; what was computed stands
         place = sweep.design.shown(number)
         return [
-            f"how far points are off could not be checked at {place}, by a run of the scene: {in_words(error)}"
+            f"how far points are off could not be checked at {place}, by a run of the scene: {describe_error(error)}"
         ]
     keys = {of: key for key, of in cls.judged.items()}
     alike = [of for of in sweep.outputs if of in run and of in point and run[of].dtype.kind == "f"]
@@ -186,13 +186,13 @@ def origin_of_points(
     moved = {*map(full_key, sweep.table.over)}
     return origin(
         **facts,
-        **scene_told(sweep.scene, sweep.given),
+        **describe_scene(sweep.scene, sweep.given),
         resolutions=sweep.resolutions.facts,
         distributions={k: repr(d) for k, d in sweep.uncertainty.distributions.items()},
         correlation=sweep.uncertainty.correlation.tolist(),
         seed=sweep.table.seed,
         packages=sweep.facts["packages"],
-        **citations_told(sweep.citations),
+        **describe_citations(sweep.citations),
         warnings=[*warnings, *implausible(sweep.given, moved), *sweep.unusual, *outside],
     )
 
@@ -228,7 +228,7 @@ def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
         except Exception as error:  # somebody's law may raise anything; what was computed stands
             others.append(
                 f"whether laws are within their range of validity could not be checked at "
-                f"{sweep.design.shown(number)}: {in_words(error)}"
+                f"{sweep.design.shown(number)}: {describe_error(error)}"
             )
             continue
         for one in said:

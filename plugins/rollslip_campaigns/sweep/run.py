@@ -41,7 +41,7 @@ import attrs
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_model, structure_model
 from rollslip.engine import Engine, cores
-from rollslip.errors import EngineError, OutputError, SceneError, in_words
+from rollslip.errors import EngineError, OutputError, SceneError, describe_error
 from rollslip.structure import Location
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.definition import Sweep, here
@@ -184,7 +184,7 @@ def run_sweep(
                     run.compute(chosen, pending, asked)
                 ended = "interrupted" if asked.times else "complete"
             except (EngineError, OutputError) as error:
-                ended = in_words(error)
+                ended = describe_error(error)
                 raise
             finally:
                 run.journal.close(ended)
@@ -398,7 +398,7 @@ class _Run:
         except Exception as error:
             engine.end(executor, at_once=True)
             raise EngineError(
-                f"engine {engine.name!r} does not start: {in_words(error)}; in a script of your own, call it below "
+                f"engine {engine.name!r} does not start: {describe_error(error)}; in a script of your own, call it below "
                 "if __name__ == '__main__'"
             ) from error
         self.moved = time.monotonic()
@@ -491,10 +491,10 @@ class _Run:
 
     def _count_loss(self, engine: Engine, error: BaseException) -> None:
         self.losses += 1
-        _log.warning("engine %s was lost: %s", engine.name, in_words(error))
+        _log.warning("engine %s was lost: %s", engine.name, describe_error(error))
         if self.losses > _PATIENCE:
             raise EngineError(
-                f"engine {engine.name!r} was lost {self.losses} times in a row ({in_words(error)})"
+                f"engine {engine.name!r} was lost {self.losses} times in a row ({describe_error(error)})"
             )
 
     def _one_by_one(self, engine: Engine, numbers: tuple[int, ...], asked: _Interrupts) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from rollslip.results.dataset import rows_along
 from rollslip.results.style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS, Sheet, unit_label
 from rollslip.units import converted, shown_unit
-from rollslip_campaigns.validation.findings import UNTOLD, models_of, together
+from rollslip_campaigns.validation.findings import UNDETERMINED, models_of, together
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,7 +69,7 @@ def _ratios(dataset: "xr.Dataset") -> "Figure":
         if not math.isnan(low):
             axes.plot([low, high], [place, place], color=colour, linewidth=1.0)
         if not math.isnan(ratio):
-            face = "white" if one["row_verdict"] == UNTOLD else colour
+            face = "white" if one["row_verdict"] == UNDETERMINED else colour
             edge = ">" if ratio >= _MOST else "<" if ratio <= _LEAST else mark
             axes.plot(ratio, place, edge, color=colour, markerfacecolor=face, markersize=4)
     axes.axvline(1.0, color="0.6", linewidth=0.7, zorder=0)
@@ -124,7 +124,7 @@ def _series(dataset: "xr.Dataset") -> "Figure":
                 largest = max(largest, *known)
                 axes.vlines(place, low, high if math.isfinite(high) else 1e30, color=colour)
             if math.isfinite(value):
-                face = "white" if one["row_verdict"] == UNTOLD else colour
+                face = "white" if one["row_verdict"] == UNDETERMINED else colour
                 axes.plot(place, value, mark, color=colour, markerfacecolor=face, markersize=4.5)
                 largest = max(largest, value)
     if logarithmic:

@@ -45,7 +45,7 @@ CHI_SQUARE: Final = (
 )
 STATEMENTS: Final = ("statement", "models", "verdict", "found")
 INSIDE: Final = "inside"
-UNTOLD: Final = "cannot be determined"
+UNDETERMINED: Final = "cannot be determined"
 HELD: Final = "held"
 
 
@@ -135,7 +135,7 @@ class ValidationAccount(Account):
         ]
         if estimated:
             found["estimated"] = [f"not stated by the source and estimated: {'; '.join(estimated)}"]
-        open_ = dataset["row_verdict"].to_numpy() == UNTOLD
+        open_ = dataset["row_verdict"].to_numpy() == UNDETERMINED
         reasons = dict.fromkeys(map(str, dataset["row_status"].to_numpy()[open_]))
         found["not told"] = [f"cannot be determined: {reason}" for reason in reasons if reason]
         return {name: texts for name, texts in found.items() if texts}
@@ -204,11 +204,11 @@ def _of_models(dataset: "xr.Dataset", name: str) -> str:
         ("statement", HELD, "statements hold"),
     ):
         verdicts = dataset[f"{of}_verdict"].to_numpy()[dataset[f"{of}_models"].to_numpy() == name]
-        untold = int((verdicts == UNTOLD).sum())
+        undetermined = int((verdicts == UNDETERMINED).sum())
         if verdicts.size:
-            parts.append(f"{int((verdicts == good).sum())} of {verdicts.size - untold} {what}")
-        if untold:
-            parts.append(f"of {untold} it cannot be determined")
+            parts.append(f"{int((verdicts == good).sum())} of {verdicts.size - undetermined} {what}")
+        if undetermined:
+            parts.append(f"of {undetermined} it cannot be determined")
     seconds = dataset["seconds"].to_numpy()[dataset["row_models"].to_numpy() == name]
     if np.isfinite(seconds).any():
         parts.append(f"a value takes {format_quantity(float(np.nanmedian(seconds)), 's', 2)}")

@@ -30,7 +30,7 @@ _ERRORS: Final = 64
 _FOR_CHI2: Final = 10
 INSIDE = "inside"
 OUTSIDE = "outside"
-UNTOLD = "cannot be determined"
+UNDETERMINED = "cannot be determined"
 HELD = "held"
 BROKEN = "not held"
 _BAND: Final = (0.025, 0.975)
@@ -107,7 +107,7 @@ def _row(named: Mapping[str, str], series: Series, k: int, value: Value, samples
     sampled = samples if samples.size else np.array([value.value])
     unknown = float(np.isnan(sampled).mean())
     status = value.why
-    verdict = UNTOLD
+    verdict = UNDETERMINED
     band = ratio_band = (math.nan, math.nan)
     if unknown <= _BAND[0]:
         known = sampled[~np.isnan(sampled)]
@@ -117,7 +117,7 @@ def _row(named: Mapping[str, str], series: Series, k: int, value: Value, samples
         low, high = _quantiles(differences)
         verdict = INSIDE if low <= 0.0 <= high else OUTSIDE
         if value.why and math.isfinite(value.value):  # it is not what was measured
-            verdict = UNTOLD
+            verdict = UNDETERMINED
         band = _quantiles(known) if samples.size else band
         if (measured > 0.0).all():
             ratio_band = _quantiles((known[:, None] / measured[None, :]).ravel())
@@ -178,7 +178,7 @@ def verdict_on(said: Statement, values: Array) -> str:
     if said.expect == "none":
         return HELD if not np.isfinite(values).any() else BROKEN
     if np.isnan(values).any():
-        return UNTOLD
+        return UNDETERMINED
     if said.expect in ("below", "above"):
         assert said.limit is not None
         return (
@@ -187,7 +187,7 @@ def verdict_on(said: Statement, values: Array) -> str:
             else BROKEN
         )
     if np.isinf(values).sum() > 1:
-        return UNTOLD
+        return UNDETERMINED
     moves = np.diff(values) * (1.0 if said.expect == "rises" else -1.0)
     least = said.by * np.abs(np.where(np.isfinite(values[:-1]), values[:-1], values[1:]))
     return HELD if (moves > least).all() else BROKEN

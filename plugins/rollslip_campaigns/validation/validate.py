@@ -28,7 +28,7 @@ from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
 from rollslip.planning.campaign import listed
-from rollslip.planning.provenance import citations_told, cited, origin, packages_of
+from rollslip.planning.provenance import describe_citations, cited, origin, packages_of
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
@@ -45,7 +45,7 @@ from rollslip_campaigns.validation.findings import shown
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import Predictions, measurement_named, predictions_of
 from rollslip_campaigns.validation.residuals import (
-    UNTOLD,
+    UNDETERMINED,
     Group,
     Judged,
     Said,
@@ -116,7 +116,7 @@ class Validation:
             **facts,
             source=", ".join(one.name for one in self.sets),
             packages=packages_of(offers),
-            **citations_told(cited(models, [cite for one in self.sets for cite in one.references])),
+            **describe_citations(cited(models, [cite for one in self.sets for cite in one.references])),
         )
 
 
@@ -391,7 +391,7 @@ def judged_statement(
             for step in statement.steps
         ]
     except RollslipError as error:
-        return Said(**of, verdict=UNTOLD, found=str(error).splitlines()[0])
+        return Said(**of, verdict=UNDETERMINED, found=str(error).splitlines()[0])
 
     def told(value: Value, quantity: str) -> str:
         if math.isnan(value.value):

@@ -13,7 +13,7 @@ from rollslip.results.words import UNSURE, percent, describe_skidding
 from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
-from rollslip_studies.dynamics.history_findings import energy_in_words
+from rollslip_studies.dynamics.history_findings import format_energy
 from rollslip_studies.steady_slip.findings import next_of_others
 from rollslip_studies.surface_damage import findings as damage
 
@@ -270,7 +270,7 @@ def ledger_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]
         "residual": float(dataset["energy_residual"][-1]),
     }
     return ("energy since the start", "", "of what was turned over"), [
-        [name, energy_in_words(value), f"{100 * value / size:+.3g} %" if size > 0.0 else "–"]
+        [name, format_energy(value), f"{100 * value / size:+.3g} %" if size > 0.0 else "–"]
         for name, value in entries.items()
     ]
 
@@ -487,7 +487,7 @@ def _ledger(dataset: "xr.Dataset") -> str:
     size = turnover(dataset)
     momentum = momentum_closure(dataset)
     if size > 0.0:
-        said = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {energy_in_words(size)} turned over"
+        said = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {format_energy(size)} turned over"
     else:
         said = "no energy was turned over"
     return (

@@ -114,12 +114,12 @@ def heat_record(dataset: "xr.Dataset") -> dict[str, Any]:
     }
 
 
-def energy_in_words(joules: float) -> str:
+def format_energy(joules: float) -> str:
     """Return an energy as people read it."""
     return f"{joules:.4g} J" if abs(joules) < 1e3 else f"{1e-3 * joules:.4g} kJ"
 
 
-def heat_in_words(dataset: "xr.Dataset") -> list[str]:
+def format_heat(dataset: "xr.Dataset") -> list[str]:
     """Say what the losses did to the temperatures."""
     a = dataset.attrs
     nodes = [str(node) for node in dataset["node"].to_numpy()]
@@ -128,7 +128,7 @@ def heat_in_words(dataset: "xr.Dataset") -> list[str]:
         f"{node} from {format_quantity(float(first), 'K', 4)} to {format_quantity(float(last), 'K', 4)}"
         for node, first, last in zip(nodes, rows[0], rows[-1], strict=True)
     )
-    made, stored, carried = (energy_in_words(abs(float(a[name]))) for name in _HEAT[1:])
+    made, stored, carried = (format_energy(abs(float(a[name]))) for name in _HEAT[1:])
     warmed = "warmed the parts" if float(a["heat_stored"]) >= 0.0 else "came out of the parts"
     left = "left the bearing" if float(a["heat_carried_away"]) >= 0.0 else "came into the bearing"
     lasted = float(dataset["time"][-1])
@@ -186,7 +186,7 @@ def single_values(dataset: "xr.Dataset") -> dict[str, Any]:
 def told(dataset: "xr.Dataset", topics: dict[str, list[str]]) -> dict[str, list[str]]:
     """Return what is told of a motion, with what a history says in place of what holds for a steady operation."""
     first, *others = topics
-    warm = {"temperatures": heat_in_words(dataset)} if heats(dataset) else {}
+    warm = {"temperatures": format_heat(dataset)} if heats(dataset) else {}
     if not along(dataset):
         return {first: topics[first], **warm, **{name: topics[name] for name in others}}
     own = warm | {
@@ -195,7 +195,7 @@ def told(dataset: "xr.Dataset", topics: dict[str, list[str]]) -> dict[str, list[
             f"at the operation of the scene: {topics['skidding'][0]}",
             *skidding_sentences(dataset),
         ],
-        "largest slip": [largest_in_words(dataset)],
+        "largest slip": [format_largest(dataset)],
     }
     return {
         name: own.get(name, topics.get(name, [])) for name in (first, "history", *warm, *others)
@@ -250,7 +250,7 @@ def _when(t: Array, values: Array) -> str:
     return f"at t = {end:.3g} s" if steps.size == 1 else f"between t = {begin:.3g} and {end:.3g} s"
 
 
-def largest_in_words(dataset: "xr.Dataset") -> str:
+def format_largest(dataset: "xr.Dataset") -> str:
     """Say the largest slip and when."""
     slip, when = largest(dataset)
     if math.isnan(slip):
