@@ -61,9 +61,9 @@ def pytest_collection_finish():
 
 def pytest_ignore_collect(collection_path, config):
     """Leave out files without a quick test where nothing but quick tests is asked for."""
-    asked = config.option.markexpr == "quick" and collection_path.suffix == ".py"
+    requested = config.option.markexpr == "quick" and collection_path.suffix == ".py"
     return (
         True
-        if asked and "pytest.mark.quick" not in collection_path.read_text(encoding="utf-8")
+        if requested and "pytest.mark.quick" not in collection_path.read_text(encoding="utf-8")
         else None
     )

@@ -76,7 +76,7 @@ def test_a_run_that_is_made_again_finer_estimates_no_cost(nothing_for_readers, m
 
 
 #: What a reader may ask of a result, given a folder to write to.
-ASKED = {
+REQUESTED = {
     "answer": lambda result, _: result.answer,
     "notes": lambda result, _: result.notes,
     "warnings": lambda result, _: result.warnings,
@@ -91,9 +91,9 @@ ASKED = {
 }
 
 
-@pytest.mark.parametrize("asked", ASKED)
+@pytest.mark.parametrize("asked", REQUESTED)
 def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(
-    asked, tmp_path, monkeypatch
+    requested, tmp_path, monkeypatch
 ):
     calls = []
     bands = band.bands
@@ -101,7 +101,7 @@ def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(
     result = rollslip.run(SCENE, STUDY)
     assert not calls
     for _ in range(2):
-        ASKED[asked](result, tmp_path)
+        REQUESTED[requested](result, tmp_path)
     assert len(calls) == 1
     assert {
         "band",

@@ -29,7 +29,7 @@ PROMISED = {
     "rollslip.engine": "Engine cores",
     "rollslip.errors": """BusyError ConvergenceError DomainError EngineError OutputError PluginError
         RollslipDeprecationWarning RollslipError SceneError""",
-    "rollslip.fields": "FieldError at_least field in_range non_negative one_of parameter positive",
+    "rollslip.fields": "FieldError at_least field in_range non_negative choice_of parameter positive",
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
     "rollslip.hookspecs": """accounts bearings campaigns contact_models damage_models drag_models engines film_models
         hookimpl hookspec integrator_models lubricants measurements pressure_models pressure_viscosity_laws

@@ -45,9 +45,9 @@ def count() -> None:
         counted["rollers"] += slips.size
         return at(self, slips, starts)
 
-    def counted_friction(asked: Any) -> Any:
-        counted["friction"] += sum(slips.size for *_, slips in asked)
-        return together(asked)
+    def counted_friction(requested: Any) -> Any:
+        counted["friction"] += sum(slips.size for *_, slips in requested)
+        return together(requested)
 
     Motions.at = counted_at  # type: ignore[method-assign]
     raceways.friction_together = counted_friction
@@ -77,12 +77,12 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
     yield "running status", runs.status
     yield "seconds of rollers", time.process_time() - begin
     begin = time.process_time()
-    asked = attrs.evolve(
+    requested = attrs.evolve(
         study.EffectiveFriction.of(scene), closure=CLOSURES[number % len(CLOSURES)]
     )
     made = assemble(scene)
     made = made.at(attrs.evolve(made.resolution, slices=min(12, made.slices), n_positions=4))
-    critical, _ = (study.EffectiveFriction.together([(asked, made)], CRITICAL) or [])[0]
+    critical, _ = (study.EffectiveFriction.together([(requested, made)], CRITICAL) or [])[0]
     for name in sorted(CRITICAL):
         yield from (
             (f"{name} {ring}", value) for ring, value in enumerate(critical[name][1].tolist())

@@ -298,23 +298,23 @@ def main():
     parser.add_argument(
         "--chromium", default=shutil.which("chromium") or shutil.which("google-chrome")
     )
-    asked = parser.parse_args()
-    if not asked.chromium:
+    requested = parser.parse_args()
+    if not requested.chromium:
         parser.error("no Chromium on the path; name one with --chromium")
     made = sorted(
-        path.relative_to(asked.folder).as_posix() for path in asked.folder.rglob("*.html")
+        path.relative_to(requested.folder).as_posix() for path in requested.folder.rglob("*.html")
     )
     pages = [path for path in made if not path.startswith(("_static", "_sources"))]
-    if asked.page:
-        pages = [f"{page}.html" for page in asked.page]
-    if missing := [page for page in pages if not (asked.folder / page).is_file()]:
-        parser.error(f"{asked.folder} has no {missing[0]}; build the pages first")
-    jobs = [(f"/{page}", width) for width in asked.width or WIDTHS for page in pages]
-    pictures = [] if asked.page else sorted((asked.folder / "_images").glob("*.svg"))
+    if requested.page:
+        pages = [f"{page}.html" for page in requested.page]
+    if missing := [page for page in pages if not (requested.folder / page).is_file()]:
+        parser.error(f"{requested.folder} has no {missing[0]}; build the pages first")
+    jobs = [(f"/{page}", width) for width in requested.width or WIDTHS for page in pages]
+    pictures = [] if requested.page else sorted((requested.folder / "_images").glob("*.svg"))
     jobs += [(f"/_images/{path.name}", 1280) for path in pictures]
     if not pages:
-        parser.error(f"no pages in {asked.folder}")
-    found = look(asked.folder.resolve(), jobs, asked.chromium)
+        parser.error(f"no pages in {requested.folder}")
+    found = look(requested.folder.resolve(), jobs, requested.chromium)
     themes = collections.defaultdict(list)
     for page, width, theme, *row in found:
         themes[page, width, *row].append(theme)
@@ -324,11 +324,11 @@ def main():
     ]
     for row in listed:
         print(*row, sep="\t")
-    if asked.before:
-        lines = asked.before.read_text(encoding="utf-8").splitlines()
+    if requested.before:
+        lines = requested.before.read_text(encoding="utf-8").splitlines()
         write_comparison([row for line in lines if (row := line.split("\t"))[0] in pages], listed)
     print(
-        f"{len(pages)} pages at {len(asked.width or WIDTHS)} widths in {len(THEMES)} themes, {len(pictures)} pictures:"
+        f"{len(pages)} pages at {len(requested.width or WIDTHS)} widths in {len(THEMES)} themes, {len(pictures)} pictures:"
         f" {len(themes)} places",
         file=sys.stderr,
     )

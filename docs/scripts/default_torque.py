@@ -37,7 +37,7 @@ STEP = 5
 FLUX = 1.6e4
 AREA = 0.05
 LESS = -0.34
-ASKED = {
+REQUESTED = {
     "oil": "iso-vg-32",
     "speed": "3000 rpm",
     "load": "2 kN",
@@ -54,7 +54,7 @@ def by_formula(series, mean, nu, rpm, load):
 
 def scene(name, **changes):
     """A bearing as ``rollslip new`` writes it, with a twentieth of its static rating."""
-    made = parse_scene(new_scene(name, bearing=name, supply="bath", **ASKED), name)
+    made = parse_scene(new_scene(name, bearing=name, supply="bath", **REQUESTED), name)
     own = {"operation.radial_load": 0.05 * static_rating(made.bearing), "accuracy.tolerance": 0.01}
     return evolve(made, own | changes)
 

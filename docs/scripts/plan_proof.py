@@ -68,7 +68,7 @@ def main():
             f"{v.resolution['slices']} {v.resolution['quadrature']}",
             v.resolution["n_positions"],
             "in" if v.resolution["boundary"] else "out",
-            "; ".join(v.taken_back),
+            "; ".join(v.reinstated),
             *(f"{t:.4f}" for t in (v.planning, v.seconds, v.finest_seconds)),
             "yes" if v.kept else "no",
         ]
@@ -96,7 +96,7 @@ def main():
         ["time of planning over time at the finest", middle(planning)],
         ["planned in less than a tenth of it or 20 ms", fraction((planning < 0.1) | (seconds < 0.02))],
         ["without boundary friction", sum(not v.resolution["boundary"] for v in done)],
-        ["taken back in", sum(bool(v.taken_back) for v in done)],
+        ["taken back in", sum(bool(v.reinstated) for v in done)],
     ]  # fmt: skip
     write_table("plan_proof_summary", ["what", "found"], summary)
 

@@ -77,7 +77,7 @@ def row(k):
     errors = [
         number(of, name)
         for name in ("friction", "critical_slip")
-        for of in (found.witnessed, found.actual)
+        for of in (found.compare_with, found.actual)
     ]
     slices, n_positions = (taken(found, part) for part in ("slices", "n_positions"))
     numbers = [f"{slices} {found.resolution['quadrature']}", n_positions]

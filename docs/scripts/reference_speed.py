@@ -31,14 +31,14 @@ LESS = -0.34
 
 def scene(name):
     """The bearing at the reference conditions, at any speed, as ``rollslip new`` writes it."""
-    asked = {
+    requested = {
         "bearing": name,
         "oil": "iso-vg-32",
         "speed": "3000 rpm",
         "load": "1 kN",
         "cage": "brass",
     }
-    written = parse_scene(new_scene(name, **(ASSUMED | asked)), name)
+    written = parse_scene(new_scene(name, **(ASSUMED | requested)), name)
     load = 0.05 * static_rating(written.bearing)
     return evolve(written, {"operation.radial_load": load, "accuracy.tolerance": 0.01})
 

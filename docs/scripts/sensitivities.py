@@ -69,7 +69,7 @@ CHOICES = {
 def scene(name):
     """A scene as it is written."""
     oil, speed, load = SCENES[name]
-    asked = {
+    requested = {
         "bearing": name,
         "oil": oil,
         "speed": speed,
@@ -77,7 +77,7 @@ def scene(name):
         "temperature": "70 degC",
         "cage": "polyamide",
     }
-    return parse_scene(new_scene(name, **(ASSUMED | asked)), name)
+    return parse_scene(new_scene(name, **(ASSUMED | requested)), name)
 
 
 def found(one, inertia=True):

@@ -35,7 +35,7 @@ def rows(name):
     """Yield the rows of a scene."""
     scene = load_scene(name)
     operation = scene.operation
-    loads = [RULES[maker].asked(scene.bearing, 0.0)[0] for maker in MAKERS]
+    loads = [RULES[maker].requested(scene.bearing, 0.0)[0] for maker in MAKERS]
     for slip in SLIPS:
         fractions = []
         at = {} if slip is None else {"study.surface-damage.cage_slip": slip}

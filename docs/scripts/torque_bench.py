@@ -114,7 +114,7 @@ def states():
 @cache
 def written(name, oil, temperature):
     """The scene that is written for a bearing."""
-    asked = {
+    requested = {
         "bearing": name,
         "oil": oil,
         "load": "1 kN",
@@ -122,7 +122,7 @@ def written(name, oil, temperature):
         "cage": "polyamide",
     }
     return evolve(
-        parse_scene(new_scene(name, **(ASSUMED | asked)), name), {"accuracy.slices": _SLICES}
+        parse_scene(new_scene(name, **(ASSUMED | requested)), name), {"accuracy.slices": _SLICES}
     )
 
 

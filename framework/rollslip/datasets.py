@@ -14,7 +14,7 @@ from rollslip.fields import (
     field,
     in_range,
     non_negative,
-    one_of,
+    choice_of,
     positive,
 )
 from rollslip.references import Citation
@@ -88,7 +88,7 @@ class Profile:
     shape: str = field(
         default="none",
         doc="straight, logarithmic after ISO/TS 16281, a circular crown or the user's own table",
-        validator=one_of("none", "iso16281", "circular", "table"),
+        validator=choice_of("none", "iso16281", "circular", "table"),
         bare=True,
     )
     radius: float | None = field(

@@ -30,8 +30,8 @@ __all__ = [
     "field",
     "in_range",
     "non_negative",
-    "one_at_least",
-    "one_of",
+    "not_empty",
+    "choice_of",
     "own_unit",
     "parameter",
     "positive",
@@ -220,7 +220,7 @@ class _Range:
 
 
 @attrs.frozen
-class _OneOf:
+class _ChoiceOf:
     """Validator: the value is one of a few."""
 
     options: tuple[object, ...]
@@ -250,15 +250,15 @@ def in_range(low: float, high: float, *, open: bool = False) -> _Range:
     return _Range(low, high, open)
 
 
-def one_at_least(instance: object, attribute: "attrs.Attribute[Any]", value: Any) -> None:
+def not_empty(instance: object, attribute: "attrs.Attribute[Any]", value: Any) -> None:
     """Validator: a list is not empty."""
     if not value:
         raise FieldError(attribute.name, "is an empty list; at least one value is needed")
 
 
-def one_of(*options: object) -> _OneOf:
+def choice_of(*options: object) -> _ChoiceOf:
     """Return a validator: one of `options`."""
-    return _OneOf(options)
+    return _ChoiceOf(options)
 
 
 # What is usual and what is possible ----------------------------------------------------------------------------------

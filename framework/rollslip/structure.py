@@ -53,7 +53,7 @@ class Location:
         """Return the place of a key, or of an element of a list, below this one."""
         return Location(self.origins, (*self.path, key))
 
-    def says(self, reason: str) -> str:
+    def message(self, reason: str) -> str:
         """Return a message about this place: ``scene.toml:8: lubricant.alhpa: unknown key``."""
         lengths = range(len(self.path), -1, -1)
         origin = next(
@@ -107,7 +107,7 @@ def structure(
         raw = {bare: raw}
     if not isinstance(raw, Mapping):
         problems.append(
-            where.says(f"a table{' or a name' if bare else ''} is expected, not {as_written(raw)}")
+            where.message(f"a table{' or a name' if bare else ''} is expected, not {as_written(raw)}")
         )
         return None
     faults: list[str] = []
@@ -128,20 +128,20 @@ def structure(
         elif rest is not None:
             others[key] = value
         else:
-            faults.append(where.at(key).says(advice.get(key) or _unknown(key, by_key)))
+            faults.append(where.at(key).message(advice.get(key) or _unknown(key, by_key)))
     if rest is not None:
         values[rest.name] = _frozen(others, where, faults)
     for key, attribute in by_key.items():
         if attribute.name not in values and attribute.default is attrs.NOTHING:
-            faults.append(where.at(key).says(_required(kinds[attribute.name], attribute)))
+            faults.append(where.at(key).message(_required(kinds[attribute.name], attribute)))
     if not faults:
         try:
             return cls(**{fields[name].alias or name: value for name, value in values.items()})
         except FieldError as error:
             key = next((key for key, a in by_key.items() if a.name == error.field), error.field)
-            faults.append(where.at(key).says(error.reason))
+            faults.append(where.at(key).message(error.reason))
         except ValueError as error:
-            faults.append(where.says(str(error)))
+            faults.append(where.message(str(error)))
     problems += faults
     return None
 
@@ -237,9 +237,9 @@ def _checked(
         try:
             attribute.validator(None, attribute, value)
         except FieldError as error:
-            faults.append(where.says(_in_the_unit_given(attribute, raw, value) or error.reason))
+            faults.append(where.message(_in_the_unit_given(attribute, raw, value) or error.reason))
         except (TypeError, ValueError) as error:
-            faults.append(where.says(str(error.args[0] if error.args else error)))
+            faults.append(where.message(str(error.args[0] if error.args else error)))
     return value
 
 
@@ -297,7 +297,7 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
         except UnitError as error:
             of = "the resultant of components, or " * (unit == "N")
             one = f"; give {of}one value: sweep takes several, --over {_dotted(where.path)}=A,B"
-            faults.append(where.says(f"{error}{one * isinstance(raw, list | tuple)}"))
+            faults.append(where.message(f"{error}{one * isinstance(raw, list | tuple)}"))
             return MISSING
     elif kind is int:
         raw = int(raw) if isinstance(raw, float) and raw.is_integer() else raw
@@ -313,7 +313,7 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
     told = f"{_EXPECTED.get(kind, 'a table is expected')}, not {as_written(raw)}"
     if origin is tuple:
         told = f"a list is expected, not {as_written(raw)}; put it in [ ]"
-    faults.append(where.says(told))
+    faults.append(where.message(told))
     return MISSING
 
 
@@ -333,7 +333,7 @@ def _list(
     if kinds[-1] is Ellipsis:
         kinds = kinds[:1] * len(raw)
     if len(kinds) != len(raw):
-        faults.append(where.says(f"a list of {len(kinds)} values is expected, not of {len(raw)}"))
+        faults.append(where.message(f"a list of {len(kinds)} values is expected, not of {len(raw)}"))
         return MISSING
     each = enumerate(zip(kinds, raw, strict=True))
     values = tuple(
@@ -346,7 +346,7 @@ def _frozen(raw: object, where: Location, faults: list[str]) -> object:
     """Keep a value as it is written, if it is of a kind that a scene may hold."""
     if len(where.path) > DEEPEST:
         faults.append(
-            where.says(
+            where.message(
                 f"is nested too deeply, {DEEPEST} tables and lists within each other are the most"
             )
         )
@@ -365,7 +365,7 @@ def _frozen(raw: object, where: Location, faults: list[str]) -> object:
     elif isinstance(raw, Real) and math.isfinite(raw):
         return raw if isinstance(raw, float) else float(raw)
     faults.append(
-        where.says(
+        where.message(
             f"{as_written(raw)} cannot be used: a finite number, a text, a list or a table can"
         )
     )

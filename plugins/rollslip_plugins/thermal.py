@@ -307,7 +307,7 @@ class Network(ThermalModel):
             where = Location(assembly.scene.origins, ("models", "thermal"))
             raise SceneError(
                 [
-                    where.says(
+                    where.message(
                         f"no heat leaves {', '.join(cut)}, where losses make some: temperatures rise without end; give "
                         "a flow of oil, or conductances above 0 that lead to the surroundings"
                     )

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Final
 import attrs
 
 from rollslip.errors import DomainError
-from rollslip.fields import non_negative, one_of, parameter
+from rollslip.fields import non_negative, choice_of, parameter
 from rollslip.references import Reference
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
 from rollslip.units import format_quantity
@@ -154,12 +154,12 @@ class Skf(TorqueFormula):
 
     series: str = parameter(
         default="",
-        validator=one_of("", *_ROLLING),
+        validator=choice_of("", *_ROLLING),
         doc="dimension series, by which R_1 goes; empty for that of the designation",
     )
     drag: str = parameter(
         default="later",
-        validator=one_of("later", "2006", "none"),
+        validator=choice_of("later", "2006", "none"),
         doc="which catalogue's drag of the oil is added",
     )
 

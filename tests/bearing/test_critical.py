@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rollslip.bearing.critical import locate, look_further, slip_grid
+from rollslip.bearing.critical import locate, search_range_hint, slip_grid
 
 pytestmark = pytest.mark.quick
 
@@ -99,6 +99,6 @@ def test_a_single_maximum_is_the_first_too_and_a_ripple_is_none():
     ],
 )
 def test_a_range_that_is_at_its_end_is_not_advised_to_go_further(largest, most, value):
-    said = look_further("study.a.b", largest, most)
+    said = search_range_hint("study.a.b", largest, most)
     assert said == (f"; look further with --set study.a.b={value}" if value else "")
-    assert look_further("", 0.1, 0.99) == "", "there is no key"
+    assert search_range_hint("", 0.1, 0.99) == "", "there is no key"

@@ -456,24 +456,24 @@ def test_half_of_a_roller_mirrors_the_other():
 class Counted(PowerLaw):
     """A contact law that counts how often it is asked, and for how many contacts."""
 
-    asked: ClassVar = []
+    requested: ClassVar = []
 
     def evaluate(self, slices):
-        self.asked.append(slices.approach.size)
+        self.requested.append(slices.approach.size)
         super().evaluate(slices)
 
 
 @pytest.mark.parametrize("Z", [5, 50, 500])
 @pytest.mark.parametrize("n_positions", [1, 8])
 def test_passes_do_not_grow_with_the_bearing(Z, n_positions):
-    Counted.asked.clear()
+    Counted.requested.clear()
     some = case(Z=Z, n_positions=n_positions, slices=11, shape="iso16281", radial_load=100.0 * Z)
     found = solve_pitch(some, rings(Counted(1e10, 10 / 9)))
     assert found.iterations <= 12
     # passes, both rings; half the instants and half of a roller, and 45 to estimate with
     solved = n_positions // 2 + 1
-    assert sum(Counted.asked) <= 2 * found.iterations * solved * Z * 6 + 45
-    assert len(Counted.asked) <= 2 * found.iterations * solved + 3
+    assert sum(Counted.requested) <= 2 * found.iterations * solved * Z * 6 + 45
+    assert len(Counted.requested) <= 2 * found.iterations * solved + 3
 
 
 @pytest.mark.parametrize(

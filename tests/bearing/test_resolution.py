@@ -7,7 +7,7 @@ from scipy.integrate import quad
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import Resolution, as_stated, finest
+from rollslip.bearing.resolution import Resolution, as_stated, reference_resolution
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
 from rollslip_studies.dynamics.levels.load_map import build_load_map
@@ -62,7 +62,7 @@ def test_a_study_runs_exactly_the_resolution_it_is_given():
 
 def test_what_nobody_planned_is_as_the_scene_states():
     assert assemble(SCENE).resolution == as_stated(SCENE) == Resolution(slices=15)
-    best = finest(SCENE)
+    best = reference_resolution(SCENE)
     assert best.slices == 15  # it is part of what the scene asks for
     assert best.n_positions == 128
     assert best.table_tolerance < 1e-6
@@ -178,7 +178,7 @@ def test_the_finest_of_some_takes_each_number_from_the_one_that_has_it_finest():
     coarse = Resolution(
         slices=11, n_positions=8, table_tolerance=1e-4, integrator="bdf", integrator_tolerance=1e-5
     )
-    found = Resolution.finest_of([coarse, fine], ("integrator", "friction"))
+    found = Resolution.maximum_of([coarse, fine], ("integrator", "friction"))
     assert found == Resolution(
         slices=41,
         quadrature="gauss",
@@ -187,5 +187,5 @@ def test_the_finest_of_some_takes_each_number_from_the_one_that_has_it_finest():
         integrator="bdf",
         integrator_tolerance=1e-5,
     )
-    assert Resolution.finest_of([fine]).integrator is None
-    assert Resolution.finest_of([Resolution()]).n_positions == 1
+    assert Resolution.maximum_of([fine]).integrator is None
+    assert Resolution.maximum_of([Resolution()]).n_positions == 1

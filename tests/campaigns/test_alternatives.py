@@ -135,18 +135,18 @@ def test_a_winner_is_told_only_where_data_that_scatter_leave_one(slip, ratio, sa
         ),
     ],
 )
-def test_what_cannot_be_compared_is_refused(asked, said):
+def test_what_cannot_be_compared_is_refused(requested, said):
     with pytest.raises(SceneError, match=said):
-        rollslip.compare("gearbox", **asked)
+        rollslip.compare("gearbox", **requested)
 
 
 @pytest.mark.slow
 def test_the_command_prints_a_table_and_json_has_its_numbers(tmp_path):
-    asked = ["compare", "turbine", "--cage", "brass,polyamide", "--out", str(tmp_path / "out")]
-    told = CliRunner().invoke(cli, asked)
+    requested = ["compare", "turbine", "--cage", "brass,polyamide", "--out", str(tmp_path / "out")]
+    told = CliRunner().invoke(cli, requested)
     assert told.exit_code == 0, told.output
     assert "verdict" in told.output
-    again = CliRunner().invoke(cli, [*asked, "--overwrite", "--json"])
+    again = CliRunner().invoke(cli, [*requested, "--overwrite", "--json"])
     rows = json.loads(again.stdout)["alternatives"]
     assert {row["alternative"] for row in rows} == {"brass", "polyamide"}
     assert all(row["cage_slip"] > 0.0 and row["status"] == "done" for row in rows)

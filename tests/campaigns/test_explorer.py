@@ -235,7 +235,7 @@ def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, 
     assert (found["points"], (tmp_path / "p.html").read_text()) == (4, "page")
     assert told[-1][0] == "1 of 1 points"
     monkeypatch.chdir(tmp_path)
-    asked = [
+    requested = [
         "explore",
         "1032930-70C",
         "--over",
@@ -243,8 +243,8 @@ def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, 
         "--checks",
         "0",
     ]
-    done = CliRunner().invoke(cli, [*asked, "--engine", "serial"])
+    done = CliRunner().invoke(cli, [*requested, "--engine", "serial"])
     assert done.exit_code == 0, done.output
     assert "3 points, 0 random ones" in done.output
     assert (tmp_path / "1032930-70C-explorer.html").read_text() == "page"
-    assert "exists; name another --out" in str(CliRunner().invoke(cli, asked).exception)
+    assert "exists; name another --out" in str(CliRunner().invoke(cli, requested).exception)

@@ -120,10 +120,10 @@ def test_a_limit_is_that_of_another_search_over_single_runs():
 
 @pytest.mark.parametrize("study", ["steady-slip", "effective-friction"])
 def test_a_limit_is_asked_for_in_a_person_s_words(study):
-    asked = read_requirement("slip < 5%", get_class("study", study))
-    assert (asked.sense, asked.limit) == ("<=", 0.05)
+    requested = read_requirement("slip < 5%", get_class("study", study))
+    assert (requested.sense, requested.limit) == ("<=", 0.05)
     assert (
-        asked.output
+        requested.output
         == {"steady-slip": "steady_slip", "effective-friction": "steady_cage_slip"}[study]
     )
 
@@ -135,9 +135,9 @@ def test_a_slip_beyond_none_and_all_is_refused(keep):
 
 
 def test_a_cage_that_runs_ahead_slips_as_much():
-    asked = read_requirement("slip < 5 %", get_class("study", "steady-slip"))
-    assert asked.slack(-0.34) < 0.0 < asked.slack(-0.01)
-    assert asked.worst([0.02, -0.34]) == -0.34
+    requested = read_requirement("slip < 5 %", get_class("study", "steady-slip"))
+    assert requested.slack(-0.34) < 0.0 < requested.slack(-0.01)
+    assert requested.worst([0.02, -0.34]) == -0.34
 
 
 def test_a_word_searches_what_its_key_does():
@@ -145,7 +145,7 @@ def test_a_word_searches_what_its_key_does():
     keys = ({"operation.radial_load": "0.5 kN:2 kN:3"}, "steady_slip <= 5 %")
     scene = coarse("gearbox")
     one, two = (
-        rollslip.limit(scene, *asked, study="steady-slip", within=0.2) for asked in (words, keys)
+        rollslip.limit(scene, *requested, study="steady-slip", within=0.2) for requested in (words, keys)
     )
     assert one.searched.identical(two.searched)
     assert one.result.identical(two.result)
@@ -325,7 +325,7 @@ def test_a_history_that_the_scene_does_not_have_is_told():
 def test_one_quantity_has_one_unit_in_one_answer(tmp_path, monkeypatch):
     """That in which its range or its limit was given: N beside kN was told where values pass 1 kN."""
     monkeypatch.chdir(tmp_path)
-    asked = [
+    requested = [
         "limit",
         "1032930-70C",
         "--study",
@@ -334,7 +334,7 @@ def test_one_quantity_has_one_unit_in_one_answer(tmp_path, monkeypatch):
         "accuracy.tolerance=0.01",
     ]
     load = [
-        *asked,
+        *requested,
         "--over",
         "operation.radial_load=500N:5kN:5",
         "--keep",
@@ -452,9 +452,9 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
 
 def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    asked = ["limit", "1032930-70C", "--study", "friction-curve", "--over", "bearing.roller_length=5 mm:40 mm:5",
+    requested = ["limit", "1032930-70C", "--study", "friction-curve", "--over", "bearing.roller_length=5 mm:40 mm:5",
              "--keep", "half_width>=60 um"]  # fmt: skip
-    told = CliRunner().invoke(cli, [*asked, "--report"], catch_exceptions=False)
+    told = CliRunner().invoke(cli, [*requested, "--report"], catch_exceptions=False)
     assert told.exit_code == 0, told.output
     assert "5 values at first, and" in told.output
     assert "where it is passed once" in told.output
@@ -463,10 +463,10 @@ def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, 
         "shaded is where it is kept" in (tmp_path / "1032930-70C-limit" / "report.html").read_text()
     )
     found = json.loads(
-        CliRunner().invoke(cli, [*asked, "--json", "--out", "1032930-70C-limit"]).stdout
+        CliRunner().invoke(cli, [*requested, "--json", "--out", "1032930-70C-limit"]).stdout
     )
     assert found["edges"][0]["kept"] < found["edges"][0]["passed"]
-    lone = CliRunner().invoke(cli, [*asked[:5], "operation.radial_load=2 kN", *asked[6:]])
+    lone = CliRunner().invoke(cli, [*requested[:5], "operation.radial_load=2 kN", *requested[6:]])
     assert "operation.radial_load: '2 kN' is no range; write LOW:HIGH" in str(lone.exception)
 
 

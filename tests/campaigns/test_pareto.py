@@ -21,7 +21,7 @@ from hypothesis.extra.numpy import arrays
 import rollslip
 from rollslip import evolve, load_scene, open_result, pareto, run
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import finest
+from rollslip.bearing.resolution import reference_resolution
 from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import OutputError, PluginError, SceneError
@@ -194,7 +194,7 @@ def test_the_family_is_told_before_it_runs():
         EXACT,
     ]
     assert "the scene states 15 slices" in family.notes[0]
-    assert family.choices[0].resolution == finest(SCENE)
+    assert family.choices[0].resolution == reference_resolution(SCENE)
 
 
 def test_slices_that_a_scene_leaves_open_go_on_and_gauss_takes_part():
@@ -301,7 +301,7 @@ def test_errors_are_those_of_runs_by_hand(effective):
 
 def test_the_plans_choice_is_what_a_run_computes(contact):
     scene = run(SCENE, "friction-curve")
-    best = finest(SCENE)
+    best = reference_resolution(SCENE)
     known = (
         ParetoSettings(SCENE, study="friction-curve")
         .plan()

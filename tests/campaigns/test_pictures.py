@@ -74,18 +74,18 @@ def test_slips_over_load_have_the_minimum_loads_of_catalogues():
     dataset = swept([0.5, 0.1, 0.02], radial_load=[0.1 * LOAD, LOAD, 4.0 * LOAD])
     (figure,) = plot(dataset).values()
     loads, _ = minimum_loads_of_makers(SCENE)
-    asked = sorted(loads[np.isfinite(loads)])
-    assert asked
-    assert list(catalogue_loads(dataset).values()) == pytest.approx(asked)
+    requested = sorted(loads[np.isfinite(loads)])
+    assert requested
+    assert list(catalogue_loads(dataset).values()) == pytest.approx(requested)
     said = legend(figure)
-    assert [two(1e-3 * load) in text for load, text in zip(asked, said, strict=True)] == [
+    assert [two(1e-3 * load) in text for load, text in zip(requested, said, strict=True)] == [
         True
-    ] * len(asked)
-    within = [load for load in asked if load <= 1e3 * figure.axes[0].get_xlim()[1]]
+    ] * len(requested)
+    within = [load for load in requested if load <= 1e3 * figure.axes[0].get_xlim()[1]]
     assert [float(line.get_xdata()[0]) for line in figure.axes[0].lines[1:]] == pytest.approx(
         [1e-3 * x for x in within]
     )
-    assert sum("beyond the axis" in text for text in said) == len(asked) - len(within)
+    assert sum("beyond the axis" in text for text in said) == len(requested) - len(within)
 
 
 def test_a_sweep_with_one_value_is_not_drawn():

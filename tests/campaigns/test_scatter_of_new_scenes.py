@@ -32,7 +32,7 @@ TAIL = float(norm.ppf(0.95))
 
 def scene(name="NU 2216", supply="bath", cage="brass", **changes):
     """A scene as a person gets it, on few slices."""
-    asked = {
+    requested = {
         "bearing": name,
         "oil": "iso-vg-68",
         "speed": "4500 rpm",
@@ -40,7 +40,7 @@ def scene(name="NU 2216", supply="bath", cage="brass", **changes):
         "temperature": "70 degC",
     }
     made = parse_scene(
-        new_scene(name, **(ASSUMED | asked | {"supply": supply, "cage": cage})), name
+        new_scene(name, **(ASSUMED | requested | {"supply": supply, "cage": cage})), name
     )
     return evolve(made, {"accuracy.slices": 5} | changes)
 

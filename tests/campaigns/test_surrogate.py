@@ -73,7 +73,7 @@ def dataset(tables):
 @pytest.fixture
 def error(dataset):
     """What was asked for."""
-    return float(dataset.attrs["error_asked"])
+    return float(dataset.attrs["error_requested"])
 
 
 def exported(place, path, name, *options):
@@ -186,9 +186,9 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage():
         (SCENE, {"over": ["inner_speed=0 rpm"]}, "nothing rolls at any speed"),
     ],
 )
-def test_what_cannot_be_tabulated_is_refused_in_words(scene, asked, said):
+def test_what_cannot_be_tabulated_is_refused_in_words(scene, requested, said):
     with pytest.raises(SceneError, match=said):
-        SurrogateSettings(scene, **asked).plan()
+        SurrogateSettings(scene, **requested).plan()
 
 
 def test_the_account_tells_the_error_and_the_ranges(dataset):

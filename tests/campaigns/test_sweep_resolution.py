@@ -10,7 +10,7 @@ import xarray as xr
 
 from rollslip import run, sweep
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import finest
+from rollslip.bearing.resolution import reference_resolution
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.outputs import evaluate, named_outputs
@@ -40,7 +40,7 @@ class TestTheResolutionOfASweep:
             found = unpacked(json.loads(row.layout), row.numbers, row.texts)
             scene = evolve(load_scene("1032930-70C"), changes)
             study = settings(scene, "effective-friction")["effective-friction"]
-            exact, *_ = evaluate(study, assemble(scene, finest(scene)), made.outputs)
+            exact, *_ = evaluate(study, assemble(scene, reference_resolution(scene)), made.outputs)
             for name in ("critical_cage_slip", "critical_friction"):
                 assert found[name][0] == pytest.approx(
                     exact[name][1][0], rel=scene.accuracy.tolerance
@@ -118,5 +118,5 @@ def test_samples_after_saltelli_exchange_one_dimension_at_a_time_and_begin_alike
 
 
 def test_the_words_of_an_answer_are_taken_for_its_outputs():
-    asked = ("cage_slip", "minimum_load", "limit_drag_torque")
-    assert set(named_outputs(SteadySlip, asked)) >= {"steady_slip", "minimum_load", "limit_drag"}
+    requested = ("cage_slip", "minimum_load", "limit_drag_torque")
+    assert set(named_outputs(SteadySlip, requested)) >= {"steady_slip", "minimum_load", "limit_drag"}

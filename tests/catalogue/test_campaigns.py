@@ -166,7 +166,7 @@ def test_a_strangers_campaign_is_listed_and_runs_by_its_entry_point(stranger):
     code, said, _ = rollslip("mean-friction", "--help", path=stranger)
     assert "--points N" in said
     assert "[default: 5; x>=2]" in said
-    asked = (
+    requested = (
         "1032930-70C",
         "--loads",
         "2 kN",
@@ -177,7 +177,7 @@ def test_a_strangers_campaign_is_listed_and_runs_by_its_entry_point(stranger):
         "--json",
         "--no-plots",
     )
-    code, said, error = rollslip("mean-friction", *asked, path=stranger)
+    code, said, error = rollslip("mean-friction", *requested, path=stranger)
     assert code == 0, error
     single = (
         "import rollslip\nfound = rollslip.mean_friction('1032930-70C', ['2 kN', '4 kN'])\n"

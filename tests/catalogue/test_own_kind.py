@@ -43,7 +43,7 @@ class Lip(Seal):
 def seals():
     return [Lip]
 '''
-ASKED = """\
+REQUESTED = """\
 import rollslip
 from rollslip.catalogue.kinds import kinds, offered_kinds
 from rollslip.errors import PluginError
@@ -67,7 +67,7 @@ def seals(tmp_path):
 
 @pytest.mark.slow
 def test_a_strangers_kind_is_listed_and_what_is_of_it_is_made(seals):
-    assert python(ASKED, seals) == [[0.942, True, True]]
+    assert python(REQUESTED, seals) == [[0.942, True, True]]
     code, said, _ = rollslip("models", path=seals)
     assert code == 0
     assert "seal        lip\n" in said
@@ -137,7 +137,7 @@ def test_a_package_of_it_is_written_from_its_own_templates(seals, tmp_path_facto
 def test_a_broken_kind_is_one_sentence_and_stays_its_own(old, new, told, seals):
     path = seals / "rollslip_seals.py"
     path.write_text(path.read_text().replace(old, new))
-    [[said, film, _]] = python(ASKED, seals)
+    [[said, film, _]] = python(REQUESTED, seals)
     assert said.startswith("kind 'seal'")
     assert told in said
     assert film
@@ -152,16 +152,16 @@ def test_a_kind_of_two_packages_is_nobodys_until_one_is_disabled(seals):
     install(seals, "rollslip-another", KIND, kind="kind", name="seal", module="another_seal")
     points = seals / "rollslip_another-1.0.dist-info" / "entry_points.txt"
     points.write_text("[rollslip.kind]\nseal = another_seal:SEAL\n")
-    [[said, _, known]] = python(ASKED, seals)
+    [[said, _, known]] = python(REQUESTED, seals)
     assert known
     assert (
         "kind 'seal': packages rollslip-another and rollslip-seals offer it; uninstall one" in said
     )
-    assert python(ASKED, seals, ROLLSLIP_DISABLED_PLUGINS="rollslip-another") == [
+    assert python(REQUESTED, seals, ROLLSLIP_DISABLED_PLUGINS="rollslip-another") == [
         [0.942, True, True]
     ]
     [[said, film, known]] = python(
-        ASKED, seals, ROLLSLIP_DISABLED_PLUGINS="rollslip-another,rollslip-seals"
+        REQUESTED, seals, ROLLSLIP_DISABLED_PLUGINS="rollslip-another,rollslip-seals"
     )
     assert (said[:30], film, known) == ("no kind of model is called 'se", True, False)
 

@@ -33,11 +33,11 @@ def test_two_laws_of_a_package_pass_the_kit_and_its_tests(tmp_path: Path) -> Non
 @pytest.mark.slow
 def test_every_template_is_typed(tmp_path: Path) -> None:
     """As strictly as rollslip: what a package begins with finds no fault of its author's tools."""
-    asked = []
+    requested = []
     paths = [str(tmp_path / f"own-{kind}{compiled:d}" / "src") for kind, compiled in FORMS]
     for kind, compiled in FORMS:
         made = new(f"own-{kind}{compiled:d}", kind, compiled, tmp_path)
-        asked += [
+        requested += [
             str(path)
             for path in sorted(made.rglob("*.py*"))
             if path.name != "setup.py" and path.suffix != ".pyx"
@@ -46,7 +46,7 @@ def test_every_template_is_typed(tmp_path: Path) -> None:
     config.write_text("[mypy]\nstrict = True\n[mypy-rollslip.*]\nfollow_imports = silent\n")
     roots = [str(ROOT / root) for root in ("framework", "kernels", "plugins")]
     done = subprocess.run(
-        [sys.executable, "-m", "mypy", "--config-file", config, "--explicit-package-bases", *asked],
+        [sys.executable, "-m", "mypy", "--config-file", config, "--explicit-package-bases", *requested],
         env={**os.environ, "MYPYPATH": os.pathsep.join([*paths, *roots])}, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout

@@ -12,14 +12,14 @@ from full_disk import allowed, unshared
 pytestmark = pytest.mark.faults
 
 PROGRAM = "from rollslip.cli import main; main()"
-FEW = ["--set", "accuracy.slices=7"]
-RUN = ["run", "1032930-70C", *FEW, "--report", "--out", "p/o"]
-ONE = ["run", "1032930-70C", *FEW, "--study", "friction-curve", "--report", "--out", "p/o"]
+COARSE_SLICES = ["--set", "accuracy.slices=7"]
+RUN = ["run", "1032930-70C", *COARSE_SLICES, "--report", "--out", "p/o"]
+ONE = ["run", "1032930-70C", *COARSE_SLICES, "--study", "friction-curve", "--report", "--out", "p/o"]
 SWEEP = [
     "sweep",
     "run",
     "1032930-70C",
-    *FEW,
+    *COARSE_SLICES,
     "--over",
     "operation.radial_load=500N:5000N:400",
     "--out",
@@ -28,7 +28,7 @@ SWEEP = [
 COMPARE = [
     "compare",
     "1032930-70C",
-    *FEW,
+    *COARSE_SLICES,
     "--traction",
     "muraki",
     "--traction",
@@ -39,7 +39,7 @@ COMPARE = [
 UNCERTAINTY = [
     "uncertainty",
     "1032930-70C",
-    *FEW,
+    *COARSE_SLICES,
     "--samples",
     "512",
     "--loads",
@@ -63,7 +63,7 @@ MOTION = [
 def stored(tmp_path_factory):
     """Results to make a report of."""
     folder = tmp_path_factory.mktemp("stored")
-    done = command(["run", "1032930-70C", *FEW, "--no-plots", "--out", "o"], folder)
+    done = command(["run", "1032930-70C", *COARSE_SLICES, "--no-plots", "--out", "o"], folder)
     assert done.returncode == 0, done.stderr
     return [str(path) for path in sorted((folder / "o").glob("*.nc"))]
 
@@ -117,7 +117,7 @@ def test_commands_do_not_need_a_home_nor_a_lenient_python(name, how, stored, tmp
         "sweep",
         "run",
         "1032930-70C",
-        *FEW,
+        *COARSE_SLICES,
         "--over",
         "operation.radial_load=500N:5000N:4",
         "--engine",

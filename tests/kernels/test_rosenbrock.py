@@ -443,22 +443,22 @@ def test_a_stop_is_met_exactly_and_does_not_shorten_the_steps_after_it():
 
 def test_rates_that_jump_are_integrated_from_stop_to_stop():
     """y' = 1 up to t = 1, then -2: with a stop there no step and no difference sees both sides."""
-    asked = []
+    requested = []
 
     def rates(t, y):
-        asked.append(t)
+        requested.append(t)
         return [1.0 if solver_side == "left" else -2.0]
 
     solver = Rosenbrock(python_system(rates, 1), 0.0, [0.0], 2.0, 1e-8, 1e-8)
     solver_side = "left"
     solver.advance(t_stop=1.0)
-    assert max(asked) <= 1.0
+    assert max(requested) <= 1.0
     assert solver.y[0] == pytest.approx(1.0, abs=1e-14)
     solver_side = "right"
     solver.restart(1.0, solver.y)
     assert solver.advance() == ("finished", 0)
     assert solver.y[0] == pytest.approx(-1.0, abs=1e-14)
-    assert max(asked) <= 2.0
+    assert max(requested) <= 2.0
 
 
 def test_no_rates_are_asked_for_outside_the_interval():

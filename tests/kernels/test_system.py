@@ -307,9 +307,9 @@ def good_rollers(t, head, own):
 )
 def test_a_fault_in_a_python_function_comes_out_as_it_is(head_rates, roller_rates, error, sentence):
     system = System(python_system(head_rates, 1, roller_rates=roller_rates, rollers=2, block=3))
-    for asked in (system.rates, system.jacobian):
+    for requested in (system.rates, system.jacobian):
         with pytest.raises(error, match=sentence):
-            asked(0.0, np.ones(7))
+            requested(0.0, np.ones(7))
 
 
 def test_watched_values_are_asked_for_and_their_faults_come_out():

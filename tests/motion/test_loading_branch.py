@@ -16,7 +16,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import Motion, Motions, place_of, slip_of
+from rollslip_studies.motion.spins import Motion, Motions, logit_slip, slip_of
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, rollers, skidding_onset, running
 from rollslip_studies.motion.loading_branch import _FALL as FALL
 from rollslip_studies.motion.loading_branch import _around, _bend, _peaks, _rise, _trusted
@@ -238,15 +238,15 @@ def test_all_motions_lie_between_those_that_both_ends_lead_to(number, resists, p
 @given(number=st.integers(0, 10_000), order=st.permutations([0.003, 0.02, 0.15, 0.4, 0.7, 0.9]))
 @settings(max_examples=6, deadline=None)
 def test_the_order_of_questions_changes_no_bit(number, order):
-    asked, untouched = (scenes.balance(scenes.free(number)) for _ in range(2))
+    requested, untouched = (scenes.balance(scenes.free(number)) for _ in range(2))
     for slip in order:
-        asked.torque(slip)
-    ways = [one.way() for one in (asked, untouched)]
+        requested.torque(slip)
+    ways = [one.way() for one in (requested, untouched)]
     assert [m.torque for m in ways[0].path] == [m.torque for m in ways[1].path]
     assert [attrs.astuple(jump)[1:2] for jump in ways[0].jumps] == [
         attrs.astuple(jump)[1:2] for jump in ways[1].jumps
     ]
-    assert [asked.torque(slip) for slip in sorted(order)] == [
+    assert [requested.torque(slip) for slip in sorted(order)] == [
         untouched.torque(slip) for slip in sorted(order)
     ]
 
@@ -291,7 +291,7 @@ def test_slips_around_a_parabola_go_with_its_place():
     places = np.linspace(-3.0, 1.0, 81)
     way = [Motion(slip_of(x), 2.0 - 2.0 * (x + 1.2) ** 2, np.zeros(1), 0.0, True) for x in places]
     k = int(np.argmax([motion.torque for motion in way]))
-    found = [place_of(slip) for slip in _around(way, k, (-1.2, 2.0), -1.1, 0.01)]
+    found = [logit_slip(slip) for slip in _around(way, k, (-1.2, 2.0), -1.1, 0.01)]
     assert found == pytest.approx([-1.2, -1.0], abs=1e-9)
 
 
@@ -492,7 +492,7 @@ def test_a_motion_stays_that_goes_on_either_way_and_a_single_one_between_gaps_do
 
 def test_a_place_is_that_of_its_slip():
     for slip in (1e-4, 0.3, 0.95):
-        assert slip_of(place_of(slip)) == pytest.approx(slip, rel=1e-14)
+        assert slip_of(logit_slip(slip)) == pytest.approx(slip, rel=1e-14)
 
 
 def test_a_study_says_that_without_load_nothing_drives_the_cage():

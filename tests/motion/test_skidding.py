@@ -359,15 +359,15 @@ def few():
 
 
 def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
-    asked = []
+    requested = []
     monkeypatch.setattr(
         module,
         "runaway",
-        lambda *given, **named: asked.append(given) or SkiddingOnset(0.42, 0.72, "found"),
+        lambda *given, **named: requested.append(given) or SkiddingOnset(0.42, 0.72, "found"),
     )
     assert near_skidding(few(), 0.0) == ""
     assert near_skidding(few(), 0.05) == ""
-    assert len(asked) == 2, "by conventional friction alone"
+    assert len(requested) == 2, "by conventional friction alone"
 
 
 def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction_is_off():

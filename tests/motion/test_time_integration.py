@@ -250,12 +250,12 @@ def test_neither_zero_nor_nan_is_a_side(name, compiled):
 @EVERY
 def test_no_step_passes_over_a_break(name, compiled):
     """Rates that jump at 1 to another sign: each side is asked on its own, and the solution is exact to tolerance."""
-    asked = []
+    requested = []
     jumps = [0.0]
 
     def rates(t, y):
-        asked.append(t)
-        if len(asked) > 1 and (asked[-2] < 1.0) != (t < 1.0):
+        requested.append(t)
+        if len(requested) > 1 and (requested[-2] < 1.0) != (t < 1.0):
             jumps.append(t)
         return np.array([1.0 if t < 1.0 else -1.0])
 
@@ -263,7 +263,7 @@ def test_no_step_passes_over_a_break(name, compiled):
     found = run(name, problem(rates, [0.0], compiled, breaks=(1.0, 0.0, 2.0, 5.0)), times)
     assert np.abs(found.y[:, 0] - [0.0, 0.5, 1.0, 0.5, 0.0]).max() < ERROR.get(name, 10) * 1e-8
     assert len(jumps) == 2, "the rates were asked for beyond the break, or before it again"
-    assert len(asked) < 400
+    assert len(requested) < 400
 
 
 @EVERY

@@ -223,8 +223,8 @@ def main() -> None:
     parser.add_argument(
         "--part", default="1/1", help="K/N: every N-th fault from the K-th on, for N processes"
     )
-    asked = parser.parse_args()
-    part, parts = (int(number) for number in asked.part.split("/"))
+    requested = parser.parse_args()
+    part, parts = (int(number) for number in requested.part.split("/"))
     table = faults()
     for fault in table:
         line_of(fault, (TREE / fault.file).read_text(encoding="utf-8"))
@@ -232,8 +232,8 @@ def main() -> None:
         fault
         for number, fault in enumerate(table)
         if number % parts == part - 1
-        and (not fault.seen_by or asked.again in ("all", fault.seen_by))
-        and (not asked.only or any(word in fault.file for word in asked.only))
+        and (not fault.seen_by or requested.again in ("all", fault.seen_by))
+        and (not requested.only or any(word in fault.file for word in requested.only))
     ]
     print(f"{len(table)} faults are listed, {len(chosen)} are planted now")
     hypothesis.settings.register_profile(

@@ -12,7 +12,7 @@ import rollslip
 from plan_scenes import STUDY, TRACTIONS, judge, pick, points, scene
 from rollslip import Conditions, Slices, evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import BoundBrokenError, Resolution, finest
+from rollslip.bearing.resolution import BoundBrokenError, Resolution, reference_resolution
 from rollslip.cli.console import changed
 from rollslip.errors import SceneError
 from rollslip.planning.execution import execute
@@ -98,7 +98,7 @@ def test_a_tolerance_of_a_result_is_its_own():
 @pytest.mark.quick
 def test_exact_is_the_finest_of_everything():
     made = plan(evolve(BASE, {"accuracy.tolerance": "exact"}), STUDY)
-    assert made.estimated[STUDY].resolution == finest(BASE)
+    assert made.estimated[STUDY].resolution == reference_resolution(BASE)
     assert made.estimated[STUDY].left_out == ()
 
 
@@ -154,7 +154,7 @@ def test_boundary_friction_is_left_out_of_full_films_without_a_trace():
     whole = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, boundary=True))
     assert whole.assemblies[STUDY].traction.name == "lambda-blend"
     assert np.array_equal(result.effective_friction, execute(whole, STUDY).effective_friction)
-    assert json.loads(result.attrs["taken_back"]) == []
+    assert json.loads(result.attrs["reinstated"]) == []
 
 
 @pytest.mark.quick
@@ -170,7 +170,7 @@ def test_boundary_friction_is_taken_back_in_where_a_film_is_thin():
     result = execute(wrong, STUDY)
     unguarded = execute(honest, STUDY)
     assert np.array_equal(result.effective_friction, unguarded.effective_friction)
-    (said,) = json.loads(result.attrs["taken_back"])
+    (said,) = json.loads(result.attrs["reinstated"])
     assert "boundary friction was left out, but a film parameter of" in said
     assert json.loads(result.attrs["resolution"])["boundary"]
 
@@ -204,7 +204,7 @@ def test_a_closed_form_serves_only_within_its_bounds():
     tight = attrs.evolve(made.estimated[STUDY], left_out=(ExactLaw(law, most),))
     again = execute(attrs.evolve(made, estimated={STUDY: tight}).at(STUDY, resolution), STUDY)
     assert np.array_equal(again.effective_friction, exact.effective_friction)
-    assert "a strain rate of" in json.loads(again.attrs["taken_back"])[0]
+    assert "a strain rate of" in json.loads(again.attrs["reinstated"])[0]
 
 
 @pytest.mark.parametrize("flash", [0.97, 1.001])
@@ -343,7 +343,7 @@ def test_a_followed_branch_is_watched_too():
     made = plan(cool, "steady-slip")
     assert not made.estimated["steady-slip"].resolution.boundary
     result = execute(made, "steady-slip")
-    assert "boundary friction was left out" in json.loads(result.attrs["taken_back"])[0]
+    assert "boundary friction was left out" in json.loads(result.attrs["reinstated"])[0]
     assert json.loads(result.attrs["resolution"])["boundary"]
 
 
@@ -401,7 +401,7 @@ def test_what_moves_no_value_by_a_fifth_of_the_tolerance_is_left_out(speed, load
             assert moved <= 0.2 * tolerance
             assert not lines[0].included
             assert any(isinstance(one, bound) for one in made.estimated[STUDY].left_out)
-    assert json.loads(result.attrs["taken_back"]) == []
+    assert json.loads(result.attrs["reinstated"]) == []
     if speed == "40 rpm":
         assert not kept(made), "of a slow and heavy bearing neither is needed"
     if speed == "4000 rpm":
@@ -420,7 +420,7 @@ def test_what_was_left_out_is_taken_back_in_beyond_its_bound(name, bound, said):
     wrong = attrs.evolve(honest, estimated={STUDY: chosen}).at(STUDY, less)
     result = execute(wrong, STUDY)
     assert np.array_equal(result.effective_friction, execute(honest, STUDY).effective_friction)
-    (told,) = json.loads(result.attrs["taken_back"])
+    (told,) = json.loads(result.attrs["reinstated"])
     assert said in told
 
 

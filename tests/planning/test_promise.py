@@ -172,7 +172,7 @@ def test_a_miss_of_random_scenes_is_not_silent(k):
     """Where the steps along the slip decide at which of them a roller jumps, and where few instants see few jumps."""
     found = judge(scene(k))
     assert not found.refused
-    assert not found.silent, (found.tolerance, found.actual, found.witnessed)
+    assert not found.silent, (found.tolerance, found.actual, found.compare_with)
 
 
 @pytest.mark.parametrize("k", [266, 386])
@@ -286,7 +286,7 @@ def test_no_random_scene_misses_in_silence(k):
     found = judge(scene(k))
     if found.refused:
         pytest.skip(found.refused)
-    assert not found.silent, (found.tolerance, found.actual, found.witnessed)
+    assert not found.silent, (found.tolerance, found.actual, found.compare_with)
 
 
 @pytest.mark.parametrize(("slices", "n_positions"), [(8, 16), (64, 1), (64, 2)])
@@ -408,8 +408,8 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
     resolution = attrs.evolve(made.estimated["steady-slip"].resolution, slices=8, n_positions=5)
     result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
-    finest = attrs.evolve(resolution, slices=100, quadrature="gauss", n_positions=15)
-    fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
+    reference_resolution = attrs.evolve(resolution, slices=100, quadrature="gauss", n_positions=15)
+    fine = made.studies["steady-slip"].run(assemble(made.scene, reference_resolution))
     actual = abs(float(result[variable].min()) / float(fine[variable].min()) - 1.0)
     assert actual > 3e-3
     assert 0.3 * actual <= rows[name] <= 5.0 * actual
@@ -432,10 +432,10 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
     )
     assert resolution.quadrature == "equal"
     result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
-    finest = attrs.evolve(
+    reference_resolution = attrs.evolve(
         resolution, slices=8 * slices + 1, quadrature="gauss", n_positions=4 * n_positions + 1
     )
-    fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
+    fine = made.studies["steady-slip"].run(assemble(made.scene, reference_resolution))
     actual = abs(float(result[variable].min()) / float(fine[variable].min()) - 1.0)
     assert actual > made.scene.accuracy.tolerance
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
@@ -453,8 +453,8 @@ def test_the_thinnest_film_of_a_curve_is_seen_too():
         for row in json.loads(result.attrs["accuracy"])
         if row["result"] == "film parameter"
     )
-    finest = attrs.evolve(made.estimated[STUDY].resolution, slices=100, quadrature="gauss")
-    fine = made.studies[STUDY].run(assemble(made.scene, finest))
+    reference_resolution = attrs.evolve(made.estimated[STUDY].resolution, slices=100, quadrature="gauss")
+    fine = made.studies[STUDY].run(assemble(made.scene, reference_resolution))
     actual = float(
         abs(
             result["film_parameter"].min("cage_slip") / fine["film_parameter"].min("cage_slip")
@@ -470,10 +470,10 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
     made = plan(loading_branch_scenes.wide(100_076), "steady-slip")
     result = execute(made, "steady-slip", exactly=True)
     own = made.estimated["steady-slip"].resolution
-    finest = attrs.evolve(
+    reference_resolution = attrs.evolve(
         own, slices=4 * own.slices + 1, quadrature="gauss", n_positions=4 * own.n_positions + 1
     )
-    fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
+    fine = made.studies["steady-slip"].run(assemble(made.scene, reference_resolution))
     assert "skids" in str(fine.minimum_load_status.item())
     assert "skids" not in str(result.minimum_load_status.item())
     actual = abs(float(result["minimum_load"]) / float(fine["minimum_load"]) - 1.0)

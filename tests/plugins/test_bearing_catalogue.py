@@ -101,9 +101,9 @@ def test_designations_as_people_write_them_are_read_with_cage_and_class_of_clear
         assert find("bearing", written).name == name, written
         own = CATALOGUE.cage(written)
         assert (f"{own.make} {own.guidance}" if own.letters else "-") == cage, written
-        asked = CATALOGUE.clearance_class(name)
+        requested = CATALOGUE.clearance_class(name)
         said = CATALOGUE.clearance_class(written)
-        assert said == asked or (said == "CN" and asked is None), written
+        assert said == requested or (said == "CN" and requested is None), written
 
 
 def test_other_bearings_are_called_what_they_are():

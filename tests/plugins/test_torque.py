@@ -366,14 +366,14 @@ def test_two_formulas_stand_there_by_default_an_empty_list_is_none_and_a_name_st
 
 def named(name, **changes):
     """A catalogue bearing with the drags of an oil bath, at n d_m of 4.2e5 mm/min."""
-    asked = {
+    requested = {
         "bearing": name,
         "oil": "iso-vg-68",
         "speed": "6000 rpm",
         "load": "2 kN",
         "cage": "polyamide",
     }
-    text = new_scene("-", **(ASSUMED | asked))
+    text = new_scene("-", **(ASSUMED | requested))
     drags = ["rolling-resistance", "hysteresis", {"model": "churning", "oil_fraction": 0.055}]
     return evolve(parse_scene(text, "-"), {"cage.drag": drags} | changes)
 

@@ -614,10 +614,10 @@ def test_what_the_page_concludes_follows_from_its_tables():
     assert max(adiabatic) < 5
     assert min(column("traction_field_cases", "C")) > 2
     reference = "traction_field_reference"
-    for asked in ("1e-4", "1e-6"):
-        off = column(reference, f"off_at_{asked}")
+    for requested in ("1e-4", "1e-6"):
+        off = column(reference, f"off_at_{requested}")
         assert np.all(
-            off <= column(reference, f"estimate_at_{asked}") + column(reference, "lines_error")
+            off <= column(reference, f"estimate_at_{requested}") + column(reference, "lines_error")
         )
     orders = column("traction_field_grid", "order")
     assert np.all(np.abs(orders - 2) < 0.15)

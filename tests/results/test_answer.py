@@ -325,7 +325,7 @@ def test_with_a_report_it_is_read_next_and_does_not_ask_for_itself(ran):
 )
 def test_a_verdict_can_be_an_exit_code(ran, options, code):
     folder, *_ = ran
-    asked = [part for one in options for part in ("--fail-on", one)]
+    requested = [part for one in options for part in ("--fail-on", one)]
     given = [
         "run",
         str(folder / "my.toml"),
@@ -333,7 +333,7 @@ def test_a_verdict_can_be_an_exit_code(ran, options, code):
         "effective-friction",
         "--no-plots",
         "--overwrite",
-        *asked,
+        *requested,
     ]
     done = CliRunner().invoke(cli, [*given, "--out", str(folder / "again")])
     assert done.exit_code == code, done.output
@@ -366,9 +366,9 @@ def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
 
 def test_a_study_that_fails_leaves_the_answer_of_the_others(tmp_path):
     """Both rings turn nearly alike: no contact draws oil in within the range of slips of effective friction."""
-    asked = ["run", "gearbox", "--no-plots", "--out", str(tmp_path / "o")]
+    requested = ["run", "gearbox", "--no-plots", "--out", str(tmp_path / "o")]
     turned = ["--set", "operation.outer_speed=1450 rpm", *SET_COARSE]
-    done = CliRunner().invoke(cli, [*asked, *turned])
+    done = CliRunner().invoke(cli, [*requested, *turned])
     assert isinstance(done.exception, DomainError)
     assert str(done.exception).startswith(
         "effective-friction failed, what others found is kept: at a cage slip of "

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rollslip.results.style import ONE_COLUMN, ROW, TWO_COLUMNS, Sheet, styled
+from rollslip.results.style import SINGLE_COLUMN, ROW, TWO_COLUMNS, Sheet, styled
 
 pytestmark = pytest.mark.quick
 
@@ -23,7 +23,7 @@ def test_a_sheet_grows_by_a_row_for_each_of_its_legend(columns, rows, title):
         "drawn otherwise",
     ]
     assert legend.get_title().get_text() == title
-    assert figure.get_figheight() == pytest.approx(ONE_COLUMN[1] + rows * ROW)
+    assert figure.get_figheight() == pytest.approx(SINGLE_COLUMN[1] + rows * ROW)
     assert (sheet.axes.get_xlabel(), sheet.axes.get_ylabel()) == ("slip", "friction")
     assert [line.get_color() for line in sheet.axes.lines] == ["red", "black"]
 
@@ -54,6 +54,6 @@ def test_a_label_that_is_longer_than_its_column_is_wrapped_and_not_cut(columns):
     lines = [text.get_text().count("\n") + 1 for text in legend.get_texts()]
     assert lines[0] > 1 == lines[1]
     assert figure.get_figheight() == pytest.approx(
-        ONE_COLUMN[1] + (sum(lines) if columns == 1 else max(lines)) * ROW
+        SINGLE_COLUMN[1] + (sum(lines) if columns == 1 else max(lines)) * ROW
     )
     assert whole.x0 <= box.x0 < box.x1 <= whole.x1

@@ -12,7 +12,7 @@ from rollslip.fields import (
     at_least,
     in_range,
     non_negative,
-    one_of,
+    choice_of,
     parameter,
     positive,
 )
@@ -33,7 +33,7 @@ pytestmark = pytest.mark.quick
             "x: must be between 0 and 1 MPa, without the ends, not 1 MPa",
         ),
         (in_range(0, 1e6), math.nan, "x: must be from 0 to 1 MPa, not nan Pa"),
-        (one_of(1, "two"), 3.0, "x: must be one of 1, 'two', not 3 Pa"),
+        (choice_of(1, "two"), 3.0, "x: must be one of 1, 'two', not 3 Pa"),
     ],
 )
 def test_a_validator_says_what_came_and_what_is_allowed(

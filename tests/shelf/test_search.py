@@ -213,16 +213,16 @@ ROOTS = {
 def test_a_bracketed_root_is_that_of_the_library(name, turned):
     curve, root = ROOTS[name]
     low, high = (1.0, 0.0) if turned else (0.0, 1.0)
-    asked = []
+    requested = []
     found = bracketed(
-        lambda x: asked.append(x) or curve(x), low, high, curve(low), curve(high), relative=1e-10
+        lambda x: requested.append(x) or curve(x), low, high, curve(low), curve(high), relative=1e-10
     )
     want = brentq(curve, 0.0, 1.0, xtol=1e-12, maxiter=1000)
     tolerance = 1e-4 if name == "flat" else 1e-10
     assert found == pytest.approx(want, rel=tolerance)
     assert found == pytest.approx(root, rel=tolerance)
-    assert found == asked[-1], "what is found has been evaluated"
-    assert len(asked) <= (70 if name == "flat" else 20)
+    assert found == requested[-1], "what is found has been evaluated"
+    assert len(requested) <= (70 if name == "flat" else 20)
 
 
 def test_a_jump_past_zero_and_an_end_that_is_zero_are_roots_and_a_level_end_is_none():
@@ -259,10 +259,10 @@ def test_secants_lead_nowhere_where_there_is_no_root(curve):
 
 
 def test_steps_of_secants_are_no_longer_than_they_may_be():
-    asked = []
+    requested = []
     within = (-9.0, 9.0)
     root, _ = secants(
-        lambda x: asked.append(x) or math.atan(x - 3.0),
+        lambda x: requested.append(x) or math.atan(x - 3.0),
         0.0,
         0.1,
         tolerance=1e-9,
@@ -270,4 +270,4 @@ def test_steps_of_secants_are_no_longer_than_they_may_be():
         longest=1.0,
     )
     assert root == pytest.approx(3.0, abs=1e-9)
-    assert np.abs(np.diff(asked)).max() == 1.0
+    assert np.abs(np.diff(requested)).max() == 1.0

@@ -3,7 +3,7 @@
 import attrs
 import pytest
 
-from rollslip.fields import one_of, parameter, positive
+from rollslip.fields import choice_of, parameter, positive
 from rollslip.scene import ModelChoice
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location, structure
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.quick
 @attrs.frozen(kw_only=True)
 class Law:
     modulus: float = parameter(unit="Pa", doc="shear modulus", validator=positive)
-    kind: str = parameter(default="a", doc="kind", validator=one_of("a", "b"))
+    kind: str = parameter(default="a", doc="kind", validator=choice_of("a", "b"))
     thermal: bool = parameter(default=True, doc="with heating")
     steps: int = parameter(default=5, doc="steps", validator=attrs.validators.ge(1))
     span: tuple[float, float] = parameter(default=(0.0, 1.0), unit="1", doc="range of slip")

@@ -118,7 +118,7 @@ def damped(study, assembly, end):
 
 def evaluations(study, integrator, few=None):
     """Evaluations of the rates that an integrator takes with few slices."""
-    few = estimates.with_few_slices(bearing()) if few is None else few
+    few = estimates.with_coarse_slices(bearing()) if few is None else few
     found = attrs.evolve(study, integrator=integrator).tried(
         study.moving(few), np.linspace(0.0, study.duration, 3), study.relative_tolerance
     )
@@ -204,7 +204,7 @@ def test_no_rival_goes_through_a_random_bearing_with_many_fewer_rates(number, le
     study = Dynamics(
         level=level, friction="effective", duration=0.2 if level == "cage-set" else 0.05, points=3
     )
-    few = estimates.with_few_slices(assemble(scene(points(24)[number]), SLICES))
+    few = estimates.with_coarse_slices(assemble(scene(points(24)[number]), SLICES))
     found = choose_motion(study, few, others("integrator"))
     rates = {
         name: evaluations(study, name, few)
@@ -230,7 +230,7 @@ def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, 
     planar = PlanarSettings(inner_ring_mass=5.0)
     study = Dynamics(level=level, friction=friction, duration=duration, points=21, planar=planar)
     assembly = bearing()
-    tried = estimates.with_few_slices(assembly) if friction == "conventional" else assembly
+    tried = estimates.with_coarse_slices(assembly) if friction == "conventional" else assembly
     cost_sentences, each, _ = costs._foreseen(study, study.moving(tried))
     found = study.run(assembly)
     assert 0.5 < cost_sentences / found.attrs["rate_evaluations"] < 2.0

@@ -561,7 +561,7 @@ def test_memory_is_that_of_the_loads():
     finally:
         tracemalloc.stop()
     loads = assembly.load_distribution(16)
-    asked = loads.inner_load.nbytes + loads.outer_load.nbytes
+    requested = loads.inner_load.nbytes + loads.outer_load.nbytes
     tables = sum(
         LoadedContacts(raceway, load.reshape(-1, 401), assembly.widths, 1.0).slices._table.nbytes
         / 2
@@ -570,7 +570,7 @@ def test_memory_is_that_of_the_loads():
             (assembly.outer, loads.outer_load),
         )
     )
-    assert peak < 3 * (asked + tables)
+    assert peak < 3 * (requested + tables)
 
 
 @pytest.mark.parametrize("k", [11, 82, 99, 123, 250])

@@ -366,12 +366,12 @@ def in_time(assembly, slip, factor, roller_slip, *, orbits, kept):
     return 1.0 - (ends[1] - ends[0]) / (kept * period) / w_ce
 
 
-FEW = evolve(STRAIGHT, {"bearing.rollers": 7, "operation.radial_load": "600 N"})
+COARSE_SLICES = evolve(STRAIGHT, {"bearing.rollers": 7, "operation.radial_load": "600 N"})
 
 
 def test_a_steady_slip_is_the_mean_that_motion_in_time_keeps_and_comes_back_to():
     """Measured: 3e-5 from the mean in time, with the ripple of a light cage in it; the study states 1e-3."""
-    assembly = assemble(dragged(FEW, brake(0.1)))
+    assembly = assemble(dragged(COARSE_SLICES, brake(0.1)))
     found = SteadySlip(points=12).run(assembly)
     slip = float(found.steady_slip[0])
     assert found.attrs["inertia_effect"] > 0.01, "the inertia of the rollers takes part"
@@ -386,7 +386,7 @@ def test_a_steady_slip_is_the_mean_that_motion_in_time_keeps_and_comes_back_to()
 
 
 def test_an_unstable_slip_is_one_that_motion_in_time_leaves_to_either_side():
-    scene = dragged(evolve(FEW, {"operation.radial_load": "2 kN"}), brake(2.3))
+    scene = dragged(evolve(COARSE_SLICES, {"operation.radial_load": "2 kN"}), brake(2.3))
     found = run(scene, points=12)
     assert found.stable.values.tolist() == [1, 0]
     slip = float(found.steady_slip[1])
@@ -556,8 +556,8 @@ def test_a_drag_beyond_the_fold_runs_away_in_words_and_is_stored(tmp_path):
     assert found.steady_slip.dims == ("steady",)
     assert np.isnan(found.steady_slip).all(), "an output that is declared is there"
     lost = {name for name in SteadySlip.outputs if name not in found}
-    asked = ("radial_load", "inner_speed", "temperature", "minimum_load", "makers", "formula")
-    assert all(name.startswith(asked) for name in lost), "not asked for"
+    requested = ("radial_load", "inner_speed", "temperature", "minimum_load", "makers", "formula")
+    assert all(name.startswith(requested) for name in lost), "not asked for"
     assert SteadySlipAccount.record(found)["steady"] == []
     assert SteadySlipAccount.topics(found)["steady slip"] == [str(found.status.item())]
     assert [name for name, _, _ in steady_figures(found)] == ["steady-slip"]
@@ -1010,25 +1010,25 @@ def test_makers_rules_differ_as_they_are_said_to():
     )
     assert static_rating(nu_2220) == pytest.approx(445e3, rel=0.005)
     speed = 3000.0 * np.pi / 30.0
-    asked = {maker: rule.asked(nu_2220, speed)[0] for maker, rule in RULES.items()}
-    assert asked["NTN"] == pytest.approx(17.8e3, rel=0.005)
-    assert asked["Schaeffler"] == pytest.approx(7.4e3, rel=0.01)
-    assert np.isnan(asked["SKF"])
-    assert np.isnan(asked["NKE"])
+    requested = {maker: rule.requested(nu_2220, speed)[0] for maker, rule in RULES.items()}
+    assert requested["NTN"] == pytest.approx(17.8e3, rel=0.005)
+    assert requested["Schaeffler"] == pytest.approx(7.4e3, rel=0.01)
+    assert np.isnan(requested["SKF"])
+    assert np.isnan(requested["NKE"])
     listed = Catalogue(minimum_load_factor=0.20, reference_speed=speed, dynamic_rating=335e3)
-    asked = {
-        maker: rule.asked(attrs.evolve(nu_2220, catalogue=listed), speed)[0]
+    requested = {
+        maker: rule.requested(attrs.evolve(nu_2220, catalogue=listed), speed)[0]
         for maker, rule in RULES.items()
     }
     # by hand with d_m = 140 mm of bore and outside: 0.20 (6 + 4) 1.4^2 = 3.9 kN; the pitch circle is 0.7 % wider
-    assert asked["SKF"] == pytest.approx(3.92e3, rel=0.015)
-    assert asked["NKE"] == pytest.approx(6.7e3, rel=1e-12)
-    half = RULES["SKF"].asked(attrs.evolve(nu_2220, catalogue=listed), 0.5 * speed)[0]
-    assert half == pytest.approx(0.8 * asked["SKF"], rel=1e-12)
-    at_rest, status = RULES["SKF"].asked(
+    assert requested["SKF"] == pytest.approx(3.92e3, rel=0.015)
+    assert requested["NKE"] == pytest.approx(6.7e3, rel=1e-12)
+    half = RULES["SKF"].requested(attrs.evolve(nu_2220, catalogue=listed), 0.5 * speed)[0]
+    assert half == pytest.approx(0.8 * requested["SKF"], rel=1e-12)
+    at_rest, status = RULES["SKF"].requested(
         attrs.evolve(nu_2220, catalogue=Catalogue(minimum_load_factor=0.20)), speed
     )
-    assert at_rest == pytest.approx(0.6 * asked["SKF"], rel=1e-12)
+    assert at_rest == pytest.approx(0.6 * requested["SKF"], rel=1e-12)
     assert status == "at rest; with speed it grows by bearing.catalogue.reference_speed"
 
 

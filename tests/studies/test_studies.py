@@ -10,11 +10,11 @@ import xarray as xr
 
 from rollslip import available, evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import finest
+from rollslip.bearing.resolution import reference_resolution
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.curves import Curves, curve_labels
 from rollslip.scene.values import Accuracy
-from rollslip.studies.error_estimate import FEW, by_doubling
+from rollslip.studies.error_estimate import COARSE_SLICES, by_doubling
 from rollslip.studies.study import AXES, Study, settings, study_class
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 from without_bands import run
@@ -109,7 +109,7 @@ class _Unsettled:
     acts = frozenset({"slices"})
 
     def run(self, assembly):
-        most = assembly.slices == finest(assembly.scene).slices
+        most = assembly.slices == reference_resolution(assembly.scene).slices
         return xr.Dataset(
             {"friction": 1.0 + 1.0 / assembly.slices, "critical": 0.5 if most else np.nan}
         )
@@ -136,7 +136,7 @@ def test_unknowns_and_cost_go_with_rollers_and_slices(monkeypatch):
     assert (one.degrees_of_freedom(fine), one.degrees_of_freedom(coarse)) == (2 + 2 * 28, 2 + 28)
     monkeypatch.setattr("rollslip.studies.study.timed", lambda work, times: 1.0)
     at = fine.at(attrs.evolve(fine.resolution, n_positions=3))
-    assert Study.cost(one, at) == {"run": pytest.approx(3 * 40 / min(40, FEW))}
+    assert Study.cost(one, at) == {"run": pytest.approx(3 * 40 / min(40, COARSE_SLICES))}
 
 
 def test_curves_are_told_apart_by_their_values_and_studies_are_those_of_the_scene():

@@ -395,13 +395,13 @@ def test_losses_and_slips_that_are_off_are_told_by_how_much():
     study = settings(SCENE, "thermal-balance")["thermal-balance"]
     bearing = assemble(SCENE)
     found = study.run(bearing)
-    assert max(study.witnessed(bearing, found).values()) < 1e-4
+    assert max(study.compare_with(bearing, found).values()) < 1e-4
     found["stationary_slip"].attrs["loss"] *= 1.02
-    assert study.witnessed(bearing, found)["power loss"] == pytest.approx(0.02, rel=1e-2)
+    assert study.compare_with(bearing, found)["power loss"] == pytest.approx(0.02, rel=1e-2)
     found["stationary_slip"] *= 1.001
-    assert study.witnessed(bearing, found)["cage slip"] == pytest.approx(0.001, rel=0.1)
+    assert study.compare_with(bearing, found)["cage slip"] == pytest.approx(0.001, rel=0.1)
     found["stationary_slip"] *= 1e-3
-    assert "cage slip" not in study.witnessed(bearing, found)
+    assert "cage slip" not in study.compare_with(bearing, found)
 
 
 def test_heat_without_a_way_out_is_refused_in_words():
@@ -589,9 +589,9 @@ def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
     scene = evolve(
         SCENE, {"models.thermal": network(oil_flow="15 g/s"), "study.thermal-balance.points": 8}
     )
-    asked = ["stationary_temperature", "stationary_slip", "heat_margin", "temperature", "steady_slip"]
+    requested = ["stationary_temperature", "stationary_slip", "heat_margin", "temperature", "steady_slip"]
     over = {"models.thermal.oil_flow": ["5 g/s", "50 g/s"]}
-    found = sweep(scene, study="thermal-balance", over=over, output=asked, engine="serial")
+    found = sweep(scene, study="thermal-balance", over=over, output=requested, engine="serial")
     assert (found.stationary_temperature == found.temperature.squeeze("balance")).all()
     assert (found.stationary_slip == found.steady_slip.squeeze("balance")).all()
     said = account_of(found).sentences(found)
@@ -637,11 +637,11 @@ def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
             SCENE, {"models.thermal": network(**parameters), "study.thermal-balance.points": 8}
         )
         study = settings(scene, "thermal-balance")["thermal-balance"]
-        asked = {"stationary_temperature", "stationary_slip", "stationary_status"}
+        requested = {"stationary_temperature", "stationary_slip", "stationary_status"}
         whole, alone = (
-            one.run(assemble(scene)) for one in (study, study.without(study.outputs.keys() - asked))
+            one.run(assemble(scene)) for one in (study, study.without(study.outputs.keys() - requested))
         )
-        assert alone[sorted(asked)].equals(whole[sorted(asked)])
+        assert alone[sorted(requested)].equals(whole[sorted(requested)])
         settles = whole.stationary_status.item() == "found"
         assert not settles or alone.evaluated_temperatures < 0.9 * whole.evaluated_temperatures
 

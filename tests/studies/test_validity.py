@@ -554,7 +554,7 @@ def test_a_closed_form_that_a_plan_takes_within_its_bound_is_not_held_against_th
     made = plan(scene, "effective-friction")
     study = made.studies["effective-friction"]
     assembly = made.assemblies["effective-friction"]
-    slices = filled(study.judged_slices(assembly, run(scene, "effective-friction")), assembly)
+    slices = filled(study.validity_slices(assembly, run(scene, "effective-friction")), assembly)
     assert difference(made.assembly.traction, slices, assembly) is None
 
 
@@ -562,7 +562,7 @@ def test_what_cannot_be_judged_is_said_and_loses_no_result(monkeypatch):
     def refuses(self, assembly, dataset):
         raise DomainError("no slices here")
 
-    monkeypatch.setattr(EffectiveFriction, "judged_slices", refuses)
+    monkeypatch.setattr(EffectiveFriction, "validity_slices", refuses)
     found = run(evolve(PAPER, QUICK), "effective-friction")
     assert (
         "whether models are within their range of validity could not be checked: no slices here"
@@ -575,8 +575,8 @@ def test_a_study_without_curves_is_judged_at_the_loads_of_the_bearing(monkeypatc
     made = plan(evolve(PAPER, QUICK), "effective-friction")
     assembly = made.assemblies["effective-friction"]
     plain = HeaviestForce()
-    slices = plain.judged_slices(assembly, None)
-    assert plain.judged_at == "at the loads of the bearing, without slip"
+    slices = plain.validity_slices(assembly, None)
+    assert plain.validity_state == "at the loads of the bearing, without slip"
     assert [one.ring for one in slices] == ["inner", "outer"]
     loads = assembly.load_distribution(1)
     for one, forces in zip(slices, (loads.inner_force, loads.outer_force), strict=True):

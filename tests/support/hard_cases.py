@@ -513,7 +513,7 @@ def regime_boundaries(subject, verdict):
                     )
 
 
-def few_slices(subject, verdict):
+def coarse_slices(subject, verdict):
     """Tables of no, one and two slices, and of those beside a block's size: each slice is what it is alone.
 
     To the last bit where it is compiled; in NumPy an iteration may go on for the sake of another slice.
@@ -1534,7 +1534,7 @@ CASES = [
     # NaN and infinity
     Case(name="NaN or infinity in any member", kinds=STAGES, judge=not_a_number),
     # tables
-    Case(name="0, 1, 2 slices, and a block's size", kinds=STAGES, judge=few_slices),
+    Case(name="0, 1, 2 slices, and a block's size", kinds=STAGES, judge=coarse_slices),
     Case(name="1, 2 and 8 threads", kinds=STAGES, judge=split_over_threads),
     Case(
         name="10 million slices, and memory over calls",

@@ -71,7 +71,7 @@ def catalogue(number, *, resists=True, even=False):
     bore = SERIES[series][int(len(SERIES[series]) * u[1])]
     diameter = 5.0 * int(bore)
     speed = min(500.0 * 28.0 ** u[3], 6e5 / (1.4 * diameter))
-    asked = {
+    requested = {
         "--bearing": series + bore,
         "--oil": f"iso-vg-{GRADES[int(6.0 * u[2])]}",
         "--speed": f"{speed:.0f} rpm",
@@ -81,7 +81,7 @@ def catalogue(number, *, resists=True, even=False):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.toml"
         made = CliRunner().invoke(
-            cli, ["new", str(path), *(part for pair in asked.items() for part in pair)]
+            cli, ["new", str(path), *(part for pair in requested.items() for part in pair)]
         )
         assert made.exit_code == 0, made.output
         scene = load_scene(path)

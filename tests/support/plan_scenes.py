@@ -13,7 +13,7 @@ from scipy.stats import qmc
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import finest
+from rollslip.bearing.resolution import reference_resolution
 from rollslip.errors import RollslipError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
@@ -89,7 +89,7 @@ class Verdict:
     resolution: dict = attrs.Factory(dict)
     estimated: dict = attrs.Factory(dict)
     actual: dict = attrs.Factory(dict)
-    taken_back: tuple = ()
+    reinstated: tuple = ()
     planning: float = np.nan
     seconds: float = np.nan
     finest_seconds: float = np.nan
@@ -118,7 +118,7 @@ def judge(one, reference=None):
             return Verdict(one, refused=made.estimated[STUDY].failed)
         result = execute(made, STUDY)
         begin = time.process_time()
-        fine = made.studies[STUDY].run(assemble(one, reference or finest(one)))
+        fine = made.studies[STUDY].run(assemble(one, reference or reference_resolution(one)))
         spent = time.process_time() - begin
     except RollslipError as error:
         return Verdict(one, refused=str(error))
@@ -127,7 +127,7 @@ def judge(one, reference=None):
         resolution=json.loads(result.attrs["resolution"]),
         estimated=dict(made.estimated[STUDY].total),
         actual=errors_between(made.studies[STUDY].judged, result, fine),
-        taken_back=tuple(json.loads(result.attrs["taken_back"])),
+        reinstated=tuple(json.loads(result.attrs["reinstated"])),
         planning=made.planning,
         seconds=json.loads(result.attrs["cost"])["actual"],
         finest_seconds=spent,

@@ -152,7 +152,7 @@ class Promise(Verdict):
     """
 
     planned: dict = attrs.Factory(dict)
-    witnessed: dict = attrs.Factory(dict)
+    compare_with: dict = attrs.Factory(dict)
     warned: tuple = ()
 
     @property
@@ -212,7 +212,7 @@ def judge(one):
         resolution=taken,
         planned=attrs.asdict(planned),
         estimated={row["result"]: row["estimated"] for row in rows},
-        witnessed={row["result"]: row["found"] for row in rows},
+        compare_with={row["result"]: row["found"] for row in rows},
         actual=actual,
         warned=tuple(
             w for w in json.loads(result.attrs["warnings"]) if " is off " in w and "accuracy." in w

@@ -213,9 +213,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", help="of RESULTS and TEXTS; all without a name")
     parser.add_argument("--compute", action="store_true")
-    asked = parser.parse_args()
-    for name in asked.names or (*RESULTS, *TEXTS):
-        if asked.compute and name in RESULTS:
+    requested = parser.parse_args()
+    for name in requested.names or (*RESULTS, *TEXTS):
+        if requested.compute and name in RESULTS:
             compute(name)
         (STORED / f"{name}.txt").write_text(text_of(name), encoding="utf-8")
 

@@ -74,12 +74,12 @@ def error_of(law, members, got):
     return worst
 
 
-def by_set(name, asked, *options):
+def by_set(name, requested, *options):
     """Return what an instruction set gives for {law: [members, ...]}, in a process of its own."""
     path = os.pathsep.join(filter(None, (str(HERE), os.environ.get("PYTHONPATH"))))
     done = subprocess.run(
         [sys.executable, __file__, *options],
-        input=json.dumps(asked),
+        input=json.dumps(requested),
         env=os.environ | {"ROLLSLIP_SIMD": name, "PYTHONPATH": path},
         capture_output=True,
         text=True,
@@ -110,16 +110,16 @@ def _bound(law, rows, n):
 
 def main():
     """Answer what is asked on the standard input."""
-    asked = json.loads(sys.stdin.read())
+    requested = json.loads(sys.stdin.read())
     if "--times" not in sys.argv:
-        print(json.dumps({law: list(_filled(law, rows)) for law, rows in asked.items()}))
+        print(json.dumps({law: list(_filled(law, rows)) for law, rows in requested.items()}))
         return
     sys.path.insert(0, str(HERE.parents[1] / "tools" / "benchmarks"))
     from timing import interleaved
 
     n = 1024
     calls = {}
-    for law, rows in asked.items():
+    for law, rows in requested.items():
         calls[law] = _bound(law, rows, n)
         calls[law]()
     print(json.dumps({law: float(np.median(t)) / n for law, t in interleaved(calls, 21).items()}))

@@ -22,15 +22,15 @@ def run():
 
     random = np.random.default_rng(1)
     same = {name: value for name, value in BASE.items() if name in CONDITIONS}
-    asked = {law: [drawn(law, random) for _ in range(DRAWN)] for law in laws()}
-    asked = {
+    requested = {law: [drawn(law, random) for _ in range(DRAWN)] for law in laws()}
+    requested = {
         law: [row | {k: same[k] for k in row.keys() & same.keys()} for row in rows]
-        for law, rows in asked.items()
+        for law, rows in requested.items()
     }
-    taken = by_set(simd.available()[-1], asked)
+    taken = by_set(simd.available()[-1], requested)
     kept = {
         law: [row for row, got in zip(rows, taken[law], strict=True) if got]
-        for law, rows in asked.items()
+        for law, rows in requested.items()
     }
     times = {name: by_set(name, kept, "--times") for name in simd.available()}
     with FOUND.open(newline="", encoding="utf-8") as file:

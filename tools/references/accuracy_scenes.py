@@ -89,7 +89,7 @@ ENDS = {"kept", "told", "silent"}
 SUMMARY = Path(__file__).parents[2] / "docs" / "tables" / "accuracy_scenes.csv"
 #: Times as many of all in the first reference of dear scenes, the most that an error is over what these show of it,
 #: where it falls with the first order at least, and time of the processor for one [s].
-FEW = 2
+COARSE_SLICES = 2
 FEW_ERR = 2.0
 LONG = 900.0
 
@@ -188,11 +188,11 @@ def judged(k, *, dear=False):
         return study.run(assemble(one, finer(made.assembly, own, result, times)))
 
     try:
-        worst, off, most, verdict = compared(one, result, held(FEW if dear else TIMES))
+        worst, off, most, verdict = compared(one, result, held(COARSE_SLICES if dear else TIMES))
         by_few = dear and FEW_ERR * off <= 1.0
         if by_few:
             off = FEW_ERR * off
-            verdict = f"{verdict}, by {FEW} times"
+            verdict = f"{verdict}, by {COARSE_SLICES} times"
         elif dear:
             worst, off, most, verdict = compared(one, result, held(TIMES))
     except RollslipError as error:

@@ -92,14 +92,14 @@ def in_numbers(rows):
 
 def main():
     """Write both tables, or those that are named."""
-    asked = sys.argv[1:] or ["dense", "many"]
+    requested = sys.argv[1:] or ["dense", "many"]
     with ProcessPoolExecutor(2) as pool:
-        if "dense" in asked:
+        if "dense" in requested:
             written(
                 "loading_branch.csv",
                 list(pool.map(held, [(k, n, o) for k, count, o in KINDS for n in range(count)])),
             )
-        if "many" in asked:
+        if "many" in requested:
             every = [
                 (kind, 10_000 + number, options)
                 for number in range(1000)

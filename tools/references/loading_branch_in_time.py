@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 import loading_branch_scenes as scenes
 from rollslip.bearing.equilibrium import angular_positions
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import SLOW, orbit_loads, place_of, slip_of
+from rollslip_studies.motion.spins import SLOW, orbit_loads, logit_slip, slip_of
 
 TABLE = Path(__file__).with_name("loading_branch_in_time.csv")
 RANGE = 0.95
@@ -279,7 +279,7 @@ def beyond_of(away):
     """Mean slip over which the cage has run away: midway to where it jumps to, or three times that of the maximum."""
     to = away.to if away.to == away.to else RANGE
     _, high = away.around(1e-3)
-    return min(slip_of(0.5 * (place_of(high) + place_of(to))), 3.0 * high)
+    return min(slip_of(0.5 * (logit_slip(high) + logit_slip(to))), 3.0 * high)
 
 
 def above(away):

@@ -36,25 +36,25 @@ def main():
     """Search, and write the table."""
     random = np.random.default_rng(20261123)
     worst = {}
-    asked = {
+    requested = {
         law: [drawn(law, random) for _ in range(DEAR if law in DEAR_LAWS else FIRST)]
         for law in laws()
     }
     for k in range(ROUNDS + 1):
         for name in simd.available():
-            for law, filled in by_set(name, asked).items():
+            for law, filled in by_set(name, requested).items():
                 known = worst.setdefault((law, name), [])
-                for members, got in zip(asked[law], filled, strict=True):
+                for members, got in zip(requested[law], filled, strict=True):
                     if got is not None:
                         error, column = error_of(law, members, got)
                         known.append((error, column, members))
                 known.sort(key=lambda one: one[0], reverse=True)
                 del known[KEPT:]
         if k < ROUNDS:
-            asked = {law: [] for law in laws()}
+            requested = {law: [] for law in laws()}
             for (law, _), known in worst.items():
                 few = AROUND // (len(known) * (4 if law in DEAR_LAWS else 1))
-                asked[law] += [near(members, random) for *_, members in known for _ in range(few)]
+                requested[law] += [near(members, random) for *_, members in known for _ in range(few)]
     with Path(__file__).with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("law", "set", "error", "column", "members"))

@@ -257,11 +257,11 @@ class Assembly:
         """
         if known is not None or cage_speed is not None:
             return self._solved_loads(n_positions, cage_speed, known)
-        return self.kept_by_loads(
+        return self.cached_by_loads(
             ("loads", n_positions), n_positions, lambda: self._solved_loads(n_positions, None, None)
         )
 
-    def kept(self, what: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
+    def cached(self, what: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
         """Return something of the bearing under a key that has all it depends on, made once."""
         try:
             known = (what, key) in self.known_maps
@@ -273,7 +273,7 @@ class Assembly:
         found: _T = self.known_maps[what, key]
         return found
 
-    def kept_by_loads(
+    def cached_by_loads(
         self, what: tuple[Hashable, ...], n_positions: int, make: Callable[[], _T]
     ) -> _T:
         """Return what the loads of some instants alone decide, made once for all bearings that are loaded alike.
@@ -470,7 +470,7 @@ def assemble(
     try:
         position, widths, drop = slicing(scene, resolution)
     except ValueError as error:
-        problems.append(where.at("bearing").at("profile").says(str(error)))
+        problems.append(where.at("bearing").at("profile").message(str(error)))
     if lubricant is None or problems:
         raise SceneError(problems)
     values = scene_values(scene, kinematics, lubricant)
@@ -588,7 +588,7 @@ def read_oil(written: LubricantTable, where: Location) -> Lubricant:
         try:
             oil: Lubricant = get_class("lubricant", name)
         except PluginError as error:
-            raise type(error)(where.at("name").says(str(error))) from error
+            raise type(error)(where.at("name").message(str(error))) from error
         return oil
 
     table = dict(written.data) | ({} if written.name is None else {"name": written.name})
@@ -620,7 +620,7 @@ def _conditions(
     try:
         oil = lubricant.at((ring_temperature + o.roller_temperature) / 2)
     except DomainError as error:
-        raise SceneError([where.at("operation").at("temperature").says(str(error))]) from error
+        raise SceneError([where.at("operation").at("temperature").message(str(error))]) from error
     raceway_roughness = s.inner_raceway_roughness if ring == "inner" else s.outer_raceway_roughness
     own, other = (m.elastic_modulus / (1 - m.poisson_ratio**2) for m in pair)
     return Conditions(

@@ -18,7 +18,7 @@ from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
-from rollslip.fields import FieldError, field, non_negative, one_of, positive, submodels
+from rollslip.fields import FieldError, field, non_negative, choice_of, positive, submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
@@ -52,7 +52,7 @@ class Make(NamedTuple):
 
 
 #: Makes of cages by what they are of.
-MAKES: Final[Mapping[str, Make]] = {
+CAGE_DESIGNS: Final[Mapping[str, Make]] = {
     "brass": Make("machined brass or bronze", 8600.0, 0.4, 0.015, 5e7, "outer"),
     "steel": Make("pressed sheet steel", 7850.0, 0.12, 0.02, 5e7, "roller"),
     "polyamide": Make("polyamide with a quarter of glass fibre", 1320.0, 0.4, 0.025, 5e6, "roller"),
@@ -75,7 +75,7 @@ class Cage:
     make: str = field(
         default="brass",
         doc="what it is of; by default what the bearing's name says, or makers put in (D)",
-        validator=one_of(*MAKES),
+        validator=choice_of(*CAGE_DESIGNS),
     )
     mass: float = field(
         default=_estimated,
@@ -121,12 +121,12 @@ class Cage:
     pocket_contact: str = field(
         default="metal",
         doc="what a roller meets in its pocket: the wall, or a film of oil first",
-        validator=one_of("metal", "film"),
+        validator=choice_of("metal", "film"),
     )
     guidance: str = field(
         default="roller",
         doc="what holds the cage in its place: the rollers, or the land of a ring",
-        validator=one_of("roller", "inner", "outer"),
+        validator=choice_of("roller", "inner", "outer"),
     )
     pocket_radial_clearance: float | None = field(
         default=attrs.Factory(
@@ -195,7 +195,7 @@ class Cage:
 
 
 def estimated_inertia(bearing: Bearing, make: str = "brass") -> tuple[float, float]:
-    """Return mass [kg] and moment of inertia [kg m2] that a cage of one of `MAKES` may have (D).
+    """Return mass [kg] and moment of inertia [kg m2] that a cage of one of `CAGE_DESIGNS` may have (D).
 
     A ring on the orbit R_m of the rollers, 1.6 roller lengths l wide and c diameters D thick, less the Z pockets:
     m = rho c D (2 pi R_m 1.6 l - Z D l), I = m R_m^2, with c = 0.4 for machined and moulded cages, 0.12 for sheet.
@@ -203,7 +203,7 @@ def estimated_inertia(bearing: Bearing, make: str = "brass") -> tuple[float, flo
     b = bearing
     orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
     area = (2 * math.pi * orbit * 1.6 - b.rollers * b.roller_diameter) * b.roller_length
-    mass = MAKES[make].density * MAKES[make].thickness * b.roller_diameter * area
+    mass = CAGE_DESIGNS[make].density * CAGE_DESIGNS[make].thickness * b.roller_diameter * area
     return mass, mass * orbit**2
 
 
@@ -211,10 +211,10 @@ def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, objec
     """Return what make and size say of a cage where its table is silent."""
     b = bearing
     name = table.get("make", "brass")
-    make = MAKES.get(name) if isinstance(name, str) else None
+    make = CAGE_DESIGNS.get(name) if isinstance(name, str) else None
     if make is None:  # the reader says so
         name = "brass"
-        make = MAKES["brass"]
+        make = CAGE_DESIGNS["brass"]
     mass, inertia = estimated_inertia(b, str(name))
     estimates: dict[str, object] = {
         "mass": mass,
@@ -273,7 +273,7 @@ def _viscosity(scene: Scene, lubricant: Lubricant) -> float:
         return lubricant.at(scene.operation.temperature).viscosity
     except DomainError as error:
         raise SceneError(
-            [Location(scene.origins, ("operation", "temperature")).says(str(error))]
+            [Location(scene.origins, ("operation", "temperature")).message(str(error))]
         ) from error
 
 
@@ -286,7 +286,7 @@ def default_drags(scene: Scene, guidance: object) -> list[object]:
 def _without(table: Mapping[str, object], where: Location) -> list[str]:
     """Say what a scene states of a cage that it does not have."""
     told = "rollers without a cage have none; leave it out, or take models.separator = 'cage'"
-    return [where.at(key).says(told) for key in table if key != "drag"]
+    return [where.at(key).message(told) for key in table if key != "drag"]
 
 
 def read_cage(scene: Scene) -> Cage:
@@ -320,7 +320,7 @@ def _drags(raw: object, usual: Sequence[object], where: Location, problems: list
     for name in raw.keys() - own.keys():
         known = ", ".join(own) or "none"
         problems.append(
-            where.at(name).says(
+            where.at(name).message(
                 f"no drag that acts by default is called so; there are: {known}; list it"
             )
         )
@@ -510,7 +510,7 @@ def filled(
         unit, meaning = SCENE_VALUES[attribute.metadata["from_scene"]]
         remedy = expectation(unit) if unit else "give one here or in cage.guidance"
         problems.append(
-            where.at(attribute.name).says(
+            where.at(attribute.name).message(
                 f"{kind} {model.name!r} needs it, and the scene gives no {meaning}; {remedy}"
             )
         )
@@ -523,20 +523,20 @@ def _by_sort(models: list[Any], where: Location, problems: list[str], *, caged: 
     torques = tuple(model for model in models if isinstance(model, DragModel))
     if len(pockets) > 1:
         problems.append(
-            where.at("drag").says(
+            where.at("drag").message(
                 f"a pocket has one friction, here are {', '.join(model.name for model in pockets)}; name one of them"
             )
         )
     if pockets and not caged:
         problems.append(
-            where.at("drag").says(
+            where.at("drag").message(
                 f"{pockets[0].name} is that of a cage, and models.separator has none"
             )
         )
     for sort, most in ((resistances, 8), (torques, 8)):
         if len(sort) > most:
             problems.append(
-                where.at("drag").says(
+                where.at("drag").message(
                     f"at most {most} of a sort can be added, here are {len(sort)}"
                 )
             )

@@ -46,14 +46,14 @@ class Critical:
     first_friction: float = math.nan
 
 
-def look_further(key: str, largest: float, most: float) -> str:
+def search_range_hint(key: str, largest: float, most: float) -> str:
     """Return what to type so that a range of slips goes further: ten times as far, but not beyond the most.
 
     Empty where the range is at its end already.
 
     Examples
     --------
-    >>> look_further("study.friction-curve.max_slip", 0.3, 2.0)
+    >>> search_range_hint("study.friction-curve.max_slip", 0.3, 2.0)
     '; look further with --set study.friction-curve.max_slip=2'
     """
     to = min(10.0 * largest, most)
@@ -79,7 +79,7 @@ def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow:
     """Locate the largest friction of one `Curve`, by a function of one slip, as `searched` does."""
     (found,) = searched(
         [Curve(slip, friction, allow)],
-        lambda asked: [np.array([curve(float(at))]) for _, (at,) in asked],
+        lambda requested: [np.array([curve(float(at))]) for _, (at,) in requested],
     )
     return found
 
@@ -148,6 +148,6 @@ def _told(curve: Curve, maxima: Sequence[tuple[float, float]]) -> Critical:
         return Critical(at, height, "found", *first)
     rises = friction[-1] - friction[-2] > _FLAT * height
     what = "still rises at the end of" if rises else "stays at its largest value up to the end of"
-    further = look_further(curve.allow, float(slip[-1]), curve.most)
+    further = search_range_hint(curve.allow, float(slip[-1]), curve.most)
     said = f"no slip at largest traction: friction {what} the range, {slip[-1]:.4g}{further}"
     return Critical(np.nan, np.nan, said, *first)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.errors import RollslipError
-from rollslip.fields import at_least, in_range, one_of, parameter
+from rollslip.fields import at_least, in_range, choice_of, parameter
 from rollslip.profile import profile_drop, slice_positions
 from rollslip.scene.values import Scene
 from rollslip_kernels.gauss import legendre
@@ -52,7 +52,7 @@ class Resolution:
     )
     #: Midpoints of equal slices (ISO/TS 16281), or the points and weights of Gauss and Legendre.
     quadrature: str = parameter(
-        default="equal", doc="where slices lie", validator=one_of("equal", "gauss")
+        default="equal", doc="where slices lie", validator=choice_of("equal", "gauss")
     )
     #: Instants of a roller pitch; None to double them until the results stand still.
     n_positions: int | None = parameter(
@@ -90,7 +90,7 @@ class Resolution:
     compiled: bool = parameter(default=True, doc="whether stages run compiled")
 
     @classmethod
-    def finest_of(cls, some: Collection["Resolution"], alike: Collection[str] = ()) -> "Resolution":
+    def maximum_of(cls, some: Collection["Resolution"], alike: Collection[str] = ()) -> "Resolution":
         """Return the finest of some, number by number; of fields that are to be `alike` what all have in common."""
         most = max(some, key=lambda one: one.slices)
         return cls(
@@ -116,7 +116,7 @@ class Resolution:
         return 0.5 * length * nodes, 0.5 * length * weights
 
 
-def finest(scene: Scene) -> Resolution:
+def reference_resolution(scene: Scene) -> Resolution:
     """Return the finest resolution of a scene: what results are held against.
 
     A number of slices that the scene states is kept, since it is then part of what is asked for.
@@ -134,7 +134,7 @@ def refined(scene: Scene, own: Resolution, step: float = 1.0) -> Resolution:
 
     For bearings in motion, whose finest would take days; the error of this is a sixteenth.
     """
-    best = finest(scene)
+    best = reference_resolution(scene)
     return attrs.evolve(
         best,
         slices=scene.accuracy.slices or min(_FINER * own.slices, best.slices),
@@ -181,7 +181,7 @@ class LeftOut(abc.ABC):
         """Check the bound on evaluated slices."""
 
     @abc.abstractmethod
-    def taken_back(self, resolution: Resolution) -> Resolution:
+    def reinstated(self, resolution: Resolution) -> Resolution:
         """Return a resolution that does not leave it out."""
 
 

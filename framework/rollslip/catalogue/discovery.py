@@ -276,10 +276,10 @@ def offered_by(module: ModuleType, kind: Kind) -> list[Any]:
 
     hook = kind.hook
     manager = pluggy.PluginManager("rollslip")
-    asked = ModuleType("asked")
+    requested = ModuleType("asked")
     # that of a stranger's kind stands nowhere else; to add all specifications takes longer than many a model
-    setattr(asked, hook, getattr(hookspecs, hook, None) or hookspecs.hookspec(lambda: ()))
-    manager.add_hookspecs(asked)
+    setattr(requested, hook, getattr(hookspecs, hook, None) or hookspecs.hookspec(lambda: ()))
+    manager.add_hookspecs(requested)
     manager.register(module)
     marked = [
         thing for (of, _), thing in _marked.get(module.__name__, {}).items() if of == kind.name

@@ -61,7 +61,7 @@ class Kind:
     #: Module whose functions under `rollslip.testing.rule` things of a kind of one's own are checked by.
     rules: str = ""
 
-    def holds(self, thing: object) -> bool:
+    def accepts(self, thing: object) -> bool:
         """Return whether a class or a named value is of this kind."""
         if self.data:
             return isinstance(thing, self.base)
@@ -70,13 +70,13 @@ class Kind:
     def members(self, module: ModuleType) -> list[Any]:
         """Return the classes, or named values, of this kind that stand in a module under a name of their own."""
         return [
-            thing for thing in vars(module).values() if self.holds(thing) and hasattr(thing, "name")
+            thing for thing in vars(module).values() if self.accepts(thing) and hasattr(thing, "name")
         ]
 
     def fault(self, thing: Any) -> str:
         """Say what keeps a thing from being used as one of this kind; an empty string if nothing does."""
         base = self.base
-        if not self.holds(thing):
+        if not self.accepts(thing):
             wanted = f"a {base.__name__}" if self.data else f"a class derived from {base.__name__}"
             return f"{thing!r} is not {wanted}"
         if self.data:
@@ -147,4 +147,4 @@ def built_in_module(kind: str) -> str:
 
 def kind_of(thing: object) -> Kind | None:
     """Return the kind that a class or a named value is of, or None."""
-    return next((kind for kind in usable_kinds() if kind.holds(thing)), None)
+    return next((kind for kind in usable_kinds() if kind.accepts(thing)), None)

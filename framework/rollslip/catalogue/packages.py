@@ -190,7 +190,7 @@ def check_required(required: Iterable[str], where: Location) -> None:
         except InvalidRequirement as error:
             reason = str(error).splitlines()[0]
             problems.append(
-                where.at(index).says(
+                where.at(index).message(
                     f"{text!r} is no requirement ({reason}); write it as 'rollslip-cross>=0.1'"
                 )
             )
@@ -200,7 +200,7 @@ def check_required(required: Iterable[str], where: Location) -> None:
         if lack := _lack(
             requirement.name, str(requirement.specifier), requirement.specifier.contains
         ):
-            missing.append(where.at(index).says(lack))
+            missing.append(where.at(index).message(lack))
     if problems:
         raise SceneError(problems)
     if missing:

@@ -80,7 +80,7 @@ def structure_models(
         names.append(name)
     if twice := sorted({name for name in names if names.count(name) > 1}):
         problems.append(
-            where.says(f"{' and '.join(map(repr, twice))} stands there twice; name each once")
+            where.message(f"{' and '.join(map(repr, twice))} stands there twice; name each once")
         )
     if problems:
         raise SceneError(problems)
@@ -106,19 +106,19 @@ def structure_model(
     name = parameters.pop("model", None)
     if not isinstance(name, str):
         problems.append(
-            where.says(f"a {kind} model is expected: its name, or a table with model = 'NAME'")
+            where.message(f"a {kind} model is expected: its name, or a table with model = 'NAME'")
         )
         return None
     try:
         cls = get_class(kind, name)
     except PluginError as error:
-        raise type(error)(where.says(str(error))) from error
+        raise type(error)(where.message(str(error))) from error
     if constants is not None:
         known = attrs.fields_dict(cls)
         given = constants(name, attrs.fields_dict(cls))
         of_oil = Location(where.origins, ("lubricant", "models", name))
         problems += [
-            of_oil.at(key).says(f"{name!r} has no parameter {key!r}")
+            of_oil.at(key).message(f"{name!r} has no parameter {key!r}")
             for key in given
             if key not in known
         ]
@@ -150,8 +150,8 @@ def structure_model(
             model if model is None or None in children.values() else attrs.evolve(model, **children)
         )
     except FieldError as error:  # of a child, which the class sees only now
-        problems.append(where.at(error.field).says(error.reason))
+        problems.append(where.at(error.field).message(error.reason))
         return None
     except Exception as error:  # what a scene can be blamed for is noted already
         blame = f"{kind} {name!r} cannot be made ({describe_error(error)}); {origin(cls)}"
-        raise PluginError(where.says(blame)) from error
+        raise PluginError(where.message(blame)) from error

@@ -343,7 +343,7 @@ class Results:
 
     # Runs that can go on after an interruption ------------------------------------------------------------------------
 
-    def kept(self) -> Path:
+    def checkpoint_folder(self) -> Path:
         """Return the folder in which runs leave what they have computed, until they end."""
         target = self.target.resolve()
         kept = target.parent / f"{target.name}.unfinished"

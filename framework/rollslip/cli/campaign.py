@@ -51,14 +51,14 @@ def command_of(cls: type[Campaign]) -> Any:
 
     @results
     @json_option
-    def run(asked: Campaign, about: str, results: Results) -> None:
-        _run(asked, about, results)
+    def run(requested: Campaign, about: str, results: Results) -> None:
+        _run(requested, about, results)
 
     return click.command(cls.name)(with_settings(cls, run))
 
 
 def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
-    """Add arguments and options of a campaign to what runs it, which gets `asked` and, as text, what it is `about`."""
+    """Add arguments and options of a campaign to what runs it, which gets `requested` and, as text, what it is `about`."""
     arguments = options_of(cls, arguments=True)
     options = options_of(cls)
     shared = {"engine", "time_limit"} if issubclass(cls, OfPoints) else set()
@@ -74,7 +74,7 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
                 about, changes, over=(over,) if isinstance(over, str) else over
             )
         told = {name: value for name, value in settings.items() if value not in (None, ())}
-        run(asked=cls(**told), about=about, **given)
+        run(requested=cls(**told), about=about, **given)
 
     functools.update_wrapper(with_campaign, run)
     with_campaign.__doc__ = help_of(cls)
@@ -111,43 +111,43 @@ def _argument(one: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
     )  # fmt: skip
 
 
-def _run(asked: Campaign, about: str, results: Results) -> None:
+def _run(requested: Campaign, about: str, results: Results) -> None:
     """Plan and run a campaign, write its results and say what was found."""
     from rollslip.cli import console
 
-    if told := asked.instead():
+    if told := requested.instead():
         click.echo(told)
         return
-    made = asked.plan()
+    made = requested.plan()
     warn(getattr(made, "unusual", ()))
-    results.go_to(asked.place(made, about))
+    results.go_to(requested.place(made, about))
     if not results.as_json and (before := getattr(made, "told", ())):
         click.echo("\n".join(before))
-    dataset, first = (_kept if asked.goes_on == "folder" else _whole)(asked, made, results)
+    dataset, first = (_kept if requested.goes_on == "folder" else _whole)(requested, made, results)
     if results.as_json:
-        print_json(_as_dict(asked, dataset) | results.as_dict())
+        print_json(_as_dict(requested, dataset) | results.as_dict())
     else:
         if first:
             click.echo(first)
-        console.print_found(dataset, "  " if asked.goes_on == "folder" else "")
+        console.print_found(dataset, "  " if requested.goes_on == "folder" else "")
         results.tell(dataset)
-    left = asked.again(dataset, results.target)
+    left = requested.again(dataset, results.target)
     if left is not None:
         for line in left:
             click.echo(f"{line} {_by_itself(results)}", err=True)
         sys.exit(SOME_FAILED)
 
 
-def _as_dict(asked: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
+def _as_dict(requested: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
     """Return what was found as plain values, with where it comes from as far as its origin says."""
     from rollslip.cli import console
     from rollslip.cli.units import with_units
     from rollslip.results.accounts import account_of
 
-    if isinstance(asked, OfScene) and asked.goes_on != "folder":
+    if isinstance(requested, OfScene) and requested.goes_on != "folder":
         return console.result_as_dict(dataset)
     record = with_units(account_of(dataset).record(dataset), dataset)
-    if not isinstance(asked, OfScene):
+    if not isinstance(requested, OfScene):
         return record
     return (
         {"scene": dataset.attrs["source"]}
@@ -160,14 +160,14 @@ def _by_itself(results: Results) -> str:
     return f"go on by the same command with --out {shlex.quote(str(results.target))}"
 
 
-def _kept(asked: Campaign, made: Any, results: Results) -> "tuple[xr.Dataset, str]":
+def _kept(requested: Campaign, made: Any, results: Results) -> "tuple[xr.Dataset, str]":
     """Run in the folder of the results, from which the same command goes on; return what was found and a first line."""
     from rollslip.errors import EngineError
 
-    name = asked.result or asked.name
+    name = requested.result or requested.name
     try:
         with progress(name) as show:
-            dataset = asked.run(
+            dataset = requested.run(
                 made,
                 results.target,
                 show,
@@ -182,18 +182,18 @@ def _kept(asked: Campaign, made: Any, results: Results) -> "tuple[xr.Dataset, st
     return dataset, ""
 
 
-def _whole(asked: Campaign, made: Any, results: Results) -> "tuple[xr.Dataset, str]":
+def _whole(requested: Campaign, made: Any, results: Results) -> "tuple[xr.Dataset, str]":
     """Run, and write the results all at once; what is kept until then goes when they are there."""
     from rollslip.results.dataset import save
 
-    name = asked.result or asked.name
-    kept = results.kept() if asked.goes_on == "resume" else None
+    name = requested.result or requested.name
+    kept = results.checkpoint_folder() if requested.goes_on == "resume" else None
     told = interruptible(kept, results.go_on(_as_typed())) if kept is not None else nullcontext()
     with told, results.folder() as folder:
-        with progress(asked.name, getattr(made, "seconds", float("nan"))) as show:
-            dataset = asked.run(made, kept or folder, show, lambda text: None)
+        with progress(requested.name, getattr(made, "seconds", float("nan"))) as show:
+            dataset = requested.run(made, kept or folder, show, lambda text: None)
         save(dataset, folder / f"{name}.nc")
-        first = asked.write(dataset, folder)
+        first = requested.write(dataset, folder)
         results.show({name: dataset}, folder)
     if kept is not None:
         shutil.rmtree(kept, ignore_errors=True)

@@ -84,14 +84,14 @@ def new(file: Path, **given: str | None) -> None:
         written[option] = text
         return value
 
-    def asked(option: str, usual: str) -> str:
+    def requested(option: str, usual: str) -> str:
         said: str = click.prompt(
             MEANING[option], default=usual, value_proc=partial(answer, option), err=True
         )
         return said
 
     asking = at_a_terminal()
-    values, missing = completed(written, asked if asking else None)
+    values, missing = completed(written, requested if asking else None)
     text = new_scene(str(path), frozenset() if asking else frozenset(missing), **values)
     with whole_file(path) as place:
         place.write_text(text, encoding="utf-8")
@@ -197,7 +197,7 @@ def run(
         if verbose or sentence != own:
             click.echo(f"note: {sentence}", err=True)
     results.go_to(f"{Path(scene).stem}-results")
-    kept = results.kept()
+    kept = results.checkpoint_folder()
     changed = [scene, *(f"--set={c}" for c in changes)]
     go_on = results.go_on(["rollslip", "run", *changed, *(["--study", study] if study else [])])
     datasets = {}

@@ -14,7 +14,7 @@ from attrs.validators import optional
 
 from rollslip.datasets import Scatter
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, Span, field, non_negative, one_of, positive
+from rollslip.fields import FieldError, Span, field, non_negative, choice_of, positive
 from rollslip.lubricant.base_oil import BASE_OILS
 from rollslip.lubricant.pressure import ALPHAS, PressureViscosity, default_law
 from rollslip.lubricant.temperature import TemperatureLaw
@@ -116,14 +116,14 @@ class Lubricant:
     pressure_viscosity_kind: str = field(
         doc="which alpha it is, by its tangent or for films",
         default="tangent",
-        validator=one_of(*ALPHAS),
+        validator=choice_of(*ALPHAS),
     )
     #: How viscosity rises with pressure, by default Roelands's law; one that fixes alpha itself overrules
     #: `pressure_viscosity`.
     pressure_viscosity_law: PressureViscosity = Factory(default_law)
     #: What the oil is made of: mineral, pao, ester or pag.
     base_oil: str | None = field(
-        doc="kind of base oil", default=None, validator=optional(one_of(*BASE_OILS))
+        doc="kind of base oil", default=None, validator=optional(choice_of(*BASE_OILS))
     )
     conductivity: TemperatureLaw | None = None  #: Thermal conductivity K_f(T) [W/(m K)].
     density: TemperatureLaw | None = None  #: Density rho(T) [kg/m3], which drags read.

@@ -20,7 +20,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.fields import FieldError, non_negative, one_of, positive
+from rollslip.fields import FieldError, non_negative, choice_of, positive
 from rollslip.models import SliceModel
 from rollslip_kernels.slices import Conditions, Slices
 
@@ -104,7 +104,7 @@ def alpha_of_oil() -> Any:
     return attrs.field(
         default="tangent",
         kw_only=True,
-        validator=one_of(*ALPHAS),
+        validator=choice_of(*ALPHAS),
         metadata={"key": None, "unit": None, "doc": "which alpha the oil gives", "of_oil": "alpha"},
     )
 

@@ -17,7 +17,7 @@ from rollslip.fields import (
     Span,
     field,
     non_negative,
-    one_of,
+    choice_of,
     own_unit,
     positive,
     within_possible,
@@ -177,7 +177,7 @@ class OilTable:
     base_oil: str | None = field(
         default=None,
         doc="kind of base oil, by which an own oil gets what it does not state",
-        validator=optional(one_of(*BASE_OILS)),
+        validator=optional(choice_of(*BASE_OILS)),
     )
     iso_grade: str | None = field(
         default=None, doc="grade of an own oil after ISO 3448, such as 'VG 68'"
@@ -193,7 +193,7 @@ class OilTable:
     viscosity_law: str | None = field(
         default=None,
         doc="law through the points, by default walther of an own oil of known base_oil",
-        validator=optional(one_of("walther", "vogel")),
+        validator=optional(choice_of("walther", "vogel")),
     )
     points: tuple[OilPoint, ...] = field(
         default=(), doc="measured viscosities, in place of viscosity"
@@ -221,7 +221,7 @@ class OilTable:
     pressure_viscosity_kind: str | None = field(
         default=None,
         doc="which alpha pressure_viscosity is: the tangent at no pressure, or that of films, 1/integral(eta0/eta dp)",
-        validator=optional(one_of(*ALPHAS)),
+        validator=optional(choice_of(*ALPHAS)),
     )
     pressure_viscosity_law: Any = attrib(
         default=None,
@@ -435,7 +435,7 @@ def _of_the_box(raw: object, where: Location, problems: list[str]) -> PressureVi
         return structure(law_of_the_box(str(table.pop("model", None))), table, where, problems)
     except KeyError as error:
         problems.append(
-            where.says(f"no law of viscosity under pressure is called {error.args[0]!r}")
+            where.message(f"no law of viscosity under pressure is called {error.args[0]!r}")
         )
         return None
 
@@ -519,7 +519,7 @@ def lubricant_from_table(
             ):
                 if key in given:
                     reason = f"not with law {law.name!r}, which fixes it; leave it out"
-                    raise SceneError([where.at(key).says(reason)])
+                    raise SceneError([where.at(key).message(reason)])
     set_here = ", ".join(key for key in given if key not in ("name", "description", "source"))
     origins = (
         base.source if base else None,
@@ -557,9 +557,9 @@ def lubricant_from_table(
         made = Lubricant(**{"name": "own oil", "description": "", **changes})
         return _with_scatter(made, guessed, graded=table.iso_grade is not None)
     except FieldError as error:
-        raise SceneError([where.at(error.field).says(error.reason)]) from error
+        raise SceneError([where.at(error.field).message(error.reason)]) from error
     except ValueError as error:  # from a fit
-        raise SceneError([where.at("points").says(str(error))]) from error
+        raise SceneError([where.at("points").message(str(error))]) from error
 
 
 def _over(known: object, new: object) -> object:

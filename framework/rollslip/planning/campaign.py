@@ -255,7 +255,7 @@ def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
     def function(*args: P.args, **settings: P.kwargs) -> Any:
         for name in settings.keys() - {one.name for one in taken}:
             near = [
-                f"did you mean {one}?" for one in nearest(name, asked.parameters, 1, cutoff=0.5)
+                f"did you mean {one}?" for one in nearest(name, requested.parameters, 1, cutoff=0.5)
             ]
             told = " ".join([*near, f"there are {', '.join(one.name for one in taken)}"])
             raise SceneError([f"{function.__name__}: there is no argument {name}; {told}"])
@@ -266,8 +266,8 @@ def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
     known = {"Scene": Scene, "xr": xr, "Shown": Shown}
     returns = typing.get_type_hints(cls.run, None, known).get("return", xr.Dataset)
     hints = typing.get_type_hints(cls, None, known) | {"return": returns}
-    asked = inspect.signature(cls)
-    taken = [one.replace(annotation=hints[name]) for name, one in asked.parameters.items()]
+    requested = inspect.signature(cls)
+    taken = [one.replace(annotation=hints[name]) for name, one in requested.parameters.items()]
     others = {
         one.name
         for base in cls.__bases__
@@ -276,7 +276,7 @@ def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
         if one.kw_only
     }
     taken.sort(key=lambda one: (one.kind, one.name in others))  # its own first
-    function.__signature__ = asked.replace(parameters=taken, return_annotation=returns)  # type: ignore[attr-defined]
+    function.__signature__ = requested.replace(parameters=taken, return_annotation=returns)  # type: ignore[attr-defined]
     function.__annotations__ = {
         name: hints[name] for name in (*(one.name for one in taken), "return")
     }

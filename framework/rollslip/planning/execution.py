@@ -145,9 +145,9 @@ def compute(
     begin = time.perf_counter()
     processor = time.process_time()
     first: ErrorEstimate | None = None
-    taken_back = list[str]()
+    reinstated = list[str]()
     while True:
-        plan, dataset, evaluated = _run(plan, study, kept, progress, taken_back)
+        plan, dataset, evaluated = _run(plan, study, kept, progress, reinstated)
         estimated = plan.estimated[study]
         unwatched = plan.assembly.at(estimated.resolution)
         error = estimate_error(running, unwatched, estimated, dataset, first)
@@ -164,7 +164,7 @@ def compute(
     }
     dataset.attrs |= {
         "resolution": json.dumps(attrs.asdict(estimated.resolution)),
-        "taken_back": json.dumps(taken_back),
+        "reinstated": json.dumps(reinstated),
     }
     processor_time = time.process_time() - processor
     dataset.attrs |= run_origin(plan, evaluated, time.perf_counter() - begin)
@@ -179,7 +179,7 @@ def compute(
 
 
 def _run(
-    plan: Plan, study: str, kept: Path | None, progress: Shown | None, taken_back: list[str]
+    plan: Plan, study: str, kept: Path | None, progress: Shown | None, reinstated: list[str]
 ) -> "tuple[Plan, xr.Dataset, int]":
     """Return a plan, its result, and how many slices were evaluated for it; what is needed after all is taken back."""
     running = plan.studies[study]
@@ -195,9 +195,9 @@ def _run(
             dataset = running.run(assembly, Keep(store=store, progress=progress))
             return plan, dataset, assembly.inner.chain.evaluated - before
         except BoundBrokenError as broken:
-            taken_back.append(str(broken))
+            reinstated.append(str(broken))
             _log.info("%s begins again: %s", study, broken)
-            plan = plan.taking_back(study, broken.bound)
+            plan = plan.with_reinstated(study, broken.bound)
 
 
 def _completed(executed: Mapping[str, Executed]) -> dict[str, "xr.Dataset"]:
@@ -227,9 +227,9 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     said = list[validity.Told]()
     assembly = assembly.with_resistance() if running.with_cage else assembly
     try:
-        contacts = running.judged_slices(assembly, dataset)
+        contacts = running.validity_slices(assembly, dataset)
         outside, off = validity.judged(contacts, assembly, plan.assembly.traction)
-        said = validity.told(outside, off, running.judged_at, tolerance=accuracy.tolerance)
+        said = validity.told(outside, off, running.validity_state, tolerance=accuracy.tolerance)
         found = validity.sentences(said, accuracy.tolerance)
     except RollslipError as refusal:  # what was computed stands
         outside = []

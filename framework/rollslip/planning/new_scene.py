@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any, Final
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.cage import MAKES, estimated_inertia
+from rollslip.bearing.cage import CAGE_DESIGNS, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
 from rollslip.datasets import Bearing
 from rollslip.errors import RollslipError, SceneError
@@ -34,7 +34,7 @@ MEANING: Final = {
     "speed": "speed of the inner ring",
     "load": "radial load",
     "temperature": "temperature of the bearing",
-    "cage": f"cage: {', '.join(MAKES)}",
+    "cage": f"cage: {', '.join(CAGE_DESIGNS)}",
     "supply": f"supply of oil: {', '.join(SUPPLIES)}",
 }
 #: What is taken where nothing is said; of the load see `assumed_load`; a cage is the bearing's own if its name has one.
@@ -71,7 +71,7 @@ _NO_CAGE: Final = """[cage]
 _COMMA: Final = re.compile(r"\s*[+-]?(\d*,(\d{1,2}|\d{4,})|0,\d+)(?![\d,.])")
 #: Option of which there are few -> other names, what there is, and what these are.
 _WORDS: Final[Mapping[str, tuple[Mapping[str, str], Collection[str], str]]] = {
-    "cage": (_CAGES, MAKES, "cages of"),
+    "cage": (_CAGES, CAGE_DESIGNS, "cages of"),
     "supply": (_SUPPLIES, SUPPLIES, "supplies by"),
 }
 _KINDS: Final = {"bearing": "bearing", "oil": "lubricant"}
@@ -96,7 +96,7 @@ def checked(option: str, value: str) -> str:
             if quantity(value, _UNITS[option]) <= 0.0 and option == "load":
                 raise UnitError(f"{as_written(value)} loads no roller; give more, such as '2 kN'")
         except UnitError as error:
-            raise SceneError([Location({}, (option,)).says(str(error))]) from None
+            raise SceneError([Location({}, (option,)).message(str(error))]) from None
     else:
         names, kinds, words = _WORDS[option]
         spelled = value.strip().casefold()
@@ -235,8 +235,8 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
     own = own_cage(bearing)
     follows = own is not None and own.make == cage
     of = cage or "brass"  # of a full complement nothing of it is written
-    make = MAKES[of]
-    guidance = own.guidance if own is not None and follows else MAKES[of].guidance
+    make = CAGE_DESIGNS[of]
+    guidance = own.guidance if own is not None and follows else CAGE_DESIGNS[of].guidance
     says = own.letters if own is not None and follows else ""
     mass, inertia = estimated_inertia(b, of)
     lengths = (

@@ -118,12 +118,12 @@ class Plan:
             else partial(_parts_before, self),
         )
 
-    def taking_back(self, study: str, bound: LeftOut) -> "Plan":
+    def with_reinstated(self, study: str, bound: LeftOut) -> "Plan":
         """Return the plan of a study with what was left out under a bound taken back in."""
         before = self.estimated[study]
         left_out = tuple(one for one in before.left_out if one is not bound)
         estimated = attrs.evolve(
-            before, resolution=bound.taken_back(before.resolution), left_out=left_out
+            before, resolution=bound.reinstated(before.resolution), left_out=left_out
         )
         return self._refined(study, estimated)
 

@@ -58,7 +58,7 @@ def implausible(scene: Scene, moved: Collection[str] = ()) -> list[str]:
     found += _clearance(scene, raw, where.at("bearing"))
     return [
         *dict.fromkeys(
-            at.says(told) for at, told in found if ".".join(map(str, at.path)) not in moved
+            at.message(told) for at, told in found if ".".join(map(str, at.path)) not in moved
         )
     ]
 
@@ -217,7 +217,7 @@ def _unusual_at(
     """Yield each key that is unusual where a key takes a value, and what is."""
     if of.model:
         for at, told in _unusual_model(of.model, value, Location({}, split_key(of.key))):
-            yield at.says(""), told
+            yield at.message(""), told
     elif of.unit is not None or of.whole:
         number: Any = of.read(value)
         if told := unusual(
@@ -226,8 +226,8 @@ def _unusual_at(
             yield of.key, told
     changed = evolve(scene, {of.key: value})
     for at, told in (*_unusual_relations(changed, changed.tables, Location({})), *doubts(changed)):
-        if at.path not in told_by_itself or at.says("") == of.key:
-            yield at.says(""), told
+        if at.path not in told_by_itself or at.message("") == of.key:
+            yield at.message(""), told
 
 
 # Values by their fields ----------------------------------------------------------------------------------------------

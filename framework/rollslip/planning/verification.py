@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import finest
+from rollslip.bearing.resolution import reference_resolution
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT, Accuracy
 from rollslip.studies.error_estimate import (
@@ -71,7 +71,7 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
     tolerance = accuracy.of(result)
     key = result if hasattr(accuracy, result) else "tolerance"
     numbers = numbers_of(plan.estimated[study].resolution)
-    most = numbers_of(finest(plan.scene))
+    most = numbers_of(reference_resolution(plan.scene))
     if accuracy.slices is not None and result in error.at_once:  # which slices may leave, too
         remedy = "raise accuracy.slices, or let a plan choose by --set accuracy.slices=auto"
     elif all(numbers[part] >= most[part] for part in error.errors):

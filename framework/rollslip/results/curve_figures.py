@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rollslip.results.curves import Curve, Curves, curve_names, curves, percent
 from rollslip.results.style import (
     MARKER,
-    ONE_COLUMN,
+    SINGLE_COLUMN,
     ROW,
     Sheet,
     axis_label,
@@ -163,7 +163,7 @@ def finish(
         ]
     figure.legend(handles=handles, loc="outside upper left")
     rows_of_legend = sum(1 + str(handle.get_label()).count("\n") for handle in handles)
-    figure.set_figheight(ONE_COLUMN[1] + ROW * rows_of_legend)
+    figure.set_figheight(SINGLE_COLUMN[1] + ROW * rows_of_legend)
     lay_out(figure)  # it depends on the place of the axes what a label covers
     _write_critical(axes, critical, rows, written)
 

@@ -49,7 +49,7 @@ _TEXTS: Final = (
 )
 _NUMBERS: Final = ("evaluations", "wall_time")
 _STRUCTURES: Final = dict.fromkeys(
-    ("accuracy", "bibliography", "citations", "models", "plan", "taken_back", "warnings"), list
+    ("accuracy", "bibliography", "citations", "models", "plan", "reinstated", "warnings"), list
 ) | dict.fromkeys(
     ("conditions", "cost", "curves", "film_limits", "lubricant", "packages", "resolution", "scene_resolved",
      "validity"), dict

@@ -77,7 +77,7 @@ STYLE: Final[Mapping[str, Any]] = {
 
 MARKER: Final[Mapping[str, Any]] = {"marker": "o", "markersize": 4, "markeredgecolor": "white"}
 MM: Final = 1 / 25.4
-ONE_COLUMN: Final = (90 * MM, 62 * MM)
+SINGLE_COLUMN: Final = (90 * MM, 62 * MM)
 TWO_COLUMNS: Final = (190 * MM, 80 * MM)
 #: Height of a row of the legend, by which a figure grows so that its axes do not shrink.
 ROW: Final = 4 * MM
@@ -381,7 +381,7 @@ class Sheet:
     """A figure that is being drawn: ``axes`` as Matplotlib gives them for panels, ``handles`` of their legend."""
 
     def __init__(
-        self, size: tuple[float, float] = ONE_COLUMN, *panels: Any, **options: Any
+        self, size: tuple[float, float] = SINGLE_COLUMN, *panels: Any, **options: Any
     ) -> None:
         from matplotlib.figure import Figure
 

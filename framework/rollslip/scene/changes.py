@@ -155,16 +155,16 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
     changed = set[str]()
     for key, value in changes.items():
         try:
-            asked = split_key(full_key(key).strip())
+            requested = split_key(full_key(key).strip())
             if key.strip() in _NAMED and str(value)[:1].isalpha() and isinstance(value, str):
                 raise ValueError(f"takes no name; write {_NAMED[key.strip()]}={value}")
-            if asked[0] == "lubricant" and len(asked) > 1 and asked[1] not in _OF_OIL:
-                near = nearest(asked[1], _OF_OIL, count=1)
+            if requested[0] == "lubricant" and len(requested) > 1 and requested[1] not in _OF_OIL:
+                near = nearest(requested[1], _OF_OIL, count=1)
                 raise ValueError(f"is no key{f', did you mean {near[0]!r}?' if near else ''}")
-            if asked[0] not in changed and asked[0] in raw:
-                raw[asked[0]] = thawed(raw[asked[0]])
-            changed.add(asked[0])
-            before, path = _set(raw, asked, thawed(value))
+            if requested[0] not in changed and requested[0] in raw:
+                raw[requested[0]] = thawed(raw[requested[0]])
+            changed.add(requested[0])
+            before, path = _set(raw, requested, thawed(value))
         except (ValueError, RecursionError) as error:
             reason = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
             problems.append(f"{CHANGES}: {as_written(key)} {reason}")

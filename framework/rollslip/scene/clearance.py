@@ -316,7 +316,7 @@ def listed(
         found: Bearing = get_class("bearing", f"{plain}-{wanted.strip().lstrip('/')}").data
     except PluginError:
         problems.append(
-            where.at("clearance_class").says(
+            where.at("clearance_class").message(
                 f"{plain!r} is not listed in class {as_written(wanted)}: write C2, CN, C3 or C4, or another class that "
                 "'rollslip models bearing' lists it in, or give bearing.mounting.initial_clearance"
             )
@@ -355,13 +355,13 @@ def in_operation(
                 if origin == "changes" and len(path) > 1 and path[0] == "bearing"
             }
             said = "changes nothing, since bearing.radial_clearance is stated, that in operation; leave that out"
-            problems += [at.at(key).says(said) for key in unused(raw["bearing"]) if key in new]
+            problems += [at.at(key).message(said) for key in unused(raw["bearing"]) if key in new]
         return b if b.mounted is None else attrs.evolve(b, mounted=None)
     if b.clearance_class is not None and (
         b.mounting is None or b.mounting.initial_clearance is None
     ):
         said = "only a bearing with bearing.name has classes; give bearing.mounting.initial_clearance, the middle of it"
-        problems.append(at.at("clearance_class").says(said))
+        problems.append(at.at("clearance_class").message(said))
         return b
     if b.mounting is None:
         return b
@@ -378,7 +378,7 @@ def in_operation(
         return attrs.evolve(b, radial_clearance=mounted.clearance, mounted=mounted)
     except FieldError as error:
         at = at if error.field == "radial_clearance" else at.at("mounting")
-        problems.append(at.at(error.field).says(error.reason))
+        problems.append(at.at(error.field).message(error.reason))
         return b
 
 

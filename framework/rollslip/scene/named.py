@@ -43,7 +43,7 @@ def with_named_data(
             if not isinstance(name := table["name"], str):
                 if isinstance(name, int) and not isinstance(name, bool):
                     get_class(kind, str(name))  # says what is called so: 6312 is a ball bearing
-                problems.append(at.says(f"a text is expected, not {as_written(name)}"))
+                problems.append(at.message(f"a text is expected, not {as_written(name)}"))
                 continue
             data: Any = (
                 SURFACES[surface_name(name)][0] if kind == "surface" else get_class(kind, name).data
@@ -55,10 +55,10 @@ def with_named_data(
             if kind == "bearing":
                 before_mounting(filled, own, data)
         except PluginError as error:
-            raise type(error)(at.says(str(error))) from error
+            raise type(error)(at.message(str(error))) from error
         if not gives:  # as when a name is set in a scene that spells all values out
             problems.append(
-                at.says(
+                at.message(
                     f"{name!r} gives nothing, every value is written out; leave out what it gives"
                 )
             )
@@ -140,5 +140,5 @@ def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
             if isinstance(name, str):
                 find(kind, name)
         except PluginError as error:
-            problems.append(place.says(str(error)))
+            problems.append(place.message(str(error)))
     return problems

@@ -47,10 +47,10 @@ def unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -
             near = (
                 f"; did you mean {' or '.join(found)}?" if (found := nearest(name, known)) else ""
             )
-            said.append(where.at(name).says(f"no law of a contact is called so{near}"))
+            said.append(where.at(name).message(f"no law of a contact is called so{near}"))
         elif not isinstance(value, Mapping) and name not in has and None not in models.values():
             used = ", ".join(law.name for law in laws)
-            said.append(where.at(name).says(f"no law of this scene has such a parameter: {used}"))
+            said.append(where.at(name).message(f"no law of this scene has such a parameter: {used}"))
     return said
 
 
@@ -70,7 +70,7 @@ def check_given(
     ):
         return
     problems = [
-        where.at("lubricant").says(
+        where.at("lubricant").message(
             f"oil {lubricant.name!r} gives no {member} ({CONDITIONS[member][1]}, {CONDITIONS[member][0]}), "
             f"which model {model.name!r} needs; {_given_by(member, conditions, lubricant)} or choose another model"
         )
@@ -81,7 +81,7 @@ def check_given(
     problems += [
         where.at("lubricant")
         .at(slope)
-        .says(
+        .message(
             f"model {name!r} takes one {slope.removesuffix('_slope')} at all pressures; leave the slope out, or choose "
             "another traction model: laws of Eyring fluids at the mean pressure of a slice follow it"
         )

@@ -370,5 +370,5 @@ RELATIONS: Final = (
 def impossible_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[str]:
     """Return a sentence for each relation that no bearing can have, with its place."""
     return [
-        one.at(where).says(told) for one in RELATIONS if (told := one.fault(scene, raw, "possible"))
+        one.at(where).message(told) for one in RELATIONS if (told := one.fault(scene, raw, "possible"))
     ]

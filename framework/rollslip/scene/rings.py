@@ -83,9 +83,9 @@ def rings_of(
             if model is not None:
                 found[ring] = model.shapes(b, ring, speed != 0.0)
         except FieldError as error:
-            problems.append(at.at(error.field).says(error.reason))
+            problems.append(at.at(error.field).message(error.reason))
         except ValueError as error:
-            problems.append(at.says(str(error)))
+            problems.append(at.message(str(error)))
     if problems or not (waves or tables or any(one.stiffness.size for one in found.values())):
         return None
     formed = range(b.rollers) if tables else {lobes for lobes, _, _ in waves}

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 import attrs
 from attrs.validators import optional
 
-from rollslip.fields import FieldError, Scatter, field, non_negative, one_of, positive
+from rollslip.fields import FieldError, Scatter, field, non_negative, choice_of, positive
 
 __all__ = ["DENSITY", "SUPPLIES", "Lubrication", "Supplied", "Supply"]
 
@@ -83,7 +83,7 @@ class Lubrication:
     """How oil gets to the bearing."""
 
     supply: str = field(
-        default="bath", doc="kind of supply", validator=one_of(*SUPPLIES), bare=True
+        default="bath", doc="kind of supply", validator=choice_of(*SUPPLIES), bare=True
     )
     oil_level: float | None = field(
         default=None,

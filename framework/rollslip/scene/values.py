@@ -22,7 +22,7 @@ from rollslip.fields import (
     field,
     in_range,
     non_negative,
-    one_of,
+    choice_of,
     positive,
 )
 from rollslip.scene.supply import Lubrication
@@ -174,7 +174,7 @@ class Separator:
     name: str = field(
         key="model",
         doc="cage, or none for a full complement",
-        validator=one_of(*SEPARATORS),
+        validator=choice_of(*SEPARATORS),
         bare=True,
     )
     coefficient: float | None = field(

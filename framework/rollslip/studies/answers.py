@@ -69,7 +69,7 @@ class Estimated:
     @property
     def complete(self) -> Resolution:
         """The resolution with all that is left out under a bound taken back in."""
-        return reduce(lambda made, bound: bound.taken_back(made), self.left_out, self.resolution)
+        return reduce(lambda made, bound: bound.reinstated(made), self.left_out, self.resolution)
 
 
 def combined(errors: Iterable[Errors], by: Callable[[list[float]], float]) -> Errors:

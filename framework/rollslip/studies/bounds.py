@@ -40,7 +40,7 @@ class BoundaryFriction(LeftOut):
                 self, f"a film parameter of {thinnest:.4g} is below {self.limit:g}"
             )
 
-    def taken_back(self, resolution: Resolution) -> Resolution:
+    def reinstated(self, resolution: Resolution) -> Resolution:
         """Return the resolution with boundary friction."""
         return attrs.evolve(resolution, boundary=True)
 
@@ -71,7 +71,7 @@ class ExactLaw(LeftOut):
                     self, f"a {name.replace('_', ' ')} of {found:.4g} is above {most:.4g}"
                 )
 
-    def taken_back(self, resolution: Resolution) -> Resolution:
+    def reinstated(self, resolution: Resolution) -> Resolution:
         """Return the resolution with the law that the scene names."""
         return attrs.evolve(resolution, traction="named")
 
@@ -92,7 +92,7 @@ class InletHeating(LeftOut):
         if len(slices) and not (found := hottest(slices)) <= self.most:
             raise BoundBrokenError(self, f"a thermal load of {found:.4g} is above {self.most:.4g}")
 
-    def taken_back(self, resolution: Resolution) -> Resolution:
+    def reinstated(self, resolution: Resolution) -> Resolution:
         """Return the resolution with the heat of the inlet."""
         return attrs.evolve(resolution, inlet_heating=True)
 
@@ -118,7 +118,7 @@ class LightContacts(LeftOut):
                 self, f"a mean load parameter of {found:.4g} is below {self.least:.4g}"
             )
 
-    def taken_back(self, resolution: Resolution) -> Resolution:
+    def reinstated(self, resolution: Resolution) -> Resolution:
         """Return the resolution with the film's own pressure."""
         return attrs.evolve(resolution, light_contacts=True)
 

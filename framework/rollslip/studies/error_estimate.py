@@ -26,7 +26,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Array, slip_grid
-from rollslip.bearing.resolution import LeftOut, Resolution, finest
+from rollslip.bearing.resolution import LeftOut, Resolution, reference_resolution
 from rollslip.errors import ConvergenceError
 from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
@@ -67,7 +67,7 @@ _INSTANTS: Final = (1, 2, 3, 4, 6, 12)
 #: Likewise, where each number is computed for itself.
 _SINGLY: Final = (1, 2, 3, 6)
 #: Slices on which roller positions and laws are compared: few of them show what these do.
-FEW: Final = 12
+COARSE_SLICES: Final = 12
 #: Shares of the range of slips at which laws are compared, too: where an oil begins to shear by the stress and not by
 #: the viscosity they differ most, which is far below the slips of a maximum.
 _SMALL: Final = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
@@ -178,7 +178,7 @@ class Curved:
         """Return some outputs of several points in one go; None if there is no such way to these."""
         return None
 
-    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> Mapping[str, float]:
+    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> Mapping[str, float]:
         """Return by how much single values of a result are off, by a bearing with more slices and instants at once.
 
         Relative, by the names under which people are told.
@@ -188,7 +188,7 @@ class Curved:
     def has_error_estimate(self, assembly: Assembly) -> bool:
         """Whether it is estimated after a run how far a result is off: curves, or single values."""
         has_values = (
-            type(self).witnessed is not Curved.witnessed and not assembly.scene.accuracy.exact
+            type(self).compare_with is not Curved.compare_with and not assembly.scene.accuracy.exact
         )
         return assembly.resolution.n_positions is not None and (
             has_values or self.curved(assembly) is not None
@@ -370,9 +370,9 @@ class Bound:
         )
 
 
-def few_slices(assembly: Assembly) -> Assembly:
+def coarse_slices(assembly: Assembly) -> Assembly:
     """Return a bearing with few slices, by which it is seen what positions do and where maxima are."""
-    return assembly.at(attrs.evolve(assembly.resolution, slices=FEW, quadrature="equal"))
+    return assembly.at(attrs.evolve(assembly.resolution, slices=COARSE_SLICES, quadrature="equal"))
 
 
 def by_curves(
@@ -387,7 +387,7 @@ def by_curves(
 
 def exactly(study: Curved, assembly: Assembly) -> Estimated:
     """Return the finest of all, on as many positions as the curves are means over."""
-    best = finest(assembly.scene)
+    best = reference_resolution(assembly.scene)
     return Estimated(resolution=best if study.averaged else attrs.evolve(best, n_positions=1))
 
 
@@ -409,10 +409,10 @@ def slices_and_positions(
 ) -> tuple[Estimated, Probe, Assembly]:
     """Choose slices and positions alone; return probe and bearing with few slices, by which that was done, too."""
     accuracy = assembly.scene.accuracy
-    best = finest(assembly.scene)
+    best = reference_resolution(assembly.scene)
     parts = 1 + (assembly.slices > 1)
     allowed = {name: _AIM * fraction * accuracy.of(name) for name in ("friction", "critical_slip")}
-    few = few_slices(assembly)
+    few = coarse_slices(assembly)
     probe = Probe(study, few)
     n_positions = 1
     left: Errors = {}
@@ -504,7 +504,7 @@ def by_doubling(
     error that is left, which bounds it where it falls at least with the inverse of their number.
     """
     accuracy = assembly.scene.accuracy
-    best = finest(assembly.scene)
+    best = reference_resolution(assembly.scene)
     if accuracy.exact or not judged:
         return Estimated(resolution=best if judged else assembly.resolution)
     few = attrs.evolve(
@@ -695,7 +695,7 @@ class _Run:
         if is_off and self.few is not self.assembly:
             errors["n_positions"] = self.of_positions(self.assembly, orders)
         if "slices" in errors and m > SOME and exceeding(found.total, self.accuracy):
-            errors["slices"] = self.of_slices(min(m, FEW))
+            errors["slices"] = self.of_slices(min(m, COARSE_SLICES))
         return found
 
     def with_both(self, found: ErrorEstimate) -> ErrorEstimate:
@@ -716,7 +716,7 @@ class _Run:
 
         def errors_by(finer: Resolution, *, of_curves: bool = compares) -> Errors:
             at = self.assembly.at(finer)
-            changes = dict(self.study.witnessed(at, self.dataset))
+            changes = dict(self.study.compare_with(at, self.dataset))
             if of_curves:
                 samples = (
                     self.probe.sample(one, one.resolution.n_positions or 1)[0]
@@ -772,7 +772,7 @@ def estimate_error(
         return ErrorEstimate(errors={})
     accuracy = assembly.scene.accuracy
     curved = study.curved(assembly)
-    few = few_slices(assembly)
+    few = coarse_slices(assembly)
     if few.slices >= assembly.slices or (curved and curved.followed):
         few = assembly  # of two maxima of nearly the same height few slices may have another one for the largest
     whole = estimated.complete
@@ -834,18 +834,18 @@ def refined(
         f"{name.replace('_', ' ')} off by {size:.1e}" for name, size in off.items()
     )
     if off.keys() & exceeding(error.alone.get(LEFT_OUT, {}), accuracy, _AIM_AGAIN).keys():
-        taken_back = (*_PARTS_OF_CONTACT, "law")
+        reinstated = (*_PARTS_OF_CONTACT, "law")
         return attrs.evolve(
             estimated,
             resolution=estimated.complete,
             left_out=(),
             errors={
-                part: errors for part, errors in estimated.errors.items() if part not in taken_back
+                part: errors for part, errors in estimated.errors.items() if part not in reinstated
             },
             seen=f"what was left out of a contact was seen to leave {found}",
         )
     numbers = numbers_of(resolution)
-    most = numbers_of(finest(assembly.scene))
+    most = numbers_of(reference_resolution(assembly.scene))
     finished = [part for part in error.errors if numbers[part] >= most[part]]
     stays = combined(
         (of.get(part, {}) for part in finished for of in (error.errors, error.alone)), max

@@ -40,7 +40,7 @@ def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Vari
         ]
         dims: tuple[str, ...] = (curves.over, curves.slip)
     else:
-        contacts = study.judged_slices(assembly, dataset)
+        contacts = study.validity_slices(assembly, dataset)
         groups = [[one for one in contacts if one.ring == ring] for ring in RINGS]
         dims = ("ring", "steady")
         if len(groups[0]) != dataset.sizes.get("steady"):

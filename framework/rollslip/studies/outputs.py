@@ -27,10 +27,10 @@ def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
     known = study.outputs
     problems = []
     also = {other: name for name, output in known.items() for other in output.also}
-    asked = tuple(
+    requested = tuple(
         dict.fromkeys(name if name in known else also.get(name, name) for name in names)
     ) or tuple(name for name, output in known.items() if output.default)
-    for name in asked:
+    for name in requested:
         if name not in known:
             near = nearest(name, known, count=1)
             having = [
@@ -44,7 +44,7 @@ def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
     if problems:
         raise SceneError(problems)
     return tuple(
-        dict.fromkeys((*asked, *(known[name].status for name in asked if known[name].status)))
+        dict.fromkeys((*requested, *(known[name].status for name in requested if known[name].status)))
     )
 
 

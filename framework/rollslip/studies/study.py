@@ -17,7 +17,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.resolution import Resolution, finest
+from rollslip.bearing.resolution import Resolution, reference_resolution
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import SceneError, UnknownNameError
@@ -36,7 +36,7 @@ from rollslip.studies.answers import (
     Part,
     Some,
 )
-from rollslip.studies.error_estimate import FEW, Curved, by_curves, by_doubling
+from rollslip.studies.error_estimate import COARSE_SLICES, Curved, by_curves, by_doubling
 from rollslip.studies.timing import timed
 from rollslip.studies.validity import rolling_slices
 from rollslip.units import as_written
@@ -211,7 +211,7 @@ class Study(Curved, abc.ABC):
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return the resolution that a result is verified against, and how that is said."""
-        return finest(scene), "against the finest"
+        return reference_resolution(scene), "against the finest"
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] that each part takes at the resolution of the bearing: of a whole run in small, scaled.
@@ -220,7 +220,7 @@ class Study(Curved, abc.ABC):
         """
         resolution = assembly.resolution
         few = attrs.evolve(
-            resolution, slices=min(resolution.slices, FEW), quadrature="equal", n_positions=1
+            resolution, slices=min(resolution.slices, COARSE_SLICES), quadrature="equal", n_positions=1
         )
         some = assembly.at(few)
         more = (
@@ -292,15 +292,15 @@ class Study(Curved, abc.ABC):
         return found
 
     @property
-    def judged_at(self) -> str:
-        """What state `judged_slices` are at, in words."""
+    def validity_state(self) -> str:
+        """What state `validity_slices` are at, in words."""
         return (
             "at the loads of the bearing, without slip"
             if self.curves_of is None
             else "over the curves"
         )
 
-    def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices by which it is judged whether models were used for what they were made for.
 
         By default those of `evaluated` at a few slips of the curves; without curves all that the bearing loads where
@@ -341,7 +341,7 @@ def study_class(name: str, scene: Scene | None = None) -> type[Study]:
         where = Location(
             scene.origins if scene is not None and name in scene.study else {}, ("study", name)
         )
-        raise SceneError([where.says(str(error))]) from error
+        raise SceneError([where.message(str(error))]) from error
     return cls
 
 

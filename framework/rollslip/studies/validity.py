@@ -1,7 +1,7 @@
 """What a result's models were made for, and how far it left that: the one place where warnings about models are made.
 
 - Bounds, consequences and remedies are the models' own (`rollslip.models.Validity`); nothing here knows a model by
-  name. They are held against the slices at the state that a result speaks of (`Study.judged_slices`).
+  name. They are held against the slices at the state that a result speaks of (`Study.validity_slices`).
 - Warnings come by consequence: what a law is off another, measured on the slices of the result, then the share of the
   force outside times the consequence in the middle of it. One that nobody knows counts as the whole. What is below the
   tolerance, and what nearly every bearing leaves with a consequence that nobody knows, is counted in one sentence.

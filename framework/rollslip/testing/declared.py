@@ -27,7 +27,7 @@ _UNWRITTEN: Final = 0.123456789e-77
 class _Watched(Slices):
     """Slices that remember which columns they were asked for."""
 
-    asked: set[str]
+    requested: set[str]
 
     def __getattribute__(self, name: str) -> Any:
         if name in COLUMNS:
@@ -46,7 +46,7 @@ def _usual(model: SliceModel, locked: Collection[str] = ()) -> _Watched:
         if name in model.writes:
             column[:] = _UNWRITTEN
         column.flags.writeable = name not in locked
-    slices.asked.clear()
+    slices.requested.clear()
     return slices
 
 
@@ -105,7 +105,7 @@ def _writes(model: SliceModel, name: str) -> str:
 
 def _compare(model: SliceModel, form: str, slices: _Watched, before: Slices) -> None:
     """Refuse what was written that should not be, and what was not that should."""
-    asked = sorted(slices.asked - model.reads - set(model.writes))
+    requested = sorted(slices.requested - model.reads - set(model.writes))
     for name in (name for name in COLUMNS if name not in model.writes):
         if not np.array_equal(getattr(before, name), getattr(slices, name), equal_nan=True):
             raise Nonconformance(f"{form} {_writes(model, name)}")
@@ -117,12 +117,12 @@ def _compare(model: SliceModel, form: str, slices: _Watched, before: Slices) -> 
                 f"the column itself, slices.{name}[...] = ..., and not a name of your own"
             )
         if np.any(np.isnan(values)):
-            more = asked or [
+            more = requested or [
                 name for name in CONDITIONS if math.isnan(getattr(slices.conditions, name))
             ]
             raise Nonconformance(
                 f"{form} gives {name} = nan where all that it reads is usual, so it reads what is not in reads: "
-                f"{'' if asked else 'one of '}{', '.join(more)}; add it there, with its range in domain"
+                f"{'' if requested else 'one of '}{', '.join(more)}; add it there, with its range in domain"
             )
 
 

@@ -317,15 +317,15 @@ def check_values_at_pressures_are_those_of_the_stage(
     filled: Slices, form: str, shaped: PressureViscosity
 ) -> None:
     """``at``, which traction models ask for pressures within a contact, gives what the stage gives for a slice."""
-    asked = copy_of(filled)
+    requested = copy_of(filled)
     values = shaped.at(filled.conditions, filled.pressure.reshape(1, -1))
     refuse_unless(
         all(np.shape(one) == (1, len(filled)) for one in values),
         "at() loses the shape of its pressures",
     )
-    asked.film_viscosity[:], asked.film_thermoviscosity[:] = (np.ravel(one) for one in values)
+    requested.film_viscosity[:], requested.film_thermoviscosity[:] = (np.ravel(one) for one in values)
     same(
-        asked,
+        requested,
         filled,
         shaped,
         max(1e-9, shaped.tolerance),

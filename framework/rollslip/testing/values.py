@@ -233,7 +233,7 @@ def _end(process: "subprocess.Popen[bytes] | subprocess.Popen[str]") -> None:
         process.kill()
 
 
-def _asked(model: Any, **variables: str) -> tuple[Any, list[str], list[str]]:
+def _requested(model: Any, **variables: str) -> tuple[Any, list[str], list[str]]:
     """Return what another process says of a model.
 
     Its numbers, or an error in words; names of rollslip that its import has changed; variables of the environment that
@@ -353,7 +353,7 @@ def check_its_import_leaves_rollslip_as_it_is(model: Any) -> None:
     """A law of the box that another package changes gives other numbers, and results name rollslip for them."""
     if is_ours(type(model).__module__):
         return
-    _, changed, _ = _asked(model)
+    _, changed, _ = _requested(model)
     refuse_unless(
         not changed,
         f"importing {type(model).__module__} changes {', '.join(changed[:5])} of rollslip; derive a class with a name "
@@ -367,7 +367,7 @@ def check_gives_the_same_in_another_process(model: Any) -> None:
     if is_ours(type(model).__module__):
         return
     here = _given(model)
-    (there, _, names) = _asked(model)
+    (there, _, names) = _requested(model)
 
     def refuse_another(there: Any, how: str) -> None:
         equal = len(there) == len(here) and not isinstance(there, str)
@@ -383,7 +383,7 @@ def check_gives_the_same_in_another_process(model: Any) -> None:
     if names:  # nobody knows what to set before it asks
         other = {name: "2" if os.environ.get(name) != "2" else "3" for name in names}
         refuse_another(
-            _asked(model, **other)[0], f"where {' and '.join(names)} of the environment is another"
+            _requested(model, **other)[0], f"where {' and '.join(names)} of the environment is another"
         )
 
 

@@ -88,11 +88,11 @@ class Alternatives:
     told: tuple[str, ...] = ()
 
 
-def plan_alternatives(asked: "ComparisonSettings") -> Alternatives:
+def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
     """Make a scene of each combination of what is named."""
-    named = {option: listed(value) for option in KEYS if (value := getattr(asked, option))}
+    named = {option: listed(value) for option in KEYS if (value := getattr(requested, option))}
     others = [
-        one for one in ("traction", "film", "contact", "reference", "study") if getattr(asked, one)
+        one for one in ("traction", "film", "contact", "reference", "study") if getattr(requested, one)
     ]
     if others:
         asked_for = " and ".join(f"--{option.replace('_', '-')}" for option in named)
@@ -108,7 +108,7 @@ def plan_alternatives(asked: "ComparisonSettings") -> Alternatives:
         label = _BETWEEN.join(names)
         try:
             there = evolve(
-                asked.given, {KEYS[option]: name for option, name in zip(named, names, strict=True)}
+                requested.given, {KEYS[option]: name for option, name in zip(named, names, strict=True)}
             )
             assemble(there)  # an oil that nobody knows is refused at once, as is a class
             scenes[label] = there
@@ -121,7 +121,7 @@ def plan_alternatives(asked: "ComparisonSettings") -> Alternatives:
             or [f"{next(iter(named))}: name two at least, with commas between, to compare them"]
         )
     keys = tuple(KEYS[option] for option in named)
-    return Alternatives(asked.given, keys, scenes, refused)
+    return Alternatives(requested.given, keys, scenes, refused)
 
 
 def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":

@@ -135,20 +135,20 @@ class Comparison:
 # Planning -----------------------------------------------------------------------------------------------------------
 
 
-def plan_comparison(asked: "ComparisonSettings") -> Comparison:
+def plan_comparison(requested: "ComparisonSettings") -> Comparison:
     """Check all names and plan every combination."""
-    scene = asked.given
-    study = _study(scene, asked.study)
+    scene = requested.given
+    study = _study(scene, requested.study)
     problems = list[str]()
     unknown = list[PluginError]()
     choices = {
         kind: [
             read_choice(scene, kind, model, problems, unknown)
-            for model in listed(getattr(asked, kind)) or [None]
+            for model in listed(getattr(requested, kind)) or [None]
         ]
         for kind in KINDS
     }
-    wanted = {} if asked.reference is None else _by_kind(asked.reference, problems, unknown)
+    wanted = {} if requested.reference is None else _by_kind(requested.reference, problems, unknown)
     named = {
         kind: read_choice(scene, kind, model, problems, unknown) for kind, model in wanted.items()
     }
@@ -175,7 +175,7 @@ def plan_comparison(asked: "ComparisonSettings") -> Comparison:
         study=study,
         combinations=_at_one_resolution(study, combinations),
         reference=labels[-1],
-        named=asked.reference is not None,
+        named=requested.reference is not None,
     )
 
 
@@ -250,7 +250,7 @@ def _at_one_resolution(
     planned = [one for one in chosen if one.n_positions is not None]
     if not planned:
         return dict(combinations)
-    most = Resolution.finest_of(planned)
+    most = Resolution.maximum_of(planned)
 
     def alike(plan: Plan) -> Plan:
         own = plan.estimated[study].resolution

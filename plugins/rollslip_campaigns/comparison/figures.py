@@ -15,7 +15,7 @@ from rollslip.results.style import (
     MARKER,
     MM,
     MODEL_COLOURS,
-    ONE_COLUMN,
+    SINGLE_COLUMN,
     TWO_COLUMNS,
     Sheet,
     axis_label,
@@ -55,7 +55,7 @@ def _slips(dataset: "xr.Dataset") -> "Figure":
     names = dataset["alternative"].to_numpy()
     slip = 100 * dataset["cage_slip"].to_numpy()
     ends = 100 * np.array([dataset[f"cage_slip_{end}"].to_numpy() for end in ("low", "high")])
-    sheet = Sheet((ONE_COLUMN[0], (18 + 7 * len(names)) * MM))
+    sheet = Sheet((SINGLE_COLUMN[0], (18 + 7 * len(names)) * MM))
     axes = sheet.axes
     place = np.arange(len(names))[::-1]
     axes.hlines(place, ends[0], np.minimum(ends[1], 100.0), color=MODEL_COLOURS[0], linewidth=1.4)

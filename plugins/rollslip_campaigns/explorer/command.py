@@ -21,7 +21,7 @@ from rollslip_campaigns.explorer import ExplorerSettings
 @click.option("--overwrite", is_flag=True, help="Replace the file, if it is a page of rollslip.")
 @json_option
 def _explore(
-    asked: ExplorerSettings, about: str, out: Path | None, overwrite: bool, as_json: bool
+    requested: ExplorerSettings, about: str, out: Path | None, overwrite: bool, as_json: bool
 ) -> None:
     from rollslip.cli.units import with_units
     from rollslip.errors import OutputError
@@ -36,12 +36,12 @@ def _explore(
             f"{target}: is no page of rollslip, so it is not replaced; name another --out"
         )
     library()  # refused before anything is told
-    asked = attrs.evolve(asked, out=target)
-    planned = asked.plan()
+    requested = attrs.evolve(requested, out=target)
+    planned = requested.plan()
     if not as_json:
         click.echo("\n".join(planned.told))
     with progress("explore") as show, TemporaryDirectory() as folder:
-        found = asked.run(planned, Path(folder), show, lambda text: None)
+        found = requested.run(planned, Path(folder), show, lambda text: None)
     if as_json:
         print_json({"scene": about, "file": str(target), **with_units(found)})
         return

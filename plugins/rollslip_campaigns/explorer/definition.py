@@ -36,10 +36,10 @@ _NODES: Final = 4
 _MOST: Final = 20_000
 
 
-def plan_explorer(asked: "ExplorerSettings") -> Explorer:
+def plan_explorer(requested: "ExplorerSettings") -> Explorer:
     """Return what an explorer computes."""
-    given = asked.given
-    over = read_overs(asked.over)
+    given = requested.given
+    over = read_overs(requested.over)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     known = quantities(assemble(base), settings(base, EffectiveFriction.name))
     wanted: dict[str, object] = over or _defaults(known)
@@ -61,7 +61,7 @@ def plan_explorer(asked: "ExplorerSettings") -> Explorer:
         problems.append(
             "nothing to move by a slider; name a quantity, such as operation.radial_load='1 kN:5 kN'"
         )
-    planned = Explorer(base, tuple(dials), choices, asked.checks)
+    planned = Explorer(base, tuple(dials), choices, requested.checks)
     if not problems and planned.size > _MOST:
         problems.append(
             f"{planned.size} points are more than {_MOST}; take fewer quantities, nodes or models"

@@ -24,14 +24,14 @@ __all__ = ["run_explorer"]
 
 
 def run_explorer(
-    planned: Explorer, asked: "ExplorerSettings", folder: Path, show: "Shown"
+    planned: Explorer, requested: "ExplorerSettings", folder: Path, show: "Shown"
 ) -> dict[str, Any]:
     """Compute the points in a folder, interpolate, measure how far that is off at random places, and write the page."""
     library()  # refused before anything is computed
     keys = [dial.key for dial in planned.dials]
 
     def swept(of: str, over: Mapping[str, object], **options: Any) -> "xr.Dataset":
-        how = {"engine": asked.engine, "time_limit": asked.time_limit, **options}
+        how = {"engine": requested.engine, "time_limit": requested.time_limit, **options}
         made = plan_sweep(
             planned.scene, over, study=EffectiveFriction.name, output=[*GROUPS, "angle"], **how
         )
@@ -68,7 +68,7 @@ def run_explorer(
         )
         errors = _errors(layout, guessed, true)
     angle = grid["angle"].to_numpy().reshape(-1, grid.sizes["roller"])[0]
-    write_page(asked.page, planned, Results(slip, angle, layout, table, errors), grid)
+    write_page(requested.page, planned, Results(slip, angle, layout, table, errors), grid)
     told = [
         f"{GROUPS[name]}: off by {100.0 * one['median']:.2g} % in the middle of the random places, by "
         f"{100.0 * one['largest']:.2g} % at most"

@@ -10,7 +10,7 @@ import numpy as np
 from rollslip.results.style import (
     MARKER,
     MM,
-    ONE_COLUMN,
+    SINGLE_COLUMN,
     RING_COLOURS,
     ROW,
     TWO_COLUMNS,
@@ -122,7 +122,7 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
     names = dataset["fitted_parameter"].values
     columns = min(names.size, 3)
     rows = -(-names.size // columns)
-    size = ONE_COLUMN if columns == 1 else TWO_COLUMNS
+    size = SINGLE_COLUMN if columns == 1 else TWO_COLUMNS
     sheet = Sheet(size, rows, columns, squeeze=False, sharey=True)
     panels = sheet.axes.ravel()
     limits = dataset["rise_limit"].to_numpy()

@@ -38,14 +38,14 @@ __all__ = ["plan_fit", "run_fit"]
 VARIED: Final = 10.0
 
 
-def plan_fit(asked: "FitSettings") -> tuple[RigProblem, list[Parameter]]:
+def plan_fit(requested: "FitSettings") -> tuple[RigProblem, list[Parameter]]:
     """Read data and rig, and return the problem with what is to be fitted."""
-    read = asked.data if isinstance(asked.data, RigData) else read_data(asked.data)
-    rig = asked.rig
+    read = requested.data if isinstance(requested.data, RigData) else read_data(requested.data)
+    rig = requested.rig
     if not isinstance(rig, Rig):
         rig = load_rig(Path(read.source).with_name("rig.toml") if rig is None else rig)
-    problem = rig_problem(read, rig, asked.traction, asked.film)
-    return problem, parameters_named(problem, asked.parameters)
+    problem = rig_problem(read, rig, requested.traction, requested.film)
+    return problem, parameters_named(problem, requested.parameters)
 
 
 def run_fit(problem: RigProblem, wanted: list[Parameter], report: Report) -> "xr.Dataset":

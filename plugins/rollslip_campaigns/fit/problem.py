@@ -185,7 +185,7 @@ def _check(problem: RigProblem, where: Location) -> None:
         try:
             conditions = problem.conditions(problem.lubricant, temperature)
         except DomainError as error:
-            problems.append(problem.data.says(int(rows[0]), "temperature", str(error)))
+            problems.append(problem.data.message(int(rows[0]), "temperature", str(error)))
     if problems:
         raise SceneError(problems)
     for model in problem.chain.models:
@@ -194,7 +194,7 @@ def _check(problem: RigProblem, where: Location) -> None:
                 unit, meaning = CONDITIONS[member]
                 table = "rig" if member in ("roughness", "length") else "lubricant"
                 reason = f"missing, but model {model.name!r} needs it ({meaning}, {unit})"
-                problems.append(where.at(table).at(member).says(reason))
+                problems.append(where.at(table).at(member).message(reason))
     if problems:
         raise SceneError(problems)
     try:

@@ -490,7 +490,7 @@ def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
     if rig.lubricant.name is not None:
         offers.append(find("lubricant", rig.lubricant.name))
     described = describe_models(models.items())
-    asked = json.dumps(
+    requested = json.dumps(
         [resolved(rig), described, problem.data.sha256, list(dataset["parameter"].values)],
         sort_keys=True,
     )
@@ -502,7 +502,7 @@ def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
         data_sha256=problem.data.sha256,
         rig=rig.text,
         rig_resolved=resolved(rig),
-        scene_hash=hashlib.sha256(asked.encode()).hexdigest(),
+        scene_hash=hashlib.sha256(requested.encode()).hexdigest(),
         packages=packages_of(offers),
         models=described,
         lubricant=describe_lubricant(oil),

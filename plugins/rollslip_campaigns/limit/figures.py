@@ -11,7 +11,7 @@ import numpy as np
 from rollslip.results.style import DASHES, MODEL_COLOURS, Sheet, plain_decades, unit_label
 from rollslip.results.words import in_percent, of_key
 from rollslip.units import converted, shown_unit
-from rollslip_campaigns.limit.findings import headline, kept_spans
+from rollslip_campaigns.limit.findings import headline, satisfied_spans
 from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def over_searched(dataset: "xr.Dataset") -> "Figure":
     limit = float(converted(float(dataset.attrs["limit"]), dataset["result"].attrs["units"], of_y))
     keeps = dataset["keeps"].to_numpy() > 0.0
     known = np.isfinite(y)
-    for low, high, *_ in kept_spans(dataset):
+    for low, high, *_ in satisfied_spans(dataset):
         ends = converted(np.array([low, high]), dataset["searched"].attrs["units"], of_x)
         axes.axvspan(*ends, color=MODEL_COLOURS[2], alpha=0.15, linewidth=0.0)
     axes.plot(x[known], y[known], color="0.6", linewidth=0.8, zorder=2)

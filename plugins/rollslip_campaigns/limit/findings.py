@@ -14,12 +14,12 @@ from rollslip.results.dataset import rows_along
 from rollslip.results.table import of_points
 from rollslip.results.words import in_percent
 from rollslip.units import format_quantity
-from rollslip_campaigns.sweep.findings import few_points
+from rollslip_campaigns.sweep.findings import point_table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LimitAccount", "headline", "kept_spans"]
+__all__ = ["LimitAccount", "headline", "satisfied_spans"]
 
 #: Share of the span of all results, and times that of the values, by which two neighbours at a limit are apart where
 #: the result jumps.
@@ -63,7 +63,7 @@ class LimitAccount(Account):
                 "limit": float(a["limit"]),
             },
             "found": headline(dataset),
-            "kept": [{"from": low, "to": high} for low, high, *_ in kept_spans(dataset)],
+            "kept": [{"from": low, "to": high} for low, high, *_ in satisfied_spans(dataset)],
             "edges": [
                 {
                     "kept": one["edge_kept"],
@@ -94,10 +94,10 @@ class LimitAccount(Account):
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each value, in ascending order, if there are not too many to read."""
-        return few_points(self.sheets(dataset)[""], [dataset.attrs["searched_key"]])
+        return point_table(self.sheets(dataset)[""], [dataset.attrs["searched_key"]])
 
 
-def kept_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, bool]]:
+def satisfied_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, bool]]:
     """Return the spans of values at which the limit is kept: both ends, and whether each is an end of the range."""
     ok = dataset["status"].to_numpy() == "ok"
     values = dataset["searched"].to_numpy()[ok]
@@ -122,7 +122,7 @@ def headline(dataset: "xr.Dataset") -> str:
         return (
             f"whether {what} is kept is not known: none of {ok.size} values of {key} has a result"
         )
-    spans = kept_spans(dataset)
+    spans = satisfied_spans(dataset)
     if len(spans) == 1 and spans[0][2] and spans[0][3]:
         return f"{what} is kept at all {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
     if not spans:

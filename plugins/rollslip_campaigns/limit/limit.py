@@ -50,7 +50,7 @@ from rollslip_campaigns.sweep.definition import Resolutions, Sweep, name_of
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import values_of
-from rollslip_campaigns.sweep.run import Progress, asked_engine
+from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs, read_fraction
 from rollslip_campaigns.sweep.sweep import assembled, plan_sweep, study_with
 from rollslip_studies.variation.quantities import quantities
@@ -141,18 +141,18 @@ class Limit:
         return lines
 
 
-def plan_limit(asked: "LimitSettings") -> Limit:
+def plan_limit(requested: "LimitSettings") -> Limit:
     """Check a search and lay out its values."""
-    given = asked.given
-    over = read_overs(asked.over)
-    within = read_fraction(asked.within)
+    given = requested.given
+    over = read_overs(requested.over)
+    within = read_fraction(requested.within)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
-    name = study_with(base, asked.study, outputs_of(asked.keep))
-    requirement = read_requirement(asked.keep, study_class(name, base), named_damage(base))
+    name = study_with(base, requested.study, outputs_of(requested.keep))
+    requirement = read_requirement(requested.keep, study_class(name, base), named_damage(base))
     if not 1e-6 <= within <= 0.5:
         raise SceneError(
             [
-                f"within: a share from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {asked.within}"
+                f"within: a share from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {requested.within}"
             ]
         )
     if len(over) != 1:
@@ -183,9 +183,9 @@ def plan_limit(asked: "LimitSettings") -> Limit:
     ending = ":log" if logarithmic else ""
     rough = plan_sweep(
         base, {key: f"{span}:{count}{ending}"}, study=name, output=[requirement.output],
-        engine=asked.engine, time_limit=asked.time_limit,
+        engine=requested.engine, time_limit=requested.time_limit,
     )  # fmt: skip
-    asked_engine(rough)  # refused before a folder is made
+    requested_engine(rough)  # refused before a folder is made
     values = rough.design.axes[0].values
     width = (
         math.log(float(values[-1]) / float(values[0])) / math.log1p(within)
@@ -270,7 +270,7 @@ def _resolution(
     if not found:
         return None, math.nan, off
     alike = ("integrator", "friction", "level")
-    resolution = Resolution.finest_of([one for _, one in found], alike)
+    resolution = Resolution.maximum_of([one for _, one in found], alike)
     seconds = list[float]()
     for at, _ in found:
         begin = time.process_time()
@@ -304,22 +304,22 @@ def run_limit(
 
     points = Points.of(made.sweep, folder, said, report)
     slacks, failed, longest = _known(made, folder)
-    asked = sorted({*made.first, *failed})
+    requested = sorted({*made.first, *failed})
     again: tuple[str, ...] = FAILED
     alone = (
         None
-        if asked_engine(made.sweep) is not None or made.sweep.local
+        if requested_engine(made.sweep) is not None or made.sweep.local
         else get_model("engine", "serial")
     )
-    while asked:
+    while requested:
         points.compute(
-            asked, engine=alone if len(asked) == 1 and longest <= _SOON else None, again=again
+            requested, engine=alone if len(requested) == 1 and longest <= _SOON else None, again=again
         )
         slacks, failed, longest = _known(made, folder)
-        asked = next_places(slacks, failed, made.spacing)
+        requested = next_places(slacks, failed, made.spacing)
         again = ()
         points = attrs.evolve(points, said=lambda text: None)
-        said(f"{len(slacks) + len(failed)} values computed{_so_far(made, slacks) if asked else ''}")
+        said(f"{len(slacks) + len(failed)} values computed{_so_far(made, slacks) if requested else ''}")
     dataset = _dataset(made, points, slacks, failed)
     save(dataset, folder / RESULT)
     return dataset
@@ -373,10 +373,10 @@ def _so_far(made: Limit, slacks: Mapping[int, float]) -> str:
 
 
 def of_the_worst(
-    asked: Requirement, values: "np.ndarray[Any, Any]", words: "np.ndarray[Any, Any]"
+    requested: Requirement, values: "np.ndarray[Any, Any]", words: "np.ndarray[Any, Any]"
 ) -> str:
     """Return what a study says of the worst of several values; of all where none is known."""
-    worst = asked.worst(values.tolist())
+    worst = requested.worst(values.tolist())
     of_it = words if math.isnan(worst) else words[values == worst]
     return "; ".join(dict.fromkeys(filter(None, of_it.astype(str).tolist())))
 
@@ -390,16 +390,16 @@ def _dataset(
     whole = points.collected(places)
     at = whole.isel({made.sweep.names[made.axis.key]: places})
     quantity = made.axis.quantity
-    asked = made.requirement
+    requested = made.requirement
     values = np.array(made.axis.values, dtype=float)
     unit = str(quantity.unit)
-    named = f"study_{asked.output}" if f"study_{asked.output}" in at else asked.output
+    named = f"study_{requested.output}" if f"study_{requested.output}" in at else requested.output
     rows = (
         at[named].to_numpy().reshape(len(places), -1)
         if named in at
         else np.full((len(places), 1), np.nan)
     )
-    output = study_class(made.sweep.study).outputs[asked.output]
+    output = study_class(made.sweep.study).outputs[requested.output]
     why = f"study_{output.status}" if f"study_{output.status}" in at else output.status
     words = np.full(rows.shape, "")
     if why in at:  # one for each value, or one for all of a point
@@ -413,13 +413,13 @@ def _dataset(
     variables: dict[str, Any] = {
         "searched": ("point", values[places],
                      about(unit, quantity.doc) | {"key": made.axis.key, "given": made.axis.given}),
-        "result": ("point", np.array([asked.worst(row.tolist()) for row in rows]),
-                   about(asked.unit, output.meaning) | {"key": asked.output, "given": asked.given}),
+        "result": ("point", np.array([requested.worst(row.tolist()) for row in rows]),
+                   about(requested.unit, output.meaning) | {"key": requested.output, "given": requested.given}),
         "keeps": ("point", np.array([slacks.get(k, math.nan) >= 0.0 for k in places], dtype=float),
                   about("1", "1 where the limit is kept")),
         "status": ("point", at["status"].to_numpy(), about("1", "how the point ended")),
         "message": ("point", at["message"].to_numpy(), about("1", "why it is not ok")),
-        "result_status": ("point", np.array([of_the_worst(asked, *one) for one in zip(rows, words, strict=True)]),
+        "result_status": ("point", np.array([of_the_worst(requested, *one) for one in zip(rows, words, strict=True)]),
                           about("1", "what the study says of the result")),
         "seconds": ("point", at["seconds"].to_numpy(), about("s", "time that the point took")),
         "edge_kept": ("edge", values[[kept for kept, _ in edges]], about(unit, "value at the limit that keeps it")),
@@ -441,11 +441,11 @@ def _dataset(
             "logarithmic": int(made.logarithmic),
             "within": made.within,
             "first": len(made.first),
-            "output": asked.output,
-            "sense": asked.sense,
-            "limit": asked.limit,
-            "limit_given": asked.given,
-            "requirement": asked.told,
+            "output": requested.output,
+            "sense": requested.sense,
+            "limit": requested.limit,
+            "limit_given": requested.given,
+            "requirement": requested.told,
             "range": json.dumps([format_quantity(float(one), unit, 4, made.axis.given) for one in values[[0, -1]]]),
         },
     )  # fmt: skip

@@ -89,8 +89,8 @@ def read_requirement(
                 f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"
             ]
         )
-    asked, sense, value = form.groups()
-    name = named_outputs(study, [asked])[0]
+    requested, sense, value = form.groups()
+    name = named_outputs(study, [requested])[0]
     sense = f"{sense[0]}="
     if name in {output.status for output in study.outputs.values()}:
         raise refuse_text_output(name)

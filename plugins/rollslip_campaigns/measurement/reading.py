@@ -148,7 +148,7 @@ class _Reader:
             self._note("series", f"two are called {as_written(name)}; give each a name of its own")
 
     def _note(self, key: str, reason: str) -> None:
-        self.problems.append(self.where.at(key).says(reason))
+        self.problems.append(self.where.at(key).message(reason))
 
     def _references(self, source: SourceTable) -> tuple[Any, ...]:
         found: list[Reference | str] = []
@@ -159,16 +159,16 @@ class _Reader:
                     fields: dict[str, Any] = dict(one)
                     found.append(Reference(**fields))
                 except (TypeError, ValueError) as error:
-                    self.problems.append(where.at(k).says(str(error)))
+                    self.problems.append(where.at(k).message(str(error)))
             elif isinstance(one, str) and len(one.split()) >= 3:
                 found.append(one)
             else:
                 self.problems.append(
-                    where.at(k).says("a citation is expected: who, what, where and when")
+                    where.at(k).message("a citation is expected: who, what, where and when")
                 )
         if not source.references:
             self.problems.append(
-                where.says(
+                where.message(
                     "missing, but required: a citation of what the values stand in, or of the rig's own record"
                 )
             )
@@ -216,7 +216,7 @@ class _Reader:
                 f"{_CLOSED!r}, but the values stand here; leave them out and give the recipe",
             ),
         ]
-        self.problems += [at.says(reason) for wrong, at, reason in faults if wrong]
+        self.problems += [at.message(reason) for wrong, at, reason in faults if wrong]
 
     def _check_estimates(self) -> None:
         """What is estimated stands in a scene, and scatters where it is a number."""
@@ -228,7 +228,7 @@ class _Reader:
                 value for scene in scenes if (value := _deep(scene.raw or {}, path)) is not None
             ]
             if scenes and not stated:
-                self.problems.append(at.says("no scene of the data set states this key"))
+                self.problems.append(at.message("no scene of the data set states this key"))
             for scene in scenes:
                 value = _deep(scene.raw or {}, path)
                 number = isinstance(value, int | float) or (
@@ -256,7 +256,7 @@ class _Reader:
         path = self.folder / name
         if Path(name).name != name or not path.is_file():
             raise SceneError(
-                [where.says(f"{as_written(name)} is no file in {readable(str(self.folder))}")]
+                [where.message(f"{as_written(name)} is no file in {readable(str(self.folder))}")]
             )
         return path
 
@@ -275,19 +275,19 @@ class _Reader:
             self._unknown(one.quantity, where)
         elif not one.unit:
             reason = "missing: the variable of a study needs its SI unit, '1' for none"
-            self.problems.append(where.at("unit").says(reason))
+            self.problems.append(where.at("unit").message(reason))
         else:
             try:
                 return check_unit(one.unit)
             except UnitError as error:
-                self.problems.append(where.at("unit").says(str(error)))
+                self.problems.append(where.at("unit").message(str(error)))
         return None
 
     def _unknown(self, name: str, where: Location) -> None:
         near = nearest(name, QUANTITIES, count=1)
         hint = did_you_mean(near, f"there are: {', '.join(QUANTITIES)}; and STUDY/VARIABLE")
         self.problems.append(
-            where.at("quantity").says(f"{as_written(name)} is none that is known; {hint}")
+            where.at("quantity").message(f"{as_written(name)} is none that is known; {hint}")
         )
 
     # Series -----------------------------------------------------------------------------------------------------------
@@ -298,7 +298,7 @@ class _Reader:
             return None
         if not one.uncertainty.strip():
             self.problems.append(
-                where.at("uncertainty").says(
+                where.at("uncertainty").message(
                     "is empty; say what the column of uncertainty rests on"
                 )
             )
@@ -306,12 +306,12 @@ class _Reader:
         wanted, other = ("rig", "scene") if of_contact else ("scene", "rig")
         if not getattr(one, wanted):
             self.problems.append(
-                where.at(wanted).says(f"missing: a {one.quantity} is measured on a {wanted}")
+                where.at(wanted).message(f"missing: a {one.quantity} is measured on a {wanted}")
             )
             return None
         if getattr(one, other):
             self.problems.append(
-                where.at(other).says(f"a {one.quantity} is measured on a {wanted}; leave this out")
+                where.at(other).message(f"a {one.quantity} is measured on a {wanted}; leave this out")
             )
         common: dict[str, Any] = {
             "name": one.name,
@@ -456,10 +456,10 @@ class _Reader:
         scene = self._scene(one.scene, where.at("scene"))
         before = len(self.problems)
         if not one.source.strip():
-            self.problems.append(where.at("source").says("is empty; name who says so, and where"))
+            self.problems.append(where.at("source").message("is empty; name who says so, and where"))
         if bool(one.key) != bool(one.values) or (one.key and one.steps):
             self.problems.append(
-                where.at("key").says("give a key with its values, or steps, and not both")
+                where.at("key").message("give a key with its values, or steps, and not both")
             )
         steps = (
             one.steps
@@ -470,7 +470,7 @@ class _Reader:
             or (Step(says="the scene as it is"),)
         )
         if one.expect in ("rises", "falls") and len(steps) < 2:
-            self.problems.append(where.says(f"what {one.expect} needs two steps at least"))
+            self.problems.append(where.message(f"what {one.expect} needs two steps at least"))
         limit = self._limit(one, unit, where)
         if scene is not None:
             for step in steps:
@@ -480,7 +480,7 @@ class _Reader:
                     and not _OF_STUDY.fullmatch(step.quantity)
                 ):
                     self._unknown(step.quantity, where.at("steps"))
-                self._fits(scene, step.changes, where.at("steps").says(step.says))
+                self._fits(scene, step.changes, where.at("steps").message(step.says))
         if unit is None or scene is None or len(self.problems) > before:
             return None
         return Statement(
@@ -496,12 +496,12 @@ class _Reader:
                 if bounded
                 else f"{one.expect!r} has no limit; leave it out"
             )
-            self.problems.append(where.at("limit").says(reason))
+            self.problems.append(where.at("limit").message(reason))
         elif bounded and unit is not None:
             try:
                 return quantity(one.limit, unit)
             except UnitError as error:
-                self.problems.append(where.at("limit").says(str(error)))
+                self.problems.append(where.at("limit").message(str(error)))
         return None
 
 

@@ -149,7 +149,7 @@ class RigData:
     def __len__(self) -> int:
         return len(self.lines)
 
-    def says(self, row: int, column: str, reason: str) -> str:
+    def message(self, row: int, column: str, reason: str) -> str:
         """Return a message about a cell: ``data.csv:7: friction: ...``."""
         return f"{self.source}:{self.lines[row]}: {column}: {reason}"
 

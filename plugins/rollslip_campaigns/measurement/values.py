@@ -15,7 +15,7 @@ from typing import Final
 import attrs
 
 from rollslip.catalogue.kinds import Kind
-from rollslip.fields import field, one_of, positive
+from rollslip.fields import field, choice_of, positive
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable
@@ -83,7 +83,7 @@ class SourceTable:
     references: tuple[object, ...] = field(
         doc="citations, texts or tables of a reference's fields", default=()
     )
-    read: str = field(doc="how the values were read", validator=one_of(*READ))
+    read: str = field(doc="how the values were read", validator=choice_of(*READ))
     by: str = _text("who read them, where they are digitised", "")
     licence: str = _text(LICENCES)
     recipe: str = _text("how to get what is not here", "")
@@ -133,7 +133,7 @@ class StatementTable:
     at: FrozenTable = field(doc="which of several values of the quantity", default=FrozenTable())
     scene: str = _text("file of the scene, beside this one")
     expect: str = field(
-        doc="how the values go along the steps, or where they lie", validator=one_of(*EXPECTED)
+        doc="how the values go along the steps, or where they lie", validator=choice_of(*EXPECTED)
     )
     by: float = field(
         doc="least change from step to step that counts, as a share of the value before", unit="1", default=0.02,

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import Resolution, finest
+from rollslip.bearing.resolution import Resolution, reference_resolution
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError, nearest
@@ -115,14 +115,14 @@ class Family:
                 kind: len(self.of(study, kind))
                 for kind in ("numerical", "modelling", "film", "reference")
             }
-            finest = self.of(study, "reference")[0].resolution
+            reference_resolution = self.of(study, "reference")[0].resolution
             n_positions = (
-                f" and {finest.n_positions} roller positions" if (finest.n_positions or 1) > 1 else ""
+                f" and {reference_resolution.n_positions} roller positions" if (reference_resolution.n_positions or 1) > 1 else ""
             )
             lines.append(
                 f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
                 f"{self.rounds} round{'s' * (self.rounds != 1)} each, against {of['reference']} references, the finest "
-                f"with {finest.slices} slices{n_positions}"
+                f"with {reference_resolution.slices} slices{n_positions}"
             )
         return [*lines, *self.notes]
 
@@ -131,12 +131,12 @@ class Family:
         return [one for one in self.choices if one.study == study and one.kind in kinds]
 
 
-def plan_family(asked: "ParetoSettings") -> Family:
+def plan_family(requested: "ParetoSettings") -> Family:
     """Return the family of choices for a scene."""
-    scene = asked.given
-    rounds = asked.rounds
+    scene = requested.given
+    rounds = requested.rounds
     wanted, laws, films = (
-        tuple(listed(names)) for names in (asked.choices, asked.traction, asked.film)
+        tuple(listed(names)) for names in (requested.choices, requested.traction, requested.film)
     )
     problems = list[str]()
     for name in wanted:
@@ -154,7 +154,7 @@ def plan_family(asked: "ParetoSettings") -> Family:
         raise SceneError(problems)
     for law in laws:
         get_class("traction", law)
-    made = plan(scene, asked.study)
+    made = plan(scene, requested.study)
     named = [axis for axis, names in (("traction", laws), ("film", films)) if names]
     wanted = tuple(dict.fromkeys((*wanted, *named))) if wanted else tuple(AXES)
     varied = _films(scene, films)
@@ -202,7 +202,7 @@ def _of_study(
     scene = made.scene
     base = made.estimated[study].resolution
     settings = made.studies[study]
-    best = finest(scene)
+    best = reference_resolution(scene)
     law = assemble(scene, best).traction.full_film.name
     if "table_tolerance" in settings.acts:
         best = attrs.evolve(

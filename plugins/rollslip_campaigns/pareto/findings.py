@@ -193,8 +193,8 @@ def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
     error = np.maximum(one["error"].to_numpy(), float(one["floor"]))
     floor = float(one["floor"])
     planned = int(np.flatnonzero(labels == PLANNED)[0])
-    finest = int(np.flatnonzero(labels == FINEST)[0])
-    if np.isnan(one["error"].to_numpy()[finest]):
+    reference_resolution = int(np.flatnonzero(labels == FINEST)[0])
+    if np.isnan(one["error"].to_numpy()[reference_resolution]):
         return [f"{name}: the finest finds none, so there is no error"]
     rows = np.flatnonzero(one["on_front"].to_numpy())
     rows = rows[np.argsort(time[rows], kind="stable")]
@@ -236,10 +236,10 @@ def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
         if within
         else f"{name}: no numerical choice is within the scene's tolerance of {_percent(tolerance)}"
     )
-    return [*sentences, *_of_models(one, name, planned, finest, rounds)]
+    return [*sentences, *_of_models(one, name, planned, reference_resolution, rounds)]
 
 
-def _of_models(one: "xr.Dataset", name: str, planned: int, finest: int, rounds: int) -> list[str]:
+def _of_models(one: "xr.Dataset", name: str, planned: int, reference_resolution: int, rounds: int) -> list[str]:
     """Say how far other models are from the exact one and films from the scene's, with their times to the plan's."""
     difference = one["difference"].to_numpy()
     words = one["difference_status"].to_numpy()
@@ -262,8 +262,8 @@ def _of_models(one: "xr.Dataset", name: str, planned: int, finest: int, rounds: 
 
     own = (
         "has none"
-        if np.isnan(difference[finest])
-        else f"is {_percent(difference[finest], floor)} from it"
+        if np.isnan(difference[reference_resolution])
+        else f"is {_percent(difference[reference_resolution], floor)} from it"
     )
     laws = listed("modelling")
     films = listed("film")

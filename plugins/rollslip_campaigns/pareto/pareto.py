@@ -199,18 +199,18 @@ def _dataset(
     for values, reduce in ((median, np.nanmedian), (low, np.nanmin), (high, np.nanmax)):
         values[known] = reduce(seconds[known], axis=1)
     for j, (study, name) in enumerate(results):
-        finest = of[study, FINEST]
+        reference_resolution = of[study, FINEST]
         exact = of.get((study, EXACT), of[study, FINEST])
-        floor[j] = max(_compared(of.get((study, HALF), finest), finest, name)[0], _ROUNDING)
+        floor[j] = max(_compared(of.get((study, HALF), reference_resolution), reference_resolution, name)[0], _ROUNDING)
         for k, (one, record) in enumerate(zip(family.choices, records, strict=True)):
             if one.study != study:
                 continue
-            against = finest if one.kind == "film" else exact
+            against = reference_resolution if one.kind == "film" else exact
             numbers["difference"][k, j], words["difference"][k, j] = _compared(
                 record, against, name
             )
             if one.kind == "numerical" or one.label in (FINEST, HALF):
-                numbers["error"][k, j], words["error"][k, j] = _compared(record, finest, name)
+                numbers["error"][k, j], words["error"][k, j] = _compared(record, reference_resolution, name)
         for number, kind in (("error", "numerical"), ("difference", "modelling")):
             rows = np.flatnonzero((owners == study) & ((kinds == kind) | (labels == PLANNED)))
             # below the floor none is more exact than another, as far as anybody knows

@@ -41,7 +41,7 @@ class SurrogateAccount(Account):
             "error": {
                 "largest": float(a["error"]),
                 "median": float(a["median_error"]),
-                "asked": float(a["error_asked"]),
+                "asked": float(a["error_requested"]),
             },
             "operations": int(dataset.sizes["operation"]),
             "nodes": dict(zip(_NODES, json.loads(a["nodes"]), strict=True)),

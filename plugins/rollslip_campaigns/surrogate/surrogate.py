@@ -35,7 +35,7 @@ from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import values_of
 from rollslip_campaigns.sweep.result import origin_of_points
-from rollslip_campaigns.sweep.run import Progress, asked_engine
+from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import read_overs, read_fraction
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.raceway_friction.study import (
@@ -156,21 +156,21 @@ def _axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
     return found
 
 
-def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
+def plan_surrogate(requested: "SurrogateSettings") -> Surrogate:
     """Check the ranges and lay out the points."""
-    base = attrs.evolve(asked.given, sweep=None, uncertainty=None)
+    base = attrs.evolve(requested.given, sweep=None, uncertainty=None)
     assembly = assemble(base)
     if (pocket := assembly.cage.drags.pocket_friction) is not None:
         raise SceneError(
             [f"cage.drag: {pocket.name}: one mean roller has no force in its pocket, so that its friction there cannot "
              "be tabulated; leave it out, or go through time at level pocket"]
         )  # fmt: skip
-    ranges = _ranges(base, asked.over)
-    error = read_fraction(asked.error)
+    ranges = _ranges(base, requested.over)
+    error = read_fraction(requested.error)
     if not 1e-4 <= error <= 0.2:
         raise SceneError(
             [
-                f"error: a share from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {asked.error}"
+                f"error: a share from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {requested.error}"
             ]
         )
     slow, fast, least, most = _speeds(assembly, ranges)
@@ -191,8 +191,8 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
             [f"{names}between the most speeds of a table they are off by {100 * off:.2g} %; allow a larger error, or "
              "narrow the ranges of speeds"]
         )  # fmt: skip
-    how = {"study": RacewayFriction.name, "output": list(_OUTPUTS), "engine": asked.engine,
-           "time_limit": asked.time_limit}  # fmt: skip
+    how = {"study": RacewayFriction.name, "output": list(_OUTPUTS), "engine": requested.engine,
+           "time_limit": requested.time_limit}  # fmt: skip
     rows = dict[str, object]()
     spans = dict[str, object]()
     for key, axis in zip(_KEYS, _axes(ranges).values(), strict=False):
@@ -201,12 +201,12 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
             low, high = ranges[key]
             spans[key] = f"{low!r}:{high!r}{':log' if axis.logarithmic else ''}"
     sweep = plan_sweep(scene, rows, **how)
-    asked_engine(sweep)
+    requested_engine(sweep)
     random = plan_sweep(
         scene, spans or {_KEYS[1]: rows[_KEYS[1]]},
-        **how | ({"samples": asked.checks, "seed": 1, "sampling": "latin-hypercube"} if spans else {}),
+        **how | ({"samples": requested.checks, "seed": 1, "sampling": "latin-hypercube"} if spans else {}),
     )  # fmt: skip
-    sweep, random = (attrs.evolve(one, given=asked.given) for one in (sweep, random))
+    sweep, random = (attrs.evolve(one, given=requested.given) for one in (sweep, random))
     return Surrogate(scene=base, sweep=sweep, random=random, ranges=ranges, error=error)
 
 
@@ -312,10 +312,10 @@ class _Nodes:
 
 def _computed(points: Points, known: dict[int, dict[str, Array]], numbers: Sequence[int]) -> None:
     """Compute some points, those that failed once more, and add what they have given."""
-    asked = [number for number in numbers if number not in known]
-    if not asked:
+    requested = [number for number in numbers if number not in known]
+    if not requested:
         return
-    points.compute(asked, again=FAILED)
+    points.compute(requested, again=FAILED)
     failed = dict[int, str]()
     for row in records(points.folder):
         if row.status == "ok":
@@ -324,9 +324,9 @@ def _computed(points: Points, known: dict[int, dict[str, Array]], numbers: Seque
             failed.pop(row.number, None)
         elif row.number not in known:
             failed[row.number] = row.message
-    if lost := [number for number in asked if number not in known]:
+    if lost := [number for number in requested if number not in known]:
         raise ConvergenceError(
-            f"{len(lost)} of {len(asked)} operations failed, the first: {failed.get(lost[0], 'it was not computed')}; "
+            f"{len(lost)} of {len(requested)} operations failed, the first: {failed.get(lost[0], 'it was not computed')}; "
             "narrow the ranges"
         )
 
@@ -645,7 +645,7 @@ def _dataset(
         attrs=origin_of_points(attrs.evolve(made.sweep, scene=made.scene), [], [], study="surrogate") | {
             "error": float(errors.max()),
             "median_error": float(np.median(errors)),
-            "error_asked": made.error,
+            "error_requested": made.error,
             "sliding_small": SMALL,
             "nodes": json.dumps([len(row) for row in rows] + [len(one) for one in nodes.values()]),
         },

@@ -51,14 +51,14 @@ sweep = _Steps("sweep", help=SweepSettings.summary)
 
 @results_options("Folder for the sweep, new or empty.", overwrite=False)
 @json_option
-def _sweep_run(asked: SweepSettings, about: str, results: Results) -> None:
+def _sweep_run(requested: SweepSettings, about: str, results: Results) -> None:
     from rollslip_campaigns.sweep.folder import begin
 
-    made = asked.plan()
+    made = requested.plan()
     warn(made.unusual)
     if not results.as_json:
         click.echo("\n".join(made.told))
-    results.go_to(asked.place(made, about))
+    results.go_to(requested.place(made, about))
     _run_sweep(made, begin(made, results.target), (), results)
 
 

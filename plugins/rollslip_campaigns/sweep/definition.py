@@ -16,7 +16,7 @@ import attrs
 
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.packages import edited
-from rollslip.fields import at_least, non_negative, one_of, parameter, positive
+from rollslip.fields import at_least, non_negative, choice_of, parameter, positive
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, resolved, scene_hash
@@ -125,7 +125,7 @@ class SweepTable:
         validator=attrs.validators.optional(at_least(1)),
     )
     sampling: str = parameter(
-        default="sobol", doc="how samples are drawn", validator=one_of(*SAMPLINGS)
+        default="sobol", doc="how samples are drawn", validator=choice_of(*SAMPLINGS)
     )
     seed: int = parameter(default=0, doc="seed of the samples", validator=non_negative)
     time_limit: float | None = parameter(

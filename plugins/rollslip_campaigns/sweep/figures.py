@@ -19,7 +19,7 @@ from rollslip.results.style import (
     MARKER,
     MM,
     MODEL_COLOURS,
-    ONE_COLUMN,
+    SINGLE_COLUMN,
     RING_COLOURS,
     Sheet,
     against_zero,
@@ -160,7 +160,7 @@ def _quantiles(values: "xr.DataArray", key: str) -> Array:
 def _models(values: "xr.DataArray", key: str) -> "Figure":
     names = values[key].to_numpy()
     quantiles = 100 * np.minimum(_quantiles(values, key), 1.0)
-    sheet = Sheet((ONE_COLUMN[0], (22 + 7 * len(names)) * MM))
+    sheet = Sheet((SINGLE_COLUMN[0], (22 + 7 * len(names)) * MM))
     axes = sheet.axes
     for k, (low, first, middle, third, high) in enumerate(quantiles):
         place = len(names) - 1 - k

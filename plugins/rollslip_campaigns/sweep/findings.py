@@ -15,7 +15,7 @@ from rollslip.results.words import in_percent, plain, two, with_unit
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SweepAccount", "axes", "by_name", "few_points", "named_dims", "resting"]
+__all__ = ["SweepAccount", "axes", "by_name", "point_table", "named_dims", "resting"]
 
 #: Sweeps of at most this many points are shown as a table with a row for each point.
 _POINTS: Final = 24
@@ -76,10 +76,10 @@ class SweepAccount(Account):
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each point, if there are not too many to read."""
-        return few_points(sheet(dataset), set(axes(dataset).values()))
+        return point_table(sheet(dataset), set(axes(dataset).values()))
 
 
-def few_points(of: Sheet, varied: Collection[str]) -> list[Table]:
+def point_table(of: Sheet, varied: Collection[str]) -> list[Table]:
     """Return the rows of a spreadsheet as people read them, without how points ended, if there are not too many."""
     head, rows = of
     words = {"status", "message", "seconds"}

@@ -26,7 +26,7 @@ from rollslip_campaigns.sweep.journal import (
     states,
 )
 from rollslip_campaigns.sweep.result import apart_from_run, collect
-from rollslip_campaigns.sweep.run import Report, asked_engine, run_sweep
+from rollslip_campaigns.sweep.run import Report, requested_engine, run_sweep
 from rollslip_campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_sweep
 
 if TYPE_CHECKING:
@@ -39,11 +39,11 @@ __all__ = ["RESULT", "Points", "Status", "begin", "finish", "planned", "status",
 RESULT = "sweep.nc"
 
 
-def planned(asked: "SweepSettings") -> Sweep:
+def planned(requested: "SweepSettings") -> Sweep:
     """Check the settings of a sweep and lay out its points."""
-    told = {one.name: getattr(asked, one.name) for one in attrs.fields(SweepTable)}
-    made = plan_sweep(asked.given, told.pop("over"), **told)
-    asked_engine(made)  # refused before a folder is made
+    told = {one.name: getattr(requested, one.name) for one in attrs.fields(SweepTable)}
+    made = plan_sweep(requested.given, told.pop("over"), **told)
+    requested_engine(made)  # refused before a folder is made
     return made
 
 

@@ -96,18 +96,18 @@ class _Task:
 
     def __init__(self, work: SweepWork) -> None:
         self.work, self.hashes = work, SceneHashes(work.scene)
-        self._asked = dict[Resolution | None, str]()
+        self._requested = dict[Resolution | None, str]()
 
     def key(self, scene: Scene, resolution: Resolution | None) -> str:
         """Return what tells a point from others: scene, study, outputs, resolution and packages."""
-        if resolution not in self._asked:
+        if resolution not in self._requested:
             finely = None if resolution is None else attrs.asdict(resolution)
             work = self.work
-            self._asked[resolution] = json.dumps(
+            self._requested[resolution] = json.dumps(
                 [work.study, work.outputs, finely, here(work.packages)]
             )
         return hashlib.sha256(
-            f'["{self.hashes.of(scene)}", {self._asked[resolution][1:]}'.encode()
+            f'["{self.hashes.of(scene)}", {self._requested[resolution][1:]}'.encode()
         ).hexdigest()
 
     def study(self, scene: Scene) -> Study:

@@ -37,7 +37,7 @@ from rollslip.units import unit_given
 from rollslip_campaigns.sweep.definition import OF_POINTS, Sweep
 from rollslip_campaigns.sweep.journal import STATUSES, check_owner, layouts, records
 from rollslip_campaigns.sweep.point import unpacked
-from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart
+from rollslip_campaigns.sweep.sampling import Axis, Design, spread_points
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -213,7 +213,7 @@ def _corners(design: Design, done: "np.ndarray[Any, Any]") -> list[int]:
         (rows - np.median(rows, axis=0)) / np.maximum(np.ptp(rows, axis=0), 1e-300), axis=1
     )
     return [
-        int(some[k]) for k in dict.fromkeys([int(np.argmin(middle)), *far_apart(rows, _CORNERS)])
+        int(some[k]) for k in dict.fromkeys([int(np.argmin(middle)), *spread_points(rows, _CORNERS)])
     ]
 
 

@@ -56,7 +56,7 @@ from rollslip_campaigns.sweep.journal import (
 )
 from rollslip_campaigns.sweep.point import Done, compute
 
-__all__ = ["Progress", "Report", "Settled", "asked_engine", "described", "run_sweep"]
+__all__ = ["Progress", "Report", "Settled", "requested_engine", "described", "run_sweep"]
 
 _log = logging.getLogger(
     "rollslip.campaigns.sweep.run"
@@ -161,12 +161,12 @@ def run_sweep(
         )
         run = _Run(sweep, len(numbers), before, report)
         _log.info("%d of %d points are in %s already", before.total(), len(numbers), folder)
-        chosen = engine if engine is not None else asked_engine(sweep)
+        chosen = engine if engine is not None else requested_engine(sweep)
         why = "asked for"
         if not pending:
             said("all points are done")
             return Settled(run.progress(), "", "all points are done", False)
-        with _interruptible() as asked:
+        with _interruptible() as requested:
             if chosen is not None:
                 _check(sweep, chosen)
             else:
@@ -176,27 +176,27 @@ def run_sweep(
             run.journal = Journal(folder, about | {"engine": chosen.name if chosen else "serial"})
             try:
                 if chosen is None:
-                    chosen, why = run.measured(pending, asked)
-                if pending and not asked.times:
+                    chosen, why = run.measured(pending, requested)
+                if pending and not requested.times:
                     said(f"engine {chosen.name}: {why}")
                     _log.info("engine %s: %s", chosen.name, why)
                     run.journal.note({"engine": chosen.name})
-                    run.compute(chosen, pending, asked)
-                ended = "interrupted" if asked.times else "complete"
+                    run.compute(chosen, pending, requested)
+                ended = "interrupted" if requested.times else "complete"
             except (EngineError, OutputError) as error:
                 ended = describe_error(error)
                 raise
             finally:
                 run.journal.close(ended)
         return Settled(
-            run.progress(), chosen.name, why, bool(asked.times) and run.progress().done < run.total
+            run.progress(), chosen.name, why, bool(requested.times) and run.progress().done < run.total
         )
 
 
 # The engine ----------------------------------------------------------------------------------------------------------
 
 
-def asked_engine(sweep: Sweep) -> Engine | None:
+def requested_engine(sweep: Sweep) -> Engine | None:
     """Return the engine that a sweep asks for, None if it leaves the choice."""
     if sweep.table.engine is None:
         return None
@@ -313,7 +313,7 @@ class _Run:
         seconds = time.monotonic() - self.begin
         return Progress(self.total, dict(self.counts), self.here, seconds)
 
-    def measured(self, pending: _Pending, asked: _Interrupts) -> tuple[Engine, str]:
+    def measured(self, pending: _Pending, requested: _Interrupts) -> tuple[Engine, str]:
         """Compute some points in this process, and return the engine that is the fastest for the others.
 
         Two points; and where they are not dear, some together at a time, as long as processes seem to be worth their
@@ -324,7 +324,7 @@ class _Run:
         count = cores()
         engine: Engine | None = None
         said = ""
-        while pending and not (times and asked.times):
+        while pending and not (times and requested.times):
             some = 1 if len(times) < 2 else min(_SOME, int(_DEAR / min(times)))
             if not some or (some > 1 and len(pending) < 4 * _SOME):
                 break
@@ -357,13 +357,13 @@ class _Run:
             "engine", "processes"
         ), f"{said}: {left} of them are worth the start of {count} processes"
 
-    def compute(self, engine: Engine, pending: _Pending, asked: _Interrupts) -> None:
+    def compute(self, engine: Engine, pending: _Pending, requested: _Interrupts) -> None:
         """Compute all points, until there are none, or the run is interrupted."""
         executor = self._start(engine, engine.executor)
         at_once = True
         try:
-            while (pending and not asked.times) or self.flying:
-                if asked.times:
+            while (pending and not requested.times) or self.flying:
+                if requested.times:
                     self._take_back()
                 else:
                     self._hand_out(engine, executor, pending)
@@ -372,16 +372,16 @@ class _Run:
                     continue
                 error, numbers = lost
                 if engine.killed(error) and not isinstance(error, BrokenExecutor):
-                    self._one_by_one(engine, numbers, asked)
+                    self._one_by_one(engine, numbers, requested)
                     continue
                 numbers = (*numbers, *(n for task in self._give_up() for n in task))
                 engine.end(executor, at_once=True)
                 if engine.killed(error):
-                    self._one_by_one(engine, numbers, asked)
+                    self._one_by_one(engine, numbers, requested)
                 else:
                     pending.put_back(numbers)
                     self._count_loss(engine, error)
-                if pending and not asked.times:
+                if pending and not requested.times:
                     executor = self._start(engine, engine.executor)
             at_once = False
         finally:
@@ -497,13 +497,13 @@ class _Run:
                 f"engine {engine.name!r} was lost {self.losses} times in a row ({describe_error(error)})"
             )
 
-    def _one_by_one(self, engine: Engine, numbers: tuple[int, ...], asked: _Interrupts) -> None:
+    def _one_by_one(self, engine: Engine, numbers: tuple[int, ...], requested: _Interrupts) -> None:
         """Compute points alone, so that one that kills its worker is known."""
         executor: Executor | None = None
         waiting = deque(sorted(numbers))
         limit = None if self.work.time_limit is None else 2 * self.work.time_limit + _GRACE
         try:
-            while waiting and not asked.times:
+            while waiting and not requested.times:
                 if executor is None:
                     executor = self._start(engine, engine.alone)
                 number = waiting.popleft()

@@ -46,7 +46,7 @@ __all__ = [
     "SAMPLINGS",
     "Axis",
     "Design",
-    "far_apart",
+    "spread_points",
     "label",
     "parse_over",
     "parse_overs",
@@ -374,7 +374,7 @@ def plain_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, s
     return names
 
 
-def far_apart(values: Array, most: int) -> list[int]:
+def spread_points(values: Array, most: int) -> list[int]:
     """Return some rows by number, the first far from the middle, each as far as can be from those before it."""
     width = np.ptp(values, axis=0)
     values = (values - values.min(axis=0)) / np.where(width > 0.0, width, 1.0)

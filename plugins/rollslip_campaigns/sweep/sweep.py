@@ -45,7 +45,7 @@ from rollslip_campaigns.sweep.journal import died, journals
 from rollslip_campaigns.sweep.sampling import (
     Axis,
     Design,
-    far_apart,
+    spread_points,
     probabilities,
     read_axis,
     read_overs,
@@ -77,19 +77,19 @@ _CANDIDATES: Final = 512
 _AGAIN = "the same command as before, with --out {}, makes it again and takes up the journals"
 
 
-def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
-    """Check a sweep and lay out its points; `asked` are settings of `SweepTable` in place of the scene's."""
+def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Sweep:
+    """Check a sweep and lay out its points; `requested` are settings of `SweepTable` in place of the scene's."""
     given = as_scene(scene)
     base = _without_tables(given)
     where = Location(given.origins)
     problems = list[str]()
     check_required(base.plugins.require, where.at("plugins").at("require"))
     over = {} if over is None else read_overs(over)
-    outputs = listed(asked.pop("output", ()))
-    asked = {key: value for key, value in asked.items() if value is not None} | (
+    outputs = listed(requested.pop("output", ()))
+    requested = {key: value for key, value in requested.items() if value is not None} | (
         {"output": outputs} if outputs else {}
     )
-    table, place = _table(given, asked, problems)
+    table, place = _table(given, requested, problems)
     name = study_with(base, table.study, table.output)
     cls = study_class(name, base)
     names: tuple[str, ...] = ()
@@ -119,14 +119,14 @@ def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
     problems += _conflicts(varied)
     if not problems and sampled and not uncertainty.distributions:
         problems.append(
-            place.at("samples").says(
+            place.at("samples").message(
                 "there is nothing to sample; give a range without a count, such as --over "
                 "operation.radial_load=500N:5000N, or a table [uncertainty]"
             )
         )
     elif not problems and not varied:
         problems.append(
-            place.says(
+            place.message(
                 "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
             )
         )
@@ -197,7 +197,7 @@ def _table(
         raise SceneError(problems)
     if table.samples is None and "sampling" in said:
         problems.append(
-            place.at("sampling").says(
+            place.at("sampling").message(
                 "says how samples are drawn, but none are asked for; give samples"
             )
         )
@@ -216,12 +216,12 @@ def _axes(
     for key, raw, at in {full_key(item[0]): item for item in wanted}.values():
         quantity = known.get(key)
         if quantity is None:
-            problems.append(at.says(unknown(key, known)))
+            problems.append(at.message(unknown(key, known)))
             continue
         try:
             axis = read_axis(quantity, raw, sampled)
         except RollslipError as error:
-            problems.append(at.says(error.reason if isinstance(error, FieldError) else str(error)))
+            problems.append(at.message(error.reason if isinstance(error, FieldError) else str(error)))
             continue
         if isinstance(axis, Axis):
             axes.append(axis)
@@ -402,7 +402,7 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
             if one is not None
         ]
         if chosen:
-            resolutions[name_of(list(values.values()))] = Resolution.finest_of(chosen)
+            resolutions[name_of(list(values.values()))] = Resolution.maximum_of(chosen)
     return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
 
 
@@ -428,7 +428,7 @@ def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int6
         [v for v in design.changes(int(number)).values() if isinstance(v, int | float)]
         for number in some
     ]
-    return [int(some[k]) for k in far_apart(np.array(rows, dtype=float), _SPREAD)]
+    return [int(some[k]) for k in spread_points(np.array(rows, dtype=float), _SPREAD)]
 
 
 # Folders -------------------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, Sheet, plain_decades
+from rollslip.results.style import DASHES, MM, MODEL_COLOURS, SINGLE_COLUMN, Sheet, plain_decades
 from rollslip.results.words import of_key
 from rollslip_campaigns.uncertainty.findings import (
     RESERVE,
@@ -102,7 +102,7 @@ def _of_inputs(
     """Draw a panel for each name, whose rows are what scatters, `each` so high [mm]; `bars` draws into one."""
     keys = [of_key(str(key)) for key in dataset["input"].to_numpy()[order]]
     places = np.arange(order.size)
-    size = 2 * ONE_COLUMN[0], (24 + each * len(keys)) * MM
+    size = 2 * SINGLE_COLUMN[0], (24 + each * len(keys)) * MM
     sheet = Sheet(size, 1, len(names), sharex=True, sharey=True, squeeze=False)
     for k, (axes, name) in enumerate(zip(sheet.axes[0], names, strict=True)):
         bars(axes, places, k)

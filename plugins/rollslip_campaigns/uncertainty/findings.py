@@ -350,7 +350,7 @@ def allowable(dataset: "xr.Dataset") -> str:
         what = f"the allowable slip lies beyond the range of slips{end}: so does the {SKIDDING} with probability {p:g}"
         sure = "beyond the range too" if low == math.inf else f"from {_percent(low)} on"
         sure = f"; {few}" if low == -math.inf else f" (95 % interval: {sure}, {n} samples)"
-        return f"{what}{sure}{dataset.attrs.get('look_further', '')}"
+        return f"{what}{sure}{dataset.attrs.get('search_range_hint', '')}"
     what = f"a cage that slips by at most {_percent(value)} does not skid, with probability {p:g}"
     if low == -math.inf:
         return f"{what}; {few}"
@@ -381,9 +381,9 @@ def _shares(one: "xr.Dataset") -> str:
     beyond = int(one["indexed_beyond"])
     said = f"; {beyond} samples beyond the range count as at its end" if beyond else ""
     used = int(one["indexed_rows"])
-    asked = int(one["indexed_asked"])
-    if used < asked:
-        said += f"; made of {used} of {asked} rows, the largest power of two of those without a gap"
+    requested = int(one["indexed_requested"])
+    if used < requested:
+        said += f"; made of {used} of {requested} rows, the largest power of two of those without a gap"
     return f"share of the variance of {one['indexed'].item()}, total Sobol index: {', '.join(parts)}{said}"
 
 

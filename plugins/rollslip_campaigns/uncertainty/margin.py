@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.critical import MAX_CAGE_SLIP, look_further
+from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
 from rollslip.results.dataset import UNITS, about
@@ -39,7 +39,7 @@ from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.result import origin_of_points
-from rollslip_campaigns.sweep.run import Progress, asked_engine
+from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, fraction
@@ -134,15 +134,15 @@ class Margin:
         return quantile(values, probability, replicates=REPLICATES, confidence=self.confidence)
 
 
-def plan_margin(asked: "UncertaintySettings") -> Margin:
+def plan_margin(requested: "UncertaintySettings") -> Margin:
     """Check what is asked for and lay out its samples."""
-    scene = asked.given
-    probability = asked.probability
-    until = asked.until
-    indices = asked.indices
-    samples = asked.samples if asked.samples is not None else _SAMPLES if until is None else _MOST
+    scene = requested.given
+    probability = requested.probability
+    until = requested.until
+    indices = requested.indices
+    samples = requested.samples if requested.samples is not None else _SAMPLES if until is None else _MOST
     stated = "acceptable_slip" in scene.study.get(SteadySlip.name, {})
-    loads = asked.loads if asked.loads is not None else min(_LOADS, samples) if stated else 0
+    loads = requested.loads if requested.loads is not None else min(_LOADS, samples) if stated else 0
     problems = []
     if not 0.5 <= probability < 1.0:
         problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
@@ -164,9 +164,9 @@ def plan_margin(asked: "UncertaintySettings") -> Margin:
         raise SceneError(problems)
     scene, scatter = with_scatter(scene)
     shared: dict[str, Any] = {
-        "seed": asked.seed,
-        "engine": asked.engine,
-        "time_limit": asked.time_limit,
+        "seed": requested.seed,
+        "engine": requested.engine,
+        "time_limit": requested.time_limit,
     }
     friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
     balance = {"study": SteadySlip.name, "output": ["minimum_load"], **shared}
@@ -187,7 +187,7 @@ def plan_margin(asked: "UncertaintySettings") -> Margin:
                 "the indices, or the correlations"
             ]
         )
-    asked_engine(critical)  # refused before a folder is made
+    requested_engine(critical)  # refused before a folder is made
     return Margin(
         critical=critical,
         load=plan_sweep(scene, samples=loads, sampling="replicated-sobol", **balance)
@@ -473,7 +473,7 @@ def _attributes(
         study="uncertainty",
         probability=made.probability,
         slip_range=study.skidding_range,
-        look_further=look_further(
+        search_range_hint=search_range_hint(
             f"{study.table}.skidding_range", study.skidding_range, MAX_CAGE_SLIP
         ),
         curves_with=CLOSURES[study.closure],

@@ -155,7 +155,7 @@ def _statements(dataset: "xr.Dataset") -> "Figure":
              "cannot be determined": ("o", "white", "0.4")}  # fmt: skip
     for one in rows:
         mark, face, edge = marks[one["statement_verdict"]]
-        place = models.index(one["statement_models"]), says.index(one["statement_says"])
+        place = models.index(one["statement_models"]), says.index(one["statement_text"])
         axes.plot(*place, mark, markerfacecolor=face, markeredgecolor=edge, markersize=6)
     axes.set_xticks(range(len(models)), models, rotation=20 if len(models) > 3 else 0)
     axes.set_yticks(range(len(says)), says)

@@ -243,10 +243,10 @@ def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> 
     )
 
 
-def data_set_of(path: str | os.PathLike[str], asked: Sequence[str]) -> str:
+def data_set_of(path: str | os.PathLike[str], requested: Sequence[str]) -> str:
     """Return the data set that a file of predictions is of: the one that it names, or the only one asked for."""
-    if len(asked) == 1:
-        return asked[0]
+    if len(requested) == 1:
+        return requested[0]
     source, text = text_named(path)
     rows = csv.DictReader(
         line for line in text.split("\n") if line.strip() and not line.startswith("#")

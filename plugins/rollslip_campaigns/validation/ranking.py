@@ -71,31 +71,31 @@ _RESAMPLED: Final = 4096
 _LEAST: Final = 0.1
 
 
-def plan_ranking(asked: "RankingSettings") -> Validation:
+def plan_ranking(requested: "RankingSettings") -> Validation:
     """Check what is asked for."""
-    plan = plan_validation(asked)
+    plan = plan_validation(requested)
     if len(plan.combinations[1:] or plan.combinations) + len(plan.predictions) < 2:
         raise SceneError(
             ["there is nothing to rank: name two laws, as by --traction A,B, or give --predictions"]
         )
     if not any(series.rows for measurement in plan.sets for series in measurement.series):
         raise SceneError(["there is nothing to rank by: the data sets hold no numbers"])
-    if asked.groups not in GROUPS:
+    if requested.groups not in GROUPS:
         raise SceneError(
-            [f"groups: {asked.groups!r} is none; write series or set, or leave it out"]
+            [f"groups: {requested.groups!r} is none; write series or set, or leave it out"]
         )
     return plan
 
 
 def run_ranking(
     plan: Validation,
-    asked: "RankingSettings",
+    requested: "RankingSettings",
     report: Callable[[str, float], None] = lambda text, fraction: None,
 ) -> "xr.Dataset":
     """Rank laws by their errors on conditions that they were not fitted to."""
     begin = time.perf_counter()
     laws = plan.combinations[1:] or plan.combinations
-    wanted = listed(asked.parameters)
+    wanted = listed(requested.parameters)
     scored = list[_Scored]()
     conditions = list[str]()
     groups = list[str]()
@@ -109,7 +109,7 @@ def run_ranking(
         labels = _labels(series)
         conditions += [f"{measurement.name}, {series.name}: {label}" for label in labels]
         groups += [
-            measurement.name + (f", {series.name}" if asked.groups == "series" else "")
+            measurement.name + (f", {series.name}" if requested.groups == "series" else "")
         ] * len(labels)
     for k, law in enumerate(laws):
         report(law.label, k / len(laws))
@@ -125,9 +125,9 @@ def run_ranking(
         for measurement, series in parts
         if series.about_uncertainty.startswith("none given")
     ]
-    taken = groups if asked.groups else []
+    taken = groups if requested.groups else []
     return _dataset(
-        plan, scored, conditions, tuple(wanted), asked, taken, alike, time.perf_counter() - begin
+        plan, scored, conditions, tuple(wanted), requested, taken, alike, time.perf_counter() - begin
     )
 
 
@@ -325,7 +325,7 @@ def _signs(conditions: int, generator: np.random.Generator) -> Array:
 
 def _dataset(
     plan: Validation, scored: Sequence[_Scored], conditions: Sequence[str], wanted: tuple[str, ...],
-    asked: "RankingSettings", groups: Sequence[str], warnings: Sequence[str], seconds: float,
+    requested: "RankingSettings", groups: Sequence[str], warnings: Sequence[str], seconds: float,
 ) -> "xr.Dataset":  # fmt: skip
     import xarray as xr
 
@@ -341,7 +341,7 @@ def _dataset(
             [f"two are called {label!r}; give a program another name" for label in sorted(twice)]
         )
     errors = np.array([one.errors for one in scored])
-    told = tell(errors, asked.seed, groups)
+    told = tell(errors, requested.seed, groups)
     fitted, status = (
         np.array(one, dtype=object)
         for one in ([", ".join(one.fitted) for one in scored], [one.status for one in scored])
@@ -368,8 +368,8 @@ def _dataset(
         wanted=list(wanted),
         confidence=CONFIDENCE,
         fewest=FEWEST,
-        seed=asked.seed,
-        groups=asked.groups,
+        seed=requested.seed,
+        groups=requested.groups,
         independent=len(set(groups)) or len(conditions),
         warnings=[*warnings, *(f"{one.label}: {one.status}" for one in scored if one.status)],
         evaluations=int(errors.size),

@@ -120,17 +120,17 @@ class Validation:
         )
 
 
-def plan_validation(asked: "ValidationSettings | RankingSettings") -> Validation:
+def plan_validation(requested: "ValidationSettings | RankingSettings") -> Validation:
     """Check what is asked for."""
-    names = [asked.data] if isinstance(asked.data, str | Path | Measurement) else list(asked.data)
+    names = [requested.data] if isinstance(requested.data, str | Path | Measurement) else list(requested.data)
     sets = tuple(measurement_named(one) for one in names or available("measurement"))
     if not sets:
         raise SceneError(
             ["there is no data set; 'rollslip plugins new NAME --kind measurement' writes one"]
         )
-    if asked.samples == 1:
+    if requested.samples == 1:
         raise SceneError(["samples: a band needs 2 at least, or 0 for none, not 1"])
-    laws = {kind: listed(getattr(asked, kind)) for kind in KINDS}
+    laws = {kind: listed(getattr(requested, kind)) for kind in KINDS}
     for kind, named in laws.items():
         for name in named:
             find(kind, name)
@@ -142,7 +142,7 @@ def plan_validation(asked: "ValidationSettings | RankingSettings") -> Validation
     )
     combinations = [AS_STATED, *(Combination(" + ".join(one.values()), one) for one in products)]
     known = {one.name for one in sets}
-    predictions = predictions_of(asked.predictions, names)
+    predictions = predictions_of(requested.predictions, names)
     for one in predictions:
         if one.of not in known:
             raise SceneError(
@@ -152,8 +152,8 @@ def plan_validation(asked: "ValidationSettings | RankingSettings") -> Validation
         sets=sets,
         combinations=tuple(combinations),
         predictions=tuple(predictions),
-        samples=asked.samples,
-        seed=asked.seed,
+        samples=requested.samples,
+        seed=requested.seed,
     )
 
 
@@ -482,9 +482,9 @@ def _dataset(
                    "form": one.is_form}
         for one in plan.sets
     }  # fmt: skip
-    asked = {(kind, name) for one in plan.combinations for kind, name in one.models.items()}
+    requested = {(kind, name) for one in plan.combinations for kind, name in one.models.items()}
     dataset.attrs |= plan.origin(
-        [get_model(kind, name) for kind, name in sorted(asked) if _plain(kind, name)],
+        [get_model(kind, name) for kind, name in sorted(requested) if _plain(kind, name)],
         study="validation",
         title="Models against what was measured",
         data_sets=sources,

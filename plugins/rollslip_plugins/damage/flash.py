@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.fields import FieldError, one_of, parameter, positive
+from rollslip.fields import FieldError, choice_of, parameter, positive
 from rollslip.models import submodel
 from rollslip.references import Reference
 from rollslip.studies.surface_damage.model import Array, Contacts, DamageModel
@@ -74,7 +74,7 @@ class FlashTemperature(DamageModel):
     conduction: str = parameter(
         default="any-speed",
         doc="rise at the Peclet numbers of the surfaces, or its limit for fast ones",
-        validator=one_of("any-speed", "fast"),
+        validator=choice_of("any-speed", "fast"),
     )
     roller_conductivity: float | None = _material(
         "W/(m K)",

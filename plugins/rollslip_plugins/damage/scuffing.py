@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, Self
 import attrs
 
 from rollslip.errors import DomainError, SceneError
-from rollslip.fields import in_range, one_of, parameter, positive
+from rollslip.fields import in_range, choice_of, parameter, positive
 from rollslip.references import Reference
 from rollslip.structure import Location
 from rollslip_plugins.bibliography import AGMA_925, BLOK_1937, ISO_13989
@@ -88,7 +88,7 @@ class ScuffingIso(BulkAndFlash):
     oil: str = parameter(
         default="",
         doc="kind of the oil; empty for that of the scene's oil",
-        validator=one_of("", *_KINDS),
+        validator=choice_of("", *_KINDS),
     )
     taken: str = attrs.field(default="", repr=False, metadata={"key": None})
     structural_factor: float = parameter(
@@ -110,7 +110,7 @@ class ScuffingIso(BulkAndFlash):
             where = Location(assembly.scene.origins, ("models", "damage"))
             raise SceneError(
                 [
-                    where.says(
+                    where.message(
                         f"{self.name} needs fzg_stage, the load stage of FZG's test A/8.3/90 at which the oil scuffs: "
                         "take it from the oil's data sheet, as in { model = 'scuffing-iso', fzg_stage = 12 }"
                     )
@@ -183,7 +183,7 @@ class ScuffingAgma(BulkAndFlash):
     oil: str = parameter(
         default="",
         doc="kind of the oil, or its specification; empty for that of the scene's oil",
-        validator=one_of("", *_MINERAL, *_AIRCRAFT),
+        validator=choice_of("", *_MINERAL, *_AIRCRAFT),
     )
     taken: str = attrs.field(default="", repr=False, metadata={"key": None})
     viscosity_40: float | None = parameter(
@@ -231,7 +231,7 @@ class ScuffingAgma(BulkAndFlash):
                 f"{self.name} needs the kinematic viscosity of the oil at 40 degC: "
                 f"{error}; or give its viscosity_40"
             )
-            raise SceneError([where.says(message)]) from error
+            raise SceneError([where.message(message)]) from error
 
     @property
     def limit(self) -> tuple[float, str] | None:

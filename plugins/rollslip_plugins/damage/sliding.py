@@ -7,7 +7,7 @@ import attrs
 import numpy as np
 
 from rollslip.errors import DomainError
-from rollslip.fields import one_of, parameter, positive
+from rollslip.fields import choice_of, parameter, positive
 from rollslip.references import Reference
 from rollslip.studies.surface_damage.model import Array, Contacts, DamageModel
 from rollslip_plugins.bibliography import HAMROCK_ANDERSON_1983, MATVEEVSKY_1965
@@ -64,7 +64,7 @@ class PowerDensity(DamageModel):
     over: str = parameter(
         default="mean",
         doc="mean pressure of a contact, or its maximum",
-        validator=one_of("mean", "maximum"),
+        validator=choice_of("mean", "maximum"),
     )
     allowed: float | None = allowed(
         "W/m2",
@@ -124,7 +124,7 @@ class PassEnergy(DamageModel):
     )
 
     surface: str = parameter(
-        default="slower", doc="whose pass is taken", validator=one_of("slower", "ring", "roller")
+        default="slower", doc="whose pass is taken", validator=choice_of("slower", "ring", "roller")
     )
     allowed: float | None = allowed(
         "J/m2",

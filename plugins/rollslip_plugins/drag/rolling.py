@@ -7,7 +7,7 @@ from typing import ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.fields import one_of, parameter
+from rollslip.fields import choice_of, parameter
 from rollslip.models import NON_NEGATIVE, POSITIVE, Domain, ResistanceModel, Validity, from_scene
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
@@ -110,7 +110,7 @@ class RollingResistance(ResistanceModel):
 
     inlet_heating: str = parameter(
         default="murch-wilson",
-        validator=one_of("none", "murch-wilson"),
+        validator=choice_of("none", "murch-wilson"),
         doc="reduction by shear heating of the inlet: 'none' or 'murch-wilson'",
     )
     starvation: float = from_scene(
@@ -122,7 +122,7 @@ class RollingResistance(ResistanceModel):
     )
     extent: str = parameter(
         default="inlet",
-        validator=one_of("inlet", "film"),
+        validator=choice_of("inlet", "film"),
         doc="what resists: the inlet alone, or the whole film",
     )
 

@@ -8,7 +8,7 @@ import attrs
 
 from rollslip.bearing.cage import Cage
 from rollslip.datasets import Bearing
-from rollslip.fields import Ranges, non_negative, one_of, parameter, positive, within_possible
+from rollslip.fields import Ranges, non_negative, choice_of, parameter, positive, within_possible
 from rollslip.lubricant.table import OilTable
 from rollslip.models import DragModel, PocketFriction, from_scene
 from rollslip.references import Reference
@@ -126,7 +126,7 @@ class PetroffLand(DragModel):
     references: ClassVar[tuple[Reference, ...]] = (PETROFF_1883, HARRIS_2007)
 
     ring: str = from_scene(
-        "guiding_ring", validator=one_of("inner", "outer"), doc="ring whose land guides the cage"
+        "guiding_ring", validator=choice_of("inner", "outer"), doc="ring whose land guides the cage"
     )
     viscosity: float = from_scene(
         "viscosity",

@@ -13,7 +13,7 @@ import numpy as np
 
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, one_of, parameter, positive, within_possible
+from rollslip.fields import FieldError, choice_of, parameter, positive, within_possible
 from rollslip.models import (
     FINITE,
     NON_NEGATIVE,
@@ -174,7 +174,7 @@ class InletCorrection(FilmModel):
     )
     thermal: str = parameter(
         default="murch-wilson",
-        validator=one_of(*LAWS),
+        validator=choice_of(*LAWS),
         doc="reduction by shear heating of the inlet: 'none', 'murch-wilson' or 'gupta'",
     )
     starvation: float = from_scene(

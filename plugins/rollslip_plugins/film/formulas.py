@@ -21,7 +21,7 @@ from rollslip.bearing.regimes import (
     film_by_regime,
     groups,
 )
-from rollslip.fields import one_of, parameter
+from rollslip.fields import choice_of, parameter
 from rollslip.models import POSITIVE, FilmModel, Validity
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
@@ -314,7 +314,7 @@ class PanHamrock(FilmModel):
 
     thickness: str = parameter(
         default="minimum",
-        validator=one_of("minimum", "central"),
+        validator=choice_of("minimum", "central"),
         doc="which film thickness: 'minimum' or 'central'",
     )
 

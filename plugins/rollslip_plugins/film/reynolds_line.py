@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.bearing.regimes import groups
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.fields import one_of, parameter
+from rollslip.fields import choice_of, parameter
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import Domain, FilmModel
 from rollslip.references import Reference
@@ -70,7 +70,7 @@ class ReynoldsLine(FilmModel):
 
     thickness: str = parameter(
         default="minimum",
-        validator=one_of(*LOCATIONS),
+        validator=choice_of(*LOCATIONS),
         doc="which film thickness: 'minimum', 'central' or 'dp/dx = 0', where the density is the ambient one",
     )
     compressible: bool = parameter(

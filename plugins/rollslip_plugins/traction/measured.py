@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, field, non_negative, one_of, parameter, positive
+from rollslip.fields import FieldError, field, non_negative, choice_of, parameter, positive
 from rollslip.files import named_text, read_columns
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import Reference
@@ -230,7 +230,7 @@ class Tabulated(TractionModel):
     )
     interpolation: str = parameter(
         default="linear",
-        validator=one_of("linear", "pchip"),
+        validator=choice_of("linear", "pchip"),
         doc="interpolation: 'linear' or 'pchip'",
     )
 

@@ -33,7 +33,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
-from rollslip.bearing.resolution import finest
+from rollslip.bearing.resolution import reference_resolution
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
@@ -143,7 +143,7 @@ class MotionChoice:
     errors: Mapping[str, Mapping[str, float]] = attrs.field(factory=dict)
 
 
-def with_few_slices(assembly: Assembly) -> Assembly:
+def with_coarse_slices(assembly: Assembly) -> Assembly:
     """Return a bearing as motions of it are tried, so that all of them share its loads and tables."""
     resolution = assembly.resolution
     slices = min(_FEW, resolution.slices)
@@ -222,10 +222,10 @@ class _Trials:
 
     @cached_property
     def few(self) -> Assembly:
-        return with_few_slices(self.assembly)
+        return with_coarse_slices(self.assembly)
 
     @property
-    def asked(self) -> float:
+    def requested(self) -> float:
         """Tolerance of the cage speed."""
         return self.assembly.scene.accuracy.of("cage_speed")
 
@@ -252,8 +252,8 @@ class _Trials:
     def friction(self, study: Movable) -> tuple[str, str, float | None]:
         """Effective friction where it moves the cage as conventional friction does, over all of the time."""
         times = np.linspace(0.0, study.duration, _INSTANTS + 1)[1:]
-        tolerance = min(_STEP * self.asked, _LOOSEST)
-        allowed = _FRACTION["friction"] * self.asked
+        tolerance = min(_STEP * self.requested, _LOOSEST)
+        allowed = _FRACTION["friction"] * self.requested
         conventional, effective = (
             study.evolved(friction=friction, level="cage-set")
             for friction in ("conventional", "effective")
@@ -286,7 +286,7 @@ class _Trials:
         span = orbits * 2.0 * math.pi / speed if orbits else study.duration
         times = np.linspace(0.0, span, max(orbits, 1) * _INSTANTS + 1)
         friction = "constant" if study.friction == "constant" else "effective"
-        tolerance = min(_STEP * self.asked, _LOOSEST)
+        tolerance = min(_STEP * self.requested, _LOOSEST)
         alone, within = (
             self.speeds(study.evolved(friction=friction, level=level), times, tolerance)[0]
             for level in ("cage-set", "pocket")
@@ -294,7 +294,7 @@ class _Trials:
         off = within - alone
         means = np.abs(off[1:].reshape(-1, _INSTANTS).mean(axis=1))
         moved = float(means.max())
-        allowed = _FRACTION["level"] * self.asked
+        allowed = _FRACTION["level"] * self.requested
         found = (
             f"play in the pockets moves the mean speed of the cage by up to {moved:.1e} (and lets it "
             f"swing by {np.ptp(off):.1e})"
@@ -371,7 +371,7 @@ def step_tolerance(study: Movable, assembly: Assembly, fades: bool) -> tuple[flo
     fades : bool
         Whether it is looked at how errors of the cage speed fade; else they add up over all of the duration.
     """
-    few = with_few_slices(assembly)
+    few = with_coarse_slices(assembly)
     moving = study.moving(assembly)
     if moving.friction.by_slices:
         moving = study.moving(few)
@@ -382,7 +382,7 @@ def step_tolerance(study: Movable, assembly: Assembly, fades: bool) -> tuple[flo
     error = float(off[~np.isnan(off)][-1:].sum()) * times
     fraction = _OF_STEPS * assembly.scene.accuracy.of("cage_speed")
     # nobody has seen a step of more than the typical tolerance do well where a contact opens
-    least = finest(assembly.scene).integrator_tolerance or 0.0
+    least = reference_resolution(assembly.scene).integrator_tolerance or 0.0
     tolerance = min(max(_USUAL * fraction / max(error, 1e-300), least), _USUAL)
     left = error * tolerance / _USUAL
     return tolerance, left if study.level == "cage-set" else max(

@@ -20,7 +20,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.studies.timing import timed
-from rollslip_studies.dynamics.choice import Movable, with_few_slices
+from rollslip_studies.dynamics.choice import Movable, with_coarse_slices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.motion.time_integration import Trajectory
 
@@ -44,7 +44,7 @@ def costs_of(study: Movable, assembly: Assembly) -> dict[str, float]:
     moving = study.moving(assembly)
     tables = timed(partial(study.moving, assembly), 1)
     sliced = study.friction == "conventional" and moving.friction.by_slices
-    tried = study.moving(with_few_slices(assembly)) if sliced else moving
+    tried = study.moving(with_coarse_slices(assembly)) if sliced else moving
     evaluations, each, last = _foreseen(study, tried)
     stored = each
     if last.outcome != "failed":  # a fault is for the run to tell

@@ -60,7 +60,7 @@ def history_of(
     if settings is None:
         return None
     where = Location(assembly.scene.origins, (*table_of.split("."), "history"))
-    return assembly.kept(
+    return assembly.cached(
         "history", (settings, duration), lambda: settings.history(assembly.scene, duration, where)
     )
 
@@ -145,10 +145,10 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         *names,
         *(float(one) for grid in grids for one in grid[[0, -1]]),
     )
-    found: dict[tuple[int, ...], tuple[float, float, float]] = assembly.kept(
+    found: dict[tuple[int, ...], tuple[float, float, float]] = assembly.cached(
         "held along", key, dict
     )
-    statuses: set[str] = assembly.kept("statuses along", key, set)
+    statuses: set[str] = assembly.cached("statuses along", key, set)
     top = int(np.argmax(apart))
     speeds = {
         name: float(now[name][top]) / (apart[top] or 1.0) for name in ("inner_speed", "outer_speed")

@@ -29,7 +29,7 @@ from rollslip.fields import (
     at_least,
     in_range,
     non_negative,
-    one_of,
+    choice_of,
     parameter,
     positive,
 )
@@ -115,18 +115,18 @@ class Dynamics(Study):
     level: str = parameter(
         default="cage-set",
         doc="what moves; a plan chooses where it is not given",
-        validator=one_of(*LEVELS),
+        validator=choice_of(*LEVELS),
     )
     friction: str = parameter(
         default="effective",
         doc="of every loaded slice (conventional), effective friction of the raceways, or a constant; a plan "
         "chooses between the first two where it is not given",
-        validator=one_of(*FRICTION),
+        validator=choice_of(*FRICTION),
     )
     effective_over: str = parameter(
         default="sliding-speed",
         doc="effective friction over the sliding speed at each raceway, or over cage slip and roller slip",
-        validator=one_of("sliding-speed", "slips"),
+        validator=choice_of("sliding-speed", "slips"),
     )
     friction_coefficient: float = parameter(
         default=0.05, unit="1", doc="of constant friction", validator=non_negative
@@ -169,7 +169,7 @@ class Dynamics(Study):
     stop_at: str = parameter(
         default="end",
         doc="where the run ends: critical is where skidding begins",
-        validator=one_of("end", "critical"),
+        validator=choice_of("end", "critical"),
     )
     film_limit: float = parameter(
         default=0.0,
@@ -390,11 +390,11 @@ class Dynamics(Study):
         return *drags, ("integrator", self.method(assembly)), *more
 
     @property
-    def judged_at(self) -> str:
-        """What state `judged_slices` are at."""
+    def validity_state(self) -> str:
+        """What state `validity_slices` are at."""
         return "at the end of the motion"
 
-    def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices of the rollers at the last stored instant."""
         then = over_time.at_the_end(assembly, dataset)
         return [] if then is None else last_slices(then, dataset)
@@ -595,7 +595,7 @@ class Dynamics(Study):
             where = Location(assembly.scene.origins, ("study", self.name))
             raise SceneError(
                 [
-                    where.at("planar").says(
+                    where.at("planar").message(
                         "missing, but required for level = 'planar'; give [study.dynamics.planar] with the mass that "
                         "moves with the inner ring, such as inner_ring_mass = '5 kg'"
                     )

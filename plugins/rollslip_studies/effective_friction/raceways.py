@@ -122,7 +122,7 @@ class LoadedRaceways:
             )
 
         n_positions = int(distribution.psi.shape[0])
-        rings = assembly.kept_by_loads(("contacts", n_positions), n_positions, both) if shared else both()
+        rings = assembly.cached_by_loads(("contacts", n_positions), n_positions, both) if shared else both()
         self.inner, self.outer = (
             ring.on(own) for ring, own in zip(rings, assembly.raceways, strict=True)
         )
@@ -156,7 +156,7 @@ class LoadedRaceways:
         few._shares = {}
         few._slopes = np.zeros(0)
         few._spins = None
-        rings = self.assembly.kept_by_loads(("few", n_positions, free), n_positions, made)
+        rings = self.assembly.cached_by_loads(("few", n_positions, free), n_positions, made)
         few.whole = self
         few.inner, few.outer = (
             ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True)
@@ -386,10 +386,10 @@ def evaluated_together(
     ]
 
 
-def friction_together(asked: Sequence[tuple[LoadedRaceways, int, Array]]) -> list[Array]:
+def friction_together(requested: Sequence[tuple[LoadedRaceways, int, Array]]) -> list[Array]:
     """Return the effective friction of rings of bearings, 0 or 1, at cage slips, (n,) each, evaluated in one go."""
     return mean_friction(
-        [raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in asked]
+        [raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in requested]
     )
 
 
@@ -405,7 +405,7 @@ def critical_together(
         ]
         return searched(
             curves,
-            lambda asked: friction_together([(cases[k][0], ring, slip) for k, slip in asked]),
+            lambda requested: friction_together([(cases[k][0], ring, slip) for k, slip in requested]),
         )
 
     # free rollers go on from slips that are known: one ring after the other, whatever else is evaluated with it
@@ -437,7 +437,7 @@ def unloaded(scene: Scene, so: str) -> SceneError:
     clearance = scene.bearing.radial_clearance
     return SceneError(
         [
-            Location(scene.origins, ("operation", "radial_load")).says(
+            Location(scene.origins, ("operation", "radial_load")).message(
                 f"no roller is loaded on the inner ring with {format_quantity(scene.operation.radial_load, 'N')} and "
                 f"bearing.radial_clearance = {format_quantity(clearance, 'm')}, so {so}; raise operation.radial_load, "
                 "or give bearing.radial_clearance below zero"

@@ -11,7 +11,7 @@ import numpy as np
 
 from rollslip.errors import RollslipError
 from rollslip.planning.loads import load_distribution
-from rollslip.results.style import ONE_COLUMN, RING_COLOURS, Sheet
+from rollslip.results.style import SINGLE_COLUMN, RING_COLOURS, Sheet
 from rollslip.results.words import two
 from rollslip.scene.reading import from_raw
 from rollslip.units import format_quantity
@@ -48,7 +48,7 @@ def ring_figure(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         "inner": bearing.inner_raceway_diameter / 2.0,
         "outer": bearing.outer_raceway_diameter / 2.0,
     }
-    sheet = Sheet((ONE_COLUMN[0], ONE_COLUMN[0]))
+    sheet = Sheet((SINGLE_COLUMN[0], SINGLE_COLUMN[0]))
     axes = sheet.axes
     turn = shape["orbit_angle"].to_numpy()
     psi = loads["angle"].to_numpy()

@@ -26,7 +26,7 @@ from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
-from rollslip.fields import at_least, in_range, one_of, parameter
+from rollslip.fields import at_least, in_range, choice_of, parameter
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
@@ -201,7 +201,7 @@ class EffectiveFriction(Study):
     closure: str = parameter(
         default="free-roller",
         doc="what the rollers spin at",
-        validator=one_of("outer-rolling", "epicyclic", "free-roller"),
+        validator=choice_of("outer-rolling", "epicyclic", "free-roller"),
     )
     max_cage_slip: float = parameter(
         default=0.4, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
@@ -404,7 +404,7 @@ class EffectiveFriction(Study):
         some = [_curves(*found[k]) for k in range(len(cases))]
         return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
 
-    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much the thinnest films of both rings are off, by slices and positions where they are.
 
         Where rollers jump to another balance between two positions the thinnest film is that just before the jump. It

@@ -13,7 +13,7 @@ from rollslip.bearing.critical import PURE_SLIDING, Critical, Curve, searched, s
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway, mean_friction
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
-from rollslip.fields import at_least, one_at_least, one_of, parameter, positive
+from rollslip.fields import at_least, not_empty, choice_of, parameter, positive
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.scene.relations import impossible_pressure
@@ -95,12 +95,12 @@ class FrictionCurve(Study):
         default=(300.0,),
         unit="N",
         doc="normal forces of the contact",
-        validator=attrs.validators.and_(one_at_least, attrs.validators.deep_iterable(positive)),
+        validator=attrs.validators.and_(not_empty, attrs.validators.deep_iterable(positive)),
         usual=(0, 1e6),
         possible=(0, 1e9),
     )
     ring: str = parameter(
-        default="inner", doc="ring of the contact", validator=one_of("inner", "outer")
+        default="inner", doc="ring of the contact", validator=choice_of("inner", "outer")
     )
     max_slip: float = parameter(
         default=0.3, unit="1", doc="largest slide-roll ratio V/u", validator=positive
@@ -139,7 +139,7 @@ class FrictionCurve(Study):
         c = raceway.conditions
         where = Location(assembly.scene.origins, ("study", self.name, "normal_force"))
         if faults := [
-            where.at(k).says(f"{format_quantity(force, 'N')} is {fault}")
+            where.at(k).message(f"{format_quantity(force, 'N')} is {fault}")
             for k, force in enumerate(self.normal_force)
             if (fault := impossible_pressure(force / c.length, c.radius, c.modulus))
         ]:
@@ -152,7 +152,7 @@ class FrictionCurve(Study):
             )
 
         return [
-            assembly.kept_by_loads(("contact", self.ring, force), 1, partial(loaded, force)).on(
+            assembly.cached_by_loads(("contact", self.ring, force), 1, partial(loaded, force)).on(
                 raceway
             )
             for force in self.normal_force
@@ -263,7 +263,7 @@ class FrictionCurve(Study):
             for (*_, slip), known in zip(curves, friction, strict=True)
         ]
         return searched(
-            sought, lambda asked: _friction([(*curves[k][:2], slip) for k, slip in asked])
+            sought, lambda requested: _friction([(*curves[k][:2], slip) for k, slip in requested])
         )
 
     def _found(

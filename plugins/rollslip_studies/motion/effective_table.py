@@ -339,7 +339,7 @@ def _shape(friction: Law, rolling: float) -> _Shape:
         for grid in ([k - 1, k, k + 1, end] for k in peaks.tolist())
     ]
     maxima = searched(
-        curves, lambda asked: [*friction(np.concatenate([V for _, V in asked]))[:, None]]
+        curves, lambda requested: [*friction(np.concatenate([V for _, V in requested]))[:, None]]
     )
     found = (one for one in maxima if not math.isnan(one.slip))
     critical = max(found, key=lambda one: one.friction, default=Critical(math.nan, math.nan, ""))

@@ -25,7 +25,7 @@ import numpy as np
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.search import bracketed, secants, vertex
-from rollslip_studies.motion.spins import TWO, Motion, Motions, place_of, slip_of
+from rollslip_studies.motion.spins import TWO, Motion, Motions, logit_slip, slip_of
 
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.
 _SMALLEST = 1e-4
@@ -330,7 +330,7 @@ class _Search:
         on = next((j for j in range(k + 1, len(way)) if way[j].torque > drag), len(way))
         to = self._carried_again(way[on - 1], way[on], drag) if on < len(way) else math.nan
         few = place, drag
-        low, high = (place_of(slip) for slip in _around(way[:on], k, few, place, _CLOSE))
+        low, high = (logit_slip(slip) for slip in _around(way[:on], k, few, place, _CLOSE))
         error = max(error, way[k].error)
         dip = min(way[k + 1 : on], key=lambda motion: motion.torque)
         finer = (
@@ -536,8 +536,8 @@ def _trusted(way: list[Motion]) -> list[Motion]:
 
 def loading_branch(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) -> LoadingBranch:
     """Return the way up of a bearing over the cage slips up to the largest."""
-    begin = place_of(min(_SMALLEST, 0.5 * largest))
-    end = place_of(largest)
+    begin = logit_slip(min(_SMALLEST, 0.5 * largest))
+    end = logit_slip(largest)
     refusal = ""
     count = max(math.ceil((end - begin) / _STEP), steps)
     slips = [

@@ -145,7 +145,7 @@ class Effective:
 Curved = tuple[Array, tuple[float, float], float, Array, Array]
 
 
-def place_of(slip: float) -> float:
+def logit_slip(slip: float) -> float:
     """Return the place ln(S/(1 - S)) of a cage slip between 0 and 1."""
     return math.log(slip / (1.0 - slip))
 
@@ -178,7 +178,7 @@ class Motion:
     @property
     def place(self) -> float:
         """Place of the slip."""
-        return place_of(self.slip)
+        return logit_slip(self.slip)
 
     @property
     def roller_slip(self) -> Array:
@@ -271,7 +271,7 @@ class Motions:
         if pocket > 0.0 and (along or across):
             told = "friction in pockets is that of forces along the orbit, and those of a carrier are not among them"
             where = Location(assembly.scene.origins, ("cage", "drag"))
-            raise SceneError([where.says(f"{told}; leave out one of them")])
+            raise SceneError([where.message(f"{told}; leave out one of them")])
         angle = self._orbit[1]
         #: torque of the body force on a roller along the orbit, in its sense [N m], (K,)
         self._pull = self.sense * k.orbit_radius * (across * np.cos(angle) - along * np.sin(angle))
@@ -667,7 +667,7 @@ def check_repeats(assembly: Assembly, without: str = "without skidding") -> None
                 f"motions in time follow it at level 'planar', and effective friction alone, {without}, is a mean over "
                 "its turns"
             )
-            raise SceneError([where.says(f"{told}; {remedy}")])
+            raise SceneError([where.message(f"{told}; {remedy}")])
 
 
 def solve_orbits(

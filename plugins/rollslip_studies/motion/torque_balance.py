@@ -37,7 +37,7 @@ from rollslip_studies.motion.spins import (
     EffectiveCurve,
     Motion,
     Motions,
-    place_of,
+    logit_slip,
     slip_of,
 )
 from rollslip_studies.motion.loading_branch import LoadingBranch, loading_branch
@@ -148,7 +148,7 @@ class TorqueBalance:
                 np.array(
                     [
                         slip_of(place)
-                        for place in np.linspace(_LOW, place_of(largest), _SOME).tolist()
+                        for place in np.linspace(_LOW, logit_slip(largest), _SOME).tolist()
                     ]
                 )
             )

@@ -205,22 +205,22 @@ def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
     """Return what makers ask for, the least first, and whether the load is that."""
     given = zip(dataset["maker"].to_numpy(), dataset["makers_minimum_load"].to_numpy(),
                 dataset["makers_status"].to_numpy(), strict=True)  # fmt: skip
-    asked = sorted(
+    requested = sorted(
         (float(least), str(maker), str(status)) for maker, least, status in given if least > 0.0
     )
-    if not asked:
+    if not requested:
         return None
-    met = [load >= least for least, *_ in asked]
+    met = [load >= least for least, *_ in requested]
     text = "met" if all(met) else "met in part" if any(met) else "not met"
     named = ", ".join(
         f"{maker}{' at rest' if status.startswith(AT_REST) else ''} {force(least, load, unit=False)}"
-        for least, maker, status in asked
+        for least, maker, status in requested
     )
     named += f" {force_unit(load)[0]}"
     return Row(
         key="makers_minimum_load",
         label="makers' minimum",
-        value=asked[0][0],
+        value=requested[0][0],
         unit="N",
         text=text,
         note=named,
@@ -532,12 +532,12 @@ def _minimum_load(dataset: "xr.Dataset") -> str:
         if "makers_status" in dataset
         else np.full(makers.shape, "")
     )
-    asked = ", ".join(
+    requested = ", ".join(
         f"{format_quantity(float(load), 'N', 3)} ({maker}{f' {AT_REST}' if status.startswith(AT_REST) else ''})"
         for maker, load, status in zip(makers, loads, told, strict=True)
         if math.isfinite(load)
     )
-    said += f"; catalogue minimum loads, for any oil and cage: {asked}"
+    said += f"; catalogue minimum loads, for any oil and cage: {requested}"
     missing = zip(makers, told, strict=True)
     return said + "".join(
         f"; {maker}'s rule {status}" for maker, status in missing if status not in ("", "found")

@@ -237,7 +237,7 @@ class Rule:
     takes: tuple[str, ...] = ()
     grows_with: str = ""
 
-    def asked(self, bearing: Bearing, speed: float) -> tuple[float, str]:
+    def requested(self, bearing: Bearing, speed: float) -> tuple[float, str]:
         """Return the load [N] and "found" or that it is the one at rest; or NaN and what the scene has to give."""
         given = bearing.catalogue or Catalogue()
         missing = [f"bearing.catalogue.{key}" for key in self.takes if getattr(given, key) is None]
@@ -285,6 +285,6 @@ def minimum_loads_of_makers(scene: Scene) -> tuple[NDArray[np.float64], NDArray[
     """Return the least load of each of the `RULES` [N], and "found" or what the scene has to give."""
     speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
     loads, statuses = zip(
-        *(rule.asked(scene.bearing, speed) for rule in RULES.values()), strict=True
+        *(rule.requested(scene.bearing, speed) for rule in RULES.values()), strict=True
     )
     return np.array(loads), np.array(statuses)

@@ -10,7 +10,7 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
-from rollslip_studies.motion.spins import place_of, slip_of
+from rollslip_studies.motion.spins import logit_slip, slip_of
 from rollslip_studies.motion.torque_balance import TorqueBalance, nowhere
 from rollslip_studies.motion.loading_branch import LoadingBranch
 from rollslip_studies.steady_slip.outputs import OUTPUTS
@@ -68,9 +68,9 @@ def _curve(way: LoadingBranch, end: float, points: int) -> tuple[Array, Array]:
     """Slips of the way up to some slip and torques there [N m], more where there are fewer than are asked for."""
     slip, torque = way.curve
     own = slip[slip <= end]
-    begin = place_of(own[1]) if own.size > 1 else place_of(0.5 * end)
+    begin = logit_slip(own[1]) if own.size > 1 else logit_slip(0.5 * end)
     more = (
-        [slip_of(place) for place in np.linspace(begin, place_of(end), points)]
+        [slip_of(place) for place in np.linspace(begin, logit_slip(end), points)]
         if own.size < points
         else [end]
     )

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from rollslip.bearing.critical import MAX_CAGE_SLIP, look_further
+from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.results.words import SWITCHED_OFF
 from rollslip.units import format_quantity
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
@@ -80,7 +80,7 @@ def no_fold(
     if np.isclose(slip[[0, -1]], most).any():
         at = format_quantity(float(value[np.argmax(slip)]), unit, 4)
         key = f"{table}.max_cage_slip"
-        further = look_further(key, most, MAX_CAGE_SLIP)
+        further = search_range_hint(key, most, MAX_CAGE_SLIP)
         return f"{unknown}: at {at} the steady slip leaves the range, {most:g}{further}"
     if np.ptp(value) < (1.0 - _THROUGH) * (limits[1] - limits[0]):
         ends = " and ".join(format_quantity(float(end), unit, 4) for end in np.sort(value[[0, -1]]))

@@ -221,11 +221,11 @@ class SteadySlip(Study):
         look_along(assembly, max(RANGE, self.max_cage_slip), inertia=self.inertia)
 
     @property
-    def judged_at(self) -> str:
-        """What state `judged_slices` are at."""
+    def validity_state(self) -> str:
+        """What state `validity_slices` are at."""
         return "at the steady slip"
 
-    def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices at the steady slips, or where there is none at that of the largest drag."""
         slips = np.atleast_1d(
             dataset["steady_slip" if "steady_slip" in dataset else "skidding_slip"].to_numpy()
@@ -530,7 +530,7 @@ class SteadySlip(Study):
             found["minimum_load"][2]["slips"] = list(slips) if len(slips) > 1 else slips[0]
         return found
 
-    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much numbers of the answer are off."""
         finer = finer.with_resistance()
         balance = self.balance(finer)

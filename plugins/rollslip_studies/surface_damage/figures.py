@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.style import DASHES, ONE_COLUMN, RING_COLOURS, ROW, Sheet, unit_label
+from rollslip.results.style import DASHES, SINGLE_COLUMN, RING_COLOURS, ROW, Sheet, unit_label
 from rollslip.units import converted, shown_unit
 from rollslip_studies.surface_damage.findings import beyond, measures, told
 
@@ -110,7 +110,7 @@ def _drawn(
 
 
 def _panels(known: "list[xr.Dataset]") -> "tuple[Figure, list[Axes]]":
-    sheet = Sheet(ONE_COLUMN, len(known), 1, sharex=True, squeeze=False)
-    return sheet.done(height=len(known) * (0.75 * ONE_COLUMN[1] + 2 * ROW) + ROW), list(
+    sheet = Sheet(SINGLE_COLUMN, len(known), 1, sharex=True, squeeze=False)
+    return sheet.done(height=len(known) * (0.75 * SINGLE_COLUMN[1] + 2 * ROW) + ROW), list(
         sheet.axes[:, 0]
     )

@@ -122,7 +122,7 @@ class SurfaceDamage(Study):
             assembly.scene.accuracy.slices is None
         ):  # which go closer to the end of a roller, where the worst often is
             whole = attrs.evolve(whole, quadrature="gauss")
-        left = tuple(bound for bound in found.left_out if bound.taken_back(whole) != whole)
+        left = tuple(bound for bound in found.left_out if bound.reinstated(whole) != whole)
         errors = {part: some for part, some in found.errors.items() if part not in _OF_CONTACTS}
         return attrs.evolve(found, resolution=whole, left_out=left, errors=errors)
 
@@ -161,7 +161,7 @@ class SurfaceDamage(Study):
             for ring in RINGS
         }
 
-    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much the steady slip and the worst value of each measure are off."""
         slip = float(dataset["slip"])
         measures = damage_of(finer)
@@ -201,13 +201,13 @@ class SurfaceDamage(Study):
         return off
 
     @property
-    def judged_at(self) -> str:
-        """What state `judged_slices` are at."""
+    def validity_state(self) -> str:
+        """What state `validity_slices` are at."""
         return (
             "at the steady slip" if self.cage_slip is None else "at study.surface-damage.cage_slip"
         )
 
-    def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices that were measured."""
         slip = float(dataset["slip"])
         if not np.isfinite(slip):

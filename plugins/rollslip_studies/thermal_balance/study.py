@@ -204,7 +204,7 @@ class ThermalBalance(Study):
             self.evolved(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
         )
 
-    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much slip and losses of a bearing that has settled are off, at the temperatures of that.
 
         The resolution is chosen at those of the scene. A slip that is shown without digits is left out.

@@ -345,12 +345,12 @@ def read_uncertainty(
     ):
         if not isinstance(table, Mapping):
             problems.append(
-                place.says(
+                place.message(
                     f"a table with distribution = 'NAME' is expected, not {as_written(table)}"
                 )
             )
         elif key not in known:
-            problems.append(place.says(unknown(key, known)))
+            problems.append(place.message(unknown(key, known)))
         elif (distribution := _distribution(table, known[key], place, problems)) is not None:
             distributions[known[key].key] = distribution
     return Uncertainty(
@@ -376,7 +376,7 @@ def _distribution(
 ) -> Distribution | None:
     if of.unit is None:
         problems.append(
-            where.says(
+            where.message(
                 "is no number with a unit, and only these can be uncertain; sweep it instead"
             )
         )
@@ -386,7 +386,7 @@ def _distribution(
         near = nearest(name, DISTRIBUTIONS, count=1) if isinstance(name, str) else []
         hint = did_you_mean(near, f"there are: {', '.join(DISTRIBUTIONS)}")
         problems.append(
-            where.at("distribution").says(f"no distribution is called {as_written(name)}; {hint}")
+            where.at("distribution").message(f"no distribution is called {as_written(name)}; {hint}")
         )
         return None
     faults: list[str] = []
@@ -399,7 +399,7 @@ def _distribution(
                     values[attribute.name], of.unit, attribute.name == "deviation"
                 )
             except UnitError as error:
-                faults.append(where.at(attribute.name).says(str(error)))
+                faults.append(where.at(attribute.name).message(str(error)))
                 del values[attribute.name]
     distribution = structure(cls, values, where, faults)
     if distribution is not None and not faults:
@@ -409,7 +409,7 @@ def _distribution(
             distribution.quantile(np.array([0.5]))
             return distribution
         except FieldError as error:
-            faults.append(where.at(error.field).says(error.reason))
+            faults.append(where.at(error.field).message(error.reason))
     problems += faults
     return None
 
@@ -435,7 +435,7 @@ def _correlations(raw: object, where: Location, names: Sequence[str], problems: 
                 nearest(key, names, count=1), f"there are: {', '.join(names) or 'none'}"
             )
             problems.append(
-                where.at(k).at("between").says(f"{key!r} has no distribution here; {hint}")
+                where.at(k).at("between").message(f"{key!r} has no distribution here; {hint}")
             )
         if not absent:
             i, j = (names.index(key) for key in correlation.between)
@@ -443,12 +443,12 @@ def _correlations(raw: object, where: Location, names: Sequence[str], problems: 
                 problems.append(
                     where.at(k)
                     .at("between")
-                    .says("these two have a correlation already; state it once")
+                    .message("these two have a correlation already; state it once")
                 )
             matrix[i, j] = matrix[j, i] = correlation.coefficient
     if len(problems) == before and names and np.linalg.eigvalsh(matrix)[0] < 1e-12:
         problems.append(
-            where.says(
+            where.message(
                 "no values can be correlated so: the matrix of the coefficients is not positive definite; lower some"
             )
         )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, TWO_COLUMNS, Sheet
+from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, SINGLE_COLUMN, TWO_COLUMNS, Sheet
 from rollslip_studies.dynamics.history_findings import nearest
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
 
 def phase(dataset: "xr.Dataset") -> "Figure":
     """Draw the way of slip through the plane of slip and slip of running away."""
-    sheet = Sheet((ONE_COLUMN[0], ONE_COLUMN[0]))
+    sheet = Sheet((SINGLE_COLUMN[0], SINGLE_COLUMN[0]))
     figure = sheet.figure
     axes = sheet.axes
     t = dataset["time"].to_numpy()

@@ -154,7 +154,7 @@ class Stations:
         of_friction = f.name, f.effective_over, f.coefficient, f.transition, f.tolerance
         key = of_bearing(self.assembly), *of, of_friction
         object.__setattr__(
-            self, "_errors", self.assembly.kept("errors between stations", key, dict)
+            self, "_errors", self.assembly.cached("errors between stations", key, dict)
         )
 
     @property
@@ -253,7 +253,7 @@ class Stations:
 
     @property
     def _bearings(self) -> dict[Place, Assembly]:
-        return self.assembly.kept(
+        return self.assembly.cached(
             "stations", (of_bearing(self.assembly), self.axes, self.speeds), dict
         )
 
@@ -290,7 +290,7 @@ class Stations:
         tolerance = self.friction.table_tolerance(bearing)
         of = of_bearing(self.assembly), self.axes, self.speeds, self.top_speeds, tolerance
         made = partial(build_load_map, bearing, tolerance, max(self.top_speeds), self._least_force)
-        loads = self.assembly.kept("loads of stations", (*of, key), made)
+        loads = self.assembly.cached("loads of stations", (*of, key), made)
         return carried_motion(bearing, self.friction, level=self.level, loads=loads, each=True)
 
 

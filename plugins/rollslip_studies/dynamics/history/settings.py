@@ -227,12 +227,12 @@ class HistorySettings:
                 columns, lines, digest = _read(path, self.file, stat.st_mtime_ns, stat.st_size)
             except OSError as error:
                 raise SceneError(
-                    [where.at("file").says(f"{self.file}: cannot be read: {error.strerror}")]
+                    [where.at("file").message(f"{self.file}: cannot be read: {error.strerror}")]
                 ) from None
             for name in columns.keys() - {"time"}:
                 if getattr(self, name) is not None:
                     faults.append(
-                        where.at(name).says(f"{self.file} has it too; leave one of both out")
+                        where.at(name).message(f"{self.file} has it too; leave one of both out")
                     )
                 courses[name] = table(columns["time"], columns[name])
             faults += _uncovered(
@@ -245,18 +245,18 @@ class HistorySettings:
             try:
                 courses[name] = one.course(_stated(scene, name), duration)
             except FieldError as error:
-                faults.append(where.at(name).at(error.field).says(error.reason))
+                faults.append(where.at(name).at(error.field).message(error.reason))
                 continue
             if one.shape == "table":
                 faults += _uncovered(
-                    np.array(one.time), duration, *2 * (where.at(name).at("time").says(""),)
+                    np.array(one.time), duration, *2 * (where.at(name).at("time").message(""),)
                 )
         for name in CONDITIONS:
             least, most = courses[name].span(duration) if name in courses else (0.0, 0.0)
             if least < -_ROUNDING * most:
                 goes = format_quantity(least, _like(name)["unit"])
                 faults.append(
-                    where.at(name).says(
+                    where.at(name).message(
                         f"goes down to {goes}: it may not fall below 0{_BACK.get(name, '')}"
                     )
                 )

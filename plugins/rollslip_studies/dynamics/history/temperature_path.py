@@ -85,7 +85,7 @@ class ThermalPath:
                 assembly, {key: float(course.at(t)) for key, course in self.courses.items()}
             )
 
-        return assembly.kept("bearing on a path", (self, place), made)
+        return assembly.cached("bearing on a path", (self, place), made)
 
 
 def changed(assembly: Assembly, changes: Mapping[str, float]) -> Assembly:

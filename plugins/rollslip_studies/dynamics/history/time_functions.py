@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.fields import FieldError, field, non_negative, one_of, positive
+from rollslip.fields import FieldError, field, non_negative, choice_of, positive
 from rollslip.search import Array
 from rollslip.structure import fields_of
 
@@ -126,7 +126,7 @@ class CourseSettings:
     shape: str = field(
         default="table",
         doc="table, ramp, step, sine; of a speed also run-up, coast-down, emergency-stop; of a direction rotation",
-        validator=one_of(*SHAPES),
+        validator=choice_of(*SHAPES),
     )
     at: float | None = field(
         default=None,

@@ -265,12 +265,12 @@ def varying_motion(
     if read:
         held["radial_load"] = spans["radial_load"][1]
     steady = _held(assembly, held)
-    asked = assembly.scene.accuracy.of("cage_speed")
+    requested = assembly.scene.accuracy.of("cage_speed")
     plain = attrs.evolve(friction, critical_slip=float("nan"))
     if axes:  # tables differ by their errors, of which interpolation can make nothing better
         plain = attrs.evolve(
             plain,
-            tolerance=min(friction.table_tolerance(assembly), _TABLES * asked),
+            tolerance=min(friction.table_tolerance(assembly), _TABLES * requested),
             between_nodes=_BETWEEN_NODES,
         )
     if "radial_load" in history.varies and (planar is not None or friction.name == "conventional"):
@@ -283,7 +283,7 @@ def varying_motion(
         friction=plain,
         level=level,
         planar=planar,
-        tolerance=asked,
+        tolerance=requested,
         speeds_vary=bool({"inner_speed", "outer_speed"} & {*history.varies}),
     )
     base = stations.motion(tuple(axis.high for axis in axes))
@@ -355,12 +355,12 @@ def _refuse_turning(assembly: Assembly, top_speeds: tuple[float, float], planar:
                     b, ring, True
                 )
             except FieldError as error:
-                raise SceneError([at.at(error.field).says(error.reason)]) from None
+                raise SceneError([at.at(error.field).message(error.reason)]) from None
 
 
 def _held(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     """The bearing at the values that stay the same, put together once."""
-    return assembly.kept(
+    return assembly.cached(
         "held", (of_bearing(assembly), *values.items()), lambda: operated(assembly, values)
     )
 

@@ -172,7 +172,7 @@ def build_load_map(
     """
     sides = ((raceway.deflection, raceway.conditions) for raceway in assembly.raceways)
     key = (assembly.slices, assembly.resolution.quadrature, tolerance, top_speed, least, *sides)
-    return assembly.kept(
+    return assembly.cached(
         "loads over the orbit", key, lambda: _built(assembly, tolerance, top_speed, least)
     )
 

@@ -66,7 +66,7 @@ def check_moves(assembly: Assembly, level: str) -> None:
     ):
         if there:
             where = Location(assembly.scene.origins, (table, key))
-            raise SceneError([where.says(f"motions in time {told}")])
+            raise SceneError([where.message(f"motions in time {told}")])
 
 
 @attrs.frozen(eq=False, kw_only=True)

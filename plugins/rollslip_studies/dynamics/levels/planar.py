@@ -469,7 +469,7 @@ def force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None
     more than 65536.
     """
     key = most, raceway.conditions, raceway.deflection.models, a.drop.tobytes(), a.widths.tobytes()
-    return a.kept("force by gap", key, lambda: _force_table(a, raceway, most))
+    return a.cached("force by gap", key, lambda: _force_table(a, raceway, most))
 
 
 def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None:

@@ -255,7 +255,7 @@ def raceway_friction(
             assembly.resolution.quadrature,
             *(raceway.deflection for raceway in assembly.raceways),
         )
-        held = assembly.kept("loads over turns", of, partial(assembly.load_distribution, _TURNS))
+        held = assembly.cached("loads over turns", of, partial(assembly.load_distribution, _TURNS))
         effective = tuple(
             _table(assembly, ring, load.reshape(-1, assembly.slices), held, settings)
             for ring, load in enumerate((held.inner_load, held.outer_load))
@@ -281,7 +281,7 @@ def _table(
         settings.between_nodes,
     )
     key = ring, loads, raceway.conditions, raceway.chain.models, raceway.chain.bounds, *of
-    return assembly.kept(
+    return assembly.cached(
         "effective friction", key, lambda: effective_table(assembly, raceway, load, *of)
     )
 
@@ -310,7 +310,7 @@ def _by_force(
             *(raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance),
             *(assembly.drop.tobytes(), assembly.widths.tobytes(), *forces),
         )
-        table = like.kept(
+        table = like.cached(
             "friction by force", key, partial(_friction_table, assembly, raceway, tolerance, forces)
         )
         if isinstance(table, str):

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 from rollslip import Slices
-from rollslip.fields import one_of, parameter, positive
+from rollslip.fields import choice_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, TractionModel
@@ -93,12 +93,12 @@ class Klebanov(TractionModel):
 
     growth: str = parameter(
         default="logarithm",
-        validator=one_of("logarithm", "asinh"),
+        validator=choice_of("logarithm", "asinh"),
         doc="how the stress grows with the strain rate: ln(2 sigma) cut at zero, or asinh(sigma)",
     )
     viscosity_at: str = parameter(
         default="mean",
-        validator=one_of("mean", "maximum"),
+        validator=choice_of("mean", "maximum"),
         doc="pressure of the contact at which viscosity and its fall with temperature are taken",
     )
     flash: float = parameter(default=0.97, unit="1", validator=positive, doc="factor of the mean flash temperature")

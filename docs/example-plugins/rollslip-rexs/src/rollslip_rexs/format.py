@@ -238,11 +238,11 @@ def _geometry(
     designation = _text(bearing, DESIGNATION)
     it.used.add((bearing.id, DESIGNATION))
     known, why = _catalogued(designation)
-    asked = it.needed if known is None else lambda of, attribute, key, component: it.number(of, attribute)
+    requested = it.needed if known is None else lambda of, attribute, key, component: it.number(of, attribute)
     before = len(it.problems)
-    rollers = asked(row, "number_of_rolling_elements", "bearing.rollers", "rolling_bearing_row")
-    diameter = asked(element, "diameter_of_rolling_element", "bearing.roller_diameter", "rolling_element")
-    length = asked(element, "length_of_rolling_element", "bearing.roller_length", "rolling_element")
+    rollers = requested(row, "number_of_rolling_elements", "bearing.rollers", "rolling_bearing_row")
+    diameter = requested(element, "diameter_of_rolling_element", "bearing.roller_diameter", "rolling_element")
+    length = requested(element, "length_of_rolling_element", "bearing.roller_length", "rolling_element")
     if why and len(it.problems) > before:
         it.problems.append(f"{bearing}, {DESIGNATION}: {why}")
     contacts = [it.number(row, f"significant_contact_length_{ring}_ring") for ring in ("inner", "outer")]
