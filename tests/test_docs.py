@@ -225,7 +225,14 @@ def test_every_part_made_from_the_program_is_used_on_a_page():
     tables = re.findall(r"\.\. from-program:: table (\w+)", text)
     assert sorted(tables) == sorted(set(tables))
     unused = {path.stem for path in (DOCS / "tables").glob("*.csv")} - set(tables)
-    named = {"calibration", "coupled_fold", "promise", "skidding", "skidding_effective", "sentences"}
+    named = {
+        "calibration",
+        "coupled_fold",
+        "promise",
+        "skidding",
+        "skidding_effective",
+        "sentences",
+    }
     assert unused == named | {"plan_proof", "plan_times"}, (
         "the full tables are named on their pages, not shown"
     )

@@ -23,7 +23,7 @@ WORDS = {
     r"\bheld against\b": "checked against",
     r"\bgrades? [A-D]\b": "data quality",
     r"\binstants (of a|within a roller) pitch\b": "roller positions",
-    r"\b(loaded|every|equal) slices?\b|\bslices of a roller\b|\bslices to evaluate\b": "slices",
+    r"\blaminae?\b": "slices",
     r"\bcannot be told\b|\bpoints (were )?judged\b": "determined; checked",
     r"\bgoes one way\b|\bspeaks? for\b": "is monotonic; suggests",
 }

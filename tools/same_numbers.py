@@ -23,7 +23,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip_studies.effective_friction import raceways, study
 from rollslip_studies.motion.spins import Motions
-from rollslip_studies.motion.torque_balance import skidding_onset, running
+from rollslip_studies.motion.torque_balance import running, skidding_onset
 from rollslip_studies.steady_slip.minimum_load import minimum_load
 
 RANGE = 0.95

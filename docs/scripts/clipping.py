@@ -328,7 +328,8 @@ def main():
         lines = requested.before.read_text(encoding="utf-8").splitlines()
         write_comparison([row for line in lines if (row := line.split("\t"))[0] in pages], listed)
     print(
-        f"{len(pages)} pages at {len(requested.width or WIDTHS)} widths in {len(THEMES)} themes, {len(pictures)} pictures:"
+        f"{len(pages)} pages at {len(requested.width or WIDTHS)} widths in {len(THEMES)} "
+        f"themes, {len(pictures)} pictures:"
         f" {len(themes)} places",
         file=sys.stderr,
     )

@@ -2,7 +2,8 @@
 
 A third are those of plan_proof.py, which ask for effective friction near a bearing of a paper; a third ask for that
 over all that friction depends on (tests/support/promise_scenes.py), and a third where the cage runs, in free bearings
-and those of the catalogue at 0.5 to 15,000 rpm (loading_branch_scenes.py), by seeds of their own, others than those by which
+and those of the catalogue at 0.5 to 15,000 rpm (loading_branch_scenes.py), by seeds of their own, others than
+those by which
 the share of the check was chosen. Times are of the processor, of all that a study takes: with the check of its result,
 and again where that asks for it. What takes longer than a minute is ended there. Takes ten minutes on two cores.
 """
@@ -18,9 +19,9 @@ from output import write_table
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
+import loading_branch_scenes
 import plan_scenes
 import promise_scenes
-import loading_branch_scenes
 from rollslip import evolve
 from rollslip.errors import RollslipError
 from rollslip.planning.execution import execute

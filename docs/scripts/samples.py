@@ -35,7 +35,8 @@ POINTS = {
         256,
     ),
     "skidding": (
-        "where skidding begins and critical slip", "effective-friction", ["skidding_slip", "critical_cage_slip"], {}, 512
+        "where skidding begins and critical slip", "effective-friction", ["skidding_slip",
+        "critical_cage_slip"], {}, 512
     ),
     "steady": ("steady slip", "steady-slip", ["steady_slip"], {}, 256),
     "contact": ("friction curves of two forces, their critical slips", "friction-curve", ["critical_slip"], {}, 1024),

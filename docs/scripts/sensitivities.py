@@ -18,7 +18,7 @@ from rollslip.errors import RollslipError
 from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location
-from rollslip_studies.motion.torque_balance import reserve, rollers, skidding_onset, running
+from rollslip_studies.motion.torque_balance import reserve, rollers, running, skidding_onset
 from rollslip_studies.variation.distributions import read_uncertainty
 from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import with_scatter

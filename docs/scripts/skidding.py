@@ -90,7 +90,9 @@ def bearing(x):
     fine = assemble(one)
     slices = min(SLICES, fine.slices)
     made = fine.at(
-        attrs.evolve(fine.resolution, slices=slices, n_positions=N_POSITIONS, table_tolerance=TABLES)
+        attrs.evolve(
+            fine.resolution, slices=slices, n_positions=N_POSITIONS, table_tolerance=TABLES
+        )
     )
     loaded = made.load_distribution(N_POSITIONS).inner_force.any()
     return described(one).rpartition(";")[0], made if loaded else None

@@ -44,7 +44,12 @@ def rows(name):
             fractions.append(fraction(result.isel(measure=0), operation.temperature))
         fractions += [load / operation.radial_load for load in loads]
         state = f"{100 * float(result.slip):.3g}{' (steady)' if slip is None else ''}"
-        yield name, state, *(f"{one:.2g}" for one in fractions), f"{max(fractions) / min(fractions):.0f}"
+        yield (
+            name,
+            state,
+            *(f"{one:.2g}" for one in fractions),
+            f"{max(fractions) / min(fractions):.0f}",
+        )
 
 
 if __name__ == "__main__":

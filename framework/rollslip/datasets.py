@@ -11,10 +11,10 @@ from rollslip.fields import (
     FieldError,
     Scatter,
     at_least,
+    choice_of,
     field,
     in_range,
     non_negative,
-    choice_of,
     positive,
 )
 from rollslip.references import Citation

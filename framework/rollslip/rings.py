@@ -125,7 +125,9 @@ class RingModel(abc.ABC):
 def _lattice(n_positions: int, rollers: int, periods: int, ring: int) -> Floats:
     """Return by how much a form of some periods a turn has turned at M instants [rad], (M,)."""
     step = _step(n_positions, round(rollers / periods)) ** ring % n_positions
-    return np.asarray(2.0 * np.pi / periods * (np.arange(n_positions) * step % n_positions / n_positions))
+    return np.asarray(
+        2.0 * np.pi / periods * (np.arange(n_positions) * step % n_positions / n_positions)
+    )
 
 
 @cache

@@ -107,7 +107,9 @@ def structure(
         raw = {bare: raw}
     if not isinstance(raw, Mapping):
         problems.append(
-            where.message(f"a table{' or a name' if bare else ''} is expected, not {as_written(raw)}")
+            where.message(
+                f"a table{' or a name' if bare else ''} is expected, not {as_written(raw)}"
+            )
         )
         return None
     faults: list[str] = []
@@ -333,7 +335,9 @@ def _list(
     if kinds[-1] is Ellipsis:
         kinds = kinds[:1] * len(raw)
     if len(kinds) != len(raw):
-        faults.append(where.message(f"a list of {len(kinds)} values is expected, not of {len(raw)}"))
+        faults.append(
+            where.message(f"a list of {len(kinds)} values is expected, not of {len(raw)}")
+        )
         return MISSING
     each = enumerate(zip(kinds, raw, strict=True))
     values = tuple(

@@ -210,7 +210,8 @@ class Roelands(PressureViscosity):
         fraction = self.factor
         return (
             c.viscosity * np.exp(fraction * k * y),
-            (1 - fraction) * c.thermoviscosity + fraction * ((1 + y) * (c.thermoviscosity + bend * x)),
+            (1 - fraction) * c.thermoviscosity
+            + fraction * ((1 + y) * (c.thermoviscosity + bend * x)),
         )
 
     def kernel(self) -> object:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Final
 import attrs
 
 from rollslip.errors import DomainError
-from rollslip.fields import non_negative, choice_of, parameter
+from rollslip.fields import choice_of, non_negative, parameter
 from rollslip.references import Reference
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
 from rollslip.units import format_quantity

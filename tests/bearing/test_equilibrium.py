@@ -405,7 +405,9 @@ LOPSIDED = profile_drop("iso16281", slice_positions(LENGTH, 20), LENGTH, 0.015) 
     [{}, {"misalignment": 5e-4}, {"drop": LOPSIDED, "misalignment": -3e-4}],
     ids=["aligned", "tilted", "lopsided"],
 )
-@pytest.mark.parametrize(("Z", "n_positions"), [(28, 1), (28, 2), (27, 3), (13, 8), (28, 16), (5, 6)])
+@pytest.mark.parametrize(
+    ("Z", "n_positions"), [(28, 1), (28, 2), (27, 3), (13, 8), (28, 16), (5, 6)]
+)
 def test_half_of_a_pitch_mirrors_the_other(Z, n_positions, changes, known):
     changes = {"centrifugal_force": 170.0, "slices": 21, "shape": "iso16281"} | changes
     whole = case(Z=Z, n_positions=n_positions, **changes)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import optimize, stats
 
 from rollslip_campaigns.sweep.sampling import REPLICATES, probabilities
-from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, fraction
+from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, fraction, indices, quantile
 
 
 @pytest.mark.parametrize("n", [40, 500, 1777])

@@ -145,7 +145,8 @@ def test_a_word_searches_what_its_key_does():
     keys = ({"operation.radial_load": "0.5 kN:2 kN:3"}, "steady_slip <= 5 %")
     scene = coarse("gearbox")
     one, two = (
-        rollslip.limit(scene, *requested, study="steady-slip", within=0.2) for requested in (words, keys)
+        rollslip.limit(scene, *requested, study="steady-slip", within=0.2)
+        for requested in (words, keys)
     )
     assert one.searched.identical(two.searched)
     assert one.result.identical(two.result)

@@ -22,17 +22,17 @@ from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
 from rollslip_campaigns.uncertainty import UncertaintySettings, findings
-from rollslip_campaigns.uncertainty.samples import minimum_loads, of_friction, fractions_of
+from rollslip_campaigns.uncertainty.samples import fractions_of, minimum_loads, of_friction
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
 from rollslip_studies.motion.torque_balance import (
-    SkiddingOnset,
     Running,
+    SkiddingOnset,
     reserve,
     rollers,
-    skidding_onset,
     running,
+    skidding_onset,
 )
 from rollslip_studies.variation.distributions import LogNormal
 from rollslip_studies.variation.quantities import quantities
@@ -298,7 +298,9 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     ],
 )
 def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
-    found = reserve(rollers(assemble(constant(0.5)), 1), SkiddingOnset(*away, most=4.0), Running(*runs))
+    found = reserve(
+        rollers(assemble(constant(0.5)), 1), SkiddingOnset(*away, most=4.0), Running(*runs)
+    )
     assert found.factor == pytest.approx(factor, nan_ok=True)
     assert found.status.startswith(begins)
 

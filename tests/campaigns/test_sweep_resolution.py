@@ -119,4 +119,8 @@ def test_samples_after_saltelli_exchange_one_dimension_at_a_time_and_begin_alike
 
 def test_the_words_of_an_answer_are_taken_for_its_outputs():
     requested = ("cage_slip", "minimum_load", "limit_drag_torque")
-    assert set(named_outputs(SteadySlip, requested)) >= {"steady_slip", "minimum_load", "limit_drag"}
+    assert set(named_outputs(SteadySlip, requested)) >= {
+        "steady_slip",
+        "minimum_load",
+        "limit_drag",
+    }

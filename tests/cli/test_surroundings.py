@@ -14,7 +14,16 @@ pytestmark = pytest.mark.faults
 PROGRAM = "from rollslip.cli import main; main()"
 COARSE_SLICES = ["--set", "accuracy.slices=7"]
 RUN = ["run", "1032930-70C", *COARSE_SLICES, "--report", "--out", "p/o"]
-ONE = ["run", "1032930-70C", *COARSE_SLICES, "--study", "friction-curve", "--report", "--out", "p/o"]
+ONE = [
+    "run",
+    "1032930-70C",
+    *COARSE_SLICES,
+    "--study",
+    "friction-curve",
+    "--report",
+    "--out",
+    "p/o",
+]
 SWEEP = [
     "sweep",
     "run",

@@ -885,7 +885,10 @@ def test_effective_tables_are_right_to_their_tolerance(slips):
         for u in rolling * (rng.uniform(0.1, 3.0, 5) if slips else np.ones(1)):
             V = u * np.concatenate((rng.uniform(-2, 2, 20), 10 ** rng.uniform(-5, 0, 20)))
             true = np.array(
-                [raceway.evaluate(load[load > 0.0], u, one).friction @ fraction for one in V.tolist()]
+                [
+                    raceway.evaluate(load[load > 0.0], u, one).friction @ fraction
+                    for one in V.tolist()
+                ]
             )
             found = np.array(
                 [compiled.friction(made, 0.0, 1.0, one, u, 0.0)[0][0] for one in V.tolist()]

@@ -16,15 +16,23 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import Motion, Motions, logit_slip, slip_of
-from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, rollers, skidding_onset, running
 from rollslip_studies.motion.loading_branch import _FALL as FALL
 from rollslip_studies.motion.loading_branch import _around, _bend, _peaks, _rise, _trusted
+from rollslip_studies.motion.spins import Motion, Motions, logit_slip, slip_of
+from rollslip_studies.motion.torque_balance import (
+    RANGE,
+    TorqueBalance,
+    rollers,
+    running,
+    skidding_onset,
+)
 from tabled import REFERENCES, rows_of
 from without_bands import run
 
 
-def balance(name="1032930-50C", *, n_positions=2, inertia=True, effective=False, slices=6, **changes):
+def balance(
+    name="1032930-50C", *, n_positions=2, inertia=True, effective=False, slices=6, **changes
+):
     made = assemble(evolve(load_scene(name), changes))
     few = made.at(
         attrs.evolve(made.resolution, slices=slices, quadrature="equal", table_tolerance=1e-3)

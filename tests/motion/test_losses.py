@@ -115,7 +115,8 @@ def test_a_roller_without_drag_and_inertia_loses_what_friction_times_sliding_spe
     for contacts in balance.evaluated(orbit):
         s = contacts.slices
         power += (
-            float((np.abs(s.friction * s.sliding_speed) * contacts.force).sum()) / balance.n_positions
+            float((np.abs(s.friction * s.sliding_speed) * contacts.force).sum())
+            / balance.n_positions
         )
     assert power_balance(balance, orbit).total == pytest.approx(power, rel=1e-12)
 

@@ -23,8 +23,8 @@ from rollslip_studies.motion.torque_balance import (
     near_skidding,
     reserve,
     rollers,
-    skidding_onset,
     running,
+    skidding_onset,
 )
 from rollslip_studies.steady_slip.study import SteadySlip
 from tabled import REFERENCES, rows_of

@@ -14,8 +14,8 @@ from rollslip_studies.motion.torque_balance import (
     FOUND,
     NOWHERE,
     SKIDS,
-    SkiddingOnset,
     Running,
+    SkiddingOnset,
     nowhere,
     reserve,
     rollers,
@@ -67,7 +67,11 @@ def test_a_cage_that_all_but_stands_is_not_looked_at_further(end, told):
 
 def test_rollers_are_followed_on_56_to_512_positions():
     assembly = assemble(load_scene("1032930-50C"))  # 28 rollers
-    assert [rollers(assembly, requested).motions.positions for requested in (1, 7, 1000)] == [56, 196, 532]
+    assert [rollers(assembly, requested).motions.positions for requested in (1, 7, 1000)] == [
+        56,
+        196,
+        532,
+    ]
 
 
 @pytest.mark.parametrize("driven", ["inner", "outer"])

@@ -110,7 +110,9 @@ def test_a_tolerance_that_nothing_reaches_is_told():
     assert told.startswith(
         "accuracy.tolerance = 1e-12 is less than the finest of everything leaves"
     )
-    assert cost_sentences(assemble(evolve(scene, {"accuracy.tolerance": "exact"})), {}, 0.0, 0) == []
+    assert (
+        cost_sentences(assemble(evolve(scene, {"accuracy.tolerance": "exact"})), {}, 0.0, 0) == []
+    )
     said = CliRunner().invoke(
         cli, ["plan", SCENE, "--study", "friction-curve", "--set", "accuracy.tolerance=1e-12"]
     )

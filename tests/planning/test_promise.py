@@ -81,7 +81,9 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
     """With four times as many instants, and as that is not enough with the most of all; what is left is told still."""
     made = plan(JUMPS, STUDY)
     result = execute(made, STUDY)
-    resolution = attrs.evolve(made.estimated[STUDY].resolution, n_positions=result.attrs["n_positions"])
+    resolution = attrs.evolve(
+        made.estimated[STUDY].resolution, n_positions=result.attrs["n_positions"]
+    )
     assert made.estimated[STUDY].resolution.n_positions == 24
     assert result.attrs["n_positions"] == 128
     assert json.loads(result.attrs["resolution"])["n_positions"] == 128
@@ -147,7 +149,9 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     assert second.errors["n_positions"]["friction"] == pytest.approx(
         4e-3 * (10 / second.resolution.n_positions) ** 2
     )
-    assert then(epicyclic, off, {"friction": 1.0}).resolution.n_positions == 40  # four times at most
+    assert (
+        then(epicyclic, off, {"friction": 1.0}).resolution.n_positions == 40
+    )  # four times at most
     assert then(epicyclic, off, {"friction": 0.1}).resolution.n_positions == 40  # few may err alike
     assert (
         then(free, off, {"friction": 0.1}).resolution.n_positions == 40
@@ -259,7 +263,9 @@ def test_a_film_that_is_thin_at_the_minimum_load_takes_boundary_friction_back():
     with pytest.raises(
         BoundBrokenError, match=r"boundary friction was left out, but a film parameter of 1\."
     ):
-        made.studies["steady-slip"].only(made.assemblies["steady-slip"], frozenset({"minimum_load"}))
+        made.studies["steady-slip"].only(
+            made.assemblies["steady-slip"], frozenset({"minimum_load"})
+        )
     assert left.what == "boundary friction"
 
 
@@ -271,7 +277,9 @@ def _finer(k, result):
     """Four times as many of all, with all models of a contact."""
     slices = int(result.attrs["slices"])
     n_positions = int(result.attrs["n_positions"])
-    resolution = Resolution(slices=4 * slices + 1, quadrature="gauss", n_positions=4 * n_positions + 1)
+    resolution = Resolution(
+        slices=4 * slices + 1, quadrature="gauss", n_positions=4 * n_positions + 1
+    )
     return plan(_hidden(k), STUDY).studies[STUDY].run(assemble(_hidden(k), resolution))
 
 
@@ -295,7 +303,8 @@ def test_too_few_slices_or_instants_are_seen(slices, n_positions):
     one = evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic", "bearing.profile": "iso16281"})
     made = plan(one, STUDY)
     coarse = made.at(
-        STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=slices, n_positions=n_positions)
+        STUDY,
+        attrs.evolve(made.estimated[STUDY].resolution, slices=slices, n_positions=n_positions),
     )
     result = execute(coarse, STUDY, exactly=True)
     rows, verified = (
@@ -335,7 +344,9 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
         )
     (said,) = error_warnings(made, STUDY, ErrorEstimate(errors=errors, orders={"friction": 0.1}))
     assert "it does not fall with the positions; type --set accuracy.tolerance=exact" in said
-    most = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=801, n_positions=128))
+    most = made.at(
+        STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=801, n_positions=128)
+    )
     assert (
         "raise accuracy.friction; this is the finest"
         in error_warnings(most, STUDY, ErrorEstimate(errors=errors))[0]
@@ -344,7 +355,9 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
         made, STUDY, ErrorEstimate(errors={"n_positions": {"critical_slip": np.inf}})
     )
     assert said.startswith("how far critical slip is off cannot be determined")
-    assert error_warnings(made, STUDY, ErrorEstimate(errors={"n_positions": {"friction": 9e-4}})) == []
+    assert (
+        error_warnings(made, STUDY, ErrorEstimate(errors={"n_positions": {"friction": 9e-4}})) == []
+    )
 
 
 def test_what_slices_and_instants_hide_from_each_other_is_told():
@@ -453,7 +466,9 @@ def test_the_thinnest_film_of_a_curve_is_seen_too():
         for row in json.loads(result.attrs["accuracy"])
         if row["result"] == "film parameter"
     )
-    reference_resolution = attrs.evolve(made.estimated[STUDY].resolution, slices=100, quadrature="gauss")
+    reference_resolution = attrs.evolve(
+        made.estimated[STUDY].resolution, slices=100, quadrature="gauss"
+    )
     fine = made.studies[STUDY].run(assemble(made.scene, reference_resolution))
     actual = float(
         abs(
@@ -484,7 +499,9 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
 
 @pytest.mark.slow
 def test_an_answer_stands_where_the_witness_of_its_error_finds_no_equilibrium():
-    result = run(loading_branch_scenes.wide(100_000), "steady-slip")  # 1,376 slices of a tilted roller
+    result = run(
+        loading_branch_scenes.wide(100_000), "steady-slip"
+    )  # 1,376 slices of a tilted roller
     assert 0.0 < float(result.steady_slip[0]) < 0.01
     assert (
         "could not be judged, as on more slices or positions the bearing found no equil"

@@ -154,7 +154,9 @@ def test_greenwood_and_tripps_pressure_is_the_sum_of_hertzian_tips(form):
 @pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
 def test_asperities_carry_no_more_than_the_load(form):
     """Without a film, 26 MPa between steel surfaces: all of a light load, little of a heavy one."""
-    fraction = describe_fraction(form(GreenwoodTripp()), 1e-9, pressure=np.array([1.0, 2.64e7, 2.65e7, 1e9]))
+    fraction = describe_fraction(
+        form(GreenwoodTripp()), 1e-9, pressure=np.array([1.0, 2.64e7, 2.65e7, 1e9])
+    )
     assert fraction[:2].tolist() == [1.0, 1.0]
     np.testing.assert_allclose(fraction[2:] * [2.65e7, 1e9], 26.41e6, rtol=1e-3)
 
@@ -166,7 +168,9 @@ def test_zhou_and_hoeprichs_share_is_as_printed(form, film_parameter, factor, ex
     with mpmath.workdps(30):
         power = mpmath.mpf(factor) * mpmath.mpf(film_parameter) ** mpmath.mpf(exponent)
         expected = float(mpmath.exp(-power))
-    fraction = describe_fraction(form(ZhouHoeprich(factor=factor, exponent=exponent)), film_parameter)[0]
+    fraction = describe_fraction(
+        form(ZhouHoeprich(factor=factor, exponent=exponent)), film_parameter
+    )[0]
     if abs(float(power) - 53 * np.log(2)) > 1e-12:
         expected = expected if expected > 2.0**-53 else 0.0
         # the exponent is known to some roundings of its size
@@ -268,7 +272,8 @@ def test_a_linear_blend_is_a_straight_line(form):
 def test_a_linear_blend_is_the_power_blend_with_power_one():
     film_parameter = np.linspace(1e-3, 2.0, 401)
     np.testing.assert_array_equal(
-        describe_fraction(LinearBlend(), film_parameter), describe_fraction(LambdaBlend(exponent=1.0), film_parameter)
+        describe_fraction(LinearBlend(), film_parameter),
+        describe_fraction(LambdaBlend(exponent=1.0), film_parameter),
     )
 
 

@@ -1018,7 +1018,9 @@ def test_a_preload_with_one_rigid_ring_is_told_with_what_the_other_leaves():
         stated={"outer": Annulus(outside=0.23).shapes(scene().bearing, "outer", False)},
     )
     assert "the inner ring is rigid here" in said
-    assert f"about {100 * bare.fraction():.0f} % (bare rings) to {100 * held.fraction():.0f} %" in said
+    assert (
+        f"about {100 * bare.fraction():.0f} % (bare rings) to {100 * held.fraction():.0f} %" in said
+    )
     assert "give models.inner_ring, or" in said
     assert implausible(scene(**tight, **{"models.inner_ring": "annulus"})) == []
 
@@ -1054,7 +1056,11 @@ def test_a_plan_tells_by_how_much_loads_of_round_rings_change(outside, clearance
 def drag(**changes):
     made = plan(scene(**changes), "effective-friction")
     assembly = made.assemblies["effective-friction"]
-    return made.studies["effective-friction"].skidding_onset(assembly, assembly.resolution.n_positions).drag
+    return (
+        made.studies["effective-friction"]
+        .skidding_onset(assembly, assembly.resolution.n_positions)
+        .drag
+    )
 
 
 @pytest.mark.parametrize("outside", [None, 0.21])

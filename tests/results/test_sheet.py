@@ -2,7 +2,7 @@
 
 import pytest
 
-from rollslip.results.style import SINGLE_COLUMN, ROW, TWO_COLUMNS, Sheet, styled
+from rollslip.results.style import ROW, SINGLE_COLUMN, TWO_COLUMNS, Sheet, styled
 
 pytestmark = pytest.mark.quick
 

@@ -14,7 +14,7 @@ from rollslip.datasets import Bearing, Catalogue, Material, Mounting, Raceway
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
 from rollslip.planning.plausibility import implausible
-from rollslip.scene.clearance import operating, fraction, spun, usual_fit
+from rollslip.scene.clearance import fraction, operating, spun, usual_fit
 from rollslip.scene.reading import from_raw, parse_scene
 from rollslip.structure import resolved, scene_hash
 from rollslip_plugins.data.cylindrical import CATALOGUE
@@ -108,7 +108,9 @@ ALUMINIUM = Material(elastic_modulus=70e9, poisson_ratio=0.33, density=2700.0)
 def test_a_shaft_widens_the_raceway_as_elasticity_says(shaft_bore, shaft):
     edges, pressure = solved([(shaft, shaft_bore, 0.15), (STEEL, 0.15, 0.165)], 5e-5)
     assert pressure > 0.0
-    assert 5e-5 * fraction(STEEL, 0.165, 0.15, shaft_bore, shaft) == pytest.approx(edges[3], rel=1e-9)
+    assert 5e-5 * fraction(STEEL, 0.165, 0.15, shaft_bore, shaft) == pytest.approx(
+        edges[3], rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("around", [0.22, 0.3, 50.0])
@@ -116,7 +118,9 @@ def test_a_shaft_widens_the_raceway_as_elasticity_says(shaft_bore, shaft):
 def test_a_housing_narrows_the_raceway_as_elasticity_says(around, housing):
     edges, pressure = solved([(STEEL, 0.195, 0.21), (housing, 0.21, around)], 5e-5)
     assert pressure > 0.0
-    assert 5e-5 * fraction(STEEL, 0.195, 0.21, around, housing) == pytest.approx(-edges[0], rel=1e-9)
+    assert 5e-5 * fraction(STEEL, 0.195, 0.21, around, housing) == pytest.approx(
+        -edges[0], rel=1e-9
+    )
     if around > 1.0:
         assert 5e-5 * fraction(STEEL, 0.195, 0.21, math.inf, housing) == pytest.approx(
             -edges[0], rel=1e-4
@@ -166,7 +170,9 @@ def test_a_scene_has_its_housing_at_its_temperature():
     alone = (
         0.8
         * 5e-5
-        * fraction(STEEL, cold.outer_raceway_diameter, 0.14, math.inf, Material(elastic_modulus=70e9))
+        * fraction(
+            STEEL, cold.outer_raceway_diameter, 0.14, math.inf, Material(elastic_modulus=70e9)
+        )
     )
     assert warm.radial_clearance - cold.radial_clearance == pytest.approx(alone, abs=2e-12)
     cold, warm = (

@@ -10,9 +10,9 @@ import pytest
 from rollslip.fields import (
     FieldError,
     at_least,
+    choice_of,
     in_range,
     non_negative,
-    choice_of,
     parameter,
     positive,
 )

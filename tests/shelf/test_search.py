@@ -215,7 +215,12 @@ def test_a_bracketed_root_is_that_of_the_library(name, turned):
     low, high = (1.0, 0.0) if turned else (0.0, 1.0)
     requested = []
     found = bracketed(
-        lambda x: requested.append(x) or curve(x), low, high, curve(low), curve(high), relative=1e-10
+        lambda x: requested.append(x) or curve(x),
+        low,
+        high,
+        curve(low),
+        curve(high),
+        relative=1e-10,
     )
     want = brentq(curve, 0.0, 1.0, xtol=1e-12, maxiter=1000)
     tolerance = 1e-4 if name == "flat" else 1e-10

@@ -234,7 +234,8 @@ def test_a_finer_motion_has_the_same_temperatures_by_both_frictions():
     rough, fine = (one.temperatures[-1] for one in found.values())
     assert np.abs(rough - fine).max() < 0.03
     of = rollslip.evolve(
-        scene(2.0), {"study.thermal-balance.duration": "1 s", "study.thermal-balance.course_points": 5}
+        scene(2.0),
+        {"study.thermal-balance.duration": "1 s", "study.thermal-balance.course_points": 5},
     )
     course = rollslip.run(of, "thermal-balance")["course_temperature"].to_numpy()[-1]
     assert np.abs(course - fine).max() < 0.1

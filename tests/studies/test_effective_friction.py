@@ -531,9 +531,9 @@ def evaluated(**changes):
     scene = evolve(load_scene("1032930-70C"), small | changes)
     passes = []
     assembly = assemble(scene).with_bounds(lambda slices: passes.append(len(slices)))
-    EffectiveFriction(closure="epicyclic", points=21, map_points=0, skidding_range=0.0).at_positions(
-        assembly, 2
-    )
+    EffectiveFriction(
+        closure="epicyclic", points=21, map_points=0, skidding_range=0.0
+    ).at_positions(assembly, 2)
     # how many locating the maximum takes is up to the rounding of the loads, but for its bound on each ring
     assert len(passes) <= 2 * (21 + 60)
     return sum(passes) / len(passes)

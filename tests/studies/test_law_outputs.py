@@ -106,7 +106,8 @@ def test_a_column_that_slices_do_not_have_is_refused_when_it_is_registered():
         writes = frozenset({"friction", "asperity_fraction"})
 
     with pytest.raises(
-        PluginError, match=r"writes has 'asperity_fraction', which is no column of slices; .* outputs"
+        PluginError,
+        match=r"writes has 'asperity_fraction', which is no column of slices; .* outputs",
     ):
         register(Lost)
 

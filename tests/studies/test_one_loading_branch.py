@@ -116,7 +116,8 @@ def test_the_least_load_of_a_slip_that_the_cage_on_its_loading_branch_jumps_over
     at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))
     assert at < 0.9 * slip
     more, less = (
-        SteadySlip().steady(bearing.at_load(fraction * load))[1][0].slip for fraction in (1.003, 0.997)
+        SteadySlip().steady(bearing.at_load(fraction * load))[1][0].slip
+        for fraction in (1.003, 0.997)
     )
     assert more < 1.05 * at < slip < less
 

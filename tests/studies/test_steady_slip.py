@@ -31,8 +31,8 @@ from rollslip.scene.reading import load_scene
 from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
-from rollslip_studies.motion.torque_balance import TorqueBalance, rollers, running
 from rollslip_studies.motion.loading_branch import LoadingBranch
+from rollslip_studies.motion.torque_balance import TorqueBalance, rollers, running
 from rollslip_studies.steady_slip import findings
 from rollslip_studies.steady_slip.branches import follow
 from rollslip_studies.steady_slip.figures import steady_figures
@@ -255,9 +255,7 @@ def test_branches_of_a_peaked_law_are_those_by_hand():
         left = 1.0 - found.limit_drag_low.attrs["within"]
         assert left == 1.0 - max(MASSLESS.accuracy.tolerance, float(found.limit_drag_error))
         ends = fold * (1.0 - np.sqrt(1.0 - left**2)) / left, fold / left
-        np.testing.assert_allclose(
-            [found.limit_drag_low, found.limit_drag_high], ends, rtol=1e-3
-        )
+        np.testing.assert_allclose([found.limit_drag_low, found.limit_drag_high], ends, rtol=1e-3)
         assert (np.abs(found.multiplier) < 1.0).all()
     above = run(dragged(MASSLESS, brake(1.001 * most)), law, points=12)
     assert np.isnan(above.steady_slip).all()
@@ -621,7 +619,9 @@ def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followe
     on = found.radial_load_slip.to_numpy()
     for k in (1, on.size // 2, -2):
         assembly = assemble(evolve(scene, {"operation.radial_load": float(found.radial_load[k])}))
-        balance = TorqueBalance(assembly, assembly.cage.drags, n_positions=found.attrs["n_positions"])
+        balance = TorqueBalance(
+            assembly, assembly.cage.drags, n_positions=found.attrs["n_positions"]
+        )
         assert balance.excess(float(on[k])) == pytest.approx(0.0, abs=2e-5)
         assert (
             balance.excess(on[k] * 1.001) > balance.excess(on[k] * 0.999)
@@ -959,7 +959,8 @@ def test_the_least_load_of_a_slip_that_the_cage_does_not_hold_is_that_with_less_
     load = float(found.minimum_load)
     assert found.minimum_load.attrs["floor"] == found.attrs["rollers_weight"]
     more, less = (
-        run(evolve(scene, {"operation.radial_load": fraction * load})) for fraction in (1.003, 0.997)
+        run(evolve(scene, {"operation.radial_load": fraction * load}))
+        for fraction in (1.003, 0.997)
     )
     status = str(found.minimum_load_status.item())
     at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))

@@ -43,8 +43,8 @@ ELSEWHERE = {
                  "inner_ring_temperature", "roller_temperature", "outer_ring_temperature", "epicyclic_cage_speed",
                  "roller_sliding_distance", "roller_frictional_work", "course_temperature", "radial_clearance",
                  "skidding_slip_along", "limit_drag_along", "critical_slip_along", "largest_cage_slip",
-                 "largest_cage_slip_time", "smallest_cage_slip", "smallest_cage_slip_time", "smallest_margin_to_skidding",
-                 "smallest_margin_time", "time_beyond_skidding",
+                 "largest_cage_slip_time", "smallest_cage_slip", "smallest_cage_slip_time",
+                 "smallest_margin_to_skidding", "smallest_margin_time", "time_beyond_skidding",
                  "sliding_distance_inner", "sliding_distance_outer", "frictional_work_inner", "frictional_work_outer",
                  "ring_deflection", "form_angle", *OVER_MOTION},
     "steady-slip": {

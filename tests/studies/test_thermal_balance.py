@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from loading_branch_scenes import catalogue
 from rollslip import evolve, get_model, load_scene, plan, sweep
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
@@ -24,7 +25,6 @@ from rollslip_studies.motion.losses import Loss, PowerBalance
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 from rollslip_studies.thermal_balance.figures import thermal_figures
 from rollslip_studies.thermal_balance.study import _jumps
-from loading_branch_scenes import catalogue
 from without_bands import run
 
 SCENE = evolve(
@@ -451,8 +451,12 @@ def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
 def test_a_plan_foresees_how_many_steady_slips_a_balance_takes(duration, monkeypatch):
     scene = evolve(SCENE, {"models.thermal": network(), "study.thermal-balance.duration": duration})
     monkeypatch.setattr("rollslip.studies.timing.timed", lambda work, times: 1.0)
-    cost_sentences = settings(scene, "thermal-balance")["thermal-balance"].cost(assemble(scene))["run"]
-    assert 0.5 < cost_sentences / run(scene, "thermal-balance").attrs["evaluated_temperatures"] < 2.0
+    cost_sentences = settings(scene, "thermal-balance")["thermal-balance"].cost(assemble(scene))[
+        "run"
+    ]
+    assert (
+        0.5 < cost_sentences / run(scene, "thermal-balance").attrs["evaluated_temperatures"] < 2.0
+    )
 
 
 def test_warm_rings_change_the_clearance_where_they_expand():
@@ -515,7 +519,9 @@ def test_what_size_and_oil_say_of_a_network_is_that_by_hand():
 
 
 def test_heat_of_a_contact_is_split_as_asked():
-    model = get_model("thermal", "network", contact_fraction=0.2, **CUT | {"inner_ring_rollers": 1.0})
+    model = get_model(
+        "thermal", "network", contact_fraction=0.2, **CUT | {"inner_ring_rollers": 1.0}
+    )
     flows = dict(
         zip(model.nodes, model.inflows(np.full(3, 293.15), {"inner contact": 100.0}), strict=True)
     )
@@ -589,7 +595,13 @@ def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
     scene = evolve(
         SCENE, {"models.thermal": network(oil_flow="15 g/s"), "study.thermal-balance.points": 8}
     )
-    requested = ["stationary_temperature", "stationary_slip", "heat_margin", "temperature", "steady_slip"]
+    requested = [
+        "stationary_temperature",
+        "stationary_slip",
+        "heat_margin",
+        "temperature",
+        "steady_slip",
+    ]
     over = {"models.thermal.oil_flow": ["5 g/s", "50 g/s"]}
     found = sweep(scene, study="thermal-balance", over=over, output=requested, engine="serial")
     assert (found.stationary_temperature == found.temperature.squeeze("balance")).all()
@@ -639,7 +651,8 @@ def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
         study = settings(scene, "thermal-balance")["thermal-balance"]
         requested = {"stationary_temperature", "stationary_slip", "stationary_status"}
         whole, alone = (
-            one.run(assemble(scene)) for one in (study, study.without(study.outputs.keys() - requested))
+            one.run(assemble(scene))
+            for one in (study, study.without(study.outputs.keys() - requested))
         )
         assert alone[sorted(requested)].equals(whole[sorted(requested)])
         settles = whole.stationary_status.item() == "found"
@@ -652,6 +665,8 @@ def test_a_plan_says_which_studies_a_network_does_not_act_in():
     assert [(part.part, part.included) for part in steady.parts if part.part == "thermal"] == [
         ("thermal", False)
     ]
-    assert any("models.thermal does not act in steady-slip" in text for text in steady.cost_sentences)
+    assert any(
+        "models.thermal does not act in steady-slip" in text for text in steady.cost_sentences
+    )
     given = plan(evolve(scene, {"models.thermal": "given"}), "steady-slip")
     assert not any("models.thermal" in text for text in given.cost_sentences)

@@ -255,7 +255,9 @@ def named_studies(root: Path = ROOT) -> list[str]:
                 and isinstance(node.func, ast.Name)
                 and node.func.id == "isinstance"
             ):
-                requested = {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
+                requested = {
+                    name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)
+                }
                 found += [
                     f"{module}:{node.lineno} asks whether a study is {cls}"
                     for cls in sorted(requested & classes)

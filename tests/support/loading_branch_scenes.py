@@ -116,7 +116,9 @@ def balance(scene, *, slices=12, positions=56, inertia=True):
     """Its balance of torques, at the fewest instants with so many positions."""
     made = assemble(scene)
     n_positions = -(-positions // scene.bearing.rollers)
-    few = made.at(attrs.evolve(made.resolution, slices=min(slices, made.slices), n_positions=n_positions))
+    few = made.at(
+        attrs.evolve(made.resolution, slices=min(slices, made.slices), n_positions=n_positions)
+    )
     resisting = few.with_resistance()
     return TorqueBalance(resisting, resisting.cage.drags, n_positions=n_positions, inertia=inertia)
 

@@ -105,7 +105,8 @@ class MeanRoller:
         u = 0.5 * (self.Ri * (wi - w) + self.Ro * (w - wo))
         slides = u * np.geomspace(1e-3, 4.0, 60)
         inner, outer = (
-            max(float(of.friction(u, V) @ of.force) for V in slides) / N_POSITIONS for of in contacts
+            max(float(of.friction(u, V) @ of.force) for V in slides) / N_POSITIONS
+            for of in contacts
         )
         own = [float(of.slices.resistance @ of.width) / N_POSITIONS for of in contacts]
         most = min(outer, inner - sum(own))

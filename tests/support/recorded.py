@@ -26,6 +26,7 @@ from rollslip.results.accounts import account_of
 from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import aligned
 from rollslip.results.figures import plot
+from rollslip.results.former_names import with_present_names
 from rollslip.results.words import confidence, counted, warned
 
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ def compute(name: str) -> None:
 def stored(name: str) -> "xr.Dataset":
     """Return a stored result."""
     content = io.BytesIO(lzma.decompress((STORED / f"{name}.nc.xz").read_bytes()))
-    return xr.load_dataset(content, engine="h5netcdf", phony_dims="access")
+    return with_present_names(xr.load_dataset(content, engine="h5netcdf", phony_dims="access"))
 
 
 def told(dataset: "xr.Dataset") -> str:

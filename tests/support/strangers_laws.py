@@ -165,7 +165,9 @@ class LoadSharing(TractionModel):
     name = "load-sharing"
     equation = "mu = L mu_bd + (1 - L) mu_hd, L = 5e-5 W^-0.408 U^-0.088 G^0.103 ln(1 + 4470 (s/R)^6.015 ...) <= 1"
     references = (MASJEDI,)
-    outputs = MappingProxyType({"asperity_fraction": ("1", "share of the load that asperities carry")})
+    outputs = MappingProxyType(
+        {"asperity_fraction": ("1", "share of the load that asperities carry")}
+    )
     hardness: float = of_surfaces()
     boundary: TractionModel = submodel(
         "traction", default="kragelsky", doc="friction of asperities"

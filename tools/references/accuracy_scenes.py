@@ -2,7 +2,8 @@
 
     python tools/references/accuracy_scenes.py [SCENES [SECONDS [FIRST [again]]]]
 
-- Even scenes ask where the cage runs (study steady-slip) in bearings of tests/support/loading_branch_scenes.py, at numbers that
+- Even scenes ask where the cage runs (study steady-slip) in bearings of
+  tests/support/loading_branch_scenes.py, at numbers that
   nothing else uses: 0.5 to 15,000 rpm, small and large, preloaded, tilted, with outer rings that turn. Odd ones ask for
   effective friction with all closures in those of tests/support/promise_scenes.py, by a seed of its own.
 - The reference has four times the instants and slices, and one more of each, by Gauss's rule, nothing left out and no
@@ -38,8 +39,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
-import promise_scenes
 import loading_branch_scenes
+import promise_scenes
 from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError

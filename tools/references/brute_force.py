@@ -12,7 +12,8 @@
 - *balance*: settled temperatures of study thermal-balance against the heat equations of its network, written anew here
   and solved by substitution with Anderson's acceleration (damped substitution alone leads to the same within 2e-5 K,
   in scenes 0 to 5), with losses at temperatures that the scene gives: each with a steady slip sought for itself, at
-  the resolution that a tenth of the tolerance takes, nothing left out. Scenes of loading_branch_scenes.py. Allowed is the share
+  the resolution that a tenth of the tolerance takes, nothing left out. Scenes of loading_branch_scenes.py.
+  Allowed is the share
   of the rise above the surroundings that both tolerances make together, as both are tolerances of friction.
 - *damage*: the largest value of each measure, or the least film parameter, on the ring where it is off most, at a cage
   slip of 10 % against four times the slices and instants that were taken, and twelve times the instants that were
@@ -45,8 +46,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from accuracy_scenes import TooDearError, finer, stop
 
-import promise_scenes
 import loading_branch_scenes
+import promise_scenes
 from rollslip import evolve, limit, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError, RollslipError
@@ -132,7 +133,9 @@ def limits(k):
     table, name_varied = key.split(".")
     here = getattr(getattr(scene, table), name_varied, 1.0)
     low, high = (
-        ((1.0 - fraction) * here, (1.0 + fraction) * here) if fraction else (here - step, here + step)
+        ((1.0 - fraction) * here, (1.0 + fraction) * here)
+        if fraction
+        else (here - step, here + step)
     )
     start = low + float(np.random.default_rng([SEED, k]).uniform(0.1, 0.9)) * (high - low)
     worst = np.nanmax if sense == "<=" else np.nanmin

@@ -1,6 +1,7 @@
 """Where cages run away, against finer ways; a quarter of an hour on two cores.
 
-- loading_branch.csv: random scenes (tests/support/loading_branch_scenes.py) against the same search on five times as many slips and
+- loading_branch.csv: random scenes (tests/support/loading_branch_scenes.py) against the same search on five
+  times as many slips and
   four times the positions: what was found, and by how much it is off. It is not independent of the march.
 - loading_branch_many.csv: the same of 3,000 other scenes, in numbers; some ten minutes on two cores.
 
@@ -105,7 +106,9 @@ def main():
                 for number in range(1000)
                 for kind, _, options in KINDS
             ]
-            written("loading_branch_many.csv", in_numbers(list(pool.map(held, every, chunksize=10))))
+            written(
+                "loading_branch_many.csv", in_numbers(list(pool.map(held, every, chunksize=10)))
+            )
 
 
 if __name__ == "__main__":

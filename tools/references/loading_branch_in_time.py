@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 import loading_branch_scenes as scenes
 from rollslip.bearing.equilibrium import angular_positions
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import SLOW, orbit_loads, logit_slip, slip_of
+from rollslip_studies.motion.spins import SLOW, logit_slip, orbit_loads, slip_of
 
 TABLE = Path(__file__).with_name("loading_branch_in_time.csv")
 RANGE = 0.95
@@ -57,7 +57,8 @@ CAGES = (1.0, 5.0)
 MISSED = 0.02
 
 
-#: Kind, numbers and whether rolling is resisted, hard ones first: of the 3,000 of loading_branch_many.csv those of which only
+#: Kind, numbers and whether rolling is resisted, hard ones first: of the 3,000 of loading_branch_many.csv
+#: those of which only
 #: one of both ways has a drag, those that are off most, and some with several maxima; then two whose slip just doubles;
 #: then any speed, light loads, pockets, and rings that both turn.
 SCENES = (

@@ -113,7 +113,9 @@ def main():
         for name, changes, slips in CASES:
             scene = evolve(load_scene(name), changes)
             fine = assemble(scene)
-            assembly = fine.at(attrs.evolve(fine.resolution, slices=SLICES, n_positions=N_POSITIONS))
+            assembly = fine.at(
+                attrs.evolve(fine.resolution, slices=SLICES, n_positions=N_POSITIONS)
+            )
             torques = np.array([torque(assembly, slip) for slip in slips])
             print(name, changes, np.round(torques, 5))
             best = int(np.argmax(torques))

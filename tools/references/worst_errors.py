@@ -54,7 +54,9 @@ def main():
             requested = {law: [] for law in laws()}
             for (law, _), known in worst.items():
                 few = AROUND // (len(known) * (4 if law in DEAR_LAWS else 1))
-                requested[law] += [near(members, random) for *_, members in known for _ in range(few)]
+                requested[law] += [
+                    near(members, random) for *_, members in known for _ in range(few)
+                ]
     with Path(__file__).with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("law", "set", "error", "column", "members"))

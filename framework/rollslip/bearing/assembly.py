@@ -135,7 +135,9 @@ class Assembly:
         if o.carrier is not None:
             force = self.roller_mass * o.carrier.speed**2 * o.carrier.radius
             direction = o.carrier.direction
-        elif o.gravity_direction is not None and self.weight_fraction > self.scene.accuracy.tolerance:
+        elif (
+            o.gravity_direction is not None and self.weight_fraction > self.scene.accuracy.tolerance
+        ):
             force = self.roller_mass * GRAVITY
             direction = o.gravity_direction
         return force * math.cos(direction), force * math.sin(direction) * self.kinematics.direction

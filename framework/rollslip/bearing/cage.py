@@ -18,7 +18,7 @@ from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
-from rollslip.fields import FieldError, field, non_negative, choice_of, positive, submodels
+from rollslip.fields import FieldError, choice_of, field, non_negative, positive, submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene

@@ -147,7 +147,9 @@ def torque_capsule(model: DragModel) -> object:
     except RollslipError:
         raise
     except Exception as error:
-        raise PluginError(f"{who} fails ({describe_error(error)}); {origin(type(model))}") from error
+        raise PluginError(
+            f"{who} fails ({describe_error(error)}); {origin(type(model))}"
+        ) from error
     if capsule is None:
         return compiled.python_drag(_checked(model), model.varies_in_time)
     if problem := compiled.problem(capsule):

@@ -66,7 +66,9 @@ def angular_positions(rollers: int, n_positions: int) -> Floats:
         raise ValueError(
             f"{rollers} rollers at {n_positions} instants: there must be at least one of each"
         )
-    return 2.0 * np.pi / rollers * (np.arange(rollers) + np.arange(n_positions)[:, None] / n_positions)
+    return (
+        2.0 * np.pi / rollers * (np.arange(rollers) + np.arange(n_positions)[:, None] / n_positions)
+    )
 
 
 def _array(value: object) -> Floats:

@@ -41,7 +41,9 @@ def over_pitch(case: Any, known: L | None, solve: Callable[[Any], L]) -> L:
     """Return loads at the instants of a case, some of them solved for, the others mirror images and those known."""
     n_positions = case.psi.shape[0]
     if known is not None and 2 * known.psi.shape[0] != n_positions:
-        raise ValueError(f"known are {known.psi.shape[0]} instants: of {n_positions} it must be half")
+        raise ValueError(
+            f"known are {known.psi.shape[0]} instants: of {n_positions} it must be half"
+        )
     new = np.arange(n_positions) if known is None else np.arange(1, n_positions, 2)
     last = n_positions // 2 if case.mirrored else n_positions
     solved = new[new <= last]

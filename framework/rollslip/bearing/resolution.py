@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.errors import RollslipError
-from rollslip.fields import at_least, in_range, choice_of, parameter
+from rollslip.fields import at_least, choice_of, in_range, parameter
 from rollslip.profile import profile_drop, slice_positions
 from rollslip.scene.values import Scene
 from rollslip_kernels.gauss import legendre
@@ -47,9 +47,7 @@ class Resolution:
     """All numerical choices of a run."""
 
     #: Slices along a roller, where a profile or a tilt needs them; elsewhere one serves.
-    slices: int = parameter(
-        default=101, doc="slices along a roller", validator=in_range(1, 20_000)
-    )
+    slices: int = parameter(default=101, doc="slices along a roller", validator=in_range(1, 20_000))
     #: Midpoints of equal slices (ISO/TS 16281), or the points and weights of Gauss and Legendre.
     quadrature: str = parameter(
         default="equal", doc="where slices lie", validator=choice_of("equal", "gauss")
@@ -90,7 +88,9 @@ class Resolution:
     compiled: bool = parameter(default=True, doc="whether stages run compiled")
 
     @classmethod
-    def maximum_of(cls, some: Collection["Resolution"], alike: Collection[str] = ()) -> "Resolution":
+    def maximum_of(
+        cls, some: Collection["Resolution"], alike: Collection[str] = ()
+    ) -> "Resolution":
         """Return the finest of some, number by number; of fields that are to be `alike` what all have in common."""
         most = max(some, key=lambda one: one.slices)
         return cls(

@@ -31,7 +31,13 @@ from rollslip.catalogue.installed import THIS_PROCESS, Offer, with_session
 from rollslip.catalogue.installed import installed as _installed
 from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
 from rollslip.catalogue.shipped import altered, held, is_ours, warn_if_slow
-from rollslip.errors import PluginError, UnknownNameError, did_you_mean, describe_error, wants_memory
+from rollslip.errors import (
+    PluginError,
+    UnknownNameError,
+    describe_error,
+    did_you_mean,
+    wants_memory,
+)
 from rollslip.units import as_written
 
 _log = logging.getLogger(__name__)
@@ -213,7 +219,9 @@ def _load(offer: Offer) -> Any:
     except BaseException as error:
         if wants_memory(error):
             raise MemoryError(describe_error(error)) from error
-        raise PluginError(f"{blame} cannot be imported ({describe_error(error)}); {remedy}") from error
+        raise PluginError(
+            f"{blame} cannot be imported ({describe_error(error)}); {remedy}"
+        ) from error
     if changed := [] if is_ours(path) else altered(before):
         why = f"its import changes {' and '.join(changed[:3])} of rollslip, so that results would name rollslip for it"
         raise PluginError(

@@ -16,7 +16,7 @@ from typing import Any
 import attrs
 
 from rollslip.catalogue.installed import by_package, installed, kinds
-from rollslip.errors import PluginError, UnknownNameError, did_you_mean, describe_error, nearest
+from rollslip.errors import PluginError, UnknownNameError, describe_error, did_you_mean, nearest
 
 __all__ = [
     "Kind", "Template", "built_in_module", "check_kind", "get_kind", "kind_of", "kinds", "offered_kinds",
@@ -70,7 +70,9 @@ class Kind:
     def members(self, module: ModuleType) -> list[Any]:
         """Return the classes, or named values, of this kind that stand in a module under a name of their own."""
         return [
-            thing for thing in vars(module).values() if self.accepts(thing) and hasattr(thing, "name")
+            thing
+            for thing in vars(module).values()
+            if self.accepts(thing) and hasattr(thing, "name")
         ]
 
     def fault(self, thing: Any) -> str:

@@ -58,7 +58,10 @@ def command_of(cls: type[Campaign]) -> Any:
 
 
 def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
-    """Add arguments and options of a campaign to what runs it, which gets `requested` and, as text, what it is `about`."""
+    """Return a command with the arguments and options of a campaign.
+
+    ``run`` gets the campaign as ``requested`` and, as text, what it is ``about``.
+    """
     arguments = options_of(cls, arguments=True)
     options = options_of(cls)
     shared = {"engine", "time_limit"} if issubclass(cls, OfPoints) else set()

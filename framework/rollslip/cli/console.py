@@ -63,7 +63,9 @@ def headline(plan: "Plan") -> str:
     first = headline_of(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
     mounted = plan.scene.bearing.mounted
     return (
-        first if mounted is None else f"{first}\nclearance in operation: {describe_clearance(mounted)}"
+        first
+        if mounted is None
+        else f"{first}\nclearance in operation: {describe_clearance(mounted)}"
     )
 
 

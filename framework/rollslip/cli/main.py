@@ -376,6 +376,7 @@ def _told(error: Exception) -> int:
 
 def _short_of_memory(error: Exception) -> int:
     click.echo(
-        f"memory is too short ({describe_error(error)}); close other programs, or ask for less", err=True
+        f"memory is too short ({describe_error(error)}); close other programs, or ask for less",
+        err=True,
     )
     return BAD_SCENE

@@ -14,7 +14,7 @@ from attrs.validators import optional
 
 from rollslip.datasets import Scatter
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, Span, field, non_negative, choice_of, positive
+from rollslip.fields import FieldError, Span, choice_of, field, non_negative, positive
 from rollslip.lubricant.base_oil import BASE_OILS
 from rollslip.lubricant.pressure import ALPHAS, PressureViscosity, default_law
 from rollslip.lubricant.temperature import TemperatureLaw

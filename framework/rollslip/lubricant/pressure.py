@@ -20,7 +20,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.fields import FieldError, non_negative, choice_of, positive
+from rollslip.fields import FieldError, choice_of, non_negative, positive
 from rollslip.models import SliceModel
 from rollslip_kernels.slices import Conditions, Slices
 

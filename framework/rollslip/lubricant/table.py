@@ -15,9 +15,9 @@ from rollslip.fields import (
     FieldError,
     Ranges,
     Span,
+    choice_of,
     field,
     non_negative,
-    choice_of,
     own_unit,
     positive,
     within_possible,
@@ -378,10 +378,10 @@ class OilTable:
         else:
             points = ((p.temperature, p.kinematic_viscosity, p.viscosity) for p in self.points)
             found = [
-                (T, nu if nu else (eta or math.nan) / rho(T))
+                (T, nu if nu else (eta or math.nan) / rho(T))  # type: ignore[misc]
                 for T, nu, eta in points
                 if nu or rho is not None
-            ]  # type: ignore[misc]
+            ]
         if len(found) == 1 and self.base_oil is not None:
             index = (
                 self.viscosity_index

@@ -19,8 +19,16 @@ from rollslip.studies.study import Study
 from rollslip.units import GRAVITY, format_quantity
 
 __all__ = [
-    "LONG", "caged", "check", "foreseen", "how_finely", "of_bearing", "of_studies", "own_cage", "part_as_dict",
+    "LONG",
+    "caged",
+    "check",
+    "cost_sentences",
     "format_time",
+    "how_finely",
+    "of_bearing",
+    "of_studies",
+    "own_cage",
+    "part_as_dict",
 ]  # fmt: skip
 
 #: Time that is told before it is spent [s].

@@ -24,7 +24,14 @@ from rollslip.bearing.cage import read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
-from rollslip.planning.lines import caged, check, cost_sentences, of_bearing, of_studies, part_as_dict
+from rollslip.planning.lines import (
+    caged,
+    check,
+    cost_sentences,
+    of_bearing,
+    of_studies,
+    part_as_dict,
+)
 from rollslip.results.words import LOWER_BOUNDS, duration_range
 from rollslip.scene.named import unknown_names
 from rollslip.scene.reading import as_scene

@@ -159,7 +159,9 @@ def _clearance(
     with contextlib.suppress(RollslipError):
         fractions = []
         for preload, lobes, what in parts:
-            bare, held = (100 * one.fraction(lobes) for one in yielding(b, lobes=lobes, stated=stated))
+            bare, held = (
+                100 * one.fraction(lobes) for one in yielding(b, lobes=lobes, stated=stated)
+            )
             fractions.append(
                 f"of {preload * 1e6:.3g} um{what} about {bare:.0f} % (bare rings) to {held:.0f} %{seated}"
             )

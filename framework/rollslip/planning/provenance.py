@@ -38,17 +38,17 @@ if TYPE_CHECKING:
 
 __all__ = [
     "citations",
-    "describe_citations",
     "cited",
     "data_references",
+    "describe_citations",
     "describe_lubricant",
-    "models_origin",
     "describe_models",
+    "describe_scene",
+    "models_origin",
     "origin",
     "packages_of",
     "references_of",
     "run_origin",
-    "describe_scene",
     "together",
 ]
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from rollslip.results.curves import Curve, Curves, curve_names, curves, percent
 from rollslip.results.style import (
     MARKER,
-    SINGLE_COLUMN,
     ROW,
+    SINGLE_COLUMN,
     Sheet,
     axis_label,
     lay_out,

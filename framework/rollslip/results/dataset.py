@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 from rollslip.errors import OutputError
 from rollslip.files import readable, whole_file
 from rollslip.references import Citation, from_dict, once
+from rollslip.results.former_names import with_present_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -158,6 +159,7 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
         raise OutputError(
             f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene"
         )
+    dataset = with_present_names(dataset)
     for name, value in dataset.attrs.items():
         if fault := _fault(str(name), value):
             raise OutputError(

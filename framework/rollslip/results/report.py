@@ -408,7 +408,9 @@ def _regimes(datasets: "Datasets") -> str:
             regime = contact.regime or ", ".join(
                 f"{LONG_NAMES[str(kind)]} {percent(fraction)}"
                 for kind, fraction in zip(
-                    dataset["regime"].values, dataset["regime_fraction"].values[position], strict=True
+                    dataset["regime"].values,
+                    dataset["regime_fraction"].values[position],
+                    strict=True,
                 )
                 if fraction > 0.0
             )

@@ -31,9 +31,18 @@ from rollslip.structure import Location
 from rollslip.units import as_written, format_quantity
 
 __all__ = [
-    "FOLLOWS", "before_mounting", "clearance_scatter", "in_operation", "interference", "listed", "operating", "share",
-    "spun", "unused", "usual_fit",
-]  # fmt: skip
+    "FOLLOWS",
+    "before_mounting",
+    "clearance_scatter",
+    "fraction",
+    "in_operation",
+    "interference",
+    "listed",
+    "operating",
+    "spun",
+    "unused",
+    "usual_fit",
+]
 
 #: Keys of a bearing from which its clearance in operation follows.
 FOLLOWS = ("clearance_class", "mounting")

@@ -106,10 +106,10 @@ def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
         if key not in filled:
             default: Any = attribute.default
             follows = (
-                isinstance(default, attrs.Factory)
+                isinstance(default, attrs.Factory)  # type: ignore[arg-type]
                 and default.takes_self
                 and default.factory(data) == value
-            )  # type: ignore[arg-type]
+            )
             if value is not None and not follows:
                 filled[key] = resolved(value) if inner else value
         elif inner and bare_key(type(value)) is None and isinstance(below := filled[key], Mapping):

@@ -50,7 +50,9 @@ def unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -
             said.append(where.at(name).message(f"no law of a contact is called so{near}"))
         elif not isinstance(value, Mapping) and name not in has and None not in models.values():
             used = ", ".join(law.name for law in laws)
-            said.append(where.at(name).message(f"no law of this scene has such a parameter: {used}"))
+            said.append(
+                where.at(name).message(f"no law of this scene has such a parameter: {used}")
+            )
     return said
 
 

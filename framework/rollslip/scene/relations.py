@@ -19,7 +19,13 @@ from rollslip.scene.supply import DEEPEST
 from rollslip.structure import Location
 from rollslip.units import GRAVITY, format_quantity, likely, unit_given
 
-__all__ = ["RELATIONS", "Relation", "impossible_pressure", "impossible_relations", "skf_minimum_load"]
+__all__ = [
+    "RELATIONS",
+    "Relation",
+    "impossible_pressure",
+    "impossible_relations",
+    "skf_minimum_load",
+]
 
 Scene: TypeAlias = Any
 """A `rollslip.scene.values.Scene`; its tables are read by name here, as relations name them."""
@@ -99,7 +105,9 @@ class Relation:
             scene.bearing.mounted if self.field == "radial_clearance" else None
         )  # what it follows from
         shown = as_given(value, attribute, given) if sums is None else str(sums)
-        said = f"{shown} is {self._shown(amounts)} {self.words}, {self.format_range(span)} is {which}"
+        said = (
+            f"{shown} is {self._shown(amounts)} {self.words}, {self.format_range(span)} is {which}"
+        )
         if (
             unit is None or given is None or math.isinf(span[1])
         ):  # of too little nothing is likely: any unit has more
@@ -370,5 +378,7 @@ RELATIONS: Final = (
 def impossible_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[str]:
     """Return a sentence for each relation that no bearing can have, with its place."""
     return [
-        one.at(where).message(told) for one in RELATIONS if (told := one.fault(scene, raw, "possible"))
+        one.at(where).message(told)
+        for one in RELATIONS
+        if (told := one.fault(scene, raw, "possible"))
     ]

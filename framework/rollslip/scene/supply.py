@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 import attrs
 from attrs.validators import optional
 
-from rollslip.fields import FieldError, Scatter, field, non_negative, choice_of, positive
+from rollslip.fields import FieldError, Scatter, choice_of, field, non_negative, positive
 
 __all__ = ["DENSITY", "SUPPLIES", "Lubrication", "Supplied", "Supply"]
 

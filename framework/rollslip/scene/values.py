@@ -19,10 +19,10 @@ from rollslip.fields import (
     FieldError,
     Scatter,
     at_least,
+    choice_of,
     field,
     in_range,
     non_negative,
-    choice_of,
     positive,
 )
 from rollslip.scene.supply import Lubrication

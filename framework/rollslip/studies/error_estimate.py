@@ -508,7 +508,10 @@ def by_doubling(
     if accuracy.exact or not judged:
         return Estimated(resolution=best if judged else assembly.resolution)
     few = attrs.evolve(
-        assembly.resolution, slices=accuracy.slices or _SLICES[0], quadrature="equal", n_positions=SOME
+        assembly.resolution,
+        slices=accuracy.slices or _SLICES[0],
+        quadrature="equal",
+        n_positions=SOME,
     )
 
     def solved(**number: Any) -> "xr.Dataset":

@@ -44,7 +44,9 @@ def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
     if problems:
         raise SceneError(problems)
     return tuple(
-        dict.fromkeys((*requested, *(known[name].status for name in requested if known[name].status)))
+        dict.fromkeys(
+            (*requested, *(known[name].status for name in requested if known[name].status))
+        )
     )
 
 

@@ -220,7 +220,10 @@ class Study(Curved, abc.ABC):
         """
         resolution = assembly.resolution
         few = attrs.evolve(
-            resolution, slices=min(resolution.slices, COARSE_SLICES), quadrature="equal", n_positions=1
+            resolution,
+            slices=min(resolution.slices, COARSE_SLICES),
+            quadrature="equal",
+            n_positions=1,
         )
         some = assembly.at(few)
         more = (

@@ -31,7 +31,7 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
-from rollslip.results.words import REST, REPORTED_FROM
+from rollslip.results.words import REPORTED_FROM, REST
 from rollslip.studies.answers import Evaluated
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices
@@ -69,7 +69,8 @@ _KINDS: Final = (
 class Outside:
     """How much of a ring's contact force, or of rows of data, lies outside one bound of a law.
 
-    ``law`` is kind and name, ``fraction`` is 1 for all, ``values`` what the quantity is outside, by force from 5 to 95 %,
+    ``law`` is kind and name, ``fraction`` is 1 for all, ``values`` what the quantity is outside, by force from
+    5 to 95 %,
     and ``middle`` in the middle of it; ``known`` is False where the quantity takes data that the oil does not give.
     """
 

@@ -323,7 +323,9 @@ def check_values_at_pressures_are_those_of_the_stage(
         all(np.shape(one) == (1, len(filled)) for one in values),
         "at() loses the shape of its pressures",
     )
-    requested.film_viscosity[:], requested.film_thermoviscosity[:] = (np.ravel(one) for one in values)
+    requested.film_viscosity[:], requested.film_thermoviscosity[:] = (
+        np.ravel(one) for one in values
+    )
     same(
         requested,
         filled,

@@ -320,7 +320,8 @@ def thin_films(model: SliceModel, n: int) -> Slices:
     for k, limit in enumerate(limits, start=1):
         at = slice(k, None, len(limits) + 1)
         ratio[at] = limit * (
-            1.0 + np.where(fraction[at] < 0.5, -1.0, 1.0) * 10.0 ** (30.0 * (fraction[at] % 0.5) - 16.0)
+            1.0
+            + np.where(fraction[at] < 0.5, -1.0, 1.0) * 10.0 ** (30.0 * (fraction[at] % 0.5) - 16.0)
         )
     slices.film_thickness[:] = np.clip(
         ratio * slices.conditions.roughness, *model.domain["film_thickness"]

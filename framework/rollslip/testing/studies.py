@@ -55,7 +55,9 @@ guidance = "outer"
 [accuracy]
 tolerance = 0.05
 """
-_COARSE: Final = Resolution(slices=5, n_positions=2, table_tolerance=0.05, integrator_tolerance=1e-4)
+_COARSE: Final = Resolution(
+    slices=5, n_positions=2, table_tolerance=0.05, integrator_tolerance=1e-4
+)
 _TOLERANCES: Final = ("friction", "critical_slip", "cage_speed")
 
 
@@ -311,7 +313,9 @@ def check_a_scene_is_read_and_its_bearing_put_together(scene: SceneData) -> None
         assemble(read)
         settings(read, None)
     except (ImportError, OSError, RollslipError) as error:
-        raise Nonconformance(f"{scene.name!r} in {scene.package}: {describe_error(error)}") from error
+        raise Nonconformance(
+            f"{scene.name!r} in {scene.package}: {describe_error(error)}"
+        ) from error
 
 
 # Campaigns -----------------------------------------------------------------------------------------------------------

@@ -383,7 +383,8 @@ def check_gives_the_same_in_another_process(model: Any) -> None:
     if names:  # nobody knows what to set before it asks
         other = {name: "2" if os.environ.get(name) != "2" else "3" for name in names}
         refuse_another(
-            _requested(model, **other)[0], f"where {' and '.join(names)} of the environment is another"
+            _requested(model, **other)[0],
+            f"where {' and '.join(names)} of the environment is another",
         )
 
 

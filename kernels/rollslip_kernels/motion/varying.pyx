@@ -24,7 +24,7 @@ from rollslip_arrow cimport RS_RAISED, rs_row, rs_unknowns
 from rollslip_system cimport ROLLSLIP_SYSTEM, rs_new_system, rs_system
 
 cdef enum:
-    MAX_AXES = 3
+    AXES_CAPACITY = 3
     NODES = 4           # stations of a box along an axis
     MAX_AROUND = 64     # stations of a box
     MAX_STATIONS = 4096
@@ -46,7 +46,7 @@ cdef enum:   # courses
     AXES                # the first axis
 
 #: Values at most that tables may depend on at once.
-MAX_AXES: Final[int] = MAX_AXES
+MAX_AXES: Final[int] = AXES_CAPACITY
 
 
 cdef struct course_t:
@@ -60,7 +60,7 @@ cdef struct station_t:
     size_t reads          # how many of the first courses
 
 cdef struct box_t:
-    double node[MAX_AXES][NODES]   # ascending
+    double node[AXES_CAPACITY][NODES]   # ascending
     size_t station[MAX_AROUND]     # that of the first axis changes fastest
 
 cdef struct varying_t:
@@ -69,9 +69,9 @@ cdef struct varying_t:
     size_t axes
     int speed_axis        # axis that is |w_i - w_o| in place of a course; -1 for none
     int root_axis         # axis on which the root of its course counts; -1 for none
-    course_t course[AXES + MAX_AXES]
-    double floor[MAX_AXES]   # ranges of the axes
-    double top[MAX_AXES]
+    course_t course[AXES + AXES_CAPACITY]
+    double floor[AXES_CAPACITY]   # ranges of the axes
+    double top[AXES_CAPACITY]
     station_t *stations
     box_t *boxes
     size_t n_boxes, last
@@ -117,8 +117,8 @@ cdef inline bint _holds(const varying_t *v, const box_t *box, const double *x) n
 
 cdef int _look(varying_t *v, double t) noexcept nogil:
     """Find the stations around the operation at a time, their weights, and set the speeds of the rings; 0 or -1."""
-    cdef double x[MAX_AXES]
-    cdef double along[MAX_AXES][NODES]
+    cdef double x[AXES_CAPACITY]
+    cdef double along[AXES_CAPACITY][NODES]
     cdef double inner, outer, weight
     cdef double read[READ]
     cdef size_t a, i, j, k, m, around = 1
@@ -341,9 +341,9 @@ cdef class Varying:
         cdef double[::1] room
         v.axes, v.speed_axis, v.root_axis = len(ranges), speed_axis, root_axis
         v.inner_fraction, v.still, v.t, v.cage_speed = inner_fraction, still, NAN, cage_speed
-        if v.axes > MAX_AXES or len(courses) != <Py_ssize_t>(AXES + v.axes):
+        if v.axes > AXES_CAPACITY or len(courses) != <Py_ssize_t>(AXES + v.axes):
             raise ValueError(f"{len(courses)} courses on {len(ranges)} axes: {AXES} more than axes are expected, "
-                             f"and at most {MAX_AXES} of these")
+                             f"and at most {AXES_CAPACITY} of these")
         self.around, self.autonomous = around, autonomous
         self.kept, self.numbers, self.owners = [], {}, []
         for k, course in enumerate(courses):

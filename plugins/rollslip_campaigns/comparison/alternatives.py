@@ -92,7 +92,9 @@ def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
     """Make a scene of each combination of what is named."""
     named = {option: listed(value) for option in KEYS if (value := getattr(requested, option))}
     others = [
-        one for one in ("traction", "film", "contact", "reference", "study") if getattr(requested, one)
+        one
+        for one in ("traction", "film", "contact", "reference", "study")
+        if getattr(requested, one)
     ]
     if others:
         asked_for = " and ".join(f"--{option.replace('_', '-')}" for option in named)
@@ -108,7 +110,8 @@ def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
         label = _BETWEEN.join(names)
         try:
             there = evolve(
-                requested.given, {KEYS[option]: name for option, name in zip(named, names, strict=True)}
+                requested.given,
+                {KEYS[option]: name for option, name in zip(named, names, strict=True)},
             )
             assemble(there)  # an oil that nobody knows is refused at once, as is a class
             scenes[label] = there

@@ -271,7 +271,11 @@ def attribute_differences(
             mean,
             about("1", f"{what} of the friction force summed over the slices of the curve"),
         ),
-        bin_fraction=((curve, "bin"), fraction, about("1", "share of the contact force over the curve")),
+        bin_fraction=(
+            (curve, "bin"),
+            fraction,
+            about("1", "share of the contact force over the curve"),
+        ),
         bin_difference=((*of, "bin"), difference, about("1", f"{what} within the bin")),
         bin_contribution=(
             (*of, "bin"),

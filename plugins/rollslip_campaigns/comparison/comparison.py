@@ -25,8 +25,8 @@ from rollslip.errors import (
     RollslipError,
     SceneError,
     UnknownNameError,
-    did_you_mean,
     describe_error,
+    did_you_mean,
     nearest,
 )
 from rollslip.planning.campaign import listed

@@ -60,9 +60,9 @@ class ExplorerSettings(OfPoints):
 
         return plan_explorer(self)
 
-    def run(
+    def run(  # type: ignore[override]
         self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
-    ) -> dict[str, Any]:  # type: ignore[override]
+    ) -> dict[str, Any]:
         """Compute the grid in a folder and write the page."""
         from rollslip_campaigns.explorer.explorer import run_explorer
 

@@ -10,9 +10,9 @@ import numpy as np
 from rollslip.results.style import (
     MARKER,
     MM,
-    SINGLE_COLUMN,
     RING_COLOURS,
     ROW,
+    SINGLE_COLUMN,
     TWO_COLUMNS,
     Sheet,
     axis_label,

@@ -20,8 +20,8 @@ from rollslip.catalogue.registry import find
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel, TractionModel
 from rollslip.planning.provenance import (
-    describe_citations,
     cited,
+    describe_citations,
     describe_lubricant,
     describe_models,
     origin,

@@ -51,7 +51,13 @@ from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import values_of
 from rollslip_campaigns.sweep.run import Progress, requested_engine
-from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs, read_fraction
+from rollslip_campaigns.sweep.sampling import (
+    Axis,
+    range_parts,
+    read_axis,
+    read_fraction,
+    read_overs,
+)
 from rollslip_campaigns.sweep.sweep import assembled, plan_sweep, study_with
 from rollslip_studies.variation.quantities import quantities
 
@@ -188,10 +194,10 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     requested_engine(rough)  # refused before a folder is made
     values = rough.design.axes[0].values
     width = (
-        math.log(float(values[-1]) / float(values[0])) / math.log1p(within)
+        math.log(float(values[-1]) / float(values[0])) / math.log1p(within)  # type: ignore[arg-type]
         if logarithmic
         else 1.0 / within
-    )  # type: ignore[arg-type]
+    )
     spacing = 2 ** max(0, math.ceil(math.log2(width / (count - 1))))
     if (size := (count - 1) * spacing + 1) > _MOST:
         raise SceneError(
@@ -313,13 +319,17 @@ def run_limit(
     )
     while requested:
         points.compute(
-            requested, engine=alone if len(requested) == 1 and longest <= _SOON else None, again=again
+            requested,
+            engine=alone if len(requested) == 1 and longest <= _SOON else None,
+            again=again,
         )
         slacks, failed, longest = _known(made, folder)
         requested = next_places(slacks, failed, made.spacing)
         again = ()
         points = attrs.evolve(points, said=lambda text: None)
-        said(f"{len(slacks) + len(failed)} values computed{_so_far(made, slacks) if requested else ''}")
+        said(
+            f"{len(slacks) + len(failed)} values computed{_so_far(made, slacks) if requested else ''}"
+        )
     dataset = _dataset(made, points, slacks, failed)
     save(dataset, folder / RESULT)
     return dataset

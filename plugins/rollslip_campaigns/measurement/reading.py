@@ -311,7 +311,9 @@ class _Reader:
             return None
         if getattr(one, other):
             self.problems.append(
-                where.at(other).message(f"a {one.quantity} is measured on a {wanted}; leave this out")
+                where.at(other).message(
+                    f"a {one.quantity} is measured on a {wanted}; leave this out"
+                )
             )
         common: dict[str, Any] = {
             "name": one.name,
@@ -456,7 +458,9 @@ class _Reader:
         scene = self._scene(one.scene, where.at("scene"))
         before = len(self.problems)
         if not one.source.strip():
-            self.problems.append(where.at("source").message("is empty; name who says so, and where"))
+            self.problems.append(
+                where.at("source").message("is empty; name who says so, and where")
+            )
         if bool(one.key) != bool(one.values) or (one.key and one.steps):
             self.problems.append(
                 where.at("key").message("give a key with its values, or steps, and not both")

@@ -15,7 +15,7 @@ from typing import Final
 import attrs
 
 from rollslip.catalogue.kinds import Kind
-from rollslip.fields import field, choice_of, positive
+from rollslip.fields import choice_of, field, positive
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable

@@ -117,7 +117,9 @@ class Family:
             }
             reference_resolution = self.of(study, "reference")[0].resolution
             n_positions = (
-                f" and {reference_resolution.n_positions} roller positions" if (reference_resolution.n_positions or 1) > 1 else ""
+                f" and {reference_resolution.n_positions} roller positions"
+                if (reference_resolution.n_positions or 1) > 1
+                else ""
             )
             lines.append(
                 f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "

@@ -239,7 +239,9 @@ def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
     return [*sentences, *_of_models(one, name, planned, reference_resolution, rounds)]
 
 
-def _of_models(one: "xr.Dataset", name: str, planned: int, reference_resolution: int, rounds: int) -> list[str]:
+def _of_models(
+    one: "xr.Dataset", name: str, planned: int, reference_resolution: int, rounds: int
+) -> list[str]:
     """Say how far other models are from the exact one and films from the scene's, with their times to the plan's."""
     difference = one["difference"].to_numpy()
     words = one["difference_status"].to_numpy()

@@ -201,7 +201,10 @@ def _dataset(
     for j, (study, name) in enumerate(results):
         reference_resolution = of[study, FINEST]
         exact = of.get((study, EXACT), of[study, FINEST])
-        floor[j] = max(_compared(of.get((study, HALF), reference_resolution), reference_resolution, name)[0], _ROUNDING)
+        floor[j] = max(
+            _compared(of.get((study, HALF), reference_resolution), reference_resolution, name)[0],
+            _ROUNDING,
+        )
         for k, (one, record) in enumerate(zip(family.choices, records, strict=True)):
             if one.study != study:
                 continue
@@ -210,7 +213,9 @@ def _dataset(
                 record, against, name
             )
             if one.kind == "numerical" or one.label in (FINEST, HALF):
-                numbers["error"][k, j], words["error"][k, j] = _compared(record, reference_resolution, name)
+                numbers["error"][k, j], words["error"][k, j] = _compared(
+                    record, reference_resolution, name
+                )
         for number, kind in (("error", "numerical"), ("difference", "modelling")):
             rows = np.flatnonzero((owners == study) & ((kinds == kind) | (labels == PLANNED)))
             # below the floor none is more exact than another, as far as anybody knows

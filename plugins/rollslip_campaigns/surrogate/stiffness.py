@@ -12,7 +12,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 
-__all__ = ["INSTANTS", "stiffness"]
+__all__ = ["N_POSITIONS", "stiffness"]
 
 #: Instants of a roller pitch.
 N_POSITIONS = 8

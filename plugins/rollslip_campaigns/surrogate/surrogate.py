@@ -36,7 +36,7 @@ from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import values_of
 from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, requested_engine
-from rollslip_campaigns.sweep.sampling import read_overs, read_fraction
+from rollslip_campaigns.sweep.sampling import read_fraction, read_overs
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.raceway_friction.study import (
     ROLLING,
@@ -326,7 +326,8 @@ def _computed(points: Points, known: dict[int, dict[str, Array]], numbers: Seque
             failed[row.number] = row.message
     if lost := [number for number in requested if number not in known]:
         raise ConvergenceError(
-            f"{len(lost)} of {len(requested)} operations failed, the first: {failed.get(lost[0], 'it was not computed')}; "
+            f"{len(lost)} of {len(requested)} operations failed, the first: "
+            f"{failed.get(lost[0], 'it was not computed')}; "
             "narrow the ranges"
         )
 

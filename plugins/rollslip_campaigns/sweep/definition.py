@@ -16,7 +16,7 @@ import attrs
 
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.packages import edited
-from rollslip.fields import at_least, non_negative, choice_of, parameter, positive
+from rollslip.fields import at_least, choice_of, non_negative, parameter, positive
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, resolved, scene_hash

@@ -15,7 +15,7 @@ from rollslip.results.words import in_percent, plain, two, with_unit
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SweepAccount", "axes", "by_name", "point_table", "named_dims", "resting"]
+__all__ = ["SweepAccount", "axes", "by_name", "named_dims", "point_table", "resting"]
 
 #: Sweeps of at most this many points are shown as a table with a row for each point.
 _POINTS: Final = 24

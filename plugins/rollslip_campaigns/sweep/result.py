@@ -26,7 +26,7 @@ from rollslip.errors import describe_error
 from rollslip.planning.execution import compute
 from rollslip.planning.plan import plan
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.provenance import describe_citations, origin, describe_scene
+from rollslip.planning.provenance import describe_citations, describe_scene, origin
 from rollslip.results.dataset import STATUS_VARIABLE, about
 from rollslip.results.words import counted
 from rollslip.scene.changes import evolve, full_key
@@ -213,7 +213,8 @@ def _corners(design: Design, done: "np.ndarray[Any, Any]") -> list[int]:
         (rows - np.median(rows, axis=0)) / np.maximum(np.ptp(rows, axis=0), 1e-300), axis=1
     )
     return [
-        int(some[k]) for k in dict.fromkeys([int(np.argmin(middle)), *spread_points(rows, _CORNERS)])
+        int(some[k])
+        for k in dict.fromkeys([int(np.argmin(middle)), *spread_points(rows, _CORNERS)])
     ]
 
 

@@ -56,7 +56,7 @@ from rollslip_campaigns.sweep.journal import (
 )
 from rollslip_campaigns.sweep.point import Done, compute
 
-__all__ = ["Progress", "Report", "Settled", "requested_engine", "described", "run_sweep"]
+__all__ = ["Progress", "Report", "Settled", "described", "requested_engine", "run_sweep"]
 
 _log = logging.getLogger(
     "rollslip.campaigns.sweep.run"
@@ -189,7 +189,10 @@ def run_sweep(
             finally:
                 run.journal.close(ended)
         return Settled(
-            run.progress(), chosen.name, why, bool(requested.times) and run.progress().done < run.total
+            run.progress(),
+            chosen.name,
+            why,
+            bool(requested.times) and run.progress().done < run.total,
         )
 
 
@@ -398,7 +401,8 @@ class _Run:
         except Exception as error:
             engine.end(executor, at_once=True)
             raise EngineError(
-                f"engine {engine.name!r} does not start: {describe_error(error)}; in a script of your own, call it below "
+                f"engine {engine.name!r} does not start: {describe_error(error)}; in a "
+                "script of your own, call it below "
                 "if __name__ == '__main__'"
             ) from error
         self.moved = time.monotonic()

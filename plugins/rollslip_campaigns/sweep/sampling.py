@@ -46,7 +46,6 @@ __all__ = [
     "SAMPLINGS",
     "Axis",
     "Design",
-    "spread_points",
     "label",
     "parse_over",
     "parse_overs",
@@ -54,8 +53,9 @@ __all__ = [
     "probabilities",
     "range_parts",
     "read_axis",
-    "read_overs",
     "read_fraction",
+    "read_overs",
+    "spread_points",
 ]
 
 SAMPLINGS: Final = ("sobol", "replicated-sobol", "latin-hypercube", "saltelli")

@@ -45,10 +45,10 @@ from rollslip_campaigns.sweep.journal import died, journals
 from rollslip_campaigns.sweep.sampling import (
     Axis,
     Design,
-    spread_points,
     probabilities,
     read_axis,
     read_overs,
+    spread_points,
 )
 from rollslip_studies.variation.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip_studies.variation.quantities import quantities
@@ -221,7 +221,9 @@ def _axes(
         try:
             axis = read_axis(quantity, raw, sampled)
         except RollslipError as error:
-            problems.append(at.message(error.reason if isinstance(error, FieldError) else str(error)))
+            problems.append(
+                at.message(error.reason if isinstance(error, FieldError) else str(error))
+            )
             continue
         if isinstance(axis, Axis):
             axes.append(axis)

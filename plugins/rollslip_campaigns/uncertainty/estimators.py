@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rollslip.search import Array
 
-__all__ = ["Estimate", "Indices", "fewest", "indices", "quantile", "share"]
+__all__ = ["Estimate", "Indices", "fewest", "fraction", "indices", "quantile"]
 
 #: Resamplings of the bootstrap.
 _RESAMPLES: Final = 999

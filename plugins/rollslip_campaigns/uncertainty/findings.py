@@ -63,7 +63,10 @@ class UncertaintyAccount(Account):
             return Answer(
                 rows=(
                     Row(
-                        key="skidding", label="limit drag torque", text="", note=_describe_skidding(dataset)
+                        key="skidding",
+                        label="limit drag torque",
+                        text="",
+                        note=_describe_skidding(dataset),
                     ),
                 )
             )
@@ -124,7 +127,10 @@ class UncertaintyAccount(Account):
         for name in map(str, dataset["quantity"].to_numpy()):
             most = name in (STEADY, LOAD)
             sure = _quantile(dataset, name, p if most else round(1.0 - p, 12))
-            values = *(_quantile(dataset, name, fraction)[0] for fraction in (0.5, 0.05, 0.95)), *sure
+            values = (
+                *(_quantile(dataset, name, fraction)[0] for fraction in (0.5, 0.05, 0.95)),
+                *sure,
+            )
             unit, shown = in_people_s_unit(name, values, units.get(name, "1"))
             counts = [
                 int(dataset[word].sel(quantity=name)) for word in ("samples", "beyond", "unknown")
@@ -383,7 +389,9 @@ def _shares(one: "xr.Dataset") -> str:
     used = int(one["indexed_rows"])
     requested = int(one["indexed_requested"])
     if used < requested:
-        said += f"; made of {used} of {requested} rows, the largest power of two of those without a gap"
+        said += (
+            f"; made of {used} of {requested} rows, the largest power of two of those without a gap"
+        )
     return f"share of the variance of {one['indexed'].item()}, total Sobol index: {', '.join(parts)}{said}"
 
 

@@ -42,9 +42,9 @@ from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
-from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, fraction
+from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, fraction, indices, quantile
 from rollslip_campaigns.uncertainty.findings import DRAG, LOAD, RESERVE, SKIDDING, STEADY
-from rollslip_campaigns.uncertainty.samples import LOWEST, minimum_loads, of_friction, fractions_of
+from rollslip_campaigns.uncertainty.samples import LOWEST, fractions_of, minimum_loads, of_friction
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.scatter import with_scatter
@@ -140,9 +140,13 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
     probability = requested.probability
     until = requested.until
     indices = requested.indices
-    samples = requested.samples if requested.samples is not None else _SAMPLES if until is None else _MOST
+    samples = (
+        requested.samples if requested.samples is not None else _SAMPLES if until is None else _MOST
+    )
     stated = "acceptable_slip" in scene.study.get(SteadySlip.name, {})
-    loads = requested.loads if requested.loads is not None else min(_LOADS, samples) if stated else 0
+    loads = (
+        requested.loads if requested.loads is not None else min(_LOADS, samples) if stated else 0
+    )
     problems = []
     if not 0.5 <= probability < 1.0:
         problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
@@ -295,7 +299,9 @@ def _dataset(
         fractions = fractions_of(critical)
         known = ~np.isnan(slip) & ~np.isnan(away)
         margin = fraction(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
-        skids = fraction(int(fractions["skids"].sum()), int(fractions["unknown"].sum()), n, CONFIDENCE)
+        skids = fraction(
+            int(fractions["skids"].sum()), int(fractions["unknown"].sum()), n, CONFIDENCE
+        )
         variables |= _estimate(
             "margin",
             margin,

@@ -17,7 +17,7 @@ from rollslip_studies.motion.torque_balance import AT_LEAST, FOUND, NOWHERE, SKI
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LOWEST", "minimum_loads", "of_friction", "fractions_of"]
+__all__ = ["LOWEST", "fractions_of", "minimum_loads", "of_friction"]
 
 LOWEST: Final = "critical slip"
 

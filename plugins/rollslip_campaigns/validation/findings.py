@@ -206,7 +206,9 @@ def _of_models(dataset: "xr.Dataset", name: str) -> str:
         verdicts = dataset[f"{of}_verdict"].to_numpy()[dataset[f"{of}_models"].to_numpy() == name]
         undetermined = int((verdicts == UNDETERMINED).sum())
         if verdicts.size:
-            parts.append(f"{int((verdicts == good).sum())} of {verdicts.size - undetermined} {what}")
+            parts.append(
+                f"{int((verdicts == good).sum())} of {verdicts.size - undetermined} {what}"
+            )
         if undetermined:
             parts.append(f"of {undetermined} it cannot be determined")
     seconds = dataset["seconds"].to_numpy()[dataset["row_models"].to_numpy() == name]

@@ -127,7 +127,14 @@ def run_ranking(
     ]
     taken = groups if requested.groups else []
     return _dataset(
-        plan, scored, conditions, tuple(wanted), requested, taken, alike, time.perf_counter() - begin
+        plan,
+        scored,
+        conditions,
+        tuple(wanted),
+        requested,
+        taken,
+        alike,
+        time.perf_counter() - begin,
     )
 
 

@@ -15,7 +15,7 @@ __all__ = [
     "HELD",
     "INSIDE",
     "OUTSIDE",
-    "UNTOLD",
+    "UNDETERMINED",
     "Group",
     "Judged",
     "Said",

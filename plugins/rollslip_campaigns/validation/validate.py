@@ -28,7 +28,7 @@ from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
 from rollslip.planning.campaign import listed
-from rollslip.planning.provenance import describe_citations, cited, origin, packages_of
+from rollslip.planning.provenance import cited, describe_citations, origin, packages_of
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
@@ -116,13 +116,19 @@ class Validation:
             **facts,
             source=", ".join(one.name for one in self.sets),
             packages=packages_of(offers),
-            **describe_citations(cited(models, [cite for one in self.sets for cite in one.references])),
+            **describe_citations(
+                cited(models, [cite for one in self.sets for cite in one.references])
+            ),
         )
 
 
 def plan_validation(requested: "ValidationSettings | RankingSettings") -> Validation:
     """Check what is asked for."""
-    names = [requested.data] if isinstance(requested.data, str | Path | Measurement) else list(requested.data)
+    names = (
+        [requested.data]
+        if isinstance(requested.data, str | Path | Measurement)
+        else list(requested.data)
+    )
     sets = tuple(measurement_named(one) for one in names or available("measurement"))
     if not sets:
         raise SceneError(

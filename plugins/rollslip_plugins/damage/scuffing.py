@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, Self
 import attrs
 
 from rollslip.errors import DomainError, SceneError
-from rollslip.fields import in_range, choice_of, parameter, positive
+from rollslip.fields import choice_of, in_range, parameter, positive
 from rollslip.references import Reference
 from rollslip.structure import Location
 from rollslip_plugins.bibliography import AGMA_925, BLOK_1937, ISO_13989

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, field, non_negative, choice_of, parameter, positive
+from rollslip.fields import FieldError, choice_of, field, non_negative, parameter, positive
 from rollslip.files import named_text, read_columns
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import Reference

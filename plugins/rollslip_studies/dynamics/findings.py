@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer, Row
-from rollslip.results.words import UNSURE, percent, describe_skidding
+from rollslip.results.words import UNSURE, describe_skidding, percent
 from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
@@ -126,8 +126,8 @@ class DynamicsAccount(Account):
         "real_time_factor": ("time of the motion over that of its integration", "1"),
     }
     units: ClassVar[Mapping[str, str]] = {
-        **dict.fromkeys(("end_time", "largest_cage_slip_time", "smallest_cage_slip_time", "smallest_margin_time", "time",
-                         "time_beyond_skidding"), "s"),
+        **dict.fromkeys(("end_time", "largest_cage_slip_time", "smallest_cage_slip_time", "smallest_margin_time",
+                         "time", "time_beyond_skidding"), "s"),
         **dict.fromkeys(("critical_cage_slip", "energy_closure", "final_cage_slip", "largest_cage_slip",
                          "smallest_cage_slip", "smallest_margin_to_skidding", "momentum_closure", "skidding_slip",
                          "smallest_film_parameter_inner", "smallest_film_parameter_outer", "steady_cage_slip"), "1"),
@@ -183,10 +183,7 @@ class DynamicsAccount(Account):
             "steady_status": str(a["steady_status"]),
             "largest_cage_slip": float(np.nanmax(slip)) if np.isfinite(slip).any() else math.nan,
             "final_cage_slip": float(slip[-1]),
-            **{
-                f"runaway_{name}": value
-                for name, value in zip(("slip", "drag", "status"), _away(a), strict=True)
-            },
+            **dict(zip(ONSET, _away(a), strict=True)),
             "critical_cage_slip": float(a["critical_cage_slip"]),
             "critical_status": str(a["critical_status"]),
             **{
@@ -359,9 +356,7 @@ def row(dataset: "xr.Dataset") -> Row:
 def _steady(dataset: "xr.Dataset") -> str:
     a = dataset.attrs
     if _is_steady(dataset):
-        return (
-            f"steady cage slip {_fraction(float(a['steady_cage_slip']))}, the mean of the last orbit"
-        )
+        return f"steady cage slip {_fraction(float(a['steady_cage_slip']))}, the mean of the last orbit"
     why = str(a["steady_status"])
     what = f"cage slip is {why}" if why.startswith("not ") else f"no steady cage slip: {why}"
     last = float(dataset["cage_slip"][-1])
@@ -399,7 +394,9 @@ def _skidding_sentences(dataset: "xr.Dataset") -> list[str]:
         return [*said, f"cage slip stays {'below' if slip.max() <= away else 'beyond'} {value}"]
     begun = len(said)
     said += (
-        [f"cage slip begins at {_fraction(float(slip[0]))}, beyond {value}"] if slip[0] > away else []
+        [f"cage slip begins at {_fraction(float(slip[0]))}, beyond {value}"]
+        if slip[0] > away
+        else []
     )
     for k, (time, rising) in enumerate(passages):
         if not rising:

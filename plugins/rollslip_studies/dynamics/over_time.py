@@ -160,7 +160,9 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         if place not in found:
             here = {name: float(grid[k]) for name, grid, k in zip(names, grids, place, strict=True)}
             speed = here.pop("speed", float(apart[top]))
-            there = held | here | {name: float(fraction * speed) for name, fraction in speeds.items()}
+            there = (
+                held | here | {name: float(fraction * speed) for name, fraction in speeds.items()}
+            )
             try:
                 bearing = assembly if path is None else path.bearing(assembly, there.pop(path.name))
                 raceways = study.loaded(

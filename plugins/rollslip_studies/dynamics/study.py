@@ -27,9 +27,9 @@ from rollslip.errors import SceneError
 from rollslip.fields import (
     FieldError,
     at_least,
+    choice_of,
     in_range,
     non_negative,
-    choice_of,
     parameter,
     positive,
 )
@@ -285,7 +285,8 @@ class Dynamics(Study):
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of tables and motion, from its beginning, and of the slip of running away."""
         at = attrs.evolve(
-            assembly.resolution, n_positions=assembly.resolution.n_positions or over_time.N_POSITIONS
+            assembly.resolution,
+            n_positions=assembly.resolution.n_positions or over_time.N_POSITIONS,
         )
         told = attrs.evolve(self.curved(assembly), map_points=0).cost(assembly.at(at))
         away = sum(told.values())
@@ -438,7 +439,9 @@ class Dynamics(Study):
         )
         settings = self.curved(assembly)
         store = None if kept.store is None else Checkpoints(*attrs.astuple(kept.store))
-        raceways = settings.loaded(assembly, assembly.resolution.n_positions or over_time.N_POSITIONS)
+        raceways = settings.loaded(
+            assembly, assembly.resolution.n_positions or over_time.N_POSITIONS
+        )
         critical = over_time.critical_of(settings, raceways)
         away = over_time.away_of(settings, raceways)
         limit = over_time.limit_of(settings, assembly, history)
@@ -500,10 +503,9 @@ class Dynamics(Study):
             .assign_attrs(warmth)
             .assign_attrs(
                 {
-                    **{
-                        f"runaway_{name}": getattr(away, name)
-                        for name in ("slip", "drag", "status")
-                    },
+                    "skidding_slip": away.slip,
+                    "limit_drag": away.drag,
+                    "skidding_status": away.status,
                     "critical_cage_slip": critical.slip,
                     "critical_status": critical.status,
                     "first_maximum_slip": critical.first_slip,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
-from rollslip.results.words import runs_at, describe_skidding
+from rollslip.results.words import describe_skidding, runs_at
 from rollslip_studies.steady_slip.findings import (
     LOAD_OF_OTHERS,
     next_of_others,
@@ -32,7 +32,9 @@ def _curves(dataset: "xr.Dataset") -> "xr.Dataset":
 def _describe_skidding(dataset: "xr.Dataset") -> str:
     """Say where the cage runs away; nothing where that was not asked for."""
     return (
-        describe_skidding(*(dataset[name].item() for name in _SKIDDING)) if "skidding_slip" in dataset else ""
+        describe_skidding(*(dataset[name].item() for name in _SKIDDING))
+        if "skidding_slip" in dataset
+        else ""
     )
 
 
@@ -99,7 +101,8 @@ class EffectiveFrictionAccount(PlainAccount):
         if {"positions_error", "resolution"} <= a.keys():
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
             said.append(
-                f"{a['n_positions']} roller positions within a pitch and {a['slices']} slices of a roller leave relative "
+                f"{a['n_positions']} roller positions within a pitch and {a['slices']} "
+                "slices of a roller leave relative "
                 f"errors of about {a['positions_error']:.1e} and {slices:.1e}; residual of the forces "
                 f"{a['force_residual']:.1e}"
             )

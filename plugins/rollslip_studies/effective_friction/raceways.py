@@ -47,7 +47,9 @@ _START = 1e-3
 #: The variables that say in which film regimes the contacts run, and how lightly loaded.
 REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
     {
-        "regime_fraction": Output("ring regime", "1", "share of the contact forces in a film regime"),
+        "regime_fraction": Output(
+            "ring regime", "1", "share of the contact forces in a film regime"
+        ),
         "load_parameter": Output("ring", "1", "largest Moes load parameter M"),
         "light_fraction": Output(
             "ring",
@@ -62,7 +64,11 @@ def regime_variables(
     fraction: Array, load_parameter: Array, light: Array, where: str = ""
 ) -> dict[str, Any]:
     """Return the variables of a result that say in which film regimes the contacts run, and how lightly loaded."""
-    values = {"regime_fraction": fraction, "load_parameter": load_parameter, "light_fraction": light}
+    values = {
+        "regime_fraction": fraction,
+        "load_parameter": load_parameter,
+        "light_fraction": light,
+    }
     variables: dict[str, Any] = {
         name: output.variable(values[name]) for name, output in REGIMES.items()
     }
@@ -122,7 +128,11 @@ class LoadedRaceways:
             )
 
         n_positions = int(distribution.psi.shape[0])
-        rings = assembly.cached_by_loads(("contacts", n_positions), n_positions, both) if shared else both()
+        rings = (
+            assembly.cached_by_loads(("contacts", n_positions), n_positions, both)
+            if shared
+            else both()
+        )
         self.inner, self.outer = (
             ring.on(own) for ring, own in zip(rings, assembly.raceways, strict=True)
         )
@@ -405,7 +415,9 @@ def critical_together(
         ]
         return searched(
             curves,
-            lambda requested: friction_together([(cases[k][0], ring, slip) for k, slip in requested]),
+            lambda requested: friction_together(
+                [(cases[k][0], ring, slip) for k, slip in requested]
+            ),
         )
 
     # free rollers go on from slips that are known: one ring after the other, whatever else is evaluated with it

@@ -26,7 +26,7 @@ from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
-from rollslip.fields import at_least, in_range, choice_of, parameter
+from rollslip.fields import at_least, choice_of, in_range, parameter
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
@@ -49,8 +49,8 @@ from rollslip_studies.motion.torque_balance import (
     look_along,
     reserve,
     rollers,
-    skidding_onset,
     running,
+    skidding_onset,
 )
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "N m",
             "limit drag torque",
             status="skidding_status",
-            also=("limit_drag_torque", "limit_drag"),
+            also=("limit_drag_torque",),
         ),
         "skidding_status": Output("", "1", "what was found of skidding"),
         "steady_cage_slip": Output(
@@ -243,10 +243,13 @@ class EffectiveFriction(Study):
         )
         n_positions = 2 * _FIRST_POSITIONS  # at which most curves stand still
         per_point = 12 if self.closure == "free-roller" else 1
-        curves = (_FIRST_POSITIONS + n_positions) * (self.points + 15) + n_positions // 2 * self.points
+        curves = (_FIRST_POSITIONS + n_positions) * (
+            self.points + 15
+        ) + n_positions // 2 * self.points
         surface = self.map_points * max(2 * self.map_points - 1, 0)
         return (
-            contacts * (curves * per_point + n_positions * PROBES * bool(surface)) + 2 * 16 * surface
+            contacts * (curves * per_point + n_positions * PROBES * bool(surface))
+            + 2 * 16 * surface
         )
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
@@ -296,7 +299,9 @@ class EffectiveFriction(Study):
             times["film regimes"].append(regimes * self.points)
         more = assembly.slices / some.slices
         n_positions = resolution.n_positions or N_POSITIONS[-1]
-        costs = {part: more * onwards(N_POSITIONS, each, n_positions) for part, each in times.items()}
+        costs = {
+            part: more * onwards(N_POSITIONS, each, n_positions) for part, each in times.items()
+        }
         if self.skidding_range:
             costs["skidding"] = rollers(assembly, n_positions).seconds(self.skidding_range)
         if self.map_points:
@@ -426,7 +431,9 @@ class EffectiveFriction(Study):
                 continue
             off = max(off, LEAST_OF_SOME * abs(here[ring] / least - 1.0))
             # rollers that all run alike jump nowhere, and other slices see the jump of the run
-            for step in (1, -1) if np.ndim(u) and n_positions > dataset.attrs["n_positions"] else ():
+            for step in (
+                (1, -1) if np.ndim(u) and n_positions > dataset.attrs["n_positions"] else ()
+            ):
                 near, at, far = (over[1 + k : over.size - 1 + k] for k in (-step, 0, step))
                 edges = np.flatnonzero(
                     (at <= tolerance)
@@ -658,7 +665,9 @@ def _by_few_loads(
         (own, [_held_at(slip, ring) for ring in both])
         for own, (slip, _), both in zip(few, cases, critical, strict=True)
     ]
-    errors = [_COARSE_FRACTION * raceways.assembly.scene.accuracy.tolerance for _, raceways in cases]
+    errors = [
+        _COARSE_FRACTION * raceways.assembly.scene.accuracy.tolerance for _, raceways in cases
+    ]
     return [
         both if agrees else None
         for both, agrees in zip(critical, agree_together(held, errors), strict=True)

@@ -13,7 +13,7 @@ from rollslip.bearing.critical import PURE_SLIDING, Critical, Curve, searched, s
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway, mean_friction
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
-from rollslip.fields import at_least, not_empty, choice_of, parameter, positive
+from rollslip.fields import at_least, choice_of, not_empty, parameter, positive
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.scene.relations import impossible_pressure

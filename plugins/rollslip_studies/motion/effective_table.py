@@ -159,7 +159,9 @@ def effective_table(
         Share of what cubics over the sliding speed alone may leave between nodes that is aimed at, up to 1.
     """
     epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    rolling = np.array([epicyclic, *(epicyclic * fraction for fraction in _ROLLING)][: 3 if slips else 1])
+    rolling = np.array(
+        [epicyclic, *(epicyclic * fraction for fraction in _ROLLING)][: 3 if slips else 1]
+    )
     distinct, times = np.unique(
         load[load > 0.0], return_counts=True
     )  # mirror images are equal to the bit
@@ -218,7 +220,9 @@ def curve_table(
     fine = at(_halves(limit, 4 * cells))
     while True:
         values = fine[::4]
-        slopes = _slopes(limit, values, scale * shape.slope, fraction if shape.has_critical else 0.0)
+        slopes = _slopes(
+            limit, values, scale * shape.slope, fraction if shape.has_critical else 0.0
+        )
         error = _missed(fine, slopes)
         enough = error <= (tolerance if aim is None else aim) and _rises(
             limit, slopes, scale * shape.slope
@@ -446,7 +450,8 @@ def _halves(limit: float, cells: int) -> Array:
 def _slopes(limit: float, values: Array, rise: Any, fraction: float = 0.0) -> Array:
     """Derivatives times the width of a cell at nodes along the last axis, from splines in each half, limited.
 
-    ``rise`` is the derivative in the middle, and ``fraction`` that of ``limit`` at which friction is largest; 0 for none.
+    ``rise`` is the derivative in the middle, and ``fraction`` that of ``limit`` at which friction is largest;
+    0 for none.
     """
     middle = values.shape[-1] // 2
     step = limit / middle
@@ -612,7 +617,9 @@ def _gathered(
     return whole, (0.0, 0.0, 0.0)
 
 
-def _mean_friction(raceway: Raceway, load: Array, fraction: Array) -> Callable[[float, Array], Array]:
+def _mean_friction(
+    raceway: Raceway, load: Array, fraction: Array
+) -> Callable[[float, Array], Array]:
     """Mean friction, over rolling and sliding speed, of slices with loads per length and shares of the force."""
     part = max(_AT_ONCE // max(load.size, 1), 1)
 

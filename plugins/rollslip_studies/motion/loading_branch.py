@@ -264,14 +264,16 @@ class _Search:
                     pair = motions.at(np.array(slips[k : k + 1]), below.fraction[:1])[0]
                 way.append(
                     motions.link(
-                        below, min(pair, key=lambda one: motions.apart(one.fraction, below.fraction))
+                        below,
+                        min(pair, key=lambda one: motions.apart(one.fraction, below.fraction)),
                     )
                 )
             two = [k for k in range(1, n) if len(pairs[k]) > 1]
             wrong = None
             if two:
                 again = motions.at(
-                    np.array([slips[k] for k in two]), np.array([way[k - 1].fraction[0] for k in two])
+                    np.array([slips[k] for k in two]),
+                    np.array([way[k - 1].fraction[0] for k in two]),
                 )
                 off = (
                     (k, one[0])
@@ -534,7 +536,9 @@ def _trusted(way: list[Motion]) -> list[Motion]:
     return [m for k, m in enumerate(way) if m.linked or k in (0, last) or way[k + 1].linked]
 
 
-def loading_branch(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) -> LoadingBranch:
+def loading_branch(
+    motions: Motions, largest: float, exact: Motions, *, steps: int = 0
+) -> LoadingBranch:
     """Return the way up of a bearing over the cage slips up to the largest."""
     begin = logit_slip(min(_SMALLEST, 0.5 * largest))
     end = logit_slip(largest)

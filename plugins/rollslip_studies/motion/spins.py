@@ -162,7 +162,9 @@ class Motion:
     #: slip, torque: Cage slip, and mean torque of all rollers on the cage [N m], positive where it drives.
     slip: float
     torque: float
-    fraction: Array  # roller slips along the orbit over ``unit``, which goes with the cage slip, (K,)
+    fraction: (
+        Array  # roller slips along the orbit over ``unit``, which goes with the cage slip, (K,)
+    )
     unit: float  # roller slip of share one
     #: Whether it repeats, is held by the rollers and was found by differences of second order, or is told with its
     #: error.

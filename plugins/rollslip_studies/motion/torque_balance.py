@@ -32,6 +32,7 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import DRIVEN
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import effective_table
+from rollslip_studies.motion.loading_branch import LoadingBranch, loading_branch
 from rollslip_studies.motion.spins import (
     Conventional,
     EffectiveCurve,
@@ -40,7 +41,6 @@ from rollslip_studies.motion.spins import (
     logit_slip,
     slip_of,
 )
-from rollslip_studies.motion.loading_branch import LoadingBranch, loading_branch
 
 #: Loads that stand for the slices of a roller on the way up.
 _FEW: Final = 8
@@ -132,7 +132,7 @@ class TorqueBalance:
         return self.motions.like(n_positions=self.n_positions, few=_FEW)
 
     def way(self, largest: float = RANGE, *, steps: int = 0) -> LoadingBranch:
-        """Return the way up over the cage slips up to the largest, `rollslip_studies.motion.loading_branch.loading_branch`."""
+        """Return the loading branch over cage slips up to the largest; see `loading_branch`."""
         key = largest, steps
         if key not in self._ways:
             self._ways[key] = loading_branch(self._few, largest, self.motions, steps=steps)

@@ -113,7 +113,9 @@ class RacewayFriction(Study):
 
     def __attrs_post_init__(self) -> None:
         if self.largest_ratio < self.smallest_ratio:
-            raise FieldError("smallest_ratio", f"{self.smallest_ratio:g} is above the largest ratio")
+            raise FieldError(
+                "smallest_ratio", f"{self.smallest_ratio:g} is above the largest ratio"
+            )
         if (
             self.slowest is not None
             and self.fastest is not None

@@ -97,9 +97,8 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     values = {"steady_slip": max(float(slips[0]), _NONE)}
     if acceptable is not None and dataset["minimum_load_status"].item() == "found":
         values["minimum_load"] = float(dataset["minimum_load"])
-    found = bands(
-        scene, values["steady_slip"], float(acceptable) if "minimum_load" in values else None
-    )  # type: ignore[arg-type]
+    acceptable_slip = float(acceptable) if "minimum_load" in values else None  # type: ignore[arg-type]
+    found = bands(scene, values["steady_slip"], acceptable_slip)
     told = {
         name: {
             "low": min(

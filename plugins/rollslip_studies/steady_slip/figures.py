@@ -264,7 +264,9 @@ def catalogue_loads(dataset: "xr.Dataset") -> dict[str, float]:
     They are read from the scene of the result, so that a sweep has them, too.
     """
     try:
-        loads, _ = minimum_loads_of_makers(from_raw(json.loads(dataset.attrs["scene_resolved"]), ""))
+        loads, _ = minimum_loads_of_makers(
+            from_raw(json.loads(dataset.attrs["scene_resolved"]), "")
+        )
     except (KeyError, RollslipError):  # a result of before
         return {}
     pairs = sorted(

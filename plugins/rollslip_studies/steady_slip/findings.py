@@ -102,7 +102,9 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             yield _minimum_load(
                 dataset, acceptable, load, -bearing.get("radial_clearance", 0.0) if preload else 0.0
             )
-        yield None if preload and not float(dataset["minimum_load"]) > 0.0 else _makers(dataset, load)
+        yield (
+            None if preload and not float(dataset["minimum_load"]) > 0.0 else _makers(dataset, load)
+        )
         yield _to_acceptable(dataset, acceptable)
     if "drag_reserve" in dataset:
         reserve = float(dataset["drag_reserve"]), str(dataset["reserve_status"].item())
@@ -470,7 +472,8 @@ def _by_formula(dataset: "xr.Dataset") -> list[str]:
             f"{_percent(value / torque if torque else 0.0)} {term}" for term, value in own.items()
         )
         said.append(
-            f"by formula {str(name)!r} the friction torque is {format_quantity(float(torque), 'N m', 3)}: {fractions}; it "
+            f"by formula {str(name)!r} the friction torque is "
+            f"{format_quantity(float(torque), 'N m', 3)}: {fractions}; it "
             f"knows no slip, and no drag but its own terms"
         )
     if "formula_estimated" in dataset and (guessed := str(dataset["formula_estimated"].item())):
@@ -515,7 +518,7 @@ def _jump(dataset: "xr.Dataset") -> str:
     return f"{said}; a larger one takes it to {_percent(to)}, where slips carry {beyond}"
 
 
-def _minimum_load(dataset: "xr.Dataset") -> str:
+def _minimum_load_text(dataset: "xr.Dataset") -> str:
     """Say which load a slip takes, beside what makers ask for, and what the rules of others still need."""
     slip = _percent(float(dataset.attrs["acceptable_slip"]))
     load = float(dataset["minimum_load"])
@@ -607,7 +610,9 @@ class SteadySlipAccount(Account):
             "steady slip": _steady(dataset) + _by_play(dataset),
             "limit drag torque": [_largest(dataset)],
             **({"losses": _losses(dataset)} if "loss" in dataset and has_steady(dataset) else {}),
-            **({"minimum load": [_minimum_load(dataset)]} if "minimum_load" in dataset else {}),
+            **(
+                {"minimum load": [_minimum_load_text(dataset)]} if "minimum_load" in dataset else {}
+            ),
             **{
                 f"limit of the {_what(dataset, name)}": [_limit(dataset, name)]
                 for name in varied(dataset)

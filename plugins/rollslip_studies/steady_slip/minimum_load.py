@@ -30,9 +30,9 @@ from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 __all__ = [
     "RULES",
     "Rule",
-    "minimum_loads_of_makers",
-    "minimum_load",
     "largest_excess",
+    "minimum_load",
+    "minimum_loads_of_makers",
     "rollers_weight",
     "static_rating",
 ]
@@ -152,12 +152,16 @@ def _around_maxima(balance: TorqueBalance, slip: float) -> Iterator[float]:
                 yield one
 
 
-def _maxima(balance: TorqueBalance, slips: Array, torques: Array, fraction: float) -> Iterator[float]:
+def _maxima(
+    balance: TorqueBalance, slips: Array, torques: Array, fraction: float
+) -> Iterator[float]:
     """Slips at which more torque is left over than at both next to them, and at least a share of the drag is there."""
     drags = -np.array([balance.drag(one) for one in slips.tolist()])
     over = torques - drags
     inside = (
-        (over[1:-1] > over[:-2]) & (over[1:-1] >= over[2:]) & (torques[1:-1] > fraction * drags[1:-1])
+        (over[1:-1] > over[:-2])
+        & (over[1:-1] >= over[2:])
+        & (torques[1:-1] > fraction * drags[1:-1])
     )
     yield from slips[1:-1][inside].tolist()
 

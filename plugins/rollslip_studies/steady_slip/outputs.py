@@ -84,7 +84,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "limit drag torque",
             status="skidding_status",
             default=True,
-            also=("limit_drag_torque", "limit_drag"),
+            also=("limit_drag_torque",),
         ),
         "skidding_slip": Output(
             "",
@@ -94,9 +94,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             also=("skidding_slip",),
         ),
         "skidding_status": Output("", "1", "what was found of the limit drag torque"),
-        "limit_drag_error": Output(
-            "", "1", "relative error left of it", status="skidding_status"
-        ),
+        "limit_drag_error": Output("", "1", "relative error left of it", status="skidding_status"),
         "limit_drag_low": Output(
             "", "1", "least slip within the tolerance of it", status="skidding_status"
         ),
@@ -151,7 +149,6 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "N",
             "minimum radial load for an acceptable slip",
             status="minimum_load_status",
-            also=("minimum_load",),
         ),
         "minimum_load_status": Output("", "1", "what was found of the minimum load"),
         "makers_minimum_load": Output(

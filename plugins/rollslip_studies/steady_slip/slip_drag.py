@@ -10,9 +10,9 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
+from rollslip_studies.motion.loading_branch import LoadingBranch
 from rollslip_studies.motion.spins import logit_slip, slip_of
 from rollslip_studies.motion.torque_balance import TorqueBalance, nowhere
-from rollslip_studies.motion.loading_branch import LoadingBranch
 from rollslip_studies.steady_slip.outputs import OUTPUTS
 
 #: How many times as exact a cubic is between neighbours as with a point left out.
@@ -20,7 +20,12 @@ _EXACTER: Final = 4.0
 
 
 def slip_drag(
-    balance: TorqueBalance, way: LoadingBranch, slips: list[float], range_: float, points: int, table: str
+    balance: TorqueBalance,
+    way: LoadingBranch,
+    slips: list[float],
+    range_: float,
+    points: int,
+    table: str,
 ) -> tuple[dict[str, Any], dict[str, Any], float]:
     """Return variables of the curve and its maxima, coordinates, and what the points of the curve leave."""
     away = way.describe_skidding

@@ -7,8 +7,8 @@ import numpy as np
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.results.words import SWITCHED_OFF
 from rollslip.units import format_quantity
+from rollslip_studies.motion.loading_branch import LoadingBranch, Steady
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
-from rollslip_studies.motion.loading_branch import Steady, LoadingBranch
 from rollslip_studies.steady_slip.branches import Branch
 from rollslip_studies.steady_slip.outputs import FASTER, VARIED
 

@@ -32,26 +32,26 @@ from rollslip.scene.values import Scene
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Some
 from rollslip.studies.error_estimate import by_curves
 from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip_studies.motion.loading_branch import LoadingBranch, Steady
 from rollslip_studies.motion.torque_balance import (
     RANGE,
     Orbit,
     TorqueBalance,
-    minimum_positions,
     look_along,
+    minimum_positions,
     reserve,
-    skidding_onset,
     running,
+    skidding_onset,
 )  # fmt: skip
 from rollslip_studies.motion.train import slower_by_play
-from rollslip_studies.motion.loading_branch import Steady, LoadingBranch
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
 from rollslip_studies.steady_slip.evaluated import evaluated_slices, films, loaded
 from rollslip_studies.steady_slip.losses import acceptable_reserve, losses, numbers_off
 from rollslip_studies.steady_slip.minimum_load import (
     RULES,
-    minimum_loads_of_makers,
     minimum_load,
+    minimum_loads_of_makers,
     rollers_weight,
 )
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
@@ -176,7 +176,9 @@ class SteadySlip(Study):
         """Choose slices, instants and laws by the slip-drag curve."""
         found = by_curves(self, assembly, fraction=_FRACTION, cheaper_laws=cheaper_laws)
         n_positions = max(found.resolution.n_positions or 0, minimum_positions(assembly))
-        return attrs.evolve(found, resolution=attrs.evolve(found.resolution, n_positions=n_positions))
+        return attrs.evolve(
+            found, resolution=attrs.evolve(found.resolution, n_positions=n_positions)
+        )
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution: the finest would take days."""
@@ -277,7 +279,9 @@ class SteadySlip(Study):
         states = [balance.orbit_of(one.motion) for one in steady]
         if not states:
             end = min(self.max_cage_slip, way.end)
-            states = [balance.orbit(slip) for slip in slips or [fraction * end for fraction in _JUDGED]]
+            states = [
+                balance.orbit(slip) for slip in slips or [fraction * end for fraction in _JUDGED]
+            ]
         variables, coords, error = slip_drag(
             balance, way, slips, self.max_cage_slip, self.points, self.table
         )
@@ -380,7 +384,9 @@ class SteadySlip(Study):
         )
 
     def _balance(self, assembly: Assembly, n_positions: int) -> TorqueBalance:
-        return TorqueBalance(assembly, assembly.cage.drags, n_positions=n_positions, inertia=self.inertia)
+        return TorqueBalance(
+            assembly, assembly.cage.drags, n_positions=n_positions, inertia=self.inertia
+        )
 
     def _way(self, balance: TorqueBalance) -> LoadingBranch:
         """The way up, until the cage all but stands."""
@@ -534,7 +540,9 @@ class SteadySlip(Study):
         """Return by how much numbers of the answer are off."""
         finer = finer.with_resistance()
         balance = self.balance(finer)
-        return numbers_off(balance, self._balances(finer, balance.n_positions, "radial_load"), dataset)
+        return numbers_off(
+            balance, self._balances(finer, balance.n_positions, "radial_load"), dataset
+        )
 
     def _followed(
         self,

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.style import DASHES, SINGLE_COLUMN, RING_COLOURS, ROW, Sheet, unit_label
+from rollslip.results.style import DASHES, RING_COLOURS, ROW, SINGLE_COLUMN, Sheet, unit_label
 from rollslip.units import converted, shown_unit
 from rollslip_studies.surface_damage.findings import beyond, measures, told
 

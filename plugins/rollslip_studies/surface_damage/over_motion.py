@@ -134,9 +134,7 @@ def over_motion(
             continue
         told = [f"found at {seen}", *([f"at some: {said[k, i]}"] if said[k, i] else [])]
         instant = int(np.searchsorted(times, found[1, k, i]))
-        off = _by_slices(
-            there(instant), dataset.isel(time=instant), i, measures[k], found[0, k, i]
-        )
+        off = _by_slices(there(instant), dataset.isel(time=instant), i, measures[k], found[0, k, i])
         if off > assembly.scene.accuracy.tolerance:
             told.append(f"its slices leave about {100.0 * off:.2g} %")
         said[k, i] = "; ".join(told)

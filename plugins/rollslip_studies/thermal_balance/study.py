@@ -36,7 +36,9 @@ _COURSE = 200
 #: Slip below which an answer shows no digits of it.
 _SHOWN: Final = 1e-3
 #: What is known of a bearing that has settled before anything of warmer balances is.
-_OF_STATIONARY: Final = frozenset({"stationary_temperature", "stationary_slip", "stationary_status"})
+_OF_STATIONARY: Final = frozenset(
+    {"stationary_temperature", "stationary_slip", "stationary_status"}
+)
 
 
 @attrs.frozen(kw_only=True)
@@ -78,7 +80,9 @@ class ThermalBalance(Study):
                 status="stationary_status",
                 default=True,
             ),
-            "stationary_status": Output("", "1", "what was found of the coldest balance that lasts"),
+            "stationary_status": Output(
+                "", "1", "what was found of the coldest balance that lasts"
+            ),
             "given_slip": Output(
                 "", "1", "steady cage slip at the temperatures of the scene", status="given_status"
             ),
@@ -229,7 +233,8 @@ class ThermalBalance(Study):
         -------
         xarray.Dataset
             Dimensions (balance,): stable, stability, growth, steady_slip, balance_error; (node, balance): temperature;
-            (source, balance): loss; (sink, balance): carried_away; (node,): stationary_temperature, of the coldest balance
+            (source, balance): loss; (sink, balance): carried_away; (node,): stationary_temperature, of the
+            coldest balance
             that lasts; (part,): given_temperature; scalars: status, stationary_slip, stationary_status, given_slip,
             given_loss, given_status. With a model of nodes (point,): leading_temperature,
             excess_heat; scalars jumps, heat_margin, limit_temperature, inlet_limit, limit_status; with a duration
@@ -292,7 +297,9 @@ class ThermalBalance(Study):
     def _settled(self, temperatures: Any, state: State, status: str) -> dict[str, Any]:
         """Return what a cold bearing settles at; with the slip the loss [W], by which that is judged."""
         found = self.variables(
-            stationary_temperature=temperatures, stationary_slip=state.slip, stationary_status=status
+            stationary_temperature=temperatures,
+            stationary_slip=state.slip,
+            stationary_status=status,
         )
         found["stationary_slip"][-1]["loss"] = state.loss
         return found

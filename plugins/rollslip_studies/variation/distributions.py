@@ -386,7 +386,9 @@ def _distribution(
         near = nearest(name, DISTRIBUTIONS, count=1) if isinstance(name, str) else []
         hint = did_you_mean(near, f"there are: {', '.join(DISTRIBUTIONS)}")
         problems.append(
-            where.at("distribution").message(f"no distribution is called {as_written(name)}; {hint}")
+            where.at("distribution").message(
+                f"no distribution is called {as_written(name)}; {hint}"
+            )
         )
         return None
     faults: list[str] = []

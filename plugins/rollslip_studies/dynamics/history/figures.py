@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, SINGLE_COLUMN, TWO_COLUMNS, Sheet
+from rollslip.results.style import (
+    DASHES,
+    MARKER,
+    MM,
+    MODEL_COLOURS,
+    SINGLE_COLUMN,
+    TWO_COLUMNS,
+    Sheet,
+)
 from rollslip_studies.dynamics.history_findings import nearest
 
 if TYPE_CHECKING:

@@ -269,7 +269,10 @@ class Stations:
             values = {axis.name: axis.value(at) for axis, at in zip(self.axes, place, strict=True)}
             speed = values.pop("speed", None)
             fraction = 1.0 if speed is None else speed / abs(self.speeds[0] - self.speeds[1])
-            values |= {"inner_speed": fraction * self.speeds[0], "outer_speed": fraction * self.speeds[1]}
+            values |= {
+                "inner_speed": fraction * self.speeds[0],
+                "outer_speed": fraction * self.speeds[1],
+            }
             known[place] = operated(self.assembly, values)
         return known[place]
 

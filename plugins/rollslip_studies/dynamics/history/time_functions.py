@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.fields import FieldError, field, non_negative, choice_of, positive
+from rollslip.fields import FieldError, choice_of, field, non_negative, positive
 from rollslip.search import Array
 from rollslip.structure import fields_of
 

@@ -234,7 +234,9 @@ class Orbits:
                     f"{_MAX_FORCES} centrifugal forces leave more than {self.tolerance:.1e} of the load at the wrong "
                     f"place near {force:g} N; {COARSER_TABLES}"
                 )
-            found = self._orbit(self.assembly.load_distribution(self.n_positions, self._speed(force)))
+            found = self._orbit(
+                self.assembly.load_distribution(self.n_positions, self._speed(force))
+            )
             while len(self.solved) >= _KEPT:
                 del self.solved[next(iter(self.solved))]
             self.solved[force] = found

@@ -451,7 +451,9 @@ class _OfRoller:
         ]
         if known is not None:
             fractions[axis] = fractions[axis][1::2]
-        V, u = (grid.ravel() for grid in np.meshgrid(at.sliding(fractions[2]), at.speed(fractions[0])))
+        V, u = (
+            grid.ravel() for grid in np.meshgrid(at.sliding(fractions[2]), at.speed(fractions[0]))
+        )
         rows = []
         for load in self.loads(at.force(fractions[1])):
             values = self._each(np.broadcast_to(load, (V.size, load.size)), V, u)
@@ -473,7 +475,8 @@ class _OfRoller:
                 cells = nodes - (k < 2)
                 off = 0.5 if k == axis else 0.0
                 fractions[k] = (
-                    np.clip(np.floor(fractions[k] * cells), -cells if k == 2 else 0, cells - 1) + off
+                    np.clip(np.floor(fractions[k] * cells), -cells if k == 2 else 0, cells - 1)
+                    + off
                 ) / cells
         force = at.force(fractions[1])
         sliding = at.sliding(fractions[2])

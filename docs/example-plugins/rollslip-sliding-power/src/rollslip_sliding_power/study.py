@@ -83,7 +83,9 @@ class SlidingPower(Study):
             "cage_slip": ("cage_slip", slip, {"units": "1", "long_name": "cage slip"}),
         }
         variables = self.variables(sliding_power=power, largest_power=power[:, -1])
-        return Dataset(variables, coords, attrs=self.attributes | {"n_positions": n_positions, "slices": assembly.slices})
+        return Dataset(
+            variables, coords, attrs=self.attributes | {"n_positions": n_positions, "slices": assembly.slices}
+        )
 
 
 @hookimpl
