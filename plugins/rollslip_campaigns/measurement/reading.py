@@ -468,10 +468,10 @@ class _Reader:
         steps = (
             one.steps
             or tuple(
-                Step(says=str(value), changes=FrozenTable({one.key: value}))
+                Step(text=str(value), changes=FrozenTable({one.key: value}))
                 for value in (one.values if one.key else ())
             )
-            or (Step(says="the scene as it is"),)
+            or (Step(text="the scene as it is"),)
         )
         if one.expect in ("rises", "falls") and len(steps) < 2:
             self.problems.append(where.message(f"what {one.expect} needs two steps at least"))
@@ -484,11 +484,11 @@ class _Reader:
                     and not _OF_STUDY.fullmatch(step.quantity)
                 ):
                     self._unknown(step.quantity, where.at("steps"))
-                self._fits(scene, step.changes, where.at("steps").message(step.says))
+                self._fits(scene, step.changes, where.at("steps").message(step.text))
         if unit is None or scene is None or len(self.problems) > before:
             return None
         return Statement(
-            quantity=one.quantity, unit=unit, at=one.at, scene=scene, says=one.says, by_whom=one.source,
+            quantity=one.quantity, unit=unit, at=one.at, scene=scene, text=one.text, by_whom=one.source,
             expect=one.expect, by=one.by, limit=limit, steps=steps,
         )  # fmt: skip
 

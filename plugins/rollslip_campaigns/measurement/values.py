@@ -114,7 +114,7 @@ class SeriesTable:
 class Step:
     """One of the states that a statement speaks of."""
 
-    says: str = _text("what is so at this step")
+    text: str = _text("what is so at this step")
     quantity: str = _text(
         "what it is about, where that is not the statement's; of the same unit", ""
     )
@@ -126,7 +126,7 @@ class Step:
 class StatementTable:
     """What was said in words: how a quantity goes along some steps, or where it lies."""
 
-    says: str = _text("the statement, in a few words")
+    text: str = _text("the statement, in a few words")
     source: str = _text("who says so, where")
     quantity: str = _text("what it is about")
     unit: str = _text("SI unit of the variable of a study", "")
@@ -227,7 +227,7 @@ class ContactSeries(Series):
 class Statement(Measured):
     """What was said in words; see `StatementTable`."""
 
-    says: str
+    text: str
     by_whom: str
     expect: str
     by: float

@@ -147,7 +147,7 @@ def _statements(dataset: "xr.Dataset") -> "Figure":
     """A mark for every statement and model."""
     rows = rows_along(dataset, "statement")
     says, models = (
-        list(dict.fromkeys(one[f"statement_{name}"] for one in rows)) for name in ("says", "models")
+        list(dict.fromkeys(one[f"statement_{name}"] for one in rows)) for name in ("text", "models")
     )
     sheet = _sheet(len(says) + 3, 0)
     axes = sheet.axes

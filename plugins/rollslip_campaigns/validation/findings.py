@@ -110,7 +110,7 @@ def statement_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]
     """Return caption and rows of a table for the statements of each data set."""
     tables = dict[str, list[list[str]]]()
     for one in rows_along(dataset, "statement"):
-        cells = [one[f"statement_{name}"] for name in ("says", "models", "verdict", "found")]
+        cells = [one[f"statement_{name}"] for name in ("text", "models", "verdict", "found")]
         tables.setdefault(f"{one['statement_data_set']}, in words", []).append(cells)
     return [*tables.items()]
 

@@ -87,7 +87,7 @@ class Said:
 
     data_set: str
     models: str
-    says: str
+    text: str
     by: str
     verdict: str
     found: str

@@ -182,7 +182,7 @@ def run_validation(
         for combination in plan.combinations
     ]
     for k, (measurement, thing, combination) in enumerate(parts):
-        what = thing.says if isinstance(thing, Statement) else thing.name
+        what = thing.text if isinstance(thing, Statement) else thing.name
         report(f"{measurement.name}: {what}, {combination.label}", k / len(parts))
         if isinstance(thing, Statement):
             said.append(judged_statement(measurement, thing, combination))
@@ -381,7 +381,7 @@ def judged_statement(
     of = {
         "data_set": measurement.name,
         "models": combination.label,
-        "says": statement.says,
+        "text": statement.text,
         "by": statement.by_whom,
     }
     assert statement.scene is not None
@@ -405,7 +405,7 @@ def judged_statement(
         return shown(value.value, statement.unit, quantity)
 
     found = ", ".join(
-        f"{step.says}: {told(value, step.quantity or statement.quantity)}"
+        f"{step.text}: {told(value, step.quantity or statement.quantity)}"
         for step, value in zip(statement.steps, values, strict=True)
     )
     verdict = verdict_on(statement, np.array([value.value for value in values]))
@@ -447,7 +447,7 @@ _OF_GROUPS: Final[Mapping[str, tuple[str, str, str]]] = {
 #: Variable -> field of a statement, unit and meaning.
 _OF_STATEMENTS: Final[Mapping[str, tuple[str, str, str]]] = {
     f"statement_{name}": (name, "1", name)
-    for name in ("data_set", "models", "says", "by", "verdict", "found")
+    for name in ("data_set", "models", "text", "by", "verdict", "found")
 }
 
 
