@@ -127,8 +127,8 @@ def test_too_few_samples_give_no_chi_square():
 )
 def test_a_statement_holds_or_not_as_its_values_go(expect, values, verdict):
     said = Statement(
-        quantity="cage-slip", unit="1", says="", by_whom="", expect=expect, by=0.02,
-        limit=0.5 if expect in ("below", "above") else None, steps=(Step(says=""),) * len(values),
+        quantity="cage-slip", unit="1", text="", by_whom="", expect=expect, by=0.02,
+        limit=0.5 if expect in ("below", "above") else None, steps=(Step(text=""),) * len(values),
     )  # fmt: skip
     assert verdict_on(said, np.array(values)) == verdict
 
