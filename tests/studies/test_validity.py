@@ -72,8 +72,8 @@ def test_a_bound_is_told_with_its_error_up_to_three_times_beyond_it(bound, told)
 def test_every_bound_of_the_box_has_a_code_of_its_own():
     root = Path(__file__).parents[2]
     codes = Counter()
-    shelf = [root / "framework/rollslip/models" / name for name in ("stages.py", "validity.py")]
-    places = [*shelf, *(root / "plugins/rollslip_plugins").rglob("*.py")]
+    interfaces = [root / "framework/rollslip/models" / name for name in ("stages.py", "validity.py")]
+    places = [*interfaces, *(root / "plugins/rollslip_plugins").rglob("*.py")]
     for path in places:
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "Validity":

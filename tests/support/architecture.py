@@ -11,10 +11,10 @@ from pathlib import Path
 import legibility
 
 ROOT = Path(__file__).parents[2]
-#: Folders from left to right: each imports only what stands left of it. The shelf is the modules beside the folders.
+#: Folders from left to right: each imports only what stands left of it. The top level is the modules beside the folders.
 #: Studies of the box and campaigns are roots of their own, right of all.
 ORDER = (
-    "shelf", "models", "lubricant", "catalogue", "scene", "bearing", "results", "studies", "planning",
+    "top level", "models", "lubricant", "catalogue", "scene", "bearing", "results", "studies", "planning",
     "testing", "cli", "rollslip_studies", "rollslip_campaigns",
 )  # fmt: skip
 #: Roots whose modules stand in these folders.
@@ -130,7 +130,7 @@ def folder(module: str) -> str:
     parts = module.split(".")
     if parts[0] in ORDER:
         return parts[0]
-    return parts[1] if len(parts) > 1 and parts[1] in ORDER else "shelf"
+    return parts[1] if len(parts) > 1 and parts[1] in ORDER else "top level"
 
 
 def wrong_way(root: Path = ROOT) -> list[str]:
@@ -186,11 +186,11 @@ def too_large(root: Path = ROOT) -> list[str]:
             found.append(f"{path.relative_to(root)} has {lines} lines of code")
         if path.name != "__init__.py":
             count[path.parent] = count.get(path.parent, 0) + 1
-    shelf = root / "framework" / "rollslip"
+    top_level = root / "framework" / "rollslip"
     found += [
         f"{of.relative_to(root)} has {number} modules"
         for of, number in count.items()
-        if number > MAX_MODULES + 2 * (of == shelf)
+        if number > MAX_MODULES + 2 * (of == top_level)
     ]
     for module, path in known.items():
         if path.name != "__init__.py" or module == FACE or folder(module) == "rollslip_campaigns":
@@ -297,7 +297,7 @@ def named_models(root: Path = ROOT) -> list[str]:
 
 
 def misplaced(root: Path = ROOT) -> list[str]:
-    """Findings that import more than shelf, results, NumPy and other findings, and packages outside their folders."""
+    """Findings that import more than the top level, results, NumPy and other findings, and packages outside their folders."""
     known = modules(root)
     found = list[str]()
     for module, path in known.items():
@@ -309,7 +309,7 @@ def misplaced(root: Path = ROOT) -> list[str]:
             ours = {
                 name
                 for name in used & known.keys()
-                if folder(name) not in ("shelf", "results") and not name.endswith("findings")
+                if folder(name) not in ("top level", "results") and not name.endswith("findings")
             }
             other = {name.split(".")[0] for name in used} & {
                 "scipy",
