@@ -30,7 +30,7 @@ from rollslip.catalogue.registry import available
 from rollslip.cli.main import main
 from rollslip.lubricant import OilTable
 from rollslip.scene.schema import schema
-from rollslip.studies.error_estimate import Curved
+from rollslip.studies.error_estimate import DiscretisedStudy
 from rollslip.studies.study import Study, study_class
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from tabled import TABLES, cell, rows_of
@@ -357,7 +357,7 @@ def test_where_to_add_what_has_every_kind():
 def test_every_member_of_a_study_is_on_the_page_of_studies():
     tables = " ".join(cells[0] for cells in rows("reference/studies.rst"))
     stated = itertools.chain.from_iterable(
-        (*vars(cls), *cls.__annotations__) for cls in (Study, Curved)
+        (*vars(cls), *cls.__annotations__) for cls in (Study, DiscretisedStudy)
     )
     members = {name for name in stated if not name.startswith("_")}
     assert {name for name in members if f"``{name}``" not in tables} == set()

@@ -82,7 +82,7 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
     )
     made = assemble(scene)
     made = made.at(attrs.evolve(made.resolution, slices=min(12, made.slices), n_positions=4))
-    critical, _ = (study.EffectiveFriction.together([(requested, made)], CRITICAL) or [])[0]
+    critical, _ = (study.EffectiveFriction.run_batch([(requested, made)], CRITICAL) or [])[0]
     for name in sorted(CRITICAL):
         yield from (
             (f"{name} {ring}", value) for ring, value in enumerate(critical[name][1].tolist())

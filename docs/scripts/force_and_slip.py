@@ -53,7 +53,7 @@ def moving(level, friction):
         {f"study.dynamics.{name}": value for name, value in settings.items()},
     )
     made = plan(scene, "dynamics")
-    study = made.studies["dynamics"].evolved(
+    study = made.studies["dynamics"].with_settings(
         level=level, planar=PlanarSettings(inner_ring_mass=5.0)
     )
     return study, study.moving(made.assemblies["dynamics"]), made.assemblies["dynamics"]
@@ -69,7 +69,7 @@ def runs(level, friction, starts):
     squares, slips = np.empty((2, len(WAYS), starts))
     for k, slip in enumerate((1e-3 * np.random.default_rng(1).uniform(size=starts)).tolist()):
         for way, (name, tolerance) in enumerate(WAYS):
-            found = study.evolved(integrator=name, cage_slip=slip).tried(motion, times, tolerance)
+            found = study.with_settings(integrator=name, cage_slip=slip).tried(motion, times, tolerance)
             assert found.outcome == "finished", found.message
             quiet = found.t > QUIET * SPANS[level]
             squares[way, k] = np.mean(
@@ -102,7 +102,7 @@ def first_impacts():
         )  # fmt: skip
         reference = told(exact.y.T)
         for name, tolerance in (WAYS[0], WAYS[1], ("leapfrog", 1e-7)):
-            found = study.evolved(integrator=name, cage_slip=start).tried(motion, times, tolerance)
+            found = study.with_settings(integrator=name, cage_slip=start).tried(motion, times, tolerance)
             off = told(found.y) / reference - 1.0
             rows.append(
                 (level, friction, f"{name}, {tolerance:.0e}", *(f"{part:+.1e}" for part in off))

@@ -64,7 +64,7 @@ def timed(case):
         result = execute(made, study)
         spent = f"{json.loads(result.attrs['cost'])['actual']:.3f}"
         found = json.loads(result.attrs["resolution"])
-        chosen = made.estimated[study].resolution
+        chosen = made.choices[study].resolution
         again = (
             "yes"
             if (found["slices"], found["n_positions"]) != (chosen.slices, chosen.n_positions)

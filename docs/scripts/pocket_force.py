@@ -98,7 +98,7 @@ def lines(level, starts, only, before):
     made = plan(scene, "dynamics")
     study = made.studies["dynamics"]
     assembly = made.assemblies["dynamics"]
-    study = study.evolved(level=level, planar=PlanarSettings(inner_ring_mass=5.0))
+    study = study.with_settings(level=level, planar=PlanarSettings(inner_ring_mass=5.0))
     moving = study.moving(assembly)
     times = np.arange(0.0, SPANS[level], INSTANT)
     slips = 1e-3 * np.random.default_rng(1).uniform(size=starts)
@@ -113,9 +113,9 @@ def lines(level, starts, only, before):
         for slip in slips[: max(starts // part, 2)].tolist():
             begin = time.process_time()
             if name == "scipy":
-                found = told_nothing(study.evolved(cage_slip=slip), moving, times, tolerance)
+                found = told_nothing(study.with_settings(cage_slip=slip), moving, times, tolerance)
             else:
-                found = study.evolved(integrator=name, cage_slip=slip).tried(
+                found = study.with_settings(integrator=name, cage_slip=slip).tried(
                     moving, times, tolerance
                 )
             spent += time.process_time() - begin

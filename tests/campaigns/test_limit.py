@@ -535,7 +535,7 @@ def test_a_motion_is_searched_as_the_plan_chooses_it():
     (chosen,) = made.sweep.resolutions.chosen.values()
     assert (
         chosen.integrator
-        == rollslip.plan(scene, "dynamics").estimated["dynamics"].resolution.integrator
+        == rollslip.plan(scene, "dynamics").choices["dynamics"].resolution.integrator
     )
     assert chosen.integrator != "rodas5p", "what a motion takes that nobody planned"
     assert 0.0 < made.point_seconds < 60.0

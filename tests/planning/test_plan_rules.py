@@ -77,7 +77,7 @@ def test_a_plan_keeps_its_word_against_the_finest(k):
 @pytest.mark.quick
 def test_a_smaller_tolerance_takes_more_slices_and_instants():
     chosen = [
-        plan(evolve(BASE, {"accuracy.tolerance": t}), STUDY).estimated[STUDY]
+        plan(evolve(BASE, {"accuracy.tolerance": t}), STUDY).choices[STUDY]
         for t in (1e-2, 1e-3, 1e-4)
     ]
     for coarse, fine in itertools.pairwise(chosen):
@@ -90,16 +90,16 @@ def test_a_smaller_tolerance_takes_more_slices_and_instants():
 
 @pytest.mark.quick
 def test_a_tolerance_of_a_result_is_its_own():
-    strict = plan(evolve(BASE, {"accuracy.critical_slip": 1e-5}), STUDY).estimated[STUDY]
-    assert strict.resolution.slices > plan(BASE, STUDY).estimated[STUDY].resolution.slices
+    strict = plan(evolve(BASE, {"accuracy.critical_slip": 1e-5}), STUDY).choices[STUDY]
+    assert strict.resolution.slices > plan(BASE, STUDY).choices[STUDY].resolution.slices
     assert strict.total["critical_slip"] <= 1e-5
 
 
 @pytest.mark.quick
 def test_exact_is_the_finest_of_everything():
     made = plan(evolve(BASE, {"accuracy.tolerance": "exact"}), STUDY)
-    assert made.estimated[STUDY].resolution == reference_resolution(BASE)
-    assert made.estimated[STUDY].left_out == ()
+    assert made.choices[STUDY].resolution == reference_resolution(BASE)
+    assert made.choices[STUDY].left_out == ()
 
 
 @pytest.mark.quick
@@ -148,10 +148,10 @@ def test_unloaded_contacts_take_no_part():
 @pytest.mark.quick
 def test_boundary_friction_is_left_out_of_full_films_without_a_trace():
     made = plan(evolve(BASE, SMOOTH), STUDY)
-    assert not made.estimated[STUDY].resolution.boundary
+    assert not made.choices[STUDY].resolution.boundary
     assert made.assemblies[STUDY].traction.name == "muraki"
     result = execute(made, STUDY)
-    whole = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, boundary=True))
+    whole = made.at(STUDY, attrs.evolve(made.choices[STUDY].resolution, boundary=True))
     assert whole.assemblies[STUDY].traction.name == "lambda-blend"
     assert np.array_equal(result.effective_friction, execute(whole, STUDY).effective_friction)
     assert json.loads(result.attrs["reinstated"]) == []
@@ -161,9 +161,9 @@ def test_boundary_friction_is_left_out_of_full_films_without_a_trace():
 def test_boundary_friction_is_taken_back_in_where_a_film_is_thin():
     """A plan that leaves it out of the rough bearing breaks its bound; the result is that of one that did not."""
     honest = plan(evolve(BASE, {"surface.inner_raceway_roughness": "0.6 um"}), STUDY)
-    assert honest.estimated[STUDY].resolution.boundary
+    assert honest.choices[STUDY].resolution.boundary
     left_out = (BoundaryFriction(1.5),)
-    chosen = attrs.evolve(honest.estimated[STUDY], left_out=left_out)
+    chosen = attrs.evolve(honest.choices[STUDY], left_out=left_out)
     wrong = attrs.evolve(honest, estimated={STUDY: chosen}).at(
         STUDY, attrs.evolve(chosen.resolution, boundary=False)
     )
@@ -187,10 +187,10 @@ def test_a_closed_form_serves_only_within_its_bounds():
         BASE, stiff | {"study.effective-friction.max_cage_slip": 1e-4, "accuracy.tolerance": 2e-2}
     )
     made = plan(named, STUDY)
-    resolution = made.estimated[STUDY].resolution
+    resolution = made.choices[STUDY].resolution
     if resolution.traction == "named":
         pytest.fail(
-            f"the closed form should serve at this little slip: {made.estimated[STUDY].errors}"
+            f"the closed form should serve at this little slip: {made.choices[STUDY].errors}"
         )
     result = execute(made, STUDY)
     exact = execute(made.at(STUDY, attrs.evolve(resolution, traction="named")), STUDY)
@@ -198,10 +198,10 @@ def test_a_closed_form_serves_only_within_its_bounds():
     assert (
         float((np.abs(result.effective_friction - exact.effective_friction) / scale).max()) <= 2e-3
     )
-    assert plan(evolve(BASE, stiff), STUDY).estimated[STUDY].resolution.traction == "named"
+    assert plan(evolve(BASE, stiff), STUDY).choices[STUDY].resolution.traction == "named"
     law = get_model("traction", "maxwell-eyring")
     most = {"strain_rate": 1e-9, "deborah": 1.0, "heating": 1e9}
-    tight = attrs.evolve(made.estimated[STUDY], left_out=(ExactLaw(law, most),))
+    tight = attrs.evolve(made.choices[STUDY], left_out=(ExactLaw(law, most),))
     again = execute(attrs.evolve(made, estimated={STUDY: tight}).at(STUDY, resolution), STUDY)
     assert np.array_equal(again.effective_friction, exact.effective_friction)
     assert "a strain rate of" in json.loads(again.attrs["reinstated"])[0]
@@ -303,7 +303,7 @@ def test_what_cannot_be_estimated_is_left_to_the_run():
     """No roller is loaded on the inner ring: the plan is printed, the run says why there is no result."""
     idle = evolve(BASE, {"operation.radial_load": 0.0, "bearing.radial_clearance": "50 um"})
     made = plan(idle, STUDY)
-    assert "no roller is loaded" in made.estimated[STUDY].failed
+    assert "no roller is loaded" in made.choices[STUDY].failed
     with pytest.raises(rollslip.errors.SceneError, match="no roller is loaded"):
         execute(made, STUDY)
 
@@ -341,7 +341,7 @@ def test_a_followed_branch_is_watched_too():
         },
     )
     made = plan(cool, "steady-slip")
-    assert not made.estimated["steady-slip"].resolution.boundary
+    assert not made.choices["steady-slip"].resolution.boundary
     result = execute(made, "steady-slip")
     assert "boundary friction was left out" in json.loads(result.attrs["reinstated"])[0]
     assert json.loads(result.attrs["resolution"])["boundary"]
@@ -368,7 +368,7 @@ PARTS = {
 
 
 def kept(made):
-    return {name for name in PARTS if getattr(made.estimated[STUDY].resolution, name)}
+    return {name for name in PARTS if getattr(made.choices[STUDY].resolution, name)}
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 3e-2])
@@ -386,10 +386,10 @@ def test_what_moves_no_value_by_a_fifth_of_the_tolerance_is_left_out(speed, load
     result = execute(made, STUDY)
     whole = made.at(
         STUDY,
-        attrs.evolve(made.estimated[STUDY].resolution, inlet_heating=True, light_contacts=True),
+        attrs.evolve(made.choices[STUDY].resolution, inlet_heating=True, light_contacts=True),
     )
     for name, (part, bound) in PARTS.items():
-        without = attrs.evolve(whole.estimated[STUDY].resolution, **{name: False})
+        without = attrs.evolve(whole.choices[STUDY].resolution, **{name: False})
         own = execute(whole, STUDY).effective_friction.to_numpy()
         less = execute(whole.at(STUDY, without), STUDY).effective_friction.to_numpy()
         moved = float(np.abs(less[own != 0.0] / own[own != 0.0] - 1.0).max())
@@ -400,7 +400,7 @@ def test_what_moves_no_value_by_a_fifth_of_the_tolerance_is_left_out(speed, load
         else:
             assert moved <= 0.2 * tolerance
             assert not lines[0].included
-            assert any(isinstance(one, bound) for one in made.estimated[STUDY].left_out)
+            assert any(isinstance(one, bound) for one in made.choices[STUDY].left_out)
     assert json.loads(result.attrs["reinstated"]) == []
     if speed == "40 rpm":
         assert not kept(made), "of a slow and heavy bearing neither is needed"
@@ -415,7 +415,7 @@ def test_what_moves_no_value_by_a_fifth_of_the_tolerance_is_left_out(speed, load
 def test_what_was_left_out_is_taken_back_in_beyond_its_bound(name, bound, said):
     fast = evolve(HEAVY, {"operation.inner_speed": "2000 rpm"})
     honest = plan(fast, STUDY)
-    chosen = attrs.evolve(honest.estimated[STUDY], left_out=(bound,))
+    chosen = attrs.evolve(honest.choices[STUDY], left_out=(bound,))
     less = attrs.evolve(chosen.resolution, **{name: False})
     wrong = attrs.evolve(honest, estimated={STUDY: chosen}).at(STUDY, less)
     result = execute(wrong, STUDY)

@@ -62,8 +62,8 @@ def test_rollers_that_jump_between_two_balances_are_told_of():
     """The plan sees a tenth of it or less, since its few slips lie beside those at which rollers jump."""
     made = plan(JUMPS, STUDY)
     result = execute(made, STUDY, exactly=True)
-    fine = finer(made.studies[STUDY], JUMPS, made.estimated[STUDY].resolution, 4)
-    actual = errors_between(made.studies[STUDY].judged, result, fine)["friction"]
+    fine = finer(made.studies[STUDY], JUMPS, made.choices[STUDY].resolution, 4)
+    actual = errors_between(made.studies[STUDY].controlled_outputs, result, fine)["friction"]
     (row,) = (row for row in json.loads(result.attrs["accuracy"]) if row["result"] == "friction")
     assert actual > 3.0 * row["tolerance"]
     assert row["estimated"] < row["tolerance"]
@@ -82,15 +82,15 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
     made = plan(JUMPS, STUDY)
     result = execute(made, STUDY)
     resolution = attrs.evolve(
-        made.estimated[STUDY].resolution, n_positions=result.attrs["n_positions"]
+        made.choices[STUDY].resolution, n_positions=result.attrs["n_positions"]
     )
-    assert made.estimated[STUDY].resolution.n_positions == 24
+    assert made.choices[STUDY].resolution.n_positions == 24
     assert result.attrs["n_positions"] == 128
     assert json.loads(result.attrs["resolution"])["n_positions"] == 128
     fine = finer(made.studies[STUDY], JUMPS, resolution, 8)
     planned = execute(made, STUDY, exactly=True)
     before, after = (
-        errors_between(made.studies[STUDY].judged, one, fine)["friction"]
+        errors_between(made.studies[STUDY].controlled_outputs, one, fine)["friction"]
         for one in (planned, result)
     )
     assert after < 0.5 * before
@@ -119,7 +119,7 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     free = plan(JUMPS, STUDY)
 
     def then(made, errors, orders, at_once=None, **changes):
-        estimated = attrs.evolve(made.estimated[STUDY], **changes)
+        estimated = attrs.evolve(made.choices[STUDY], **changes)
         assembly = made.assembly.at(attrs.evolve(estimated.resolution, n_positions=10))
         estimated = attrs.evolve(estimated, resolution=assembly.resolution)
         error = ErrorEstimate(errors={"n_positions": errors}, orders=orders, at_once=at_once or {})
@@ -127,10 +127,10 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
 
     held = attrs.evolve(epicyclic.scene, accuracy=attrs.evolve(epicyclic.scene.accuracy, slices=7))
     fixed = assemble(
-        held, attrs.evolve(epicyclic.estimated[STUDY].resolution, slices=7, n_positions=10)
+        held, attrs.evolve(epicyclic.choices[STUDY].resolution, slices=7, n_positions=10)
     )
     study = epicyclic.studies[STUDY]
-    of = attrs.evolve(epicyclic.estimated[STUDY], resolution=fixed.resolution)
+    of = attrs.evolve(epicyclic.choices[STUDY], resolution=fixed.resolution)
     for alone, made in (
         ({"friction": 2e-3}, False),
         ({"friction": 5e-4}, True),
@@ -157,7 +157,7 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
         then(free, off, {"friction": 0.1}).resolution.n_positions == 40
     )  # jumps fall with the first order
     assert then(free, off, {"friction": 0.1}, seen="once").resolution.n_positions == 40
-    orbit = JUMPS.bearing.rollers * epicyclic.estimated[STUDY].resolution.slices * 40
+    orbit = JUMPS.bearing.rollers * epicyclic.choices[STUDY].resolution.slices * 40
     for most, made in ((orbit, True), (orbit - 1, False)):
         with monkeypatch.context() as patched:
             patched.setattr("rollslip.studies.error_estimate._MAX_SLICES", most)
@@ -259,7 +259,7 @@ def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
 def test_a_film_that_is_thin_at_the_minimum_load_takes_boundary_friction_back():
     """At 3.5 N the films are full; at the 0.3 kN of an acceptable slip they are not, and the load is 8 % less."""
     made = plan(loading_branch_scenes.wide(100_004), "steady-slip")
-    (left,) = made.estimated["steady-slip"].left_out
+    (left,) = made.choices["steady-slip"].left_out
     with pytest.raises(
         BoundBrokenError, match=r"boundary friction was left out, but a film parameter of 1\."
     ):
@@ -304,7 +304,7 @@ def test_too_few_slices_or_instants_are_seen(slices, n_positions):
     made = plan(one, STUDY)
     coarse = made.at(
         STUDY,
-        attrs.evolve(made.estimated[STUDY].resolution, slices=slices, n_positions=n_positions),
+        attrs.evolve(made.choices[STUDY].resolution, slices=slices, n_positions=n_positions),
     )
     result = execute(coarse, STUDY, exactly=True)
     rows, verified = (
@@ -345,7 +345,7 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
     (said,) = error_warnings(made, STUDY, ErrorEstimate(errors=errors, orders={"friction": 0.1}))
     assert "it does not fall with the positions; type --set accuracy.tolerance=exact" in said
     most = made.at(
-        STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=801, n_positions=128)
+        STUDY, attrs.evolve(made.choices[STUDY].resolution, slices=801, n_positions=128)
     )
     assert (
         "raise accuracy.friction; this is the finest"
@@ -377,9 +377,9 @@ def test_what_both_move_is_made_good_by_the_part_that_leaves_it():
     """Of a tolerance of 1e-3 both aim at 0.7, less what the other leaves, but at 0.35 each at least."""
     made = plan(evolve("gearbox", {"accuracy.tolerance": 1e-3}), STUDY)
     assembly = made.assembly.at(
-        attrs.evolve(made.estimated[STUDY].resolution, slices=20, n_positions=10)
+        attrs.evolve(made.choices[STUDY].resolution, slices=20, n_positions=10)
     )
-    estimated = attrs.evolve(made.estimated[STUDY], resolution=assembly.resolution)
+    estimated = attrs.evolve(made.choices[STUDY], resolution=assembly.resolution)
 
     def numbers(slices, n_positions):
         alone = {"slices": {"friction": slices}, "n_positions": {"friction": n_positions}}
@@ -418,7 +418,7 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
     number, variable = SEEN[name]
     one = loading_branch_scenes.wide(number) if number else load_scene("gearbox")
     made = plan(evolve(one, {"accuracy.tolerance": 1e-2}), "steady-slip")
-    resolution = attrs.evolve(made.estimated["steady-slip"].resolution, slices=8, n_positions=5)
+    resolution = attrs.evolve(made.choices["steady-slip"].resolution, slices=8, n_positions=5)
     result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
     reference_resolution = attrs.evolve(resolution, slices=100, quadrature="gauss", n_positions=15)
@@ -441,7 +441,7 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
     """There points of Gauss's rule lie farther apart than equal ones: twice as many would tell half of the error."""
     made = plan(loading_branch_scenes.wide(number), "steady-slip")
     resolution = attrs.evolve(
-        made.estimated["steady-slip"].resolution, slices=slices, n_positions=n_positions
+        made.choices["steady-slip"].resolution, slices=slices, n_positions=n_positions
     )
     assert resolution.quadrature == "equal"
     result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
@@ -467,7 +467,7 @@ def test_the_thinnest_film_of_a_curve_is_seen_too():
         if row["result"] == "film parameter"
     )
     reference_resolution = attrs.evolve(
-        made.estimated[STUDY].resolution, slices=100, quadrature="gauss"
+        made.choices[STUDY].resolution, slices=100, quadrature="gauss"
     )
     fine = made.studies[STUDY].run(assemble(made.scene, reference_resolution))
     actual = float(
@@ -484,7 +484,7 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
     """Slips of 1 % to 5 % take nearly the same load: by some slices the cage jumps from one to the other."""
     made = plan(loading_branch_scenes.wide(100_076), "steady-slip")
     result = execute(made, "steady-slip", exactly=True)
-    own = made.estimated["steady-slip"].resolution
+    own = made.choices["steady-slip"].resolution
     reference_resolution = attrs.evolve(
         own, slices=4 * own.slices + 1, quadrature="gauss", n_positions=4 * own.n_positions + 1
     )

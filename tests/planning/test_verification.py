@@ -85,7 +85,7 @@ def test_the_order_of_slices_is_that_seen_from_run_to_run():
 
 def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan):
     study = plan.studies["effective-friction"]
-    estimated = plan.estimated["effective-friction"]
+    estimated = plan.choices["effective-friction"]
     left = attrs.evolve(
         estimated, left_out=(LightContacts(3.0),), errors={"slices": {}, "light_contacts": {}}
     )
@@ -128,7 +128,7 @@ def test_more_of_a_part_is_asked_for_by_what_the_others_leave_of_the_aim():
 
 def test_a_run_that_is_off_is_made_again_finer(plan):
     study = plan.studies["effective-friction"]
-    estimated = plan.estimated["effective-friction"]
+    estimated = plan.choices["effective-friction"]
     before = estimated.resolution.slices
     # 4 times 0.35 of the tolerance: twice as many slices, whose error falls with the square
     off = ErrorEstimate(errors={"slices": {"friction": 1.4e-3}, "n_positions": {"friction": 0.0}})
@@ -173,13 +173,13 @@ def test_errors_that_were_found_stand_beside_those_that_were_foreseen(plan):
         for row in accuracy_rows(plan, "effective-friction", {"friction": 7e-3}, "here")
     }
     assert rows["friction"] == {"result": "friction", "tolerance": 1e-3, "found": 7e-3, "how": "here",
-                                "estimated": plan.estimated["effective-friction"].total["friction"]}  # fmt: skip
+                                "estimated": plan.choices["effective-friction"].total["friction"]}  # fmt: skip
 
 
 def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(plan, monkeypatch):
     class Fine:
         outputs = MappingProxyType({})
-        judged = MappingProxyType({})
+        controlled_outputs = MappingProxyType({})
         without = at = lambda self, _: self
         run = finer = lambda self, *_: (None, "against the finest")
 
@@ -188,7 +188,7 @@ def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(plan, monke
     fake = SimpleNamespace(
         scene=plan.scene,
         studies={"x": Fine()},
-        estimated={"x": plan.estimated["effective-friction"]},
+        choices={"x": plan.choices["effective-friction"]},
     )
     result = SimpleNamespace(attrs={"warnings": "[]"}, assign_attrs=lambda **given: given)
     one, other = json.loads(verification.verify(fake, "x", result)["warnings"])
@@ -236,7 +236,7 @@ def test_a_run_that_goes_on_finer_says_so_and_for_how_long(monkeypatch):
     )
     made = planned(evolve(SCENE, {"accuracy.slices": "auto"}), STUDY)
     result = execution.execute(made, STUDY, progress=progress)
-    few = made.estimated[STUDY].resolution.slices
+    few = made.choices[STUDY].resolution.slices
     many = json.loads(result.attrs["resolution"])["slices"]
     assert many > few
     assert [text for text, _ in told] == [f"again, on {many} slices of a roller"]
@@ -269,7 +269,7 @@ def test_the_check_of_a_result_is_foreseen_and_spent(monkeypatch):
 
 def test_twice_as_many_slices_take_twice_the_time_that_was_foreseen(plan):
     name = "effective-friction"
-    estimated = plan.estimated[name]
+    estimated = plan.choices[name]
     twice = attrs.evolve(estimated.resolution, slices=2 * estimated.resolution.slices)
     then = plan.again(name, attrs.evolve(estimated, resolution=twice))
     before, after = ({one.part: one.seconds for one in of.parts if one.study == name and one.seconds}

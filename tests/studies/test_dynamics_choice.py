@@ -327,7 +327,7 @@ def test_what_cannot_be_estimated_is_taken_as_finely_as_there_is(monkeypatch):
 
 def test_what_the_scene_names_stays():
     made = plan(open_scene(), "dynamics")
-    assert made.estimated["dynamics"].reasons == {}
+    assert made.choices["dynamics"].reasons == {}
     assert {name: getattr(made.studies["dynamics"], name) for name in NAMED} == NAMED
     rows = {part.part: part for part in made.parts}
     assert {rows[name].reason for name in ("friction of the raceways", "motion", "integrator")} == {
@@ -337,7 +337,7 @@ def test_what_the_scene_names_stays():
 
 def test_a_plan_says_what_it_chose_and_why():
     made = plan(open_scene("friction", "level"), "dynamics")
-    chosen = made.estimated["dynamics"]
+    chosen = made.choices["dynamics"]
     study = made.studies["dynamics"]
     assert (study.friction, study.level, study.integrator) == ("effective", "cage-set", "rodas5p")
     rows = {part.part: part for part in made.parts}

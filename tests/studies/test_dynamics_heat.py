@@ -14,7 +14,7 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.accounts import account_of
 from rollslip.results.style import save_figures
-from rollslip.studies.answers import Keep
+from rollslip.studies.answers import RunContext
 from rollslip_studies.dynamics import heating
 from rollslip_studies.dynamics.figures import motion_figures
 from rollslip_studies.dynamics.history.temperature_path import ThermalPath
@@ -146,13 +146,13 @@ def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeyp
     with monkeypatch.context() as patched:
         patched.setattr(time_integration, "_MANY", 4)
         patched.setattr(time_integration._Run, "_pause", interrupted)
-        first = study.run(bearing, Keep(store=store))
+        first = study.run(bearing, RunContext(store=store))
     assert first.attrs["outcome"] == "interrupted"
     assert 0.0 < looks[-1] < 0.25
     assert first.attrs["heat_made"] == pytest.approx(
         first.attrs["heat_stored"] + first.attrs["heat_carried_away"], rel=1e-9
     )
-    rest = study.run(assemble(bearing.scene), Keep(store=store))
+    rest = study.run(assemble(bearing.scene), RunContext(store=store))
     assert rest.attrs["outcome"] == "finished"
     for name in ("cage_speed", "course_temperature", "work_done"):
         assert np.array_equal(rest[name], whole[name]), name
@@ -280,7 +280,7 @@ def test_a_path_passes_every_temperature_at_its_time_and_never_turns_back():
         "operation.temperature": 340.0 + 20.0 * np.exp(-times / 0.5),
         "operation.roller_temperature": 330.0 + 5.0 * np.sin(times),
     }
-    path = ThermalPath.through(times, values, 0.1)
+    path = ThermalPath.from_samples(times, values, 0.1)
     places = path.along.at(np.linspace(0.0, 10.0, 2001))
     assert (np.diff(places) > 0.0).all()
     assert (places[0], places[-1]) == (0.0, pytest.approx(1.0, abs=1e-15))

@@ -15,13 +15,13 @@ from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.structure import Location, structure
-from rollslip.studies.answers import Keep
+from rollslip.studies.answers import RunContext
 from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.dynamics import history_findings, over_time
 from rollslip_studies.dynamics.findings import DynamicsAccount
 from rollslip_studies.dynamics.history import interpolated_rates
-from rollslip_studies.dynamics.history.settings import OF_PARTS, HistorySettings
+from rollslip_studies.dynamics.history.settings import PART_TEMPERATURES, HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
@@ -331,10 +331,10 @@ def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeyp
     with monkeypatch.context() as patched:
         patched.setattr(time_integration, "_MANY", 40)
         patched.setattr(time_integration._Run, "_pause", interrupted)
-        first = study.run(bearing, Keep(store=store))
+        first = study.run(bearing, RunContext(store=store))
     assert first.attrs["outcome"] == "interrupted"
     assert 0.1 < looks[-1] < 0.4  # on the way
-    rest = study.run(bearing, Keep(store=store))
+    rest = study.run(bearing, RunContext(store=store))
     assert rest.attrs["outcome"] == "finished"
     assert np.array_equal(rest.cage_speed, whole.cage_speed)
 
@@ -598,7 +598,7 @@ def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):
         "outer_speed",
         "load_direction",
         "temperature",
-        *OF_PARTS,
+        *PART_TEMPERATURES,
     }  # by other histories
     elsewhere = {
         "ring_displacement",
@@ -716,6 +716,6 @@ def test_where_effective_friction_takes_too_many_bearings_along_a_history_fricti
     made = rollslip.plan(
         scene({"study.dynamics.friction": "effective"}, inner_speed=run_up), "dynamics"
     )
-    assert made.estimated["dynamics"].resolution.friction == "conventional"
+    assert made.choices["dynamics"].resolution.friction == "conventional"
     (part,) = [part for part in made.parts if part.part == "friction of the raceways"]
     assert "as more than 3 bearings would have to be put together for it" in part.reason

@@ -11,11 +11,11 @@ import loading_branch_scenes as scenes
 from rollslip import evolve, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.words import WITH_LESS
+from rollslip.results.words import Status
 from rollslip_studies.dynamics.over_time import away_of
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.spins import Motions
-from rollslip_studies.motion.torque_balance import AT_LEAST, FOUND, RANGE, rollers
+from rollslip_studies.motion.torque_balance import RANGE, rollers
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.study import ThermalBalance
 
@@ -46,9 +46,11 @@ def few(scene, n_positions=1):
 def test_all_studies_say_the_same_of_one_bearing(name):
     whole = _asked_alike(few(HARD[name]))
     skids = name == "skids"
-    assert whole.reserve_status.item().startswith("the cage skids" if skids else (FOUND, AT_LEAST))
+    assert whole.reserve_status.item().startswith(
+        Status.SKIDS if skids else (Status.FOUND, Status.AT_LEAST)
+    )
     assert skids or math.isnan(float(whole.limit_drag)) == whole.reserve_status.item().startswith(
-        AT_LEAST
+        Status.AT_LEAST
     )
 
 
@@ -85,11 +87,11 @@ def _asked_alike(bearing):
     same(simple.reserve_status.item(), whole.reserve_status.item())
     some, _ = SteadySlip().only(bearing, frozenset({"steady_slip", "status"}))
     same(float(some["steady_slip"][1][0]), float(whole.steady_slip[0]))
-    (at_once, _), *_ = EffectiveFriction.together(
+    (at_once, _), *_ = EffectiveFriction.run_batch(
         [(quick, bearing)], frozenset({"limit_drag", "drag_reserve"})
     )
     same(float(at_once["limit_drag"][1]), float(whole.limit_drag))
-    if whole.reserve_status.item() == FOUND:
+    if whole.reserve_status.item() == Status.FOUND:
         assert float(whole.drag_reserve * whole.torque[0]) == pytest.approx(
             float(whole.limit_drag), rel=1e-12
         )
@@ -113,7 +115,7 @@ def test_the_least_load_of_a_slip_that_the_cage_on_its_loading_branch_jumps_over
     found, _ = SteadySlip(acceptable_slip=slip).only(bearing, frozenset({"minimum_load"}))
     load = found["minimum_load"][1]
     status = found["minimum_load_status"][1]
-    at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))
+    at = float(status.removeprefix(f"{Status.FOUND_AT_SKIDDING} ").removesuffix(" on"))
     assert at < 0.9 * slip
     more, less = (
         SteadySlip().steady(bearing.at_load(fraction * load))[1][0].slip
@@ -174,7 +176,7 @@ def test_what_is_left_out_under_a_bound_may_be_so_on_the_whole_loading_branch(st
         ]  # or a bound breaks
     limit = balance.assembly.traction.full_film_from
     assert min(thinnest) < limit * balance.assembly.inner.conditions.roughness
-    assert made.estimated[study].resolution.boundary
+    assert made.choices[study].resolution.boundary
 
 
 def test_a_plan_of_both_has_the_loading_branch_once():

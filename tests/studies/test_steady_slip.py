@@ -25,7 +25,7 @@ from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.results.accounts import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures, styled
-from rollslip.results.words import DRIVEN, WITH_LESS, two
+from rollslip.results.words import Status, two
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.units import format_quantity, quantity
@@ -577,7 +577,7 @@ def test_a_cage_that_its_land_drives_slips_the_other_way():
     assert any("drive it by" in text for text in SteadySlipAccount.topics(found)["steady slip"])
     found["steady_slip"][:] = np.nan
     found["stable"][:] = 0
-    found["status"] = ((), f"{DRIVEN}, at any speed")
+    found["status"] = ((), f"{Status.DRIVEN}, at any speed")
     found["minimum_load"] = 0.0
     found["minimum_load_status"] = "any load serves"
     assert [row.text for row in _rows(found, 0.05) if row and row.key == "minimum_load"] == [
@@ -963,13 +963,16 @@ def test_the_least_load_of_a_slip_that_the_cage_does_not_hold_is_that_with_less_
         for fraction in (1.003, 0.997)
     )
     status = str(found.minimum_load_status.item())
-    at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))
+    at = float(status.removeprefix(f"{Status.FOUND_AT_SKIDDING} ").removesuffix(" on"))
     assert (
         float(more.steady_slip[0]) < at < float(more.steady_slip[1]) < unstable
     )  # the maximum lies between both
     assert np.isnan(less.steady_slip).all()
     (said,) = SteadySlipAccount.topics(found)["minimum load"]
-    assert f"keeps the slip below {100.0 * unstable:.3g} %; {WITH_LESS}" in said
+    assert (
+        f"keeps the slip below {100.0 * unstable:.3g} %; {Status.FOUND_AT_SKIDDING.removeprefix('found; ')}"
+        in said
+    )
 
 
 def test_below_the_weight_of_rollers_no_load_is_refused(monkeypatch):
@@ -987,10 +990,10 @@ def test_a_search_on_ways_up_for_a_least_load_is_foreseen(number, ways, monkeypa
     """Where rollers have several motions at the acceptable slip each load that is tried takes a way up."""
     monkeypatch.setattr(TorqueBalance, "seconds", lambda self: 1.0)
     scene = loading_branch_scenes.wide(number)
-    assembly = assemble(scene).at(plan(scene, "steady-slip").estimated["steady-slip"].resolution)
+    assembly = assemble(scene).at(plan(scene, "steady-slip").choices["steady-slip"].resolution)
     study = SteadySlip.of(scene)
     assert study.cost(assembly)["orbits"] == ways
-    assert study.evolved(acceptable_slip=None).cost(assembly)["orbits"] == 2.0
+    assert study.with_settings(acceptable_slip=None).cost(assembly)["orbits"] == 2.0
 
 
 def test_without_drag_no_load_is_needed():

@@ -72,9 +72,9 @@ def test_the_studies_of_the_box_are_offered_like_those_of_others():
 def test_what_a_study_says_of_itself_fits_together(name):
     cls = study_class(name)
     assert cls.name == name
-    assert set(cls.judged.values()) <= set(cls.outputs)
-    assert set(cls.judged) <= {"friction", "critical_slip", "cage_speed"} <= set(dir(Accuracy))
-    assert cls.acts <= set(AXES)
+    assert set(cls.controlled_outputs.values()) <= set(cls.outputs)
+    assert set(cls.controlled_outputs) <= {"friction", "critical_slip", "cage_speed"} <= set(dir(Accuracy))
+    assert cls.affected_by <= set(AXES)
     assert {output.status for output in cls.outputs.values()} - {""} <= set(cls.outputs)
     assert any(output.default for output in cls.outputs.values())
 
@@ -105,8 +105,8 @@ def test_an_unknown_study_is_answered_with_the_nearest():
 class _Unsettled:
     """A study whose friction falls with all slices, and that has a critical slip with the most of them only."""
 
-    judged: ClassVar = {"friction": "friction", "critical_slip": "critical"}
-    acts = frozenset({"slices"})
+    controlled_outputs: ClassVar = {"friction": "friction", "critical_slip": "critical"}
+    affected_by = frozenset({"slices"})
 
     def run(self, assembly):
         most = assembly.slices == reference_resolution(assembly.scene).slices
@@ -120,7 +120,7 @@ def test_what_no_doubling_settles_says_what_moves_and_which_keys_to_raise():
         load_scene("1032930-70C"), {"accuracy.friction": 1e-9, "accuracy.slices": "auto"}
     )
     with pytest.raises(ConvergenceError) as refused:
-        by_doubling(_Unsettled().run, _Unsettled.judged, _Unsettled.acts, assemble(scene))
+        by_doubling(_Unsettled().run, _Unsettled.controlled_outputs, _Unsettled.affected_by, assemble(scene))
     assert re.fullmatch(
         r"the last doubling up to \d+ slices still changes friction by \S+ and whether critical slip has a value; "
         "raise accuracy.friction and accuracy.critical_slip",

@@ -97,7 +97,7 @@ def test_what_friction_does_not_need_of_a_contact_is_measured():
         "study.surface-damage.cage_slip": 0.1,
     }
     scene = evolve(promise_scenes.scene(22, 350), changes | {"cage.drag": ["churning"]})
-    assert not plan(scene, "steady-slip").estimated["steady-slip"].resolution.light_contacts
+    assert not plan(scene, "steady-slip").choices["steady-slip"].resolution.light_contacts
     whole = run(
         evolve(scene, {"accuracy.tolerance": "exact", "accuracy.slices": 101}), "surface-damage"
     )
@@ -126,7 +126,7 @@ def coarse(k, **changes):
 )  # a crowned roller, whose middle lies between two of few slices
 def test_slices_are_added_until_the_worst_is_within_the_tolerance(k):
     made = plan(scene := coarse(k), "surface-damage")
-    few = made.estimated["surface-damage"].resolution
+    few = made.choices["surface-damage"].resolution
     found = execute(made, "surface-damage")
     taken = json.loads(found.attrs["resolution"])
     assert taken["slices"] > few.slices

@@ -631,7 +631,7 @@ def test_losses_are_judged_at_the_temperatures_that_a_bearing_settles_at():
         zip(found.node.values.tolist(), found.stationary_temperature.values.tolist(), strict=True)
     )
     given = {key: settled[part] for key, part in ROLES.items()}
-    planned = made.estimated["thermal-balance"].resolution
+    planned = made.choices["thermal-balance"].resolution
     there = assemble(
         evolve(scene, given | {"models.thermal": "given"}), attrs.evolve(planned, n_positions=201)
     )

@@ -28,11 +28,11 @@ class HeaviestForce(Study):
             "margin_status": Output("", "1", "what was found of them"),
         }
     )
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "force"})
-    acts: ClassVar[frozenset[str]] = frozenset({"slices"})
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "force"})
+    affected_by: ClassVar[frozenset[str]] = frozenset({"slices"})
     factor: float = parameter(default=1.0, unit="1", doc="factor")
 
-    def run(self, assembly, keep=None):
+    def run(self, assembly, context=None):
         """Return the result."""
         import xarray as xr
 
@@ -102,7 +102,7 @@ class EmptyStatus(HeaviestForce):
 class JudgesNothing(HeaviestForce):
     """What is held against a tolerance is no output."""
 
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "pull"})
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "pull"})
 
 
 @attrs.frozen(kw_only=True)
@@ -117,7 +117,7 @@ class JudgesZero(HeaviestForce):
 class ActsUnknown(HeaviestForce):
     """A choice that nobody can make is said to act."""
 
-    acts: ClassVar[frozenset[str]] = frozenset({"slices", "weather"})
+    affected_by: ClassVar[frozenset[str]] = frozenset({"slices", "weather"})
 
 
 _COUNT = itertools.count(1)
@@ -186,7 +186,7 @@ class NoEstimate(HeaviestForce):
 class StructuredAttribute(HeaviestForce):
     """An attribute is a structure that no file holds."""
 
-    def run(self, assembly, keep=None):
+    def run(self, assembly, context=None):
         return super().run(assembly).assign_attrs(settings={"factor": self.factor})
 
 
@@ -194,7 +194,7 @@ class StructuredAttribute(HeaviestForce):
 class SaysNothing(HeaviestForce):
     """The result has nothing that can be said."""
 
-    def run(self, assembly, keep=None):
+    def run(self, assembly, context=None):
         return super().run(assembly).drop_vars(["force", "margin", "margin_status"])
 
 
@@ -202,7 +202,7 @@ class SaysNothing(HeaviestForce):
 class CurvesWithoutFilm(FrictionCurve):
     """Curves come without the film that comparisons show."""
 
-    def run(self, assembly, keep=None):
+    def run(self, assembly, context=None):
         return super().run(assembly).drop_vars("film_parameter")
 
 
@@ -210,7 +210,7 @@ class CurvesWithoutFilm(FrictionCurve):
 class CurvesWithoutSlices(FrictionCurve):
     """Curves come without the slices that they are means of."""
 
-    def evaluated(self, assembly, dataset):
+    def loaded_slices(self, assembly, dataset):
         return iter(())
 
 

@@ -114,8 +114,8 @@ def judge(one, reference=None):
     """Run a scene as planned and at the finest, or at another resolution that it is held against."""
     try:
         made = plan(one, STUDY)
-        if made.estimated[STUDY].failed:
-            return Verdict(one, refused=made.estimated[STUDY].failed)
+        if made.choices[STUDY].failed:
+            return Verdict(one, refused=made.choices[STUDY].failed)
         result = execute(made, STUDY)
         begin = time.process_time()
         fine = made.studies[STUDY].run(assemble(one, reference or reference_resolution(one)))
@@ -125,8 +125,8 @@ def judge(one, reference=None):
     return Verdict(
         one,
         resolution=json.loads(result.attrs["resolution"]),
-        estimated=dict(made.estimated[STUDY].total),
-        actual=errors_between(made.studies[STUDY].judged, result, fine),
+        estimated=dict(made.choices[STUDY].total),
+        actual=errors_between(made.studies[STUDY].controlled_outputs, result, fine),
         reinstated=tuple(json.loads(result.attrs["reinstated"])),
         planning=made.planning,
         seconds=json.loads(result.attrs["cost"])["actual"],

@@ -173,14 +173,14 @@ def finer(study, one, own, times):
         boundary=True,
     )
     every = 4 if study.closure == "free-roller" else 1
-    dense = study.evolved(points=every * (study.points - 1) + 1)
+    dense = study.with_settings(points=every * (study.points - 1) + 1)
     return dense.run(assemble(one, resolution)).isel(cage_slip=slice(None, None, every))
 
 
 def work(made):
     """About how many slices are evaluated for the reference of a plan."""
     study = made.studies[STUDY]
-    own = made.estimated[STUDY].resolution
+    own = made.choices[STUDY].resolution
     spins = 12 * 4 if study.closure == "free-roller" else 1
     slices = 1 if made.assembly.slices == 1 else own.slices
     return 16 * slices * (own.n_positions or 1) * made.scene.bearing.rollers * study.points * spins
@@ -193,15 +193,15 @@ def judge(one):
         while work(made) > MOST and one.accuracy.tolerance < 2e-3:
             one = evolve(one, {"accuracy.tolerance": 4.0 * one.accuracy.tolerance})
             made = plan(one, STUDY)
-        if made.estimated[STUDY].failed:
-            return Promise(one, refused=made.estimated[STUDY].failed)
+        if made.choices[STUDY].failed:
+            return Promise(one, refused=made.choices[STUDY].failed)
         result = execute(made, STUDY)
         study = made.studies[STUDY]
-        planned = made.estimated[STUDY].resolution
+        planned = made.choices[STUDY].resolution
         taken = json.loads(result.attrs["resolution"])
         own = attrs.evolve(planned, slices=taken["slices"], n_positions=taken["n_positions"])
         for times in (4, 8):
-            actual = errors_between(study.judged, result, finer(study, one, own, times))
+            actual = errors_between(study.controlled_outputs, result, finer(study, one, own, times))
             if not CLOSE[0] <= max(actual.values()) / one.accuracy.tolerance <= CLOSE[1]:
                 break
     except RollslipError as error:

@@ -176,11 +176,11 @@ def judged(k, *, dear=False):
     """The row of a scene, without what it cost."""
     one, name = scene(k)
     made = plan(one, name)
-    if made.estimated[name].failed:
-        return [k, made.estimated[name].failed[:120], "", "", "", "", "", "", "refused"]
+    if made.choices[name].failed:
+        return [k, made.choices[name].failed[:120], "", "", "", "", "", "", "refused"]
     result = execute(made, name)
     study = made.studies[name]
-    own = made.estimated[name].resolution
+    own = made.choices[name].resolution
     taken = json.loads(result.attrs["resolution"])
     own = attrs.evolve(own, slices=taken["slices"], n_positions=taken["n_positions"])
     slices = f"{own.slices} {own.quadrature}"

@@ -140,7 +140,7 @@ def limits(k):
     start = low + float(np.random.default_rng([SEED, k]).uniform(0.1, 0.9)) * (high - low)
     worst = np.nanmax if sense == "<=" else np.nanmin
     cls = study_class(study)
-    others = cls.outputs.keys() - {name, cls.outputs[name].status, *cls.judged.values()}
+    others = cls.outputs.keys() - {name, cls.outputs[name].status, *cls.controlled_outputs.values()}
 
     @cache
     def result(at, tolerance=0.1 * TOLERANCE):
@@ -315,7 +315,7 @@ def damages(k, slip=0.1):
     if result.status.item() != "found":
         yield "", result.status.item()[:100], "", "", "", "no slip"
         return
-    own = made.estimated["surface-damage"].resolution
+    own = made.choices["surface-damage"].resolution
     planned = own.n_positions
     taken, claimed = (json.loads(result.attrs[name]) for name in ("resolution", "accuracy"))
     claims = {row["result"]: row["found"] for row in claimed}

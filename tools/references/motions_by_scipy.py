@@ -143,7 +143,7 @@ def scene(k):
 
 def reference(moving, y, times, method):
     """The motion by SciPy, from break to break, without what each roller does, which moves nothing."""
-    own = y.size - sum(part.size for part in moving.of_each(y))
+    own = y.size - sum(part.size for part in moving.sliding_work_and_distance(y))
     absolute = EXACT * moving.tolerances[0][:own]
     behind = np.zeros(y.size - own)
     y = y[:own]
@@ -188,12 +188,12 @@ def judged(k):
     one = scene(k)
     (level, history, _) = kind(k)
     made = plan(one, "dynamics")
-    if why := made.estimated["dynamics"].failed:
+    if why := made.choices["dynamics"].failed:
         return refused(k, why)
     result = execute(made, "dynamics")
     if result.attrs["outcome"] != "finished":
         return refused(k, result.attrs["outcome_message"])
-    own = made.estimated["dynamics"].resolution
+    own = made.choices["dynamics"].resolution
     taken = json.loads(result.attrs["resolution"])
     own = attrs.evolve(own, slices=taken["slices"], n_positions=taken["n_positions"])
     study = made.studies["dynamics"].at(own)

@@ -93,7 +93,7 @@ def print_short_plan(plan: "Plan") -> None:
         click.echo(caution)
     for study in plan.studies:
         own = [part for part in plan.parts if part.study == study]
-        resolution = plan.estimated[study].resolution
+        resolution = plan.choices[study].resolution
         errors: dict[str, float] = {}
         for part in own:
             for name, error in part.errors.items():

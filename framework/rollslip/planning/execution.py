@@ -23,7 +23,7 @@ from rollslip.results.accounts import answer
 from rollslip.scene.values import Scene
 from rollslip.structure import scene_hash
 from rollslip.studies import validity
-from rollslip.studies.answers import Keep, Store
+from rollslip.studies.answers import RunContext, Store
 from rollslip.studies.error_estimate import ErrorEstimate, estimate_error, refined
 from rollslip.studies.law_outputs import law_outputs
 
@@ -148,7 +148,7 @@ def compute(
     reinstated = list[str]()
     while True:
         plan, dataset, evaluated = _run(plan, study, kept, progress, reinstated)
-        estimated = plan.estimated[study]
+        estimated = plan.choices[study]
         unwatched = plan.assembly.at(estimated.resolution)
         error = estimate_error(running, unwatched, estimated, dataset, first)
         if exactly or (finer := refined(running, unwatched, estimated, error)) is None:
@@ -192,7 +192,7 @@ def _run(
                 if kept is None
                 else Store(kept, scene_hash(plan.scene) + running.digest(assembly), study)
             )
-            dataset = running.run(assembly, Keep(store=store, progress=progress))
+            dataset = running.run(assembly, RunContext(store=store, progress=progress))
             return plan, dataset, assembly.inner.chain.evaluated - before
         except BoundBrokenError as broken:
             reinstated.append(str(broken))
@@ -257,7 +257,7 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     found += [
         f"study.{study}.{setting} is {getattr(running, setting)!r}, not {given[setting]!r}, as the scene names it: "
         f"{reason}"
-        for setting, reason in plan.estimated[study].reasons.items()
+        for setting, reason in plan.choices[study].reasons.items()
         if setting in given
     ]
     if (
@@ -265,7 +265,7 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         and (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance
     ):
         found.append(
-            f"{plan.estimated[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
+            f"{plan.choices[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; raise accuracy.slices, or let a plan choose by --set "
             "accuracy.slices=auto"
         )

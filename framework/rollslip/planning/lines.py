@@ -99,7 +99,7 @@ def check(study: Study, assembly: Assembly, costs: Mapping[str, float]) -> list[
     if not costs or not study.has_error_estimate(assembly):
         return []
     least, times = _CHECK
-    own = study.curved(assembly) in (
+    own = study.curve_study(assembly) in (
         None,
         study,
     )  # else judged by curves that take nothing of the time in motion

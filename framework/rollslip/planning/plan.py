@@ -37,7 +37,7 @@ from rollslip.scene.named import unknown_names
 from rollslip.scene.reading import as_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
-from rollslip.studies.answers import Estimated, Part
+from rollslip.studies.answers import Part, ResolutionChoice
 from rollslip.studies.study import Study, settings
 from rollslip.units import format_quantity
 
@@ -55,7 +55,7 @@ class Plan:
     assembly: Assembly  #: The bearing as the scene states it.
     studies: dict[str, Study]
     assemblies: Mapping[str, Assembly]  #: Study -> its bearing, with a watch over what is left out.
-    estimated: Mapping[str, Estimated]  #: Study -> its resolution, with estimated errors.
+    choices: Mapping[str, ResolutionChoice]  #: Study -> its resolution, with estimated errors.
     planning: float  #: Processor time that the plan took [s], without its lines.
     #: Makes its lines when they are first asked for, with the time of each part, which is measured on small parts.
     make_parts: "Callable[[Plan], tuple[Part, ...]]"
@@ -68,7 +68,7 @@ class Plan:
     @property
     def degrees_of_freedom(self) -> int:
         """Unknowns of the largest system that is solved."""
-        moving = [one for one in self.studies.values() if one.in_time] or list(
+        moving = [one for one in self.studies.values() if one.is_transient] or list(
             self.studies.values()
         )
         return max(one.degrees_of_freedom(self.assembly) for one in moving)
@@ -111,15 +111,15 @@ class Plan:
 
     def at(self, study: str, resolution: Resolution) -> "Plan":
         """Return the plan with another resolution for a study; what is left out under a bound stays so."""
-        return self._refined(study, attrs.evolve(self.estimated[study], resolution=resolution))
+        return self._refined(study, attrs.evolve(self.choices[study], resolution=resolution))
 
-    def _refined(self, study: str, estimated: Estimated, scaled: bool = False) -> "Plan":
+    def _refined(self, study: str, estimated: ResolutionChoice, scaled: bool = False) -> "Plan":
         """Return the plan with another choice for a study; its lines are those from before, or scaled to it."""
         assembly = self.assemblies[study].at(estimated.resolution).with_bounds(*estimated.left_out)
         return attrs.evolve(
             self,
             assemblies={**self.assemblies, study: assembly},
-            estimated={**self.estimated, study: estimated},
+            choices={**self.choices, study: estimated},
             make_parts=partial(_scaled_parts, self, study)
             if scaled
             else partial(_parts_before, self),
@@ -127,14 +127,14 @@ class Plan:
 
     def with_reinstated(self, study: str, bound: LeftOut) -> "Plan":
         """Return the plan of a study with what was left out under a bound taken back in."""
-        before = self.estimated[study]
+        before = self.choices[study]
         left_out = tuple(one for one in before.left_out if one is not bound)
         estimated = attrs.evolve(
             before, resolution=bound.reinstated(before.resolution), left_out=left_out
         )
         return self._refined(study, estimated)
 
-    def again(self, study: str, estimated: Estimated) -> "Plan":
+    def again(self, study: str, estimated: ResolutionChoice) -> "Plan":
         """Return the plan with another resolution for a study, which its lines tell; costs grow with its numbers."""
         return self._refined(study, estimated, scaled=True)
 
@@ -173,7 +173,7 @@ class Plan:
                 for name, study in self.studies.items()
             },
             "resolutions": {
-                name: attrs.asdict(one.resolution) for name, one in self.estimated.items()
+                name: attrs.asdict(one.resolution) for name, one in self.choices.items()
             },
             "parts": [part_as_dict(part) for part in self.parts],
             "degrees_of_freedom": self.degrees_of_freedom,
@@ -273,7 +273,7 @@ def plan(
         assembly=stated,
         studies=studies,
         assemblies=assemblies,
-        estimated=estimated,
+        choices=choices,
         make_parts=_parts,
         planning=time.process_time() - begin,
     )
@@ -290,12 +290,12 @@ def _parts(plan: Plan) -> tuple[Part, ...]:
     studies = plan.studies
     parts = of_bearing(stated, studies)
     for name, one in studies.items():
-        assembly = stated.at(plan.estimated[name].resolution)
+        assembly = stated.at(plan.choices[name].resolution)
         try:
             costs = one.cost(assembly)
         except RollslipError:
             costs = {}
-        lines = [*one.parts(assembly, plan.estimated[name], costs), *check(one, assembly, costs)]
+        lines = [*one.parts(assembly, plan.choices[name], costs), *check(one, assembly, costs)]
         parts += [attrs.evolve(part, study=name) for part in lines]
     return (*parts, *of_studies(stated, studies))
 
@@ -307,10 +307,10 @@ def _parts_before(before: Plan, _: Plan) -> tuple[Part, ...]:
 
 def _scaled_parts(before: Plan, study: str, plan: Plan) -> tuple[Part, ...]:
     """Return the lines of a plan with a finer resolution for a study; costs grow with its numbers."""
-    estimated = plan.estimated[study]
+    estimated = plan.choices[study]
     few, many = (
         one.slices * (one.n_positions or 1)
-        for one in (before.estimated[study].resolution, estimated.resolution)
+        for one in (before.choices[study].resolution, estimated.resolution)
     )
     seconds = {
         part.part: many / few * part.seconds
@@ -338,12 +338,12 @@ def _known_better(study: Study, chosen: Mapping[str, Study]) -> frozenset[str]:
     return frozenset(same) | {output.status for output in same.values()}
 
 
-def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
     """Return the resolution that a study chooses."""
     try:
         return study.estimate(assembly, cheaper_laws=cheaper_laws)
     except RollslipError as error:
-        return Estimated(resolution=assembly.resolution, failed=str(error))
+        return ResolutionChoice(resolution=assembly.resolution, failed=str(error))
 
 
 # What it costs, told before it is spent ------------------------------------------------------------------------------

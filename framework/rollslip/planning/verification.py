@@ -70,7 +70,7 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
     running = plan.studies[study]
     tolerance = accuracy.of(result)
     key = result if hasattr(accuracy, result) else "tolerance"
-    numbers = numbers_of(plan.estimated[study].resolution)
+    numbers = numbers_of(plan.choices[study].resolution)
     most = numbers_of(reference_resolution(plan.scene))
     if accuracy.slices is not None and result in error.at_once:  # which slices may leave, too
         remedy = "raise accuracy.slices, or let a plan choose by --set accuracy.slices=auto"
@@ -85,7 +85,11 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
             if finer > EXACT
             else "type --set accuracy.tolerance=exact"
         )
-    if result == "critical_slip" and running.followed and (points := getattr(running, "points", 0)):
+    if (
+        result == "critical_slip"
+        and running.uses_continuation
+        and (points := getattr(running, "points", 0))
+    ):
         remedy += f", or go along more slips by --set {running.table}.points={DENSER * points - 2}"
     return remedy
 
@@ -97,10 +101,12 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
     ``accuracy`` then holds actual errors, and a warning tells of a tolerance not kept.
     """
     running = plan.studies[study]
-    running = running.without(frozenset(running.outputs.keys() - set(running.judged.values())))
-    resolution, how = running.finer(plan.scene, plan.estimated[study].resolution)
+    running = running.without(
+        frozenset(running.outputs.keys() - set(running.controlled_outputs.values()))
+    )
+    resolution, how = running.finer(plan.scene, plan.choices[study].resolution)
     fine = running.at(resolution).run(assemble(plan.scene, resolution))
-    found = errors_between(running.judged, dataset, fine)
+    found = errors_between(running.controlled_outputs, dataset, fine)
     rows = accuracy_rows(plan, study, found, how)
     broken = [
         f"{row['result'].replace('_', ' ')} is off by {row['found']:.1e} of the finest result, more than the "
@@ -122,7 +128,7 @@ def accuracy_rows(
     plan: Plan, study: str, found: Mapping[str, float], how: str
 ) -> list[dict[str, Any]]:
     """Return rows of result, tolerance, estimated error and the error that was found."""
-    estimated = plan.estimated[study].total
+    estimated = plan.choices[study].total
 
     def number(errors: Mapping[str, float], result: str) -> float | None:
         return errors[result] if math.isfinite(errors.get(result, math.inf)) else None

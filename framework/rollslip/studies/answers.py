@@ -11,13 +11,14 @@ import attrs
 from rollslip.bearing.raceway import Array, Ring
 from rollslip.bearing.resolution import LeftOut, Resolution
 from rollslip.results.dataset import about
+from rollslip.results.words import Status
 
 #: Key of [accuracy], or name of a number -> relative error.
 Errors: TypeAlias = Mapping[str, float]
 #: Name -> dimensions, values and attributes.
 Variables: TypeAlias = Mapping[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
-#: Some variables of a result, and the coordinates of their dimensions.
-Some: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
+#: PartialResult variables of a result, and the coordinates of their dimensions.
+PartialResult: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 
 
 @attrs.frozen
@@ -46,7 +47,7 @@ class Output:
 
 
 @attrs.frozen(kw_only=True)
-class Estimated:
+class ResolutionChoice:
     """A resolution for a study: what its parts are estimated to leave, and what is left out under a bound."""
 
     resolution: Resolution
@@ -97,7 +98,7 @@ class Part:
 
 
 @attrs.frozen
-class Compared:
+class ComparedValues:
     """A result that choices are held against each other by: rows of values, one for each curve, or a single value."""
 
     values: Sequence[Sequence[float]]
@@ -113,13 +114,14 @@ class Measurable:
     beyond: bool = (
         False  #: Whether no value means one beyond the range of the study, larger than all in it.
     )
-    below: str = ""  #: What the status says where no value means one below the range, smaller than all in it.
+    #: Status at which no value means one below the range, smaller than all in it; `Status.OTHER` for none.
+    below: Status = Status.OTHER
     #: Of steady slips, which of those that last: 0 the smallest, -1 the largest; None where there is one value.
     lasting: int | None = None
 
 
 @attrs.frozen(eq=False)
-class Evaluated:
+class LoadedSlices:
     """Loaded slices that a study evaluates for one of its curves: what they are evaluated at, and the force on each."""
 
     curve: int
@@ -142,7 +144,7 @@ class Store:
 
 
 @attrs.frozen(kw_only=True)
-class Keep:
+class RunContext:
     """Where a long study leaves what it has computed so far, and whom it tells how far it has come."""
 
     store: Store | None = None

@@ -30,7 +30,7 @@ from rollslip.bearing.resolution import LeftOut, Resolution, reference_resolutio
 from rollslip.errors import ConvergenceError
 from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
-from rollslip.studies.answers import Errors, Estimated, Some, combined
+from rollslip.studies.answers import Errors, PartialResult, ResolutionChoice, combined
 from rollslip.studies.bounds import (
     BoundaryFriction,
     ExactLaw,
@@ -121,13 +121,13 @@ Sample: TypeAlias = tuple[Array, Array]
 
 
 @attrs.frozen(kw_only=True)
-class Curved:
+class DiscretisedStudy:
     """What of a study says how finely it is to be run, and how far it is off: curves over a slip, and single values."""
 
     #: What a command and a scene call it.
     name: ClassVar[str]
     #: Key of [accuracy] (friction, critical_slip, cage_speed) -> variable of the result that is held against it.
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Its friction curves, if it gives some.
     curves_of: ClassVar[Curves | None] = None
 
@@ -139,17 +139,17 @@ class Curved:
         )
 
     @property
-    def averaged(self) -> bool:
+    def is_averaged(self) -> bool:
         """Whether its curves are means over the instants of a pitch."""
         return False
 
     @property
-    def nested(self) -> bool:
+    def has_nested_positions(self) -> bool:
         """Whether fewer instants are among more, and cost nothing beside them."""
         return True
 
     @property
-    def followed(self) -> bool:
+    def uses_continuation(self) -> bool:
         """Whether a curve is followed from slip to slip, so that it may depend on the slips on the way."""
         return False
 
@@ -160,21 +160,21 @@ class Curved:
         """
         raise NotImplementedError(f"study {self.name!r} has no curves")
 
-    def beyond(self, assembly: Assembly) -> None:
+    def sample_other_contacts(self, assembly: Assembly) -> None:
         """Evaluate a few contacts of what a run evaluates beside its curves."""
 
-    def curved(self, assembly: Assembly) -> "Curved | None":
+    def curve_study(self, assembly: Assembly) -> "DiscretisedStudy | None":
         """Return what gives the curves by which slices and instants are chosen and judged; None if nothing does."""
-        return None if type(self).curves is Curved.curves else self
+        return None if type(self).curves is DiscretisedStudy.curves else self
 
-    def evolved(self, **settings: Any) -> Self:
+    def with_settings(self, **settings: Any) -> Self:
         """Return the study with other settings."""
         return attrs.evolve(self, **settings)
 
     @classmethod
-    def together(
+    def run_batch(
         cls, cases: "Sequence[tuple[Self, Assembly]]", outputs: frozenset[str]
-    ) -> list[Some] | None:
+    ) -> list[PartialResult] | None:
         """Return some outputs of several points in one go; None if there is no such way to these."""
         return None
 
@@ -188,15 +188,16 @@ class Curved:
     def has_error_estimate(self, assembly: Assembly) -> bool:
         """Whether it is estimated after a run how far a result is off: curves, or single values."""
         has_values = (
-            type(self).compare_with is not Curved.compare_with and not assembly.scene.accuracy.exact
+            type(self).compare_with is not DiscretisedStudy.compare_with
+            and not assembly.scene.accuracy.exact
         )
         return assembly.resolution.n_positions is not None and (
-            has_values or self.curved(assembly) is not None
+            has_values or self.curve_study(assembly) is not None
         )
 
     def may_run_again(self, assembly: Assembly) -> bool:
         """Whether a result whose error exceeds its tolerance is run again, finer: one that has the curves itself."""
-        return not assembly.scene.accuracy.exact and self.curved(assembly) in (None, self)
+        return not assembly.scene.accuracy.exact and self.curve_study(assembly) in (None, self)
 
 
 def exceeding(errors: Errors, accuracy: Accuracy, fraction: float = 1.0) -> Errors:
@@ -212,7 +213,7 @@ def exceeding(errors: Errors, accuracy: Accuracy, fraction: float = 1.0) -> Erro
 class Probe:
     """Few slips at which curves of a study are sampled: some over the range, and three around each maximum."""
 
-    def __init__(self, study: Curved, assembly: Assembly) -> None:
+    def __init__(self, study: DiscretisedStudy, assembly: Assembly) -> None:
         self._study = study
         grid = slip_grid(study.slip_range, _GRID)
         slips = [*grid[3::3]]
@@ -288,7 +289,7 @@ def _everywhere(coarse: Sample, fine: Sample) -> Errors:
 
 
 def errors_between(
-    judged: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.Dataset"
+    controlled_outputs: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.Dataset"
 ) -> dict[str, float]:
     """Return the relative errors of a result against a finer one, infinite where only one has a value.
 
@@ -296,7 +297,7 @@ def errors_between(
     themselves.
     """
     errors = {}
-    for result, name in judged.items():
+    for result, name in controlled_outputs.items():
         coarse, true = (np.atleast_1d(one[name].to_numpy()) for one in (dataset, fine))
         if coarse.shape != true.shape or np.any(np.isnan(coarse) != np.isnan(true)):
             errors[result] = math.inf
@@ -328,8 +329,8 @@ def _order(few: int, many: int, before: float, after: float) -> float:
     return math.log(before / after) / math.log(many / few)
 
 
-def _min_order(study: Curved) -> float:
-    return _OF_JUMPS if study.followed else MIN_ORDER
+def _min_order(study: DiscretisedStudy) -> float:
+    return _OF_JUMPS if study.uses_continuation else MIN_ORDER
 
 
 # Before a run: the coarsest resolution whose estimated error keeps the tolerance --------------------------------------
@@ -376,8 +377,8 @@ def coarse_slices(assembly: Assembly) -> Assembly:
 
 
 def by_curves(
-    study: Curved, assembly: Assembly, *, fraction: float = 1.0, cheaper_laws: bool = True
-) -> Estimated:
+    study: DiscretisedStudy, assembly: Assembly, *, fraction: float = 1.0, cheaper_laws: bool = True
+) -> ResolutionChoice:
     """Choose the resolution of a study by its curves, on a ladder of few slices and roller positions."""
     if assembly.scene.accuracy.exact:
         return exactly(study, assembly)
@@ -385,13 +386,17 @@ def by_curves(
     return _laws(estimated, study, probe, few, cheaper_laws)
 
 
-def exactly(study: Curved, assembly: Assembly) -> Estimated:
+def exactly(study: DiscretisedStudy, assembly: Assembly) -> ResolutionChoice:
     """Return the finest of all, on as many positions as the curves are means over."""
     best = reference_resolution(assembly.scene)
-    return Estimated(resolution=best if study.averaged else attrs.evolve(best, n_positions=1))
+    return ResolutionChoice(
+        resolution=best if study.is_averaged else attrs.evolve(best, n_positions=1)
+    )
 
 
-def with_tables(estimated: Estimated, assembly: Assembly, fraction: float) -> Estimated:
+def with_tables(
+    estimated: ResolutionChoice, assembly: Assembly, fraction: float
+) -> ResolutionChoice:
     """Return a choice with tables that take a share of the tolerances of friction and cage speed."""
     if not fraction:
         return estimated
@@ -405,8 +410,8 @@ def with_tables(estimated: Estimated, assembly: Assembly, fraction: float) -> Es
 
 
 def slices_and_positions(
-    study: Curved, assembly: Assembly, fraction: float
-) -> tuple[Estimated, Probe, Assembly]:
+    study: DiscretisedStudy, assembly: Assembly, fraction: float
+) -> tuple[ResolutionChoice, Probe, Assembly]:
     """Choose slices and positions alone; return probe and bearing with few slices, by which that was done, too."""
     accuracy = assembly.scene.accuracy
     best = reference_resolution(assembly.scene)
@@ -416,8 +421,8 @@ def slices_and_positions(
     probe = Probe(study, few)
     n_positions = 1
     left: Errors = {}
-    if study.averaged:
-        numbers = _INSTANTS if study.nested else _SINGLY
+    if study.is_averaged:
+        numbers = _INSTANTS if study.has_nested_positions else _SINGLY
         bound = Bound.of(numbers, probe.sample(few, *numbers))
         each = {name: error / parts for name, error in allowed.items()}
         n_positions = _whole(bound.needed(each), 1, best.n_positions)
@@ -445,7 +450,7 @@ def slices_and_positions(
         slices = accuracy.slices or _whole(needed[rule], _SLICES[0], best.slices)
         resolution = attrs.evolve(resolution, slices=slices, quadrature=rule)
         errors = {"slices": bounds[rule].at(slices), **errors}
-    return Estimated(resolution=resolution, errors=errors), probe, few
+    return ResolutionChoice(resolution=resolution, errors=errors), probe, few
 
 
 def _whole(number: float, low: int, high: int | None) -> int:
@@ -453,8 +458,12 @@ def _whole(number: float, low: int, high: int | None) -> int:
 
 
 def _laws(
-    chosen: Estimated, study: Curved, probe: Probe, few: Assembly, cheaper_laws: bool
-) -> Estimated:
+    chosen: ResolutionChoice,
+    study: DiscretisedStudy,
+    probe: Probe,
+    few: Assembly,
+    cheaper_laws: bool,
+) -> ResolutionChoice:
     """Leave out what is not needed, or changes too little, and take a closed form where its share allows it."""
     law = few.traction.full_film
     limit = few.traction.full_film_from
@@ -463,7 +472,7 @@ def _laws(
     left_out = list[LeftOut]()
     extremes = Extremes(law)
     probe.sample(few.with_bounds(extremes), 1)
-    study.beyond(few.with_bounds(extremes))
+    study.sample_other_contacts(few.with_bounds(extremes))
     if limit is not None and extremes.thinnest >= limit:
         resolution = attrs.evolve(resolution, boundary=False)
         left_out.append(BoundaryFriction(limit))
@@ -494,10 +503,10 @@ def _laws(
 
 def by_doubling(
     run: Callable[[Assembly], "xr.Dataset"],
-    judged: Mapping[str, str],
-    acts: Collection[str],
+    controlled_outputs: Mapping[str, str],
+    affected_by: Collection[str],
     assembly: Assembly,
-) -> Estimated:
+) -> ResolutionChoice:
     """Choose the resolution of a study without curves: doubled until what is judged stands still.
 
     Positions are doubled with few slices, slices with few positions. What the last doubling changed is taken for the
@@ -505,8 +514,8 @@ def by_doubling(
     """
     accuracy = assembly.scene.accuracy
     best = reference_resolution(assembly.scene)
-    if accuracy.exact or not judged:
-        return Estimated(resolution=best if judged else assembly.resolution)
+    if accuracy.exact or not controlled_outputs:
+        return ResolutionChoice(resolution=best if controlled_outputs else assembly.resolution)
     few = attrs.evolve(
         assembly.resolution,
         slices=accuracy.slices or _SLICES[0],
@@ -523,7 +532,7 @@ def by_doubling(
     numbers: dict[str, Any] = {"n_positions": 1}
     errors = dict[str, Errors]()
     for part, number in starts.items():
-        if part not in acts:
+        if part not in affected_by:
             continue
         most = getattr(best, part)
         fine = solved(**{part: number})
@@ -531,14 +540,14 @@ def by_doubling(
             number = min(2 * number, most)
             coarse = fine
             fine = solved(**{part: number})
-            errors[part] = errors_between(judged, coarse, fine)
+            errors[part] = errors_between(controlled_outputs, coarse, fine)
             off = exceeding(errors[part], accuracy, 0.5 * _AIM)  # slices and positions add up
             if not off:
                 break
         else:
             raise ConvergenceError(_unsettled(part, most, off))
         numbers[part] = number
-    return Estimated(resolution=attrs.evolve(few, **numbers), errors=errors)
+    return ResolutionChoice(resolution=attrs.evolve(few, **numbers), errors=errors)
 
 
 def _unsettled(part: str, most: int, off: Errors) -> str:
@@ -582,9 +591,9 @@ class ErrorEstimate:
 class _Run:
     """A run, compared with reference solutions on more slices and roller positions."""
 
-    study: Curved
+    study: DiscretisedStudy
     #: Study that gives the curves, that of the run where none does.
-    curved: Curved
+    curve_study: DiscretisedStudy
     #: The bearing of the run, and the same with few slices.
     assembly: Assembly
     few: Assembly
@@ -596,7 +605,7 @@ class _Run:
     @cached_property
     def probe(self) -> Probe:
         """Few slips at which curves are compared."""
-        return Probe(self.curved, self.few)
+        return Probe(self.curve_study, self.few)
 
     def solution(self, at: Assembly, n_positions: int, *, dense: bool = False) -> Any:
         """Return curves on some positions: a dataset over all slips if the study has a short way to it, else a sample.
@@ -605,15 +614,15 @@ class _Run:
         """
         import xarray as xr
 
-        study = self.curved
+        study = self.curve_study
         times = 1
         if study is not self.study:
-            study = study.evolved(points=_SAMPLED_SLIPS)
+            study = study.with_settings(points=_SAMPLED_SLIPS)
         if dense and (points := getattr(study, "points", 0)):
-            study = study.evolved(points=DENSER * (points - 1) + 1)
+            study = study.with_settings(points=DENSER * (points - 1) + 1)
             times = DENSER
         case = study, at.at(attrs.evolve(at.resolution, n_positions=n_positions))
-        found = type(study).together([case], frozenset(study.judged.values()))
+        found = type(study).run_batch([case], frozenset(study.controlled_outputs.values()))
         if found is None or study.curves_of is None:
             return self.probe.sample(at, n_positions)[0]
         return xr.Dataset(*found[0]).isel({study.curves_of.slip: slice(None, None, times)})
@@ -622,7 +631,7 @@ class _Run:
         """Return the relative errors of curves against finer ones: of samples, or over all slips."""
         if isinstance(fine, tuple):
             return difference(coarse, fine)
-        return errors_between(self.curved.judged, coarse, fine)
+        return errors_between(self.curve_study.controlled_outputs, coarse, fine)
 
     def of_slices(self, n_positions: int) -> Errors:
         """Return the errors of slices on some positions, by four times as many after Gauss's rule.
@@ -655,13 +664,15 @@ class _Run:
         """
         m = self.assembly.resolution.n_positions or 1
         half = (m + 1) // 2
-        least = _min_order(self.curved)
-        reference = self.solution(at, 2 * m + 1, dense=self.curved.followed)
+        least = _min_order(self.curve_study)
+        reference = self.solution(at, 2 * m + 1, dense=self.curve_study.uses_continuation)
         is_known = (
-            at is self.assembly and self.curved is self.study and not isinstance(reference, tuple)
+            at is self.assembly
+            and self.curve_study is self.study
+            and not isinstance(reference, tuple)
         )
         changes = self.change(self.dataset if is_known else self.solution(at, m), reference)
-        if self.curved.followed:
+        if self.curve_study.uses_continuation:
             changes = combined((changes, self.change(self.solution(at, m + 1), reference)), max)
         errors = {
             name: change / error_fraction(m, 2 * m + 1, least) for name, change in changes.items()
@@ -688,7 +699,7 @@ class _Run:
         m = self.assembly.resolution.n_positions or 1
         if self.assembly.slices > 1:
             errors["slices"] = self.of_slices(SOME)
-        if self.curved.averaged:
+        if self.curve_study.is_averaged:
             errors["n_positions"] = self.of_positions(self.few, orders)
         if self.accuracy.exact:
             return found
@@ -714,7 +725,7 @@ class _Run:
         compares = (
             bool(found.errors.get("slices"))
             and "n_positions" in found.errors
-            and not self.curved.followed
+            and not self.curve_study.uses_continuation
         )
 
         def errors_by(finer: Resolution, *, of_curves: bool = compares) -> Errors:
@@ -757,9 +768,9 @@ class _Run:
 
 
 def estimate_error(
-    study: Curved,
+    study: DiscretisedStudy,
     assembly: Assembly,
-    estimated: Estimated,
+    estimated: ResolutionChoice,
     dataset: "xr.Dataset",
     first: ErrorEstimate | None = None,
 ) -> ErrorEstimate:
@@ -774,14 +785,14 @@ def estimate_error(
     if not study.has_error_estimate(assembly):
         return ErrorEstimate(errors={})
     accuracy = assembly.scene.accuracy
-    curved = study.curved(assembly)
+    curve_study = study.curve_study(assembly)
     few = coarse_slices(assembly)
-    if few.slices >= assembly.slices or (curved and curved.followed):
+    if few.slices >= assembly.slices or (curve_study and curve_study.uses_continuation):
         few = assembly  # of two maxima of nearly the same height few slices may have another one for the largest
     whole = estimated.complete
     run = _Run(
         study=study,
-        curved=curved or study,
+        curve_study=curve_study or study,
         assembly=assembly,
         few=few,
         dataset=dataset,
@@ -792,7 +803,7 @@ def estimate_error(
         found = ErrorEstimate(
             errors={part: {} for part in ("slices", "n_positions")[assembly.slices == 1 :]}
         )
-        if curved is not None:
+        if curve_study is not None:
             found = run.of_parts()
         if not accuracy.exact:
             found = run.with_both(found)
@@ -820,8 +831,8 @@ def by_seen_order(found: ErrorEstimate, first: ErrorEstimate | None) -> ErrorEst
 
 
 def refined(
-    study: Curved, assembly: Assembly, estimated: Estimated, error: ErrorEstimate
-) -> Estimated | None:
+    study: DiscretisedStudy, assembly: Assembly, estimated: ResolutionChoice, error: ErrorEstimate
+) -> ResolutionChoice | None:
     """Return the resolution with which a run is made again whose error exceeds its tolerance; None if it is not.
 
     Slices take the second order of their rule, positions the order that was seen, a half at least: few may err alike.

@@ -14,7 +14,7 @@ from rollslip.fields import submodels
 from rollslip.models import SliceModel
 from rollslip.results.dataset import about
 from rollslip.results.words import LAW
-from rollslip.studies.answers import Evaluated, Variables
+from rollslip.studies.answers import LoadedSlices, Variables
 from rollslip.studies.study import Study
 from rollslip.studies.validity import filled, quantity
 
@@ -32,9 +32,9 @@ def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Vari
     laws = [law for law in laws if getattr(law, "outputs", None)]
     if not laws:
         return {}
-    curves = None if type(study).evaluated is Study.evaluated else study.curves_of
+    curves = None if type(study).loaded_slices is Study.loaded_slices else study.curves_of
     if curves is not None:
-        contacts = [*study.evaluated(assembly, dataset)]
+        contacts = [*study.loaded_slices(assembly, dataset)]
         groups = [
             [one for one in contacts if one.curve == k] for k in range(dataset.sizes[curves.over])
         ]
@@ -56,7 +56,9 @@ def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Vari
     return found
 
 
-def _means(law: SliceModel, name: str, contacts: Sequence[Evaluated], assembly: Assembly) -> Array:
+def _means(
+    law: SliceModel, name: str, contacts: Sequence[LoadedSlices], assembly: Assembly
+) -> Array:
     """Means of a quantity by force, one for each of the contacts of a ring, (n,); NaN where none is loaded."""
     sums = np.zeros((2, len(contacts)))
     loaded = [k for k, one in enumerate(contacts) if len(one.load)]

@@ -1,6 +1,6 @@
 """What a point of a sweep returns: the variables of its study that were asked for, and nothing else.
 
-- A study may offer `only`, a shorter way to some of its variables, or `together`, one for many points in one go; what
+- A study may offer `only`, a shorter way to some of its variables, or `run_batch`, one for many points in one go; what
   it cannot give so, a whole run gives.
 - What says in words whether a value was found goes with the value.
 """
@@ -13,7 +13,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.errors import SceneError, nearest
-from rollslip.studies.answers import Some, Variables
+from rollslip.studies.answers import PartialResult, Variables
 from rollslip.studies.study import Study
 
 __all__ = ["Values", "Variables", "evaluate", "evaluate_together", "named_outputs"]
@@ -80,11 +80,11 @@ def evaluate_together(
     cases: Sequence[tuple[Study, Assembly]], names: Sequence[str]
 ) -> list[Values] | None:
     """Return what `evaluate` does for several points in one go; None where their study has no way to."""
-    results = type(cases[0][0]).together(cases, frozenset(names)) if cases else None
+    results = type(cases[0][0]).run_batch(cases, frozenset(names)) if cases else None
     return None if results is None else [_picked(some, names) for some in results]
 
 
-def _picked(found: Some, names: Sequence[str]) -> Values:
+def _picked(found: PartialResult, names: Sequence[str]) -> Values:
     variables, coords = found
     wanted = {name: _plain(*variables[name]) for name in names}
     return wanted, {dim: _plain(*coords[dim]) for of, *_ in wanted.values() for dim in of}, {}

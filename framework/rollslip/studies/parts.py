@@ -9,10 +9,10 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.errors import RollslipError
 from rollslip.scene.rings import yielding
-from rollslip.studies.answers import Errors, Estimated, Part
+from rollslip.studies.answers import Errors, Part, ResolutionChoice
 
 
-def describe_fraction(assembly: Assembly, estimated: Estimated) -> str:
+def describe_fraction(assembly: Assembly, estimated: ResolutionChoice) -> str:
     """Say why slices and instants are as many as they are."""
     if estimated.failed:
         return f"there are no estimates: {estimated.failed}"
@@ -80,7 +80,7 @@ def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -
     ]
 
 
-def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
+def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
     """Return whether boundary friction takes part, and the law that serves in place of the scene's."""
     resolution = assembly.resolution
     errors = estimated.errors

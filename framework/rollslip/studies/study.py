@@ -27,16 +27,16 @@ from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import Location, structure
 from rollslip.studies import parts
 from rollslip.studies.answers import (
-    Compared,
-    Estimated,
-    Evaluated,
-    Keep,
+    ComparedValues,
+    LoadedSlices,
     Measurable,
     Output,
     Part,
-    Some,
+    PartialResult,
+    ResolutionChoice,
+    RunContext,
 )
-from rollslip.studies.error_estimate import COARSE_SLICES, Curved, by_curves, by_doubling
+from rollslip.studies.error_estimate import COARSE_SLICES, DiscretisedStudy, by_curves, by_doubling
 from rollslip.studies.timing import timed
 from rollslip.studies.validity import rolling_slices
 from rollslip.units import as_written
@@ -68,15 +68,17 @@ CONTACT_CHOICES: Final = frozenset({"slices", "quadrature", "compiled", "tractio
 
 
 @attrs.frozen(kw_only=True)
-class Study(Curved, abc.ABC):
+class Study(DiscretisedStudy, abc.ABC):
     """A question put to one bearing; its settings are the attrs fields of the class."""
 
     #: Name -> a variable of its result, or a single value among the attributes of it.
     outputs: ClassVar[Mapping[str, Output]]
     #: Numerical and modelling choices that change its results, of `AXES`.
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES
+    affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES
     #: Part of the cost -> what it is, and the resolution behind a bar.
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "the study as a whole"})
+    cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"run": "the study as a whole"}
+    )
     #: Whether the loads of all rollers take part.
     bearing_loads: ClassVar[bool] = True
     #: Whether cage and drags of the scene take part.
@@ -88,7 +90,7 @@ class Study(Curved, abc.ABC):
     #: Libraries that its runs import late; the time of importing them is no cost of a run.
     libraries: ClassVar[tuple[str, ...]] = ()
     #: Whether it goes through time, so that a run takes long and can go on where it was interrupted.
-    in_time: ClassVar[bool] = False
+    is_transient: ClassVar[bool] = False
     #: Whether one resolution, chosen for a few points of a sweep, serves all of them.
     shares_resolution: ClassVar[bool] = False
     #: Quantities of data sets that it gives: name -> how.
@@ -103,14 +105,14 @@ class Study(Curved, abc.ABC):
         return False
 
     @abc.abstractmethod
-    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+    def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the result at exactly the resolution of the bearing.
 
         Parameters
         ----------
         assembly : Assembly
             The bearing, put together, at the resolution that was chosen for it.
-        keep : Keep, optional
+        context : RunContext, optional
             Where what was computed so far is left, for studies that take long; others do not look at it.
 
         Returns
@@ -185,7 +187,7 @@ class Study(Curved, abc.ABC):
         """Return a study that does not compute some outputs, as far as leaving them out saves something."""
         return self
 
-    def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
+    def only(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
         """Return some outputs by a way shorter than `run`; None if there is none to these."""
         return None
 
@@ -199,15 +201,15 @@ class Study(Curved, abc.ABC):
         """Return the settings that a resolution may change, as they are: integrator, friction ..."""
         return {}
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
         """Choose the resolution by what the scene asks for: by curves, or by doubling where there are none.
 
         Where there is no estimate a `RollslipError` says why.
         """
-        curved = self.curved(assembly)
-        if curved is None:
-            return by_doubling(self.run, self.judged, self.acts, assembly)
-        return by_curves(curved, assembly, cheaper_laws=cheaper_laws)
+        curve_study = self.curve_study(assembly)
+        if curve_study is None:
+            return by_doubling(self.run, self.controlled_outputs, self.affected_by, assembly)
+        return by_curves(curve_study, assembly, cheaper_laws=cheaper_laws)
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return the resolution that a result is verified against, and how that is said."""
@@ -229,12 +231,12 @@ class Study(Curved, abc.ABC):
         more = (
             assembly.slices
             / some.slices
-            * (resolution.n_positions or 1 if "n_positions" in self.acts else 1)
+            * (resolution.n_positions or 1 if "n_positions" in self.affected_by else 1)
         )
         return {"run": more * timed(partial(self.run, some), 1)}
 
     def parts(
-        self, assembly: Assembly, estimated: Estimated, costs: Mapping[str, float]
+        self, assembly: Assembly, estimated: ResolutionChoice, costs: Mapping[str, float]
     ) -> list[Part]:
         """Return the lines of the plan that are particular to the study, with errors and costs.
 
@@ -253,12 +255,12 @@ class Study(Curved, abc.ABC):
             found.append(parts.tables(assembly, errors["tables"], left.pop("tables", None)))
         return [
             *found,
-            *self.more_parts(assembly, estimated, left),
-            *parts.spent(left, self.spent_on),
+            *self.extra_parts(assembly, estimated, left),
+            *parts.spent(left, self.cost_descriptions),
         ]
 
-    def more_parts(
-        self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]
+    def extra_parts(
+        self, assembly: Assembly, estimated: ResolutionChoice, costs: dict[str, float]
     ) -> list[Part]:
         """Return further lines; what they say of the costs they take out of them."""
         return []
@@ -271,17 +273,17 @@ class Study(Curved, abc.ABC):
 
     # Held against others --------------------------------------------------------------------------------------------
 
-    def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
+    def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
         """Return the results that choices are held against each other by, under the names by which they are told.
 
         Of curves one result for all and the critical slip of each, of other variables one result each.
         """
         found = {}
-        for tolerance, name in self.judged.items():
+        for tolerance, name in self.controlled_outputs.items():
             variable = dataset[name]
             if self.curves_of is None or name != self.curves_of.critical:
                 rows = np.atleast_2d(variable.to_numpy()).tolist()
-                found[tolerance.replace("_", " ")] = Compared(rows, tolerance=tolerance)
+                found[tolerance.replace("_", " ")] = ComparedValues(rows, tolerance=tolerance)
         if self.curves_of is not None:
             for label, slip, status in zip(
                 curve_labels(dataset, self.curves_of),
@@ -289,7 +291,7 @@ class Study(Curved, abc.ABC):
                 dataset["critical_status"].to_numpy(),
                 strict=True,
             ):
-                found[f"critical slip{label}"] = Compared(
+                found[f"critical slip{label}"] = ComparedValues(
                     [[float(slip)]], str(status), "critical_slip"
                 )
         return found
@@ -303,7 +305,7 @@ class Study(Curved, abc.ABC):
             else "over the curves"
         )
 
-    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
         """Return the slices by which it is judged whether models were used for what they were made for.
 
         By default those of `evaluated` at a few slips of the curves; without curves all that the bearing loads where
@@ -311,19 +313,19 @@ class Study(Curved, abc.ABC):
         """
         if self.curves_of is None:
             return rolling_slices(assembly) if self.bearing_loads else []
-        if type(self).evaluated is Study.evaluated:
+        if type(self).loaded_slices is Study.loaded_slices:
             return []
         slips = dataset.sizes[self.curves_of.slip]
         few = set(np.linspace(slips // JUDGED, slips - 1, JUDGED).astype(int).tolist())
         seen = Counter[int]()
         chosen = []
-        for one in self.evaluated(assembly, dataset):
+        for one in self.loaded_slices(assembly, dataset):
             if seen[one.curve] in few:
                 chosen.append(one)
             seen[one.curve] += 1
         return chosen
 
-    def expected_slices(self, assembly: Assembly) -> tuple[str, list[Evaluated]]:
+    def expected_slices(self, assembly: Assembly) -> tuple[str, list[LoadedSlices]]:
         """Return a state in words and its slices, by which a point of a campaign is judged where no result is kept.
 
         By default all that the bearing loads where it rolls without slip, if its loads take part; else none. It has to
@@ -331,7 +333,7 @@ class Study(Curved, abc.ABC):
         """
         return "without slip", rolling_slices(assembly) if self.bearing_loads else []
 
-    def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
+    def loaded_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[LoadedSlices]:
         """Yield the slices that were evaluated for the curves, slip by slip; for studies that have curves."""
         raise NotImplementedError(f"study {self.name!r} has no curves to compare")
 

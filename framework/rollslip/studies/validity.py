@@ -32,7 +32,7 @@ from rollslip.models import (
     Validity,
 )
 from rollslip.results.words import REPORTED_FROM, REST
-from rollslip.studies.answers import Evaluated
+from rollslip.studies.answers import LoadedSlices
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices
 
@@ -141,7 +141,7 @@ class Filled:
     starts: NDArray[np.intp] = attrs.field(factory=lambda: np.zeros(1, dtype=np.intp))
 
 
-def filled(contacts: Sequence[Evaluated], assembly: Assembly) -> list[Filled]:
+def filled(contacts: Sequence[LoadedSlices], assembly: Assembly) -> list[Filled]:
     """Return slices evaluated by the laws that a result was computed with, a table for each ring."""
     tables = []
     for raceway in assembly.raceways:
@@ -165,7 +165,7 @@ def filled(contacts: Sequence[Evaluated], assembly: Assembly) -> list[Filled]:
 
 
 def judged(
-    contacts: Sequence[Evaluated], assembly: Assembly, traction: TractionModel
+    contacts: Sequence[LoadedSlices], assembly: Assembly, traction: TractionModel
 ) -> tuple[list[Outside], Difference | None]:
     """Return where slices lie outside of what all laws were made for, and what the traction that is named is off."""
     tables = filled(contacts, assembly)
@@ -478,7 +478,7 @@ def record(
     }
 
 
-def rolling_slices(assembly: Assembly) -> list[Evaluated]:
+def rolling_slices(assembly: Assembly) -> list[LoadedSlices]:
     """Return the loaded slices of both rings at the first instant, where the bearing rolls without slip."""
     loads = assembly.load_distribution(1)
     speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
@@ -490,6 +490,6 @@ def rolling_slices(assembly: Assembly) -> list[Evaluated]:
         places = assembly.places(raceway.ring, loads.psi[0], np.arange(float(loads.psi.shape[1])))
         one = LoadedContacts(raceway, load[0], assembly.widths, 1.0, places=places)
         found.append(
-            Evaluated(0, raceway.ring, one.load, float(rolling), 0.0, one.force, one.places)
+            LoadedSlices(0, raceway.ring, one.load, float(rolling), 0.0, one.force, one.places)
         )
     return found

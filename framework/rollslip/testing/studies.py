@@ -145,11 +145,11 @@ def check_what_may_be_missing_has_a_status_in_words(study: Study) -> None:
 @rule(Study)
 def check_what_is_judged_is_an_output(study: Study) -> None:
     """A plan holds these variables against the tolerances of the scene."""
-    for key, name in study.judged.items():
+    for key, name in study.controlled_outputs.items():
         refuse_unless(
-            key in _TOLERANCES, f"judged names {key!r}, [accuracy] has {', '.join(_TOLERANCES)}"
+            key in _TOLERANCES, f"controlled_outputs names {key!r}, [accuracy] has {', '.join(_TOLERANCES)}"
         )
-        refuse_unless(name in study.outputs, f"judged names {name!r}, which is no output")
+        refuse_unless(name in study.outputs, f"controlled_outputs names {name!r}, which is no output")
         values = np.asarray(_value(_result(study), name))
         refuse_unless(
             values.dtype.kind == "f", f"{name} is compared with a tolerance, but is no number"
@@ -159,8 +159,8 @@ def check_what_is_judged_is_an_output(study: Study) -> None:
             not none,
             f"{name} is 0, of which no error is a share; give the size that is none, Output(floor=)",
         )
-    unknown = ", ".join(sorted(study.acts - set(AXES)))
-    refuse_unless(not unknown, f"acts names {unknown}, which nobody can choose")
+    unknown = ", ".join(sorted(study.affected_by - set(AXES)))
+    refuse_unless(not unknown, f"affected_by names {unknown}, which nobody can choose")
 
 
 @rule(Study)
@@ -182,7 +182,7 @@ def check_its_curves_can_be_compared(study: Study) -> None:
             name in result and result[name].dims == dims,
             f"there is no {name!r} over {' and '.join(dims)}",
         )
-    parts = list(study.evaluated(_assembly(), result))
+    parts = list(study.loaded_slices(_assembly(), result))
     count = {part.curve for part in parts}
     refuse_unless(
         count == set(range(result.sizes[curves.over])),
@@ -205,19 +205,19 @@ def check_it_gives_the_same_bits_twice(study: Study) -> None:
 def check_what_does_not_act_changes_nothing(study: Study) -> None:
     """A choice that a study does not name among those that act on it is never varied: it is said to do nothing."""
     for name, changed in (("slices", 8), ("n_positions", 3), ("table_tolerance", 0.01)):
-        if name in study.acts:
+        if name in study.affected_by:
             continue
         other = study.at(_COARSE).run(_assembly(**{name: changed}))
-        for variable in study.judged.values():
+        for variable in study.controlled_outputs.values():
             same = not _differs(_value(_result(study), variable), _value(other, variable))
-            refuse_unless(same, f"{variable} depends on {name}, which acts does not name")
+            refuse_unless(same, f"{variable} depends on {name}, which affected_by does not name")
 
 
 @rule(Study)
 def check_leaving_outputs_out_changes_no_other(study: Study) -> None:
     """Sweeps and fronts leave out what nobody asked for."""
     kept = {name for name, output in study.outputs.items() if output.default} | set(
-        study.judged.values()
+        study.controlled_outputs.values()
     )
     fewer = study.without(frozenset(study.outputs.keys() - kept)).at(_COARSE).run(_assembly())
     for name in kept:

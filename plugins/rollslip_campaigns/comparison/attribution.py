@@ -22,7 +22,7 @@ from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
 from rollslip.models import TractionModel
 from rollslip.planning.plan import Plan
 from rollslip.results.dataset import about
-from rollslip.studies.answers import Evaluated
+from rollslip.studies.answers import LoadedSlices
 from rollslip.studies.validity import quantity
 from rollslip_kernels.slices import Slices
 
@@ -48,14 +48,14 @@ _PART = 4096
 class EvaluatedSlices:
     """The slices that a run evaluates for its curves."""
 
-    parts: list[Evaluated]
+    parts: list[LoadedSlices]
 
     @classmethod
     def of(cls, plan: Plan, study: str, result: "xr.Dataset") -> "EvaluatedSlices":
         """Return the slices of a plan's study, with its result; those of one curve in parts of some size."""
-        parts = list[Evaluated]()
-        some = list[Evaluated]()
-        for one in plan.studies[study].evaluated(plan.assemblies[study], result):
+        parts = list[LoadedSlices]()
+        some = list[LoadedSlices]()
+        for one in plan.studies[study].loaded_slices(plan.assemblies[study], result):
             if some and (
                 one.curve != some[0].curve
                 or sum(each.load.size for each in some) + one.load.size > _PART
@@ -104,7 +104,7 @@ class EvaluatedSlices:
         return {name: self._by_curve([one[name] for one in kept]) for name in kept[0]}, seconds
 
 
-def _joined(some: Sequence[Evaluated]) -> Evaluated:
+def _joined(some: Sequence[LoadedSlices]) -> LoadedSlices:
     """Return several parts of one curve as one."""
     if len(some) == 1:
         return some[0]

@@ -243,7 +243,7 @@ def _at_one_resolution(
 ) -> dict[str, Combination]:
     """Return the combinations with the slices and instants of the one that needs most, so that all have the same."""
     chosen = [
-        one.plan.estimated[study].resolution
+        one.plan.choices[study].resolution
         for one in combinations.values()
         if one.plan is not None
     ]
@@ -253,7 +253,7 @@ def _at_one_resolution(
     most = Resolution.maximum_of(planned)
 
     def alike(plan: Plan) -> Plan:
-        own = plan.estimated[study].resolution
+        own = plan.choices[study].resolution
         same = attrs.evolve(
             own, slices=most.slices, quadrature=most.quadrature, n_positions=most.n_positions
         )

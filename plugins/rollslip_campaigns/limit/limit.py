@@ -255,11 +255,11 @@ def _resolution(
     found = list[tuple[Scene, Resolution]]()
     off = dict[str, float]()
     cls = study_class(study)
-    needed = {output, cls.outputs[output].status, *cls.judged.values()}
+    needed = {output, cls.outputs[output].status, *cls.controlled_outputs.values()}
     for changes in places:
         try:
             at = evolve(scene, changes) if changes else scene
-            if cls.in_time:
+            if cls.is_transient:
                 one = estimate(cls.of(at), assemble(at), cheaper_laws=False)
                 if not one.failed:
                     found.append((at, one.resolution))
@@ -268,7 +268,7 @@ def _resolution(
             run = compute(made, study)
         except RollslipError:  # the point will say why
             continue
-        found.append((at, run.plan.estimated[study].resolution))
+        found.append((at, run.plan.choices[study].resolution))
         accuracy = at.accuracy
         for name, error in exceeding(run.error.total, accuracy).items():
             if accuracy.of(name) > EXACT:
@@ -287,7 +287,7 @@ def _resolution(
         except RollslipError:
             continue
         # maps of a motion, which a plan makes for its run, every point makes for itself, as was done here
-        spent = time.process_time() - begin if study_class(study).in_time else 0.0
+        spent = time.process_time() - begin if study_class(study).is_transient else 0.0
         seconds.append(max(cost, spent))
     return resolution, max(seconds, default=math.nan), off
 

@@ -162,9 +162,9 @@ def plan_family(requested: "ParetoSettings") -> Family:
     varied = _films(scene, films)
     found: list[Choice] = []
     for name, one in made.studies.items():
-        found += _of_study(made, name, [axis for axis in wanted if axis in one.acts], laws, varied)
+        found += _of_study(made, name, [axis for axis in wanted if axis in one.affected_by], laws, varied)
     if not any(one.label not in (PLANNED, FINEST, HALF, EXACT) for one in found):
-        can = [axis for axis in AXES if any(axis in one.acts for one in made.studies.values())]
+        can = [axis for axis in AXES if any(axis in one.affected_by for one in made.studies.values())]
         raise SceneError(
             [
                 f"there is nothing to choose: {', '.join(made.studies)} of this scene can differ in {', '.join(can)}, "
@@ -185,7 +185,7 @@ def plan_family(requested: "ParetoSettings") -> Family:
         plan=made,
         # without what is no result here, so that it costs nothing
         studies={
-            name: one.without(frozenset(one.outputs.keys() - set(one.judged.values())))
+            name: one.without(frozenset(one.outputs.keys() - set(one.controlled_outputs.values())))
             for name, one in made.studies.items()
         },
         choices=tuple(found),
@@ -202,15 +202,15 @@ def _of_study(
 ) -> list[Choice]:
     """References of a study, the plan's choice, and what departs from it, each once."""
     scene = made.scene
-    base = made.estimated[study].resolution
+    base = made.choices[study].resolution
     settings = made.studies[study]
     best = reference_resolution(scene)
     law = assemble(scene, best).traction.full_film.name
-    if "table_tolerance" in settings.acts:
+    if "table_tolerance" in settings.affected_by:
         best = attrs.evolve(
             best, table_tolerance=max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance)
         )
-    if "n_positions" not in settings.acts:
+    if "n_positions" not in settings.affected_by:
         best = attrs.evolve(best, n_positions=base.n_positions)
     if own := settings.chosen(made.assembly):
         base = attrs.evolve(

@@ -154,7 +154,7 @@ def _take(family: Family, choice: Choice, record: Record) -> None:
     record.seconds.append(spent / count)
     if not record.status:
         record.status = "done"
-        for name, one in study.compared(dataset).items():
+        for name, one in study.compared_values(dataset).items():
             record.results[name] = [*map(list, one.values)], one.status
             record.tolerances[name] = one.tolerance
         record.evaluations = assembly.inner.chain.evaluated

@@ -104,7 +104,7 @@ def apart_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
     """Return by how much the point in the middle differs from a run of its scene, where that is too much."""
     done = np.flatnonzero(dataset["status"].to_numpy().ravel() == "ok")
     cls = study_class(sweep.study)
-    if not done.size or cls.in_time:
+    if not done.size or cls.is_transient:
         return []
     number = _corners(sweep.design, done)[0]
     point = dataset.isel(
@@ -118,7 +118,7 @@ def apart_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
         return [
             f"how far points are off could not be checked at {place}, by a run of the scene: {describe_error(error)}"
         ]
-    keys = {of: key for key, of in cls.judged.items()}
+    keys = {of: key for key, of in cls.controlled_outputs.items()}
     alike = [of for of in sweep.outputs if of in run and of in point and run[of].dtype.kind == "f"]
     errors = {
         of: apart

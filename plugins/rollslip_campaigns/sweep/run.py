@@ -230,7 +230,7 @@ def _plain_case(sweep: Sweep, folder: Path) -> tuple[Engine | None, str]:
     if died(folder):
         return get_model("engine", "processes"), "an earlier run died in its own process"
     study = settings(sweep.scene, sweep.study)[sweep.study]
-    if study.in_time:
+    if study.is_transient:
         return get_model("engine", "processes"), "motions in time take long"
     assembly = assemble(sweep.scene)
     slices = study.evaluations(assembly)

@@ -107,7 +107,7 @@ class Movable(Protocol):
     def duration(self) -> float:
         """Time to go through [s]."""
 
-    def evolved(self, **settings: Any) -> "Movable":
+    def with_settings(self, **settings: Any) -> "Movable":
         """Return the study with other settings."""
 
     @property
@@ -170,13 +170,13 @@ def adds_up(study: Movable, few: Assembly, span: float) -> float:
     """
     seen = min(study.duration, _FADING)
     times = np.linspace(0.0, seen, _SEEN + 1)
-    alone = study.evolved(
+    alone = study.with_settings(
         level="cage-set", friction="constant" if study.friction == "constant" else "effective"
     )
     moving = alone.moving(few)
     ends = []
     for slip in (study.cage_slip, study.cage_slip + _APART):
-        found = alone.evolved(cage_slip=slip).tried(moving, times, _EXACT * _APART)
+        found = alone.with_settings(cage_slip=slip).tried(moving, times, _EXACT * _APART)
         if found.outcome != "finished":
             return study.duration / span
         ends.append(np.asarray(moving.split(found.y)["cage_speed"]))
@@ -195,14 +195,14 @@ def choose_motion(study: Movable, assembly: Assembly, named: Collection[str]) ->
         return MotionChoice(
             settings=exact, reasons=dict.fromkeys(exact, "an exact result is asked for")
         )
-    study = study.evolved(film_limit=0.0)  # an event, which moves nothing
+    study = study.with_settings(film_limit=0.0)  # an event, which moves nothing
     trials = _Trials(assembly)
     settings = dict[str, Any]()
     reasons = dict[str, str]()
     errors = dict[str, Mapping[str, float]]()
     for name in unnamed:
         try:
-            choice, reasons[name], left = getattr(trials, name)(study.evolved(**settings))
+            choice, reasons[name], left = getattr(trials, name)(study.with_settings(**settings))
         except RollslipError as error:
             choice = OPEN[name] or getattr(study, name)
             reasons[name] = f"there is no estimate of what a simpler one would leave: {error}"
@@ -255,7 +255,7 @@ class _Trials:
         tolerance = min(_STEP * self.requested, _LOOSEST)
         allowed = _FRACTION["friction"] * self.requested
         conventional, effective = (
-            study.evolved(friction=friction, level="cage-set")
+            study.with_settings(friction=friction, level="cage-set")
             for friction in ("conventional", "effective")
         )
         ours = theirs = None
@@ -288,7 +288,7 @@ class _Trials:
         friction = "constant" if study.friction == "constant" else "effective"
         tolerance = min(_STEP * self.requested, _LOOSEST)
         alone, within = (
-            self.speeds(study.evolved(friction=friction, level=level), times, tolerance)[0]
+            self.speeds(study.with_settings(friction=friction, level=level), times, tolerance)[0]
             for level in ("cage-set", "pocket")
         )
         off = within - alone
@@ -317,7 +317,7 @@ class _Trials:
         moving = self.moving(study)
         name = study.method(self.assembly).name
         contact = moving.system.frequencies[0]
-        (times, states) = moving.looks()
+        (times, states) = moving.sample_states()
         without_slip = [_damping(moving, t, y) for t, y in zip(times.tolist(), states, strict=True)]
         begin = _damping(
             moving, 0.0, np.asarray(moving.initial(study.cage_slip, study.roller_slip))
@@ -413,7 +413,7 @@ def _come_apart(
     ndarray
         Differences of speeds, relative to the largest without slip; NaN at times that were not reached.
     """
-    looks, states = moving.looks()
+    looks, states = moving.sample_states()
     most = np.array(_fastest(moving))[:, None]
     still = study.tried(moving, np.zeros(1), tolerances[0])
     later = np.flatnonzero((looks > 0.0) & (looks + spans[-1] <= looks[-1])).tolist()
@@ -446,9 +446,9 @@ def _come_apart(
 
 def _fastest(moving: MovingBearing) -> tuple[float, ...]:
     """Largest speeds of cage and rollers without slip [rad/s]."""
-    looks, _ = moving.looks()
+    looks, _ = moving.sample_states()
     times = np.union1d(looks, np.linspace(0.0, looks[-1], _SEEN + 1))
-    return tuple(float(np.nanmax(np.abs(speeds))) for speeds in moving.unslipped(times))
+    return tuple(float(np.nanmax(np.abs(speeds))) for speeds in moving.epicyclic_speeds(times))
 
 
 def _swings_apart(study: Movable, moving: MovingBearing, tolerance: float) -> float:

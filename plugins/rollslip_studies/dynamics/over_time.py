@@ -22,14 +22,18 @@ from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.structure import Location
-from rollslip.studies.answers import Estimated, Part
+from rollslip.studies.answers import Part, ResolutionChoice
 from rollslip.studies.error_estimate import slices_and_positions
 from rollslip_studies.dynamics import history_findings
-from rollslip_studies.dynamics.history.interpolated_rates import operated, shown
+from rollslip_studies.dynamics.history.interpolated_rates import describe_range, with_operation
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History, HistorySettings
-from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, changed
+from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, with_changes
 from rollslip_studies.dynamics.history.time_functions import Course, table
-from rollslip_studies.dynamics.history.varying import STILL, VaryingMotion, epicyclic
+from rollslip_studies.dynamics.history.varying import (
+    MIN_EPICYCLIC_FRACTION,
+    VaryingMotion,
+    epicyclic_speeds,
+)
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.effective_friction.raceways import LoadedRaceways
@@ -124,10 +128,10 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
     grids = list[Array]()
     names: list[str] = [name for name in history.conditions if name in history.varies]
     apart = np.abs(now["inner_speed"] - now["outer_speed"])
-    fast = apart > STILL * apart.max(initial=0.0)
+    fast = apart > MIN_EPICYCLIC_FRACTION * apart.max(initial=0.0)
     if {"inner_speed", "outer_speed"} & {*history.varies}:
         names.append("speed")
-    spans = spans | {"speed": (STILL * apart.max(), apart.max())}
+    spans = spans | {"speed": (MIN_EPICYCLIC_FRACTION * apart.max(), apart.max())}
     now = now | {"speed": apart}
     if (path := history.path) is not None:
         names.append(path.name)
@@ -166,7 +170,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
             try:
                 bearing = assembly if path is None else path.bearing(assembly, there.pop(path.name))
                 raceways = study.loaded(
-                    operated(bearing, there), assembly.resolution.n_positions or N_POSITIONS
+                    with_operation(bearing, there), assembly.resolution.n_positions or N_POSITIONS
                 )
                 away = away_of(study, raceways)
                 critical = critical_of(study, raceways)
@@ -248,7 +252,7 @@ def critical_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
 
 def at_the_ends(
     study: EffectiveFriction, assembly: Assembly, history: History | None, fraction: float
-) -> Estimated:
+) -> ResolutionChoice:
     """Slices and instants as the operation needs them, and the least and the largest load and temperature."""
     estimated, *_ = slices_and_positions(study, assembly, fraction)
     if history is None:
@@ -256,7 +260,7 @@ def at_the_ends(
     for end in (0, 1):
         spans = {name: history.spans[name][end] for name in history.conditions}
         try:
-            other, *_ = slices_and_positions(study, operated(assembly, spans), fraction)
+            other, *_ = slices_and_positions(study, with_operation(assembly, spans), fraction)
         except RollslipError:  # the motion tells what cannot be put together
             continue
         if (other.resolution.slices or 0) > (estimated.resolution.slices or 0):
@@ -274,9 +278,9 @@ def with_history(
     way = along(study, moving.assembly, history, times)
     now = history.at(times)
     stations = moving.stations
-    works, distances = moving.of_each(states[-1])
-    variables = {name: now[name] for name in history.given} | {
-        "epicyclic_cage_speed": moving.direction * epicyclic(moving.assembly, history, times)[0],
+    works, distances = moving.sliding_work_and_distance(states[-1])
+    variables = {name: now[name] for name in history.prescribed} | {
+        "epicyclic_cage_speed": moving.direction * epicyclic_speeds(moving.assembly, history, times)[0],
         "skidding_slip_along": way.skidding_slip,
         "limit_drag_along": way.limit_drag,
         "critical_slip_along": way.critical_slip,
@@ -284,14 +288,14 @@ def with_history(
         "roller_frictional_work": works,
     }
     return variables, {
-        "history": json.dumps(history.given),
+        "history": json.dumps(history.prescribed),
         "history_status": way.status,
         "history_sha256": history.sha256,
         "history_varies": json.dumps(history.varies),
         "history_stations": len(moving.system.owner.stations),
         "history_error": stations.error,
         "slip_status": "known while the cage's epicyclic speed is more than "
-        f"{100 * STILL:g} % of its largest, to which slips refer",
+        f"{100 * MIN_EPICYCLIC_FRACTION:g} % of its largest, to which slips refer",
         "starvation": json.dumps(_starvation(moving, now)),
     }
 
@@ -311,7 +315,7 @@ def _starvation(moving: VaryingMotion, now: Mapping[str, Array]) -> list[float]:
     ]:
         return [1.0, 1.0]
     slow = int(np.argmin(np.where(apart > 0.0, apart, np.inf)))
-    least = operated(at, {name: float(now[name][slow]) for name in ("inner_speed", "outer_speed")})
+    least = with_operation(at, {name: float(now[name][slow]) for name in ("inner_speed", "outer_speed")})
     return [
         float(str(scene_values(one.scene, one.kinematics, one.lubricant)["starvation"]))
         for one in (at, least)
@@ -327,11 +331,11 @@ def parts(
     moving = make()
     assert isinstance(moving, VaryingMotion)
     stations = moving.stations
-    axes = "maps over " + "; ".join(map(shown, stations.axes))
+    axes = "maps over " + "; ".join(map(describe_range, stations.axes))
     return [
         Part(
             part="history",
-            choice=", ".join(history.given).replace("_", " "),
+            choice=", ".join(history.prescribed).replace("_", " "),
             resolution=f"{axes}; {stations.bearings} bearings put together for them"
             if stations.axes
             else "nothing to be mapped: rates know the speeds of the rings",
@@ -413,7 +417,7 @@ def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float
         return math.nan, why
     if not isinstance(moving, VaryingMotion):
         return status
-    if math.isnan(moving.unslipped(times)[0][-1]):
+    if math.isnan(moving.epicyclic_speeds(times)[0][-1]):
         return math.nan, "the rings all but stand at the end"
     last = times[times >= times[-1] - 0.375 * (times[-1] - times[0])]
     now: Mapping[str, Array] = moving.history.at(last)
@@ -437,10 +441,10 @@ def at_the_end(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
     now |= {name: float(dataset[name][-1]) for name in json.loads(dataset.attrs["history"])}
     now.pop("load_direction", None)  # turns what it loads, and changes no contact at rest
     if "radial_clearance" in dataset:
-        assembly = changed(assembly, {CLEARANCE: float(dataset["radial_clearance"][-1])})
+        assembly = with_changes(assembly, {CLEARANCE: float(dataset["radial_clearance"][-1])})
     if now["inner_speed"] == now["outer_speed"]:
         return None
-    return operated(assembly, now)
+    return with_operation(assembly, now)
 
 
 def at_instant(assembly: Assembly, dataset: "xr.Dataset", instant: int) -> Assembly:
@@ -458,4 +462,4 @@ def at_instant(assembly: Assembly, dataset: "xr.Dataset", instant: int) -> Assem
         "starvation" in taken_from_scene(model) for model in assembly.models.values()
     ):
         at |= speeds
-    return operated(assembly, at)
+    return with_operation(assembly, at)

@@ -37,7 +37,7 @@ from rollslip.models import IntegratorModel
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location, resolved
-from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
+from rollslip.studies.answers import LoadedSlices, Output, Part, ResolutionChoice, RunContext
 from rollslip.studies.error_estimate import exactly, with_tables
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import damage_of, parts
@@ -91,15 +91,15 @@ class Dynamics(Study):
 
     name: ClassVar[str] = "dynamics"
     outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType({"cage_speed": "cage_speed"})
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({"cage_speed": "cage_speed"})
     #: Of no one instant.
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {
+    affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {
         "table_tolerance",
         "integrator",
         "integrator_tolerance",
         "friction",
     }
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+    cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
             "tables": "loads over the orbit and effective friction",
             "motion": "the study asks for cage and rollers in time",
@@ -110,7 +110,7 @@ class Dynamics(Study):
     with_cage: ClassVar[bool] = True
     with_heat: ClassVar[bool] = True
     with_damage: ClassVar[bool] = True
-    in_time: ClassVar[bool] = True
+    is_transient: ClassVar[bool] = True
 
     level: str = parameter(
         default="cage-set",
@@ -221,7 +221,7 @@ class Dynamics(Study):
         """Whether it is at level planar, which has a key of its own for it."""
         return self.level == "planar"
 
-    def curved(self, assembly: Assembly) -> EffectiveFriction:
+    def curve_study(self, assembly: Assembly) -> EffectiveFriction:
         """Return how the raceways' contacts are averaged, as the scene has it."""
         found = EffectiveFriction.of(assembly.scene)
         rings = assembly.rings
@@ -229,9 +229,9 @@ class Dynamics(Study):
             attrs.evolve(found, skidding_range=0.0) if rings and rings.turning else found
         )  # where no slip is steady
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
         """Choose slices and instants by the effective friction, all else by trial motions; laws stay as they are."""
-        averaged = self.curved(assembly)
+        averaged = self.curve_study(assembly)
         if assembly.scene.accuracy.exact:
             return self._with_choice(exactly(averaged, assembly), assembly)
         estimated = over_time.at_the_ends(averaged, assembly, self.course(assembly), _FRACTION)
@@ -240,7 +240,7 @@ class Dynamics(Study):
             return estimated
         return self._with_steps(estimated, assembly.at(estimated.resolution))
 
-    def _with_choice(self, estimated: Estimated, assembly: Assembly) -> Estimated:
+    def _with_choice(self, estimated: ResolutionChoice, assembly: Assembly) -> ResolutionChoice:
         """Friction, level and integrator, where the scene does not name them."""
         given = [*assembly.scene.study.get(self.name, {})]
         history = self.course(assembly)
@@ -248,11 +248,11 @@ class Dynamics(Study):
         reasons = over_time.reasons(history, settings, self.level, given)
         at = assembly.at(estimated.resolution)
         if why := over_time.without_tables(
-            history, self.evolved(**settings).friction, lambda: self.moving(at)
+            history, self.with_settings(**settings).friction, lambda: self.moving(at)
         ):
             settings["friction"] = "conventional"
             reasons["friction"] = why
-        choice = choose_motion(self.evolved(**settings), at, named)
+        choice = choose_motion(self.with_settings(**settings), at, named)
         return attrs.evolve(
             estimated,
             resolution=attrs.evolve(estimated.resolution, **settings, **choice.settings),
@@ -260,7 +260,7 @@ class Dynamics(Study):
             reasons={**choice.reasons, **reasons},
         )
 
-    def _with_steps(self, estimated: Estimated, assembly: Assembly) -> Estimated:
+    def _with_steps(self, estimated: ResolutionChoice, assembly: Assembly) -> ResolutionChoice:
         """Tolerance of a step, and what it leaves."""
         study = self.at(estimated.resolution)
         tolerance, left = step_tolerance(study, assembly, self._fades(study.level, assembly))
@@ -288,10 +288,10 @@ class Dynamics(Study):
             assembly.resolution,
             n_positions=assembly.resolution.n_positions or over_time.N_POSITIONS,
         )
-        told = attrs.evolve(self.curved(assembly), map_points=0).cost(assembly.at(at))
+        told = attrs.evolve(self.curve_study(assembly), map_points=0).cost(assembly.at(at))
         away = sum(told.values())
         history = self.course(assembly)
-        along_it = over_time.cost(history, lambda: self.moving(assembly), self.curved(assembly))
+        along_it = over_time.cost(history, lambda: self.moving(assembly), self.curve_study(assembly))
         motion = costs_of(self, assembly)
         return {
             "skidding": away,
@@ -300,8 +300,8 @@ class Dynamics(Study):
             **heating.cost(self, assembly, motion["motion"]),
         }
 
-    def more_parts(
-        self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]
+    def extra_parts(
+        self, assembly: Assembly, estimated: ResolutionChoice, costs: dict[str, float]
     ) -> list[Part]:
         """Return steps, friction, level and integrator."""
         errors = estimated.errors
@@ -338,7 +338,7 @@ class Dynamics(Study):
             Part(
                 part="friction of the raceways",
                 choice=self.friction,
-                resolution=self.moving(assembly).way,
+                resolution=self.moving(assembly).evaluation_method,
                 reason=why("friction"),
                 errors=errors.get("friction", {}),
             ),
@@ -395,12 +395,12 @@ class Dynamics(Study):
         """What state `validity_slices` are at."""
         return "at the end of the motion"
 
-    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
         """Return the slices of the rollers at the last stored instant."""
         then = over_time.at_the_end(assembly, dataset)
         return [] if then is None else last_slices(then, dataset)
 
-    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+    def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the motion, going on from what is kept, and keeping what is computed.
 
         Returns
@@ -423,13 +423,13 @@ class Dynamics(Study):
         DomainError, ConvergenceError
             If loads or friction cannot be tabulated.
         """
-        dataset = over_time.told(self.at(assembly.resolution)._run(assembly, keep or Keep()))
+        dataset = over_time.told(self.at(assembly.resolution)._run(assembly, context or RunContext()))
         damage, measures = over_motion(
             assembly, dataset, partial(over_time.at_instant, assembly, dataset)
         )
         return dataset.assign_coords(measures).assign(self.variables(**damage))
 
-    def _run(self, assembly: Assembly, kept: Keep) -> "xr.Dataset":
+    def _run(self, assembly: Assembly, kept: RunContext) -> "xr.Dataset":
         integrator = self.method(assembly)
         if self.level == "planar":
             self._of_planar(assembly)
@@ -437,7 +437,7 @@ class Dynamics(Study):
         assembly, history = (
             (assembly, self.course(assembly)) if heat is None else (heat.assembly, heat.history)
         )
-        settings = self.curved(assembly)
+        settings = self.curve_study(assembly)
         store = None if kept.store is None else Checkpoints(*attrs.astuple(kept.store))
         raceways = settings.loaded(
             assembly, assembly.resolution.n_positions or over_time.N_POSITIONS
@@ -485,7 +485,7 @@ class Dynamics(Study):
         found = found if before is None else before.then(found)
         # by now models may fail as in the run, or anew
         outputs, found = outputs_of(moving, found)
-        slip = 1.0 - (moving.split(found.y)["cage_speed"] / moving.unslipped(found.t)[0])[[0, -1]]
+        slip = 1.0 - (moving.split(found.y)["cage_speed"] / moving.epicyclic_speeds(found.t)[0])[[0, -1]]
         regimes, found = regimes_of(
             raceways, np.clip(np.nan_to_num(slip), 0.0, settings.max_cage_slip), found
         )
@@ -641,7 +641,7 @@ class Dynamics(Study):
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip = variables["cage_slip"][1]
         works = moving.works(found.y)
-        at_positions, of_history = over_time.with_history(self.curved(assembly), moving, t, found.y)
+        at_positions, of_history = over_time.with_history(self.curve_study(assembly), moving, t, found.y)
         variables |= self.variables(**at_positions)
         ended = found.outcome == "finished"  # else a longer run would end there too
         steady, steady_status = steady_slip_of(

@@ -12,7 +12,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import NAMES
 from rollslip.errors import DomainError, PluginError
-from rollslip.studies.answers import Evaluated
+from rollslip.studies.answers import LoadedSlices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.friction_curve.study import balanced_load
@@ -117,7 +117,7 @@ def stored(
     if place is not None:
         places = places + place / k.orbit_radius
     relative = spin + orbit
-    cage_without, roller_without = moving.unslipped(found.t)
+    cage_without, roller_without = moving.epicyclic_speeds(found.t)
     words = [WATCHED[e.watched][not e.rising] for e in found.events]
     known = {
         "cage_speed": sign * cage,
@@ -176,7 +176,7 @@ def regimes_of(
     return regime_variables(*fractions), found
 
 
-def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
     """Loaded slices of both rings at the last instant, each roller's force spread as over an aligned one.
 
     Nothing if a value of that instant is missing.
@@ -207,7 +207,7 @@ def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         places |= {"position": places["position"][column]} if places else {}
         forces = some * assembly.widths[column]
         found.append(
-            Evaluated(0, raceway.ring, some, rolling[owner], sliding[owner], forces, places)
+            LoadedSlices(0, raceway.ring, some, rolling[owner], sliding[owner], forces, places)
         )
     return found
 

@@ -29,7 +29,7 @@ from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, choice_of, in_range, parameter
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
-from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
+from rollslip.studies.answers import LoadedSlices, Measurable, Output, PartialResult, RunContext
 from rollslip.studies.error_estimate import LEAST_OF_SOME, WHERE_JUMPED
 from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
 from rollslip.studies.timing import N_POSITIONS, POINTS, onwards, timed
@@ -173,14 +173,14 @@ class EffectiveFriction(Study):
 
     name: ClassVar[str] = "effective-friction"
     outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType(
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"friction": "effective_friction", "critical_slip": "critical_cage_slip"}
     )
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
+    affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     curves_of: ClassVar[Curves] = Curves(
         variable="effective_friction", over="ring", slip="cage_slip", critical="critical_cage_slip"
     )
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+    cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
             "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest",
             "film regimes": "told of every loaded slice, over the slips of the curve",
@@ -310,28 +310,28 @@ class EffectiveFriction(Study):
             costs["map"] = onwards(sizes, maps, self.map_points * max(2 * self.map_points - 1, 1))
         return costs
 
-    def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
+    def loaded_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[LoadedSlices]:
         """Yield the slices of both rings, slip by slip."""
         yield from self._evaluated(
             assembly, dataset.attrs["n_positions"], dataset["cage_slip"].to_numpy()
         )
 
-    def expected_slices(self, assembly: Assembly) -> tuple[str, list[Evaluated]]:
+    def expected_slices(self, assembly: Assembly) -> tuple[str, list[LoadedSlices]]:
         """Return the slices of both rings at a few slips of the curves, of one instant."""
         slips = np.linspace(self.max_cage_slip / JUDGED, self.max_cage_slip, JUDGED)
         return "over the curves", [*self._evaluated(assembly, 1, slips)]
 
     def _evaluated(
         self, assembly: Assembly, n_positions: int, cage_slip: Array
-    ) -> Iterator[Evaluated]:
+    ) -> Iterator[LoadedSlices]:
         raceways = self.loaded(assembly, n_positions)
         for both in raceways.contacts(raceways.speeds(cage_slip)):
             for k, (contacts, u, V) in enumerate(both):
-                yield Evaluated(
+                yield LoadedSlices(
                     k, RINGS[k], contacts.slices.load, u, V, contacts.force, contacts.places
                 )
 
-    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+    def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the effective friction curves, the critical cage slip and the map.
 
         Returns
@@ -362,9 +362,9 @@ class EffectiveFriction(Study):
         )
 
     @classmethod
-    def together(
+    def run_batch(
         cls, cases: "Sequence[tuple[EffectiveFriction, Assembly]]", outputs: frozenset[str]
-    ) -> list[Some] | None:
+    ) -> list[PartialResult] | None:
         """Return what `run` does of curves, critical slips and running away, for several bearings at once.
 
         None if more is asked.
@@ -483,16 +483,16 @@ class EffectiveFriction(Study):
         return CLOSURES[self.closure]
 
     @property
-    def averaged(self) -> bool:
+    def is_averaged(self) -> bool:
         """Whether the curves are means over the instants of a pitch."""
         return True
 
     @property
-    def followed(self) -> bool:
+    def uses_continuation(self) -> bool:
         """Whether rollers may have several balances, of which the one that goes on from smaller slips is taken."""
         return self.closure == "free-roller"
 
-    def beyond(self, assembly: Assembly) -> None:
+    def sample_other_contacts(self, assembly: Assembly) -> None:
         """Evaluate the corners of the map, and contacts on the way up."""
         if self.map_points:
             self.loaded(assembly, 1).map(self.max_cage_slip, 2)
@@ -679,7 +679,9 @@ def _held_at(slip: Array, critical: Critical) -> Array:
     return slip[-1:] if np.isnan(critical.slip) else np.array([critical.slip, slip[-1]])
 
 
-def _curves(slip: Array, friction: Array | None, critical: tuple[Critical, Critical]) -> Some:
+def _curves(
+    slip: Array, friction: Array | None, critical: tuple[Critical, Critical]
+) -> PartialResult:
     """Variables of the curves, if they are known as a whole, and their maxima, and their coordinates."""
     curves = {} if friction is None else EffectiveFriction.variables(effective_friction=friction)
     return curves | EffectiveFriction.variables(

@@ -18,7 +18,7 @@ from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.scene.relations import impossible_pressure
 from rollslip.structure import Location
-from rollslip.studies.answers import Evaluated, Keep, Output, Some
+from rollslip.studies.answers import LoadedSlices, Output, PartialResult, RunContext
 from rollslip.studies.study import JUDGED, Study
 from rollslip.studies.timing import POINTS, onwards, timed
 from rollslip.units import format_quantity
@@ -81,10 +81,10 @@ class FrictionCurve(Study):
         variable="friction", over="normal_force", slip="slip", critical="critical_slip"
     )
     outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType(
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"friction": "friction", "critical_slip": "critical_slip"}
     )
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+    cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
             "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest"
         }
@@ -163,25 +163,25 @@ class FrictionCurve(Study):
         times = [timed(partial(attrs.evolve(self, points=n).run, assembly)) for n in POINTS]
         return {"friction": onwards(POINTS, times, self.points)}
 
-    def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
+    def loaded_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[LoadedSlices]:
         """Yield the slices of each normal force, slip by slip."""
         yield from self._evaluated(
             assembly, dataset.attrs["rolling_speed"], dataset["slip"].to_numpy()
         )
 
-    def expected_slices(self, assembly: Assembly) -> tuple[str, list[Evaluated]]:
+    def expected_slices(self, assembly: Assembly) -> tuple[str, list[LoadedSlices]]:
         """Return the slices of each normal force at a few slips of the curves."""
         slips = np.linspace(self.max_slip / JUDGED, self.max_slip, JUDGED)
         return "over the curves", [*self._evaluated(assembly, self.rolling_speed(assembly), slips)]
 
-    def _evaluated(self, assembly: Assembly, u: float, slips: Array) -> Iterator[Evaluated]:
+    def _evaluated(self, assembly: Assembly, u: float, slips: Array) -> Iterator[LoadedSlices]:
         for k, contacts in enumerate(self.contacts(assembly)):
             load = contacts.slices.load
             force = contacts.force
             for slip in slips:
-                yield Evaluated(k, contacts.raceway.ring, load, u, slip * u, force, contacts.places)
+                yield LoadedSlices(k, contacts.raceway.ring, load, u, slip * u, force, contacts.places)
 
-    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+    def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the curves.
 
         The contact rolls at the entrainment speed of the bearing without slip and is loaded evenly but for the
@@ -225,9 +225,9 @@ class FrictionCurve(Study):
         )
 
     @classmethod
-    def together(
+    def run_batch(
         cls, cases: "Sequence[tuple[FrictionCurve, Assembly]]", outputs: frozenset[str]
-    ) -> list[Some] | None:
+    ) -> list[PartialResult] | None:
         """Return what `run` does of curves and critical slips, for several contacts at once; None if more is asked."""
         if not outputs <= {
             "friction",
@@ -245,7 +245,7 @@ class FrictionCurve(Study):
             curves += [(contact, u, slip) for contact in study.contacts(assembly)]
         friction = _friction(curves)
         critical = cls._critical(curves, friction)
-        found = list[Some]()
+        found = list[PartialResult]()
         first = 0
         for study, _ in cases:
             own = slice(first, first + len(study.normal_force))
@@ -268,7 +268,7 @@ class FrictionCurve(Study):
 
     def _found(
         self, slip: Array, friction: Sequence[Array] | None, critical: Sequence[Critical]
-    ) -> Some:
+    ) -> PartialResult:
         """Variables of the curves, if they are known as a whole, and their maxima, and their coordinates."""
         curves = {} if friction is None else self.variables(friction=np.stack(friction))
         return curves | self.variables(

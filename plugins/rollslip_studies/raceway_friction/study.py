@@ -28,7 +28,7 @@ from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.fields import FieldError, parameter, positive
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
-from rollslip.studies.answers import Keep, Output
+from rollslip.studies.answers import Output, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.motion.spins import orbit_loads
 
@@ -79,10 +79,10 @@ class RacewayFriction(Study):
             "slide_roll": Output("sliding_node", "1", "sliding over rolling speed"),
         }
     )
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "mean_friction"})
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "mean_friction"})
+    affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     with_cage: ClassVar[bool] = True
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+    cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"run": "loads over the orbit, and friction on the grid"}
     )
 
@@ -133,7 +133,7 @@ class RacewayFriction(Study):
             if drag not in assembly.cage.drags.torques
         )
 
-    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+    def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return force, friction and resistance on the grid.
 
         Returns

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
-from rollslip.studies.answers import Estimated, Evaluated
+from rollslip.studies.answers import LoadedSlices, ResolutionChoice
 from rollslip.studies.study import Study
 from rollslip_studies.effective_friction.raceways import regime_variables, unloaded
 
@@ -25,7 +25,7 @@ STEP: Final = 1e-3
 _FAR: Final = 30.0
 
 
-def estimate_torques(study: Study, assembly: "Assembly", *, cheaper_laws: bool) -> Estimated:
+def estimate_torques(study: Study, assembly: "Assembly", *, cheaper_laws: bool) -> ResolutionChoice:
     """Choose slices, instants and laws by torques alone: at which slip the largest of them is does not matter."""
     accuracy = attrs.evolve(assembly.scene.accuracy, critical_slip=_ANY_SLIP)
     there = attrs.evolve(assembly, scene=attrs.evolve(assembly.scene, accuracy=accuracy))
@@ -35,14 +35,14 @@ def estimate_torques(study: Study, assembly: "Assembly", *, cheaper_laws: bool) 
     return attrs.evolve(found, errors=errors)
 
 
-def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> list[Evaluated]:
+def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> list[LoadedSlices]:
     """Return the loaded slices of both rings in some motions of the rollers."""
     found = []
     for orbit in orbits:
         for ring, contacts in zip(RINGS, balance.evaluated(orbit), strict=True):
             s = contacts.slices
             found.append(
-                Evaluated(
+                LoadedSlices(
                     0,
                     ring,
                     s.load,

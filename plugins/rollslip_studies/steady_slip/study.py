@@ -27,9 +27,18 @@ from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, in_range, parameter
 from rollslip.results.dataset import about
+from rollslip.results.words import Status
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
-from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Some
+from rollslip.studies.answers import (
+    ComparedValues,
+    LoadedSlices,
+    Measurable,
+    Output,
+    PartialResult,
+    ResolutionChoice,
+    RunContext,
+)
 from rollslip.studies.error_estimate import by_curves
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.motion.loading_branch import LoadingBranch, Steady
@@ -96,11 +105,11 @@ class SteadySlip(Study):
 
     name: ClassVar[str] = "steady-slip"
     outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType(
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"critical_slip": "skidding_slip", "friction": "limit_drag"}
     )
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+    affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
+    cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"orbits": "a steady motion of the rollers for every slip that is asked for"}
     )
     with_cage: ClassVar[bool] = True
@@ -163,16 +172,16 @@ class SteadySlip(Study):
         return self.max_cage_slip
 
     @property
-    def averaged(self) -> bool:
+    def is_averaged(self) -> bool:
         """Whether the curves are means over the instants of a pitch."""
         return True
 
     @property
-    def nested(self) -> bool:
+    def has_nested_positions(self) -> bool:
         """Whether fewer instants are among more; each number is computed for itself."""
         return False
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
         """Choose slices, instants and laws by the slip-drag curve."""
         found = by_curves(self, assembly, fraction=_FRACTION, cheaper_laws=cheaper_laws)
         n_positions = max(found.resolution.n_positions or 0, minimum_positions(assembly))
@@ -202,15 +211,15 @@ class SteadySlip(Study):
         }
         if outputs >= _MINIMUM_LOAD:
             dropped["acceptable_slip"] = None
-        return self.evolved(**dropped) if dropped else self
+        return self.with_settings(**dropped) if dropped else self
 
-    def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
+    def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
         """Return the least steady slip that the cage holds."""
         stable = (
             dataset["stable"].to_numpy() == 1 if "stable" in dataset else np.zeros(0, dtype=bool)
         )
         slip = float(dataset["steady_slip"].to_numpy()[stable][0]) if stable.any() else np.nan
-        return {"steady cage slip": Compared([[slip]], str(dataset["status"].item()))}
+        return {"steady cage slip": ComparedValues([[slip]], str(dataset["status"].item()))}
 
     def curves(self, assembly: Assembly, slip: Array, n_positions: Sequence[int]) -> Array:
         """Return the driving torque, (k, 1, n), each number of instants for itself."""
@@ -218,7 +227,7 @@ class SteadySlip(Study):
         balances = [self._balance(bearing, m) for m in n_positions]
         return np.array([[balance.torques(slip)] for balance in balances])
 
-    def beyond(self, assembly: Assembly) -> None:
+    def sample_other_contacts(self, assembly: Assembly) -> None:
         """Evaluate contacts on the way up."""
         look_along(assembly, max(RANGE, self.max_cage_slip), inertia=self.inertia)
 
@@ -227,7 +236,7 @@ class SteadySlip(Study):
         """What state `validity_slices` are at."""
         return "at the steady slip"
 
-    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
         """Return the slices at the steady slips, or where there is none at that of the largest drag."""
         slips = np.atleast_1d(
             dataset["steady_slip" if "steady_slip" in dataset else "skidding_slip"].to_numpy()
@@ -247,7 +256,7 @@ class SteadySlip(Study):
         """
         return tuple(("drag", model) for model in assembly.cage.drags)
 
-    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+    def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the slip-drag curve, the steady slips, and how they go with what is varied.
 
         Returns
@@ -345,7 +354,7 @@ class SteadySlip(Study):
             },
         )
 
-    def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
+    def only(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
         """Return steady slips and status, or a least load, as `run` finds them; None if more is asked than these."""
         if outputs <= {"minimum_load", "minimum_load_status"} and self.acceptable_slip is not None:
             return self._minimum_load(
@@ -599,7 +608,7 @@ def _branches(
     slip = np.nan
     status = no_fold
     if limit is not None:
-        status = "found"
+        status = str(Status.FOUND)
         value = float(branches[0].parameter[limit])
         slip = float(branches[0].slip[limit])
     along: dict[str, list[Any]] = {

@@ -18,7 +18,14 @@ from rollslip.bearing.raceway import RINGS, LoadedContacts
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, in_range, parameter
 from rollslip.results.dataset import about
-from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part
+from rollslip.studies.answers import (
+    ComparedValues,
+    LoadedSlices,
+    Output,
+    Part,
+    ResolutionChoice,
+    RunContext,
+)
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import (
     DESCRIBED,
@@ -82,10 +89,10 @@ class SurfaceDamage(Study):
             "status": Output("", "1", "what was found"),
         }
     )
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
+    affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     with_cage: ClassVar[bool] = True
     with_damage: ClassVar[bool] = True
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+    cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"run": "the steady slip, and the measures there"}
     )
 
@@ -109,13 +116,13 @@ class SurfaceDamage(Study):
     def _steady(self) -> SteadySlip:
         return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
         """Choose slices, instants and laws as for the torques of a steady slip; nothing where nothing is measured.
 
         Nothing is left out of films and widths of contacts: measures see these where torques do not.
         """
         if not assembly.scene.models.damage:
-            return Estimated(resolution=assembly.resolution)
+            return ResolutionChoice(resolution=assembly.resolution)
         found = estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
         whole = attrs.evolve(found.resolution, inlet_heating=True, light_contacts=True)
         if (
@@ -144,16 +151,16 @@ class SurfaceDamage(Study):
         one = timed(lambda: self._steady.balance(there).orbit(slip), 1)
         return {"run": one * (_ORBITS if self.cage_slip is None else 1)}
 
-    def more_parts(
-        self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]
+    def extra_parts(
+        self, assembly: Assembly, estimated: ResolutionChoice, costs: dict[str, float]
     ) -> list[Part]:
         """Return what is measured."""
         return parts(assembly.scene)
 
-    def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
+    def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
         """Return the worst value of each measure on each ring."""
         return {
-            f"worst {one['meaning'].item()}, {ring} ring": Compared(
+            f"worst {one['meaning'].item()}, {ring} ring": ComparedValues(
                 [[float(one["worst"].sel(ring=ring))]],
                 str(one["worst_status"].sel(ring=ring).item()),
             )
@@ -207,7 +214,7 @@ class SurfaceDamage(Study):
             "at the steady slip" if self.cage_slip is None else "at study.surface-damage.cage_slip"
         )
 
-    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+    def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
         """Return the slices that were measured."""
         slip = float(dataset["slip"])
         if not np.isfinite(slip):
@@ -215,7 +222,7 @@ class SurfaceDamage(Study):
         balance = self._steady.balance(assembly)
         return evaluated_slices(balance, [balance.orbit(slip)])
 
-    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+    def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return all measures that the scene names.
 
         Returns

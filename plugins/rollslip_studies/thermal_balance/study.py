@@ -18,7 +18,7 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, in_range, non_negative, parameter, positive
 from rollslip.results.dataset import about
-from rollslip.studies.answers import Compared, Estimated, Keep, Output
+from rollslip.studies.answers import ComparedValues, Output, ResolutionChoice, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel, from_bearing, thermal_model
 from rollslip_studies.steady_slip.evaluated import estimate_torques
@@ -119,11 +119,11 @@ class ThermalBalance(Study):
             "course_status": Output("", "1", "how the course of the temperatures ended"),
         }
     )
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
+    affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     with_cage: ClassVar[bool] = True
     libraries: ClassVar[tuple[str, ...]] = ("scipy.optimize", "scipy.interpolate")
     with_heat: ClassVar[bool] = True
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+    cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"run": "steady slips at many temperatures"}
     )
 
@@ -166,7 +166,7 @@ class ThermalBalance(Study):
         named = thermal_model(assembly.scene)
         return (get_model("thermal", "given") if named is None else named).of(assembly)
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
         """Choose slices, instants and laws as for the torques of a steady slip at the temperatures of the scene."""
         return estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
 
@@ -195,17 +195,17 @@ class ThermalBalance(Study):
         states = self.points * (1 if n == 1 else _FOLLOWING) + 4 * n + _COURSE * bool(self.duration)
         return {"run": again + states * sum(seconds) / len(seconds)}
 
-    def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
+    def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
         """Return the steady slip of the coldest balance that lasts."""
         status = str(dataset["stationary_status"].item())
-        return {"steady cage slip": Compared([[float(dataset["stationary_slip"])]], status)}
+        return {"steady cage slip": ComparedValues([[float(dataset["stationary_slip"])]], status)}
 
     def without(self, outputs: frozenset[str]) -> "ThermalBalance":
         """Return a study without the course in time, or without all but the coldest balance that lasts."""
         if outputs >= self.outputs.keys() - _OF_STATIONARY:
             return _Settled(**attrs.asdict(self) | {"duration": 0.0})
         return (
-            self.evolved(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
+            self.with_settings(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
         )
 
     def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
@@ -226,7 +226,7 @@ class ThermalBalance(Study):
             return {"power loss": np.inf}
         return {"power loss": of_loss} | ({"cage slip": off} if slip >= _SHOWN else {})
 
-    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+    def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return all balances, the curve that they are the zeros of, and the limit.
 
         Returns

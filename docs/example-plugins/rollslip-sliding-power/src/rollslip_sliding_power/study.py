@@ -12,7 +12,7 @@ from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.raceway import RINGS
 from rollslip.fields import at_least, in_range, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.studies.answers import Keep, Output
+from rollslip.studies.answers import Output, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
 
 if TYPE_CHECKING:
@@ -45,14 +45,14 @@ class SlidingPower(Study):
         }
     )
     #: Held against accuracy.friction: slices and instants are doubled until it stands still.
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "sliding_power"})
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "sliding_power"})
+    affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     max_cage_slip: float = parameter(
         default=0.3, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
     )
     points: int = parameter(default=31, doc="cage slips, denser towards zero", validator=at_least(2))
 
-    def run(self, assembly: Assembly, keep: Keep | None = None) -> "Dataset":
+    def run(self, assembly: Assembly, context: RunContext | None = None) -> "Dataset":
         """Return the power.
 
         Raises
