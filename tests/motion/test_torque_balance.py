@@ -8,12 +8,9 @@ import pytest
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
+from rollslip.results.words import Status
 from rollslip_studies.motion.spins import EffectiveCurve, Motions
 from rollslip_studies.motion.torque_balance import (
-    AT_LEAST,
-    FOUND,
-    NOWHERE,
-    SKIDS,
     Running,
     SkiddingOnset,
     nowhere,
@@ -30,7 +27,7 @@ def balance(drag, **way):
 
 def test_a_reserve_is_the_drag_of_running_away_over_that_of_the_scene():
     away = SkiddingOnset(0.2, 3.0, "found")
-    runs = Running(0.1, 1.5, FOUND)
+    runs = Running(0.1, 1.5, Status.FOUND)
     assert reserve(balance(None), away, runs).factor == 2.0
     without = SkiddingOnset(math.nan, math.nan, "no skidding", most=3.0, most_slip=0.95)
     for at_rest, factor in (
@@ -39,9 +36,9 @@ def test_a_reserve_is_the_drag_of_running_away_over_that_of_the_scene():
         (-6.0, 1.0),
     ):  # drags that fall with slip do not count for more
         found = reserve(
-            balance(lambda _, of=at_rest: of, end=0.95), without, Running(0.1, 1.0, FOUND)
+            balance(lambda _, of=at_rest: of, end=0.95), without, Running(0.1, 1.0, Status.FOUND)
         )
-        assert (found.factor, found.status.startswith(AT_LEAST)) == (factor, True)
+        assert (found.factor, found.status.startswith(Status.AT_LEAST)) == (factor, True)
 
 
 def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
@@ -49,9 +46,9 @@ def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
     found = reserve(
         balance(lambda _: -4.0, **way),
         SkiddingOnset(math.nan, math.nan, ""),
-        Running(math.nan, 0.0, NOWHERE),
+        Running(math.nan, 0.0, Status.NO_STEADY_SLIP),
     )
-    assert (found.factor, found.status.startswith(SKIDS)) == (0.5, True)
+    assert (found.factor, found.status.startswith(Status.SKIDS)) == (0.5, True)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Sentences that several studies and campaigns say alike, and how people read numbers."""
 
+import enum
 import json
 import math
 import shlex
@@ -17,17 +18,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "ANY_LOAD",
-    "AT_REST",
-    "DRIVEN",
     "IN_ROWS",
     "LOWER_BOUNDS",
-    "NO_LOAD",
     "REPORTED_FROM",
     "REST",
     "SWITCHED_OFF",
     "UNSURE",
-    "WITH_LESS",
+    "Status",
     "capital",
     "confidence",
     "counted",
@@ -55,14 +52,47 @@ __all__ = [
     "with_unit",
 ]  # fmt: skip
 
-AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
-#: How the status of a steady slip begins where the cage is driven.
-DRIVEN: Final = "what acts on the cage drives it"
-#: How the status of a least load begins where any load serves, and where none does.
-ANY_LOAD: Final = ("no load is needed", "any load serves")
-NO_LOAD: Final = "no load serves"
-#: How it goes on where the cage skids before it slips as much.
-WITH_LESS: Final = "with less the cage skids from a slip of"
+
+class Status(enum.StrEnum):
+    """Outcome of a search for a slip, a reserve or a load; the value is how the text of the status begins.
+
+    A text is composed from a member (``f"{Status.AT_LEAST}: no skidding up to ..."``), and `of` returns the member
+    for a text, also for one that was stored. Verdicts compare members, so that the words can change without them.
+    """
+
+    #: The number was found; nothing limits it.
+    FOUND = "found"
+    #: A minimum load at which the cage skids before its slip is the acceptable one; the slip follows.
+    FOUND_AT_SKIDDING = "found; with less the cage skids from a slip of"
+    #: A minimum load of a catalogue whose increase with speed is not known.
+    FOUND_AT_REST = "at rest"
+    #: The number is a lower bound.
+    AT_LEAST = "at least"
+    #: The drags are larger than the rollers carry, so that the reserve is below 1.
+    SKIDS = "the cage skids"
+    #: The rollers carry the drags at no slip in the range.
+    NO_STEADY_SLIP = "the cage runs at no slip"
+    #: Drags accelerate the cage beyond twice its epicyclic speed.
+    DRIVEN = "what acts on the cage drives it"
+    #: Rolling resistance exceeds the tractions at every slip in the range.
+    NOT_DRIVEN = "the rollers do not drive the cage"
+    #: Nothing drags the cage.
+    NO_LOAD_NEEDED = "no load is needed"
+    #: The slip is acceptable at every load in the range.
+    ANY_LOAD = "any load serves"
+    #: The slip is acceptable at no load in the range.
+    NO_LOAD = "no load serves"
+    #: A law has no value, or an iteration did not converge.
+    NOT_KNOWN = "it is not known"
+    #: Anything else, for example the refusal of a law.
+    OTHER = ""
+
+    @classmethod
+    def of(cls, text: str) -> "Status":
+        """Return the member with the longest value that a text begins with."""
+        return max((member for member in cls if text.startswith(member)), key=len)
+
+
 #: Attribute of a variable: the law that gives it beside its columns.
 LAW: Final = "law"
 #: What is known of effective friction near the slip of running away; docs/tables/skidding_effective_summary.csv.
@@ -125,7 +155,7 @@ def describe_skidding(slip: float, drag: float, status: str) -> str:
 def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
     """Say at which slip a cage runs, and how many times the drag there the largest one is; no full stop."""
     if slip < -_NOTHING:
-        return f"what acts on the cage drives it: it runs {-100.0 * slip:.2g} % faster than its epicyclic speed"
+        return f"{Status.DRIVEN}: it runs {-100.0 * slip:.2g} % faster than its epicyclic speed"
     if slip == 0.0:
         return f"{SWITCHED_OFF}, so the cage runs without slip"
     how = f"at a slip of {100.0 * slip:.3g} %" if slip > 0.0 else "without slip"
@@ -133,7 +163,7 @@ def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
     if slip > at:
         where = "beyond that at which skidding begins"
         return f"{said}, {where}: there its drag falls with slip faster than what the rollers carry"
-    bound = status.startswith("at least")
+    bound = Status.of(status) is Status.AT_LEAST
     if not math.isfinite(reserve) or (bound and not reserve > 1.0):  # which says nothing
         return said
     return f"{said}, with a drag reserve of {'at least ' * bound}{reserve:.3g}"

@@ -10,95 +10,94 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
-from rollslip.results.words import ANY_LOAD, DRIVEN, NO_LOAD
+from rollslip.results.words import Status
 from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, SKIDDING, STEADY
-from rollslip_studies.motion.torque_balance import AT_LEAST, FOUND, NOWHERE, SKIDS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LOWEST", "fractions_of", "minimum_loads", "of_friction"]
+__all__ = ["LOWEST", "classify_reserves", "minimum_loads", "friction_samples"]
 
-LOWEST: Final = "critical slip"
+CRITICAL_SLIP: Final = "critical slip"
 
 
-def of_friction(points: "xr.Dataset") -> dict[str, Array]:
+def friction_samples(points: "xr.Dataset") -> dict[str, Array]:
     """Return the samples of study effective-friction by what they are, those that people act on first."""
     slips = _rings(points, "critical_cage_slip")
     frictions = _rings(points, "critical_friction")
-    away = _skidding(points)
+    skidding_slips = _skidding(points)
     drag = _scalar(points, "limit_drag")
-    found = (
+    samples = (
         {RESERVE: _scalar(points, "drag_reserve"), STEADY: _steady(points)}
         if has_cage(points)
         else {}
     )
-    found |= {
-        SKIDDING: away,
-        DRAG: np.where(np.isinf(away), np.inf, drag),
-        LOWEST: np.asarray(slips.min(axis=0)),
+    samples |= {
+        SKIDDING: skidding_slips,
+        DRAG: np.where(np.isinf(skidding_slips), np.inf, drag),
+        CRITICAL_SLIP: np.asarray(slips.min(axis=0)),
     }
-    for name, rows in ((LOWEST, slips), ("peak friction", frictions)):
-        found |= {f"{name}, {ring} ring": row for ring, row in zip(RINGS, rows, strict=True)}
-    return found
+    for name, rows in ((CRITICAL_SLIP, slips), ("peak friction", frictions)):
+        samples |= {f"{name}, {ring} ring": row for ring, row in zip(RINGS, rows, strict=True)}
+    return samples
 
 
 def has_cage(points: "xr.Dataset") -> bool:
     """Whether the samples are of a bearing whose cage is dragged."""
-    return (
-        "drag_reserve" in points
-        and not _begins(points, "steady_status", "the scene has no cage").any()
-    )
+    return "drag_reserve" in points
 
 
-def fractions_of(points: "xr.Dataset") -> dict[str, Any]:
+def classify_reserves(points: "xr.Dataset") -> dict[str, Any]:
     """Return in which samples the cage skids, of which the reserve is a lower bound, and whose reserve is not known."""
-    skids, bound = (_begins(points, "reserve_status", word) for word in (SKIDS, AT_LEAST))
+    skidding = _has_status(points, "reserve_status", Status.SKIDS)
+    is_lower_bound = _has_status(points, "reserve_status", Status.AT_LEAST)
     return {
-        "skids": skids,
-        "bound": bound,
-        "unknown": ~(skids | bound | _begins(points, "reserve_status", FOUND)),
+        "skids": skidding,
+        "bound": is_lower_bound,
+        "unknown": ~(
+            skidding | is_lower_bound | _has_status(points, "reserve_status", Status.FOUND)
+        ),
     }
 
 
 def minimum_loads(points: "xr.Dataset") -> Array:
     """Return least radial loads, (n,): zero where any load serves, infinite where none does."""
-    found = _scalar(points, "minimum_load")
-    found[_begins(points, "minimum_load_status", *ANY_LOAD)] = 0.0
-    found[_begins(points, "minimum_load_status", NO_LOAD)] = np.inf
-    return found
+    loads = _scalar(points, "minimum_load")
+    loads[_has_status(points, "minimum_load_status", Status.NO_LOAD_NEEDED, Status.ANY_LOAD)] = 0.0
+    loads[_has_status(points, "minimum_load_status", Status.NO_LOAD)] = np.inf
+    return loads
 
 
 def _rings(points: "xr.Dataset", name: str) -> Array:
     """Critical slips or their friction, (2, n); a slip that is not in the range is beyond it, its friction unknown."""
-    ok = points["status"].to_numpy() == "ok"
-    found = np.full((len(RINGS), ok.size), np.nan)
+    has_result = points["status"].to_numpy() == "ok"
+    values = np.full((len(RINGS), has_result.size), np.nan)
     if name in points:
-        found[:] = points[name].transpose("ring", "sample").to_numpy()
+        values[:] = points[name].transpose("ring", "sample").to_numpy()
     if name == "critical_cage_slip":
-        found[np.isnan(found) & ok] = np.inf
-    return found
+        values[np.isnan(values) & has_result] = np.inf
+    return values
 
 
 def _skidding(points: "xr.Dataset") -> Array:
     """Slip of running away, (n,): infinite beyond the range, NaN where it is not known or its point failed."""
-    found = _scalar(points, "skidding_slip")
-    found[_begins(points, "skidding_status", "the rollers do not drive")] = 0.0
-    ok = points["status"].to_numpy() == "ok"
-    unknown = _begins(points, "skidding_status", "it is not")
-    found[np.isnan(found) & ok & ~unknown] = np.inf
-    return found
+    slips = _scalar(points, "skidding_slip")
+    slips[_has_status(points, "skidding_status", Status.NOT_DRIVEN)] = 0.0
+    has_result = points["status"].to_numpy() == "ok"
+    unknown = _has_status(points, "skidding_status", Status.NOT_KNOWN)
+    slips[np.isnan(slips) & has_result & ~unknown] = np.inf
+    return slips
 
 
 def _steady(points: "xr.Dataset") -> Array:
     """Slip at which the cage runs, (n,): infinite where there is none in the range, zero where the cage is driven."""
-    found = _scalar(points, "steady_cage_slip")
-    found[
-        _begins(points, "steady_status", NOWHERE)
-        | _begins(points, "skidding_status", "the rollers do not")
+    slips = _scalar(points, "steady_cage_slip")
+    slips[
+        _has_status(points, "steady_status", Status.NO_STEADY_SLIP)
+        | _has_status(points, "skidding_status", Status.NOT_DRIVEN)
     ] = np.inf
-    found[_begins(points, "steady_status", DRIVEN)] = 0.0
-    return found
+    slips[_has_status(points, "steady_status", Status.DRIVEN)] = 0.0
+    return slips
 
 
 def _scalar(points: "xr.Dataset", name: str) -> Array:
@@ -107,11 +106,11 @@ def _scalar(points: "xr.Dataset", name: str) -> Array:
     return points[name].to_numpy().astype(float) if name in points else np.full(size, np.nan)
 
 
-def _begins(points: "xr.Dataset", name: str, *words: str) -> Any:
-    """Whether a status of each point begins with one of some words, (n,)."""
+def _has_status(points: "xr.Dataset", name: str, *statuses: Status) -> Any:
+    """Whether a status of each point is one of some, (n,)."""
     texts = (
         points[name].to_numpy().astype(str)
         if name in points
         else np.full(points["status"].size, "")
     )
-    return np.any([np.char.startswith(texts, word) for word in words], axis=0)
+    return np.array([Status.of(text) in statuses for text in texts.tolist()], dtype=bool)

@@ -14,6 +14,7 @@ import numpy as np
 
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.errors import SceneError, did_you_mean, nearest
+from rollslip.results.words import Status
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.studies.answers import Measurable
@@ -94,7 +95,7 @@ def _value(one: Measurable, status: str | None, at: Mapping[str, object], row: P
             if of in at and at[of] not in EXTREMES
             else said.ravel()[0]
         )
-    if one.below and one.below in why:
+    if one.below and Status.of(why) is one.below:
         return Value(-math.inf, why, row.seconds)
     return Value(math.inf if one.beyond else math.nan, why, row.seconds)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
-from rollslip.results.words import describe_skidding, runs_at
+from rollslip.results.words import Status, describe_skidding, runs_at
 from rollslip_studies.steady_slip.findings import (
     LOAD_OF_OTHERS,
     next_of_others,
@@ -46,7 +46,7 @@ def _runs(dataset: "xr.Dataset") -> str:
     if math.isnan(slip):
         return str(status)
     reserve = dataset["limit_drag"].item() / drag if drag > 0.0 else math.nan
-    known = "found"
+    known = str(Status.FOUND)
     if "drag_reserve" in dataset:
         reserve = dataset["drag_reserve"].item()
         known = dataset["reserve_status"].item()

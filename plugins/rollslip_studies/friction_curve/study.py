@@ -179,7 +179,9 @@ class FrictionCurve(Study):
             load = contacts.slices.load
             force = contacts.force
             for slip in slips:
-                yield LoadedSlices(k, contacts.raceway.ring, load, u, slip * u, force, contacts.places)
+                yield LoadedSlices(
+                    k, contacts.raceway.ring, load, u, slip * u, force, contacts.places
+                )
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the curves.

@@ -29,7 +29,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.words import DRIVEN
+from rollslip.results.words import Status
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import effective_table
 from rollslip_studies.motion.loading_branch import LoadingBranch, loading_branch
@@ -62,11 +62,6 @@ _FAR: Final = 0.5
 _STANDS: Final = 0.94
 #: Largest slip of a way up that nobody asks to go further: there the cage all but stands.
 RANGE: Final = 0.95
-#: How statuses begin: of a cage that nothing holds, and of reserves.
-NOWHERE: Final = "the cage runs at no slip"
-FOUND = "found"
-AT_LEAST = "at least"
-SKIDS = "the cage skids"
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -366,10 +361,12 @@ def skidding_onset(balance: TorqueBalance, largest: float, allow: str) -> Skiddi
     try:
         way = balance.way(largest)
     except (DomainError, ConvergenceError) as error:
-        return SkiddingOnset(math.nan, math.nan, f"it is not known where skidding begins: {error}")
+        return SkiddingOnset(
+            math.nan, math.nan, f"{Status.NOT_KNOWN} where skidding begins: {error}"
+        )
     slip, torque = way.largest
     if (jump := way.describe_skidding) is not None:
-        return SkiddingOnset(jump.slip, jump.drag, "found", jump.to, jump.error, torque, slip)
+        return SkiddingOnset(jump.slip, jump.drag, Status.FOUND, jump.to, jump.error, torque, slip)
     return SkiddingOnset(math.nan, math.nan, nowhere(way, allow), most=torque, most_slip=slip)
 
 
@@ -377,7 +374,7 @@ def nowhere(way: LoadingBranch, allow: str) -> str:
     """Say that a cage runs away nowhere in the range, and why, or what to type to look further."""
     slip, torque = way.largest
     if not torque > 0.0:
-        return f"the rollers do not drive the cage at any slip up to {way.end:.4g}: more resists their rolling"
+        return f"{Status.NOT_DRIVEN} at any slip up to {way.end:.4g}: more resists their rolling"
     further = f"beyond, {way.refusal}" if way.refusal else f"raise {allow} to look further"
     if way.end > _STANDS and not way.refusal:
         further = "there it all but stands"
@@ -395,24 +392,26 @@ def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
     Without any drag it is zero, and below where the cage is driven faster than its epicyclic speed.
     """
     if balance.rolls_freely:
-        return Running(0.0, 0.0, "found")
+        return Running(0.0, 0.0, Status.FOUND)
     try:
         way = balance.way(largest)
         steady = next(iter(way.steady(balance.drag)), None)
     except (DomainError, ConvergenceError) as error:
-        return Running(math.nan, math.nan, f"it is not known at which slip the cage runs: {error}")
+        return Running(
+            math.nan, math.nan, f"{Status.NOT_KNOWN} at which slip the cage runs: {error}"
+        )
     if steady is not None:
-        return Running(steady.slip, steady.torque, "found")
+        return Running(steady.slip, steady.torque, Status.FOUND)
     if way.at_rest + balance.drag(0.0) > 0.0:
         return Running(
-            math.nan, math.nan, f"{DRIVEN}: it runs at more than twice its epicyclic speed"
+            math.nan, math.nan, f"{Status.DRIVEN}: it runs at more than twice its epicyclic speed"
         )
     slip, torque = way.largest
     drag, carried = (format_quantity(one, "N m", 3) for one in (-balance.drag(slip), torque))
     return Running(
         math.nan,
         math.nan,
-        f"{NOWHERE} up to {way.end:.4g}: where the rollers carry most, {carried} at a slip of "
+        f"{Status.NO_STEADY_SLIP} up to {way.end:.4g}: where the rollers carry most, {carried} at a slip of "
         f"{slip:.3g}, the drags of the scene are {drag}",
     )
 
@@ -421,7 +420,7 @@ def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
 class Reserve:
     """Largest drag that the rollers carry over the drags of a scene; below 1 the cage skids.
 
-    ``status`` begins with one of `FOUND`, `AT_LEAST` and `SKIDS`; else it says why there is none, the factor is NaN.
+    ``status`` begins with `Status.FOUND`, `AT_LEAST` or `SKIDS`; else it says why there is none, and the factor is NaN.
     """
 
     factor: float
@@ -440,28 +439,30 @@ def reserve(
     runs beyond the slip of running away, it is less than 1: the torque at the most favourable slip of the way over the
     drags there.
     """
-    if runs.status == FOUND and not runs.slip > away.slip:  # NaN where there is no fold
+    outcome = Status.of(runs.status)
+    if outcome is Status.FOUND and not runs.slip > away.slip:  # NaN where there is no fold
         drag = -balance.drag(0.0) if runs.slip < 0.0 else runs.drag
         if not drag > 0.0:
             return Reserve(
                 math.inf,
-                f"{AT_LEAST}: no torque drags the cage{' without slip' * (runs.slip < 0.0)}",
+                f"{Status.AT_LEAST}: no torque drags the cage{' without slip' * (runs.slip < 0.0)}",
             )
         if not math.isnan(away.slip):
-            return Reserve(away.drag / drag, FOUND)
+            return Reserve(away.drag / drag, Status.FOUND)
         if math.isnan(away.most):
             return Reserve(math.nan, away.status)
-        said = f"{AT_LEAST}: no skidding up to a slip of {balance.way(largest).end:.4g}"
+        said = f"{Status.AT_LEAST}: no skidding up to a slip of {balance.way(largest).end:.4g}"
         return Reserve(max(away.most / max(runs.drag, -balance.drag(0.0)), 1.0), said)
-    if runs.status.startswith(DRIVEN):
-        return Reserve(math.inf, f"{AT_LEAST}: {runs.status}")
-    if not (runs.status == FOUND or runs.status.startswith(NOWHERE)):
+    if outcome is Status.DRIVEN:
+        return Reserve(math.inf, f"{Status.AT_LEAST}: {runs.status}")
+    if outcome not in (Status.FOUND, Status.NO_STEADY_SLIP):
         return Reserve(math.nan, runs.status)
     slips, torques = balance.way(largest).curve
     fractions = [torque / -balance.drag(slip) for slip, torque in zip(slips, torques, strict=True)
               if torque > 0.0 and balance.drag(slip) < 0.0]  # fmt: skip
     return Reserve(
-        min(max(fractions, default=0.0), 1.0), f"{SKIDS}: its drags are more than the rollers carry"
+        min(max(fractions, default=0.0), 1.0),
+        f"{Status.SKIDS}: its drags are more than the rollers carry",
     )
 
 

@@ -79,7 +79,9 @@ class RacewayFriction(Study):
             "slide_roll": Output("sliding_node", "1", "sliding over rolling speed"),
         }
     )
-    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "mean_friction"})
+    controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"friction": "mean_friction"}
+    )
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     with_cage: ClassVar[bool] = True
     cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(

@@ -27,6 +27,7 @@ from rollslip.catalogue.registry import get_class
 from rollslip.errors import ConvergenceError, DomainError, RollslipError, SceneError
 from rollslip.models import FINITE, SliceModel
 from rollslip.results.curves import or_none
+from rollslip.results.words import Status
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.values import Scene
 from rollslip.search import secants
@@ -95,7 +96,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "minimum_load" in dataset else None
     values = {"steady_slip": max(float(slips[0]), _NONE)}
-    if acceptable is not None and dataset["minimum_load_status"].item() == "found":
+    if acceptable is not None and Status.of(dataset["minimum_load_status"].item()) is Status.FOUND:
         values["minimum_load"] = float(dataset["minimum_load"])
     acceptable_slip = float(acceptable) if "minimum_load" in values else None  # type: ignore[arg-type]
     found = bands(scene, values["steady_slip"], acceptable_slip)

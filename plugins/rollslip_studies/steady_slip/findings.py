@@ -10,11 +10,7 @@ import numpy as np
 from rollslip.results.account import Account
 from rollslip.results.answer import ACCEPTABLE, Answer, Row, assumed_of
 from rollslip.results.words import (
-    ANY_LOAD,
-    AT_REST,
-    DRIVEN,
-    NO_LOAD,
-    WITH_LESS,
+    Status,
     force,
     force_unit,
     percent,
@@ -95,7 +91,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     yield slip_row(dataset, found, status, known=_KNOWN, within=0.02)
     preload = bearing.get("radial_clearance", 0.0) < 0.0
     if "minimum_load" in dataset:
-        if found < -acceptable or DRIVEN in status:
+        if found < -acceptable or Status.of(status) is Status.DRIVEN:
             yield Row(key="minimum_load", label="minimum load", unit="N", text="not found", known=_KNOWN,
                       note="it is for a cage that lags")  # fmt: skip
         else:
@@ -152,7 +148,7 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float, slip:
     }
     if math.isnan(reserve):
         return Row(**row, text="not found", note=status)
-    least = status.startswith("at least")
+    least = Status.of(status) is Status.AT_LEAST
     if math.isinf(reserve):
         note = (
             _BRAKED
@@ -168,25 +164,22 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
     least = float(dataset["minimum_load"])
     status = str(dataset["minimum_load_status"].item())
     row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "known": _KNOWN}
+    outcome = Status.of(status)
+    unlimited = outcome in (Status.NO_LOAD_NEEDED, Status.ANY_LOAD)
     below = f"for a slip below {plain(100.0 * acceptable)} %"
-    if preload > 0.0 and status.startswith(ANY_LOAD):
+    if preload > 0.0 and unlimited:
         return Row(**row, text="none", note=f"preloaded by {two(1e6 * preload)} µm")
     if math.isnan(least):
-        none = status.startswith(ANY_LOAD)
-        why = (
-            f"any load serves, {below}"
-            if none
-            else f"no load serves, {below}"
-            if status.startswith(NO_LOAD)
-            else status
-        )
-        return Row(**row, text="none" if none else "not found", note=why)
+        if unlimited:
+            return Row(**row, text="none", note=f"{Status.ANY_LOAD}, {below}")
+        why = f"{Status.NO_LOAD}, {below}" if outcome is Status.NO_LOAD else status
+        return Row(**row, text="not found", note=why)
     if least < (weight := float(dataset.attrs.get("rollers_weight", 0.0))):
         said = f"{below}; rollers weigh as much, which is left out"
         return Row(
             **row, value=least, text=f"below {force(weight, weight)}", note=said, band=(0.0, weight)
         )
-    below += "; with less it skids" if WITH_LESS in status else ""
+    below += "; with less it skids" if outcome is Status.FOUND_AT_SKIDDING else ""
     one = json.loads(dataset.attrs.get("band", "{}")).get("minimum_load")
     low = least if one is None else one["low"]
     load = (
@@ -215,7 +208,7 @@ def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
     met = [load >= least for least, *_ in requested]
     text = "met" if all(met) else "met in part" if any(met) else "not met"
     named = ", ".join(
-        f"{maker}{' at rest' if status.startswith(AT_REST) else ''} {force(least, load, unit=False)}"
+        f"{maker}{_at_rest(status)} {force(least, load, unit=False)}"
         for least, maker, status in requested
     )
     named += f" {force_unit(load)[0]}"
@@ -227,6 +220,11 @@ def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
         text=text,
         note=named,
     )
+
+
+def _at_rest(status: str) -> str:
+    """Return that a catalogue load is the one at rest, where the status of a maker says so."""
+    return " at rest" if Status.of(status) is Status.FOUND_AT_REST else ""
 
 
 def _to_acceptable(dataset: "xr.Dataset", acceptable: float) -> Row | None:
@@ -330,7 +328,7 @@ def _what(dataset: "xr.Dataset", name: str) -> str:
 
 
 def _steady(dataset: "xr.Dataset") -> list[str]:
-    if not has_steady(dataset) or str(dataset["status"].item()) != "found":
+    if not has_steady(dataset) or Status.of(str(dataset["status"].item())) is not Status.FOUND:
         return [str(dataset["status"].item())]
     return [
         f"steady cage slip {_percent(float(one['steady_slip']))} ({one['stability'].item()}): the cage runs at "
@@ -526,7 +524,7 @@ def _minimum_load_text(dataset: "xr.Dataset") -> str:
         said = f"no minimum load for a cage slip of {slip}: {dataset['minimum_load_status'].item()}"
     else:
         said = f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
-        said += str(dataset["minimum_load_status"].item()).removeprefix("found") + _band(
+        said += str(dataset["minimum_load_status"].item()).removeprefix(Status.FOUND) + _band(
             dataset, "minimum_load"
         )
     makers, loads = (dataset[name].to_numpy() for name in ("maker", "makers_minimum_load"))
@@ -536,14 +534,16 @@ def _minimum_load_text(dataset: "xr.Dataset") -> str:
         else np.full(makers.shape, "")
     )
     requested = ", ".join(
-        f"{format_quantity(float(load), 'N', 3)} ({maker}{f' {AT_REST}' if status.startswith(AT_REST) else ''})"
+        f"{format_quantity(float(load), 'N', 3)} ({maker}{_at_rest(status)})"
         for maker, load, status in zip(makers, loads, told, strict=True)
         if math.isfinite(load)
     )
     said += f"; catalogue minimum loads, for any oil and cage: {requested}"
     missing = zip(makers, told, strict=True)
     return said + "".join(
-        f"; {maker}'s rule {status}" for maker, status in missing if status not in ("", "found")
+        f"; {maker}'s rule {status}"
+        for maker, status in missing
+        if Status.of(status) is not Status.FOUND and status
     )
 
 

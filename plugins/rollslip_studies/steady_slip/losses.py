@@ -14,6 +14,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
+from rollslip.results.words import Status
 from rollslip.studies.error_estimate import AT_ONCE, LEAST_OF_SOME
 from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
@@ -77,7 +78,7 @@ def viscosity_ratio(assembly: Assembly) -> tuple[float, str]:
         nu = 1e6 * duty.kinematic_viscosity
     except DomainError as error:
         return math.nan, str(error)
-    return nu / ((45000.0 * n**-0.83 if n < 1000.0 else 4500.0 * n**-0.5) * d_m**-0.5), "found"
+    return nu / ((45000.0 * n**-0.83 if n < 1000.0 else 4500.0 * n**-0.5) * d_m**-0.5), Status.FOUND
 
 
 def acceptable_reserve(balance: TorqueBalance, slip: float) -> tuple[float, str]:
@@ -86,7 +87,7 @@ def acceptable_reserve(balance: TorqueBalance, slip: float) -> tuple[float, str]
     if not drag > 0.0:
         return math.nan, f"nothing drags the cage at a slip of {slip:g}"
     try:
-        return float(balance.torques(np.array([slip]))[0]) / drag, "found"
+        return float(balance.torques(np.array([slip]))[0]) / drag, Status.FOUND
     except (DomainError, ConvergenceError) as error:
         return math.nan, str(error)
 

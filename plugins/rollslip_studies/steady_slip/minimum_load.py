@@ -20,7 +20,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.words import ANY_LOAD, AT_REST, NO_LOAD, SWITCHED_OFF, WITH_LESS
+from rollslip.results.words import SWITCHED_OFF, Status
 from rollslip.scene.relations import skf_minimum_load
 from rollslip.scene.values import Scene
 from rollslip.search import bracketed, secants, vertex
@@ -86,7 +86,7 @@ def minimum_load(
         return largest_excess(balance(math.exp(log)), slips, slip)[1]
 
     if balance(load).rolls_freely:
-        return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}", ()
+        return math.nan, f"{Status.NO_LOAD_NEEDED}: {SWITCHED_OFF}", ()
     try:
         found = load or _ANY
         at = slip
@@ -110,7 +110,7 @@ def minimum_load(
         )  # what the search asks is compiled: here what a plan left out is watched
     except (DomainError, ConvergenceError) as error:
         return math.nan, f"not found: {error}", ()
-    return found, "found" if at == slip else f"found; {WITH_LESS} {at:.2g} on", slips
+    return found, Status.FOUND if at == slip else f"{Status.FOUND_AT_SKIDDING} {at:.2g} on", slips
 
 
 def largest_excess(
@@ -208,7 +208,7 @@ def _searched(
                 format_quantity(math.exp(end), "N", 3) for end in sorted((begin, at))
             )
             way = "less" if over > 0.0 else "more"
-            serves = ANY_LOAD[1] if over > 0.0 else NO_LOAD
+            serves = Status.ANY_LOAD if over > 0.0 else Status.NO_LOAD
             return math.nan, f"{serves}: between {ends} the steady slip stays {way} than {slip:g}"
         before = at
         last = value
@@ -250,8 +250,8 @@ class Rule:
         if self.grows_with and getattr(given, self.grows_with) is None:
             return self.load(
                 bearing, speed
-            ), f"{AT_REST}; with speed it grows by bearing.catalogue.{self.grows_with}"
-        return self.load(bearing, speed), "found"
+            ), f"{Status.FOUND_AT_REST}; with speed it grows by bearing.catalogue.{self.grows_with}"
+        return self.load(bearing, speed), Status.FOUND
 
 
 def _nke(bearing: Bearing, speed: float) -> float:

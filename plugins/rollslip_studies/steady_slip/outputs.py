@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
+from rollslip.results.words import Status
 from rollslip.studies.answers import Measurable, Output
 from rollslip.studies.steady_slip.torque import BY_FORMULA
 from rollslip_studies.effective_friction.raceways import REGIMES
 
-#: What the status says of a cage that is driven.
-FASTER: Final = "it runs at more than twice its epicyclic speed"
 #: What the slips can be followed against -> (unit, what a fold is in words).
 VARIED: Final = {
     "radial_load": ("N", "radial load"),
@@ -180,9 +179,11 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
 #: What of it can be measured.
 MEASURED: Final[Mapping[str, Measurable]] = MappingProxyType(
     {
-        "cage-slip": Measurable(variable="steady_slip", beyond=True, below=FASTER, lasting=0),
+        "cage-slip": Measurable(
+            variable="steady_slip", beyond=True, below=Status.DRIVEN, lasting=0
+        ),
         "largest-cage-slip": Measurable(
-            variable="steady_slip", beyond=True, below=FASTER, lasting=-1
+            variable="steady_slip", beyond=True, below=Status.DRIVEN, lasting=-1
         ),
         "cage-speed": Measurable(variable="cage_speed", lasting=0),
         "friction-torque": Measurable(variable="friction_torque", lasting=0),

@@ -10,6 +10,7 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
+from rollslip.results.words import Status
 from rollslip_studies.motion.loading_branch import LoadingBranch
 from rollslip_studies.motion.spins import logit_slip, slip_of
 from rollslip_studies.motion.torque_balance import TorqueBalance, nowhere
@@ -44,7 +45,7 @@ def slip_drag(
         "limit_drag_error": math.nan if away is None else away.error,
         "limit_drag_low": low,
         "limit_drag_high": high,
-        "skidding_status": "found" if away else nowhere(way, f"{table}.max_cage_slip"),
+        "skidding_status": Status.FOUND if away else nowhere(way, f"{table}.max_cage_slip"),
         "jump_slip": math.nan if away is None else away.to,
         "largest_torque": most,
         "largest_torque_slip": most_slip,

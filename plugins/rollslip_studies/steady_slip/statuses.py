@@ -5,16 +5,13 @@ from typing import Final
 import numpy as np
 
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
-from rollslip.results.words import SWITCHED_OFF
+from rollslip.results.words import SWITCHED_OFF, Status
 from rollslip.units import format_quantity
 from rollslip_studies.motion.loading_branch import LoadingBranch, Steady
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_studies.steady_slip.branches import Branch
-from rollslip_studies.steady_slip.outputs import FASTER, VARIED
+from rollslip_studies.steady_slip.outputs import VARIED
 
-#: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
-CAGE_SKIDS = "the cage skids"
-LEAVES = "slip leaves the range"
 #: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
 _LEVEL: Final = 1e-3
 #: What a branch may miss of a range that it goes through, relative.
@@ -26,17 +23,19 @@ def status_of(balance: TorqueBalance, way: LoadingBranch, slips: list[float]) ->
     if balance.rolls_freely:
         return f"{SWITCHED_OFF}, so the cage runs at its epicyclic speed"
     if slips:
-        return "found"
+        return Status.FOUND
     if way.at_rest + balance.drag(0.0) > 0.0:
-        return f"no steady slip up to {way.end:g}: what acts on the cage drives it, and {FASTER}"
+        faster = "it runs at more than twice its epicyclic speed"
+        return f"{Status.DRIVEN}: {faster}; no slip up to {way.end:g} is steady"
     slip, torque = way.largest
     carried = (
         f"the drag is larger than the cage can carry up to a cage slip of {way.end:g} "
         f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of {slip:.3g}"
     )
     if slip == way.end:
-        return f"{carried}, where it still rises): {LEAVES if way.refusal else CAGE_SKIDS}"
-    return f"{carried}): {CAGE_SKIDS}"
+        end = "slip leaves the range" if way.refusal else Status.SKIDS
+        return f"{carried}, where it still rises): {end}"
+    return f"{carried}): {Status.SKIDS}"
 
 
 def stability_of(way: LoadingBranch, state: Orbit, steady: Steady) -> str:

@@ -22,6 +22,7 @@ from rollslip.datasets import Catalogue
 from rollslip.errors import DomainError
 from rollslip.references import Citation
 from rollslip.results.dataset import about
+from rollslip.results.words import Status
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Output
@@ -165,7 +166,7 @@ def by_formula(assembly: Assembly) -> tuple[dict[str, Any], dict[str, Any]]:
             terms = formula.terms(duty)
             totals.append(sum(terms.values()))
             parts |= {f"{formula.name}: {term}": torque for term, torque in terms.items()}
-            status.append("found")
+            status.append(str(Status.FOUND))
         except DomainError as error:
             totals.append(math.nan)
             status.append(str(error))
