@@ -78,7 +78,7 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
     yield "seconds of rollers", time.process_time() - begin
     begin = time.process_time()
     requested = attrs.evolve(
-        study.EffectiveFriction.of(scene), closure=CLOSURES[number % len(CLOSURES)]
+        study.EffectiveFriction.from_scene(scene), closure=CLOSURES[number % len(CLOSURES)]
     )
     made = assemble(scene)
     made = made.at(attrs.evolve(made.resolution, slices=min(12, made.slices), n_positions=4))

@@ -57,7 +57,7 @@ def job(name):
             {f"study.effective-friction.{key}": value for key, value in changes.items()},
         )
         assembly = assemble(scene)
-        study = EffectiveFriction.of(scene)
+        study = EffectiveFriction.from_scene(scene)
         slip = slip_grid(0.4, 101)
         if name != "curve":
             study.run(assembly)  # what is imported and made once

@@ -338,9 +338,9 @@ def test_plane_motion_takes_the_direction_of_the_operation_unless_it_has_its_own
     assert not np.array_equal(rates("70 deg"), rates(None))
     given = {"level": "planar", "duration": "1 ms", "planar": {"inner_ring_mass": "3 kg"}}
     scene = slow(**{"study.dynamics": given})
-    assert Dynamics.of(scene).with_weight
+    assert Dynamics.from_scene(scene).with_weight
     assert "gravity of rollers" not in {part.part for part in plan(scene, "dynamics").parts}
-    Dynamics.of(scene).moving(assemble(evolve(scene, {"operation.gravity_direction": "90 deg"})))
+    Dynamics.from_scene(scene).moving(assemble(evolve(scene, {"operation.gravity_direction": "90 deg"})))
 
 
 def test_a_minimum_load_knows_the_weight_that_the_scene_states():

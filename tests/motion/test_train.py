@@ -174,7 +174,7 @@ def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage
         == 0.05
     )
     study = SteadySlip(acceptable_slip=None)
-    assert study.only(assemble(bare), frozenset({"steady_slip"})) is not None
+    assert study.partial_result(assemble(bare), frozenset({"steady_slip"})) is not None
     assert math.isclose(assemble(bare).scene.models.neighbour_friction, 0.1)
 
 

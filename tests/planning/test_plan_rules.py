@@ -272,7 +272,7 @@ def test_a_result_says_what_was_estimated_and_found():
 def test_a_broken_word_is_told():
     made = plan(BASE, STUDY)
     coarse = made.at(STUDY, Resolution(slices=5, n_positions=1))
-    result = verify(coarse, STUDY, execute(coarse, STUDY, exactly=True))
+    result = verify(coarse, STUDY, execute(coarse, STUDY, fixed_resolution=True))
     (said, *_) = json.loads(result.attrs["warnings"])
     assert "more than the tolerance of 0.001; run with a smaller accuracy." in said
 

@@ -61,7 +61,7 @@ JUMPS = evolve(
 def test_rollers_that_jump_between_two_balances_are_told_of():
     """The plan sees a tenth of it or less, since its few slips lie beside those at which rollers jump."""
     made = plan(JUMPS, STUDY)
-    result = execute(made, STUDY, exactly=True)
+    result = execute(made, STUDY, fixed_resolution=True)
     fine = finer(made.studies[STUDY], JUMPS, made.choices[STUDY].resolution, 4)
     actual = errors_between(made.studies[STUDY].controlled_outputs, result, fine)["friction"]
     (row,) = (row for row in json.loads(result.attrs["accuracy"]) if row["result"] == "friction")
@@ -88,7 +88,7 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
     assert result.attrs["n_positions"] == 128
     assert json.loads(result.attrs["resolution"])["n_positions"] == 128
     fine = finer(made.studies[STUDY], JUMPS, resolution, 8)
-    planned = execute(made, STUDY, exactly=True)
+    planned = execute(made, STUDY, fixed_resolution=True)
     before, after = (
         errors_between(made.studies[STUDY].controlled_outputs, one, fine)["friction"]
         for one in (planned, result)
@@ -222,7 +222,7 @@ def test_what_few_slips_take_for_nothing_is_taken_back_where_it_moves_a_number(k
     assert _film_off(result, fine) < 1e-3
     off = abs(result["critical_cage_slip"] / fine["critical_cage_slip"] - 1.0)
     assert float(off.max()) < 1e-3
-    planned = execute(plan(_hidden(k), STUDY), STUDY, exactly=True)
+    planned = execute(plan(_hidden(k), STUDY), STUDY, fixed_resolution=True)
     (found,) = (
         row["found"] for row in json.loads(planned.attrs["accuracy"]) if row["result"] == HIDDEN[k]
     )
@@ -263,7 +263,7 @@ def test_a_film_that_is_thin_at_the_minimum_load_takes_boundary_friction_back():
     with pytest.raises(
         BoundBrokenError, match=r"boundary friction was left out, but a film parameter of 1\."
     ):
-        made.studies["steady-slip"].only(
+        made.studies["steady-slip"].partial_result(
             made.assemblies["steady-slip"], frozenset({"minimum_load"})
         )
     assert left.what == "boundary friction"
@@ -306,7 +306,7 @@ def test_too_few_slices_or_instants_are_seen(slices, n_positions):
         STUDY,
         attrs.evolve(made.choices[STUDY].resolution, slices=slices, n_positions=n_positions),
     )
-    result = execute(coarse, STUDY, exactly=True)
+    result = execute(coarse, STUDY, fixed_resolution=True)
     rows, verified = (
         json.loads(d.attrs["accuracy"]) for d in (result, verify(coarse, STUDY, result))
     )
@@ -344,9 +344,7 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
         )
     (said,) = error_warnings(made, STUDY, ErrorEstimate(errors=errors, orders={"friction": 0.1}))
     assert "it does not fall with the positions; type --set accuracy.tolerance=exact" in said
-    most = made.at(
-        STUDY, attrs.evolve(made.choices[STUDY].resolution, slices=801, n_positions=128)
-    )
+    most = made.at(STUDY, attrs.evolve(made.choices[STUDY].resolution, slices=801, n_positions=128))
     assert (
         "raise accuracy.friction; this is the finest"
         in error_warnings(most, STUDY, ErrorEstimate(errors=errors))[0]
@@ -419,7 +417,7 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
     one = loading_branch_scenes.wide(number) if number else load_scene("gearbox")
     made = plan(evolve(one, {"accuracy.tolerance": 1e-2}), "steady-slip")
     resolution = attrs.evolve(made.choices["steady-slip"].resolution, slices=8, n_positions=5)
-    result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
+    result = execute(made.at("steady-slip", resolution), "steady-slip", fixed_resolution=True)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
     reference_resolution = attrs.evolve(resolution, slices=100, quadrature="gauss", n_positions=15)
     fine = made.studies["steady-slip"].run(assemble(made.scene, reference_resolution))
@@ -444,7 +442,7 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
         made.choices["steady-slip"].resolution, slices=slices, n_positions=n_positions
     )
     assert resolution.quadrature == "equal"
-    result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
+    result = execute(made.at("steady-slip", resolution), "steady-slip", fixed_resolution=True)
     reference_resolution = attrs.evolve(
         resolution, slices=8 * slices + 1, quadrature="gauss", n_positions=4 * n_positions + 1
     )
@@ -483,7 +481,7 @@ def test_the_thinnest_film_of_a_curve_is_seen_too():
 def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_before():
     """Slips of 1 % to 5 % take nearly the same load: by some slices the cage jumps from one to the other."""
     made = plan(loading_branch_scenes.wide(100_076), "steady-slip")
-    result = execute(made, "steady-slip", exactly=True)
+    result = execute(made, "steady-slip", fixed_resolution=True)
     own = made.choices["steady-slip"].resolution
     reference_resolution = attrs.evolve(
         own, slices=4 * own.slices + 1, quadrature="gauss", n_positions=4 * own.n_positions + 1

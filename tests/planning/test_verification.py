@@ -206,13 +206,13 @@ def test_a_run_tells_its_largest_error_its_time_and_what_it_evaluated(left, warn
     error = ErrorEstimate(errors={"slices": {"friction": 1e-5, "critical_slip": left}})
     monkeypatch.setattr(execution, "estimate_error", lambda *_: error)
     monkeypatch.setattr(execution, "error_warnings", lambda *_: [])
-    first, second = (execution.execute(made, STUDY, exactly=True) for _ in range(2))
+    first, second = (execution.execute(made, STUDY, fixed_resolution=True) for _ in range(2))
     assert first.attrs["slices_error"] == left
     assert first.attrs["evaluations"] == second.attrs["evaluations"] > 0
     doubled = attrs.evolve(
         made, make_parts=lambda _: tuple(attrs.evolve(one, seconds=1e6) for one in made.parts)
     )
-    cost = json.loads(execution.execute(doubled, STUDY, exactly=True).attrs["cost"])
+    cost = json.loads(execution.execute(doubled, STUDY, fixed_resolution=True).attrs["cost"])
     assert 0.0 < cost["actual"] < 60.0 < 1e6 <= cost["estimated"]
     said = [
         one

@@ -255,7 +255,7 @@ def test_a_run_up_from_rest_is_foreseen_by_later_instants_too():
         },
     )
     assembly = assemble(scene)
-    study = Dynamics.of(scene)
+    study = Dynamics.from_scene(scene)
     cost_sentences, _, _ = costs._foreseen(study, study.moving(assembly))
     assert 0.5 < cost_sentences / study.run(assembly).attrs["rate_evaluations"] < 2.0
 

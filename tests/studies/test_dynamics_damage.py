@@ -141,7 +141,7 @@ def test_forces_are_spread_along_tilted_rollers_as_the_motion_has_them():
     drop = {"radial_load": {"shape": "ramp", "to": "3000 N", "within": "0.2 s"}}
     scene = rollslip.evolve(SCENE, changes | {"study.dynamics.history": drop})
     bearing = assemble(scene)
-    motion = Dynamics.of(scene).run(bearing)
+    motion = Dynamics.from_scene(scene).run(bearing)
     for k in (1, 2):
         at = over_time.at_instant(bearing, motion, k)
         now = motion.isel(time=k)
@@ -198,7 +198,7 @@ def test_films_along_a_run_up_are_starved_as_at_the_speed_of_the_moment():
     }
     scene = rollslip.evolve(rollslip.load_scene("gearbox"), changes | {"study.dynamics": dynamics})
     of = assemble(scene)
-    found = Dynamics.of(scene).run(of)
+    found = Dynamics.from_scene(scene).run(of)
     begin, end = (over_time.at_instant(of, found, k).models["film"].starvation for k in (0, -1))
     assert end == of.models["film"].starvation < 0.95
     assert begin == pytest.approx(end**0.2, rel=1e-12)

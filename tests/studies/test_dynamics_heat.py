@@ -281,15 +281,15 @@ def test_a_path_passes_every_temperature_at_its_time_and_never_turns_back():
         "operation.roller_temperature": 330.0 + 5.0 * np.sin(times),
     }
     path = ThermalPath.from_samples(times, values, 0.1)
-    places = path.along.at(np.linspace(0.0, 10.0, 2001))
+    places = path.coordinate.at(np.linspace(0.0, 10.0, 2001))
     assert (np.diff(places) > 0.0).all()
     assert (places[0], places[-1]) == (0.0, pytest.approx(1.0, abs=1e-15))
     for t in (0.0, 0.3, 5.1, 10.0):
-        assert path.time(float(path.along.at(t))) == pytest.approx(t, abs=1e-9)
+        assert path.time(float(path.coordinate.at(t))) == pytest.approx(t, abs=1e-9)
     key = "operation.roller_temperature"
     assert path.courses[key].at(times) == pytest.approx(values[key])
     assert (
-        float(path.along.at(0.5)) > 0.1
+        float(path.coordinate.at(0.5)) > 0.1
     )  # a twentieth of the time, but one in which the oil moves by 13 K
     assert path.unit == "K"
     assert attrs.evolve(path, name="radial_clearance").unit == "m"

@@ -991,7 +991,7 @@ def test_a_search_on_ways_up_for_a_least_load_is_foreseen(number, ways, monkeypa
     monkeypatch.setattr(TorqueBalance, "seconds", lambda self: 1.0)
     scene = loading_branch_scenes.wide(number)
     assembly = assemble(scene).at(plan(scene, "steady-slip").choices["steady-slip"].resolution)
-    study = SteadySlip.of(scene)
+    study = SteadySlip.from_scene(scene)
     assert study.cost(assembly)["orbits"] == ways
     assert study.with_settings(acceptable_slip=None).cost(assembly)["orbits"] == 2.0
 
@@ -1067,7 +1067,7 @@ def test_steady_slips_alone_are_those_of_the_whole_study(name):
     assembly = assemble(evolve(SHIPPED, {"accuracy.slices": 21, **changes}))
     study = SteadySlip()
     whole = study.run(assembly)
-    alone, _ = study.only(assembly, frozenset({"steady_slip", "status"}))
+    alone, _ = study.partial_result(assembly, frozenset({"steady_slip", "status"}))
     found = np.asarray(alone["steady_slip"][1])
     assert found[~np.isnan(found)].size == count
     np.testing.assert_array_equal(found, whole.steady_slip)

@@ -395,13 +395,13 @@ def test_losses_and_slips_that_are_off_are_told_by_how_much():
     study = settings(SCENE, "thermal-balance")["thermal-balance"]
     bearing = assemble(SCENE)
     found = study.run(bearing)
-    assert max(study.compare_with(bearing, found).values()) < 1e-4
+    assert max(study.value_errors(bearing, found).values()) < 1e-4
     found["stationary_slip"].attrs["loss"] *= 1.02
-    assert study.compare_with(bearing, found)["power loss"] == pytest.approx(0.02, rel=1e-2)
+    assert study.value_errors(bearing, found)["power loss"] == pytest.approx(0.02, rel=1e-2)
     found["stationary_slip"] *= 1.001
-    assert study.compare_with(bearing, found)["cage slip"] == pytest.approx(0.001, rel=0.1)
+    assert study.value_errors(bearing, found)["cage slip"] == pytest.approx(0.001, rel=0.1)
     found["stationary_slip"] *= 1e-3
-    assert "cage slip" not in study.compare_with(bearing, found)
+    assert "cage slip" not in study.value_errors(bearing, found)
 
 
 def test_heat_without_a_way_out_is_refused_in_words():
@@ -652,7 +652,7 @@ def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
         requested = {"stationary_temperature", "stationary_slip", "stationary_status"}
         whole, alone = (
             one.run(assemble(scene))
-            for one in (study, study.without(study.outputs.keys() - requested))
+            for one in (study, study.without_outputs(study.outputs.keys() - requested))
         )
         assert alone[sorted(requested)].equals(whole[sorted(requested)])
         settles = whole.stationary_status.item() == "found"

@@ -143,7 +143,7 @@ class ActsInSecret(HeaviestForce):
 class LeavesOutTooMuch(HeaviestForce):
     """Leaving outputs out changes another one."""
 
-    def without(self, outputs):
+    def without_outputs(self, outputs):
         return attrs.evolve(self, factor=2.0 * self.factor)
 
 
@@ -151,7 +151,7 @@ class LeavesOutTooMuch(HeaviestForce):
 class WrongShortWay(HeaviestForce):
     """The short way to an output leads to another value."""
 
-    def only(self, assembly, outputs):
+    def partial_result(self, assembly, outputs):
         dims, values, said = self.values(assembly)["force"]
         return {"force": (dims, 2.0 * values, said)}, {
             "ring": ("ring", np.array(["inner", "outer"]), {})
@@ -178,7 +178,7 @@ class HiddenCost(HeaviestForce):
 class NoEstimate(HeaviestForce):
     """There is no estimate of what it needs."""
 
-    def estimate(self, assembly, *, cheaper_laws=True):
+    def choose_resolution(self, assembly, *, cheaper_laws=True):
         raise ConvergenceError("it never ends")
 
 

@@ -116,10 +116,12 @@ def execute(
     *,
     kept: Path | None = None,
     progress: Shown | None = None,
-    exactly: bool = False,
+    fixed_resolution: bool = False,
 ) -> "xr.Dataset":
     """Return the result of one study of a plan, with all that its answer rests on but bands: see `compute`."""
-    return compute(plan, study, kept=kept, progress=progress, exactly=exactly).documented()
+    return compute(
+        plan, study, kept=kept, progress=progress, fixed_resolution=fixed_resolution
+    ).documented()
 
 
 def compute(
@@ -128,7 +130,7 @@ def compute(
     *,
     kept: Path | None = None,
     progress: Shown | None = None,
-    exactly: bool = False,
+    fixed_resolution: bool = False,
 ) -> Executed:
     """Return the result of one study of a plan, with nothing that only a reader of its answer needs.
 
@@ -151,7 +153,7 @@ def compute(
         estimated = plan.choices[study]
         unwatched = plan.assembly.at(estimated.resolution)
         error = estimate_error(running, unwatched, estimated, dataset, first)
-        if exactly or (finer := refined(running, unwatched, estimated, error)) is None:
+        if fixed_resolution or (finer := refined(running, unwatched, estimated, error)) is None:
             break
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)
         first = first or error

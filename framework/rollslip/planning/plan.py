@@ -256,17 +256,17 @@ def plan(
         check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
     chosen, stated = _at_once(scene, study)
     studies = {
-        name: one.without(frozenset(without) | _known_better(one, chosen))
+        name: one.without_outputs(frozenset(without) | _known_better(one, chosen))
         for name, one in chosen.items()
     }
     require_memory(studies, stated)
-    estimated = {
+    choices = {
         name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()
     }
-    studies = {name: one.at(estimated[name].resolution) for name, one in studies.items()}
+    studies = {name: one.at(choices[name].resolution) for name, one in studies.items()}
     assemblies = {
         name: stated.at(one.resolution).with_bounds(*one.left_out)
-        for name, one in estimated.items()
+        for name, one in choices.items()
     }
     made = Plan(
         scene=scene,
@@ -341,7 +341,7 @@ def _known_better(study: Study, chosen: Mapping[str, Study]) -> frozenset[str]:
 def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
     """Return the resolution that a study chooses."""
     try:
-        return study.estimate(assembly, cheaper_laws=cheaper_laws)
+        return study.choose_resolution(assembly, cheaper_laws=cheaper_laws)
     except RollslipError as error:
         return ResolutionChoice(resolution=assembly.resolution, failed=str(error))
 

@@ -101,10 +101,10 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
     ``accuracy`` then holds actual errors, and a warning tells of a tolerance not kept.
     """
     running = plan.studies[study]
-    running = running.without(
+    running = running.without_outputs(
         frozenset(running.outputs.keys() - set(running.controlled_outputs.values()))
     )
-    resolution, how = running.finer(plan.scene, plan.choices[study].resolution)
+    resolution, how = running.verification_resolution(plan.scene, plan.choices[study].resolution)
     fine = running.at(resolution).run(assemble(plan.scene, resolution))
     found = errors_between(running.controlled_outputs, dataset, fine)
     rows = accuracy_rows(plan, study, found, how)

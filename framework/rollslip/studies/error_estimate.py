@@ -178,7 +178,7 @@ class DiscretisedStudy:
         """Return some outputs of several points in one go; None if there is no such way to these."""
         return None
 
-    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> Mapping[str, float]:
+    def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> Mapping[str, float]:
         """Return by how much single values of a result are off, by a bearing with more slices and instants at once.
 
         Relative, by the names under which people are told.
@@ -188,7 +188,7 @@ class DiscretisedStudy:
     def has_error_estimate(self, assembly: Assembly) -> bool:
         """Whether it is estimated after a run how far a result is off: curves, or single values."""
         has_values = (
-            type(self).compare_with is not DiscretisedStudy.compare_with
+            type(self).value_errors is not DiscretisedStudy.value_errors
             and not assembly.scene.accuracy.exact
         )
         return assembly.resolution.n_positions is not None and (
@@ -381,12 +381,12 @@ def by_curves(
 ) -> ResolutionChoice:
     """Choose the resolution of a study by its curves, on a ladder of few slices and roller positions."""
     if assembly.scene.accuracy.exact:
-        return exactly(study, assembly)
+        return reference_choice(study, assembly)
     estimated, probe, few = slices_and_positions(study, assembly, fraction)
     return _laws(estimated, study, probe, few, cheaper_laws)
 
 
-def exactly(study: DiscretisedStudy, assembly: Assembly) -> ResolutionChoice:
+def reference_choice(study: DiscretisedStudy, assembly: Assembly) -> ResolutionChoice:
     """Return the finest of all, on as many positions as the curves are means over."""
     best = reference_resolution(assembly.scene)
     return ResolutionChoice(
@@ -730,7 +730,7 @@ class _Run:
 
         def errors_by(finer: Resolution, *, of_curves: bool = compares) -> Errors:
             at = self.assembly.at(finer)
-            changes = dict(self.study.compare_with(at, self.dataset))
+            changes = dict(self.study.value_errors(at, self.dataset))
             if of_curves:
                 samples = (
                     self.probe.sample(one, one.resolution.n_positions or 1)[0]

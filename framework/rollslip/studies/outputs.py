@@ -1,6 +1,6 @@
 """What a point of a sweep returns: the variables of its study that were asked for, and nothing else.
 
-- A study may offer `only`, a shorter way to some of its variables, or `run_batch`, one for many points in one go; what
+- A study may offer `partial_result`, a shorter way to some of its variables, or `run_batch`, one for many points in one go; what
   it cannot give so, a whole run gives.
 - What says in words whether a value was found goes with the value.
 """
@@ -58,9 +58,9 @@ def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:
     """
     if (together := evaluate_together([(study, assembly)], names)) is not None:
         return together[0]
-    if (some := study.only(assembly, frozenset(names))) is not None:
+    if (some := study.partial_result(assembly, frozenset(names))) is not None:
         return _picked(some, names)
-    dataset = study.without(frozenset(study.outputs.keys() - set(names))).run(assembly)
+    dataset = study.without_outputs(frozenset(study.outputs.keys() - set(names))).run(assembly)
     wanted: dict[str, Any] = {}
     for name in names:
         if name in dataset:

@@ -124,7 +124,7 @@ class Study(DiscretisedStudy, abc.ABC):
     # What it says of itself ---------------------------------------------------------------------------------------
 
     @classmethod
-    def of(cls, scene: Scene) -> Self:
+    def from_scene(cls, scene: Scene) -> Self:
         """Return the study with the settings of a scene; what is wrong with them is one `SceneError`."""
         problems = list[str]()
         study = structure(
@@ -183,11 +183,11 @@ class Study(DiscretisedStudy, abc.ABC):
 
     # Less of it ---------------------------------------------------------------------------------------------------
 
-    def without(self, outputs: frozenset[str]) -> Self:
+    def without_outputs(self, outputs: frozenset[str]) -> Self:
         """Return a study that does not compute some outputs, as far as leaving them out saves something."""
         return self
 
-    def only(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
+    def partial_result(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
         """Return some outputs by a way shorter than `run`; None if there is none to these."""
         return None
 
@@ -197,11 +197,13 @@ class Study(DiscretisedStudy, abc.ABC):
         """Return the settings with what a resolution says of them."""
         return self
 
-    def chosen(self, assembly: Assembly) -> Mapping[str, Any]:
+    def numerical_settings(self, assembly: Assembly) -> Mapping[str, Any]:
         """Return the settings that a resolution may change, as they are: integrator, friction ..."""
         return {}
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
+    def choose_resolution(
+        self, assembly: Assembly, *, cheaper_laws: bool = True
+    ) -> ResolutionChoice:
         """Choose the resolution by what the scene asks for: by curves, or by doubling where there are none.
 
         Where there is no estimate a `RollslipError` says why.
@@ -211,7 +213,7 @@ class Study(DiscretisedStudy, abc.ABC):
             return by_doubling(self.run, self.controlled_outputs, self.affected_by, assembly)
         return by_curves(curve_study, assembly, cheaper_laws=cheaper_laws)
 
-    def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
+    def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return the resolution that a result is verified against, and how that is said."""
         return reference_resolution(scene), "against the finest"
 
@@ -365,7 +367,7 @@ def settings(scene: Scene, study: str | None = None) -> dict[str, Study]:
     found = dict[str, Study]()
     for name in [study] if study is not None else list(scene.study) or [DEFAULT_STUDY]:
         try:
-            found[name] = study_class(name, scene).of(scene)
+            found[name] = study_class(name, scene).from_scene(scene)
         except SceneError as error:
             problems += error.problems
     if problems:

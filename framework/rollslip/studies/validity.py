@@ -31,7 +31,7 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
-from rollslip.results.words import REPORTED_FROM, REST
+from rollslip.results.words import REPORTED_FROM, OTHER_BOUNDS
 from rollslip.studies.answers import LoadedSlices
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices
@@ -401,7 +401,7 @@ def sentences(said: Sequence[Told], tolerance: float = 0.0) -> list[str]:
     below = f" or below accuracy.tolerance = {tolerance:g}" if tolerance > 0.0 else ""
     return [
         *texts,
-        f"{REST} not known{below}: {'; '.join(rest)}; rollslip run of the scene tells of each",
+        f"{OTHER_BOUNDS} not known{below}: {'; '.join(rest)}; rollslip run of the scene tells of each",
     ]
 
 

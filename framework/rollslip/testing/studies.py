@@ -219,7 +219,7 @@ def check_leaving_outputs_out_changes_no_other(study: Study) -> None:
     kept = {name for name, output in study.outputs.items() if output.default} | set(
         study.controlled_outputs.values()
     )
-    fewer = study.without(frozenset(study.outputs.keys() - kept)).at(_COARSE).run(_assembly())
+    fewer = study.without_outputs(frozenset(study.outputs.keys() - kept)).at(_COARSE).run(_assembly())
     for name in kept:
         one = _value(_result(study), name)
         other = _value(fewer, name)

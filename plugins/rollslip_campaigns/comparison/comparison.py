@@ -185,7 +185,7 @@ def _study(scene: Scene, study: str | None) -> str:
             (name for name in scene.study if study_class(name, scene).curves_of is not None),
             DEFAULT_STUDY,
         )
-    if study_class(study, scene).of(scene).curves_of is None:
+    if study_class(study, scene).from_scene(scene).curves_of is None:
         others = [name for name, cls in loadable("study") if cls.curves_of is not None]
         raise SceneError(
             [

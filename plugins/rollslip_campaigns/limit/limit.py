@@ -260,7 +260,7 @@ def _resolution(
         try:
             at = evolve(scene, changes) if changes else scene
             if cls.is_transient:
-                one = estimate(cls.of(at), assemble(at), cheaper_laws=False)
+                one = estimate(cls.from_scene(at), assemble(at), cheaper_laws=False)
                 if not one.failed:
                     found.append((at, one.resolution))
                 continue
@@ -282,7 +282,7 @@ def _resolution(
         begin = time.process_time()
         try:
             cost = sum(
-                study_class(study).of(at).at(resolution).cost(assemble(at, resolution)).values()
+                study_class(study).from_scene(at).at(resolution).cost(assemble(at, resolution)).values()
             )
         except RollslipError:
             continue

@@ -185,7 +185,7 @@ def plan_family(requested: "ParetoSettings") -> Family:
         plan=made,
         # without what is no result here, so that it costs nothing
         studies={
-            name: one.without(frozenset(one.outputs.keys() - set(one.controlled_outputs.values())))
+            name: one.without_outputs(frozenset(one.outputs.keys() - set(one.controlled_outputs.values())))
             for name, one in made.studies.items()
         },
         choices=tuple(found),
@@ -212,7 +212,7 @@ def _of_study(
         )
     if "n_positions" not in settings.affected_by:
         best = attrs.evolve(best, n_positions=base.n_positions)
-    if own := settings.chosen(made.assembly):
+    if own := settings.numerical_settings(made.assembly):
         base = attrs.evolve(
             base,
             friction=base.friction or own["friction"],
@@ -309,7 +309,7 @@ def _modelling(axes: Sequence[str], laws: Sequence[str], law: str) -> Iterable[d
 
 def _integrators(made: Plan, study: str) -> list[str | None]:
     """Implicit integrators that are there, with the packages that they need; None for the scene's own."""
-    own = made.studies[study].chosen(made.assembly).get("integrator")
+    own = made.studies[study].numerical_settings(made.assembly).get("integrator")
     found = list[str | None]()
     for name, cls in loadable("integrator"):
         if own == name:

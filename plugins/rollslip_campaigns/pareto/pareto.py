@@ -289,7 +289,7 @@ def _coordinates(family: Family) -> dict[str, Any]:
     for one in family.choices:
         r = one.resolution
         settings = family.studies[one.study]
-        own = settings.at(r).chosen(family.plan.assembly)
+        own = settings.at(r).numerical_settings(family.plan.assembly)
         law = family.plan.assembly.traction.full_film.name if r.traction == "named" else r.traction
         row = {
             "slices": r.slices if family.plan.assembly.slices > 1 else 1,

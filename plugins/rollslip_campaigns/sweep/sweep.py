@@ -417,7 +417,7 @@ def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> R
     """Return the plan's choice at a point, None if it has none: the point will say why."""
     try:
         at = evolve(scene, changes) if changes else scene
-        estimated = estimate(study_class(study).of(at), assemble(at))
+        estimated = estimate(study_class(study).from_scene(at), assemble(at))
     except RollslipError:
         return None
     return None if estimated.failed else estimated.resolution

@@ -1,23 +1,36 @@
-"""How scattering data move what people act on: reserve of drag, steady slip, least load; and the allowable slip.
+"""Estimate how scattering data change the drag reserve, the steady slip and the minimum load, and the allowable slip.
 
-- The *reserve* is the largest drag that the rollers carry over the drags of the scene (`motion.loading_branch`). With
-  probability p it is at least its quantile 1 - p. Where nothing runs away it is a lower bound; below 1 the cage skids.
-- The *steady slip* is the smallest at which rollers and drags are in balance, the *least load* the radial load at which
-  it is the acceptable one of the scene. Reserve, slips and running away come of one motion of each sample.
-- A cage runs away at the slip where the balance of torques has its fold. The slip that is *allowable* at a probability
-  p is its quantile 1 - p. The *margin* is the probability that the steady slip is below that of running away, sample by
-  sample. This slip tells no good oil from a bad one: what makes it small is mostly what makes the drag there large.
-- The critical slips of the curves, by the closure of the scene, are told beside it: that of a bearing is the smaller of
-  those of its rings. With epicyclic rollers they are mostly larger than the slip at which the cage runs away.
-- A slip beyond the range of the study is larger than all in it, and counts so. A point that failed is unknown, and
-  counts as the worst and as the best that it could have been (`rollslip_campaigns.uncertainty.estimators`).
-- Samples are those of eight Sobol sequences in turn, with scramblings of their own, whose differences tell how exact
-  the quantiles are. They are looked at in batches, each as many as all before: a sequence of 2^k points begins with
-  that of 2^(k-1). Where an interval may end them they are computed so too, else all in one run.
-- All is a set of sweeps in one folder, so that the same command goes on where it was stopped.
-- Data that scatter are those of the scene's table ``[uncertainty]``; without one what data and fields declare of
-  themselves (`rollslip_studies.variation.scatter`).
-- Sobol indices share a variance among independent inputs. With correlated ones their sums mean nothing: refused.
+Method: randomized quasi-Monte Carlo, by sweeps over samples of the uncertain data.
+
+1. Draw samples as points of eight Sobol sequences in turn, each scrambled independently; the differences between the
+   sequences give the confidence intervals of the quantiles (`rollslip_campaigns.uncertainty.estimators.quantile`).
+2. Compute the study effective-friction for a batch of samples. Each batch has as many samples as all batches before it,
+   because a sequence of 2^k points begins with that of 2^(k-1).
+3. Estimate the allowable slip. Stop where its interval is narrow enough (``until``) or all samples are computed.
+   Without ``until`` all samples are computed in one run.
+4. Compute the minimum load for the first samples, and Saltelli's design for Sobol indices, if they are requested.
+5. Estimate quantiles, probabilities and rank correlations, and save them as a dataset.
+
+Quantities:
+
+- The *drag reserve* is the limit drag torque of the rollers divided by the drags of the scene
+  (`rollslip_studies.motion.loading_branch`). With probability p it is at least its quantile 1 - p. Where skidding does
+  not begin in the range it is a lower bound; below 1 the cage skids.
+- The *steady slip* is the smallest slip at which rollers and drags are in balance. The *minimum load* is the radial load
+  at which the steady slip is the acceptable slip of the scene. Reserve, slips and skidding of a sample follow from one
+  loading branch.
+- Skidding begins at the slip where the balance of torques has its fold. The slip that is *allowable* with probability p
+  is the quantile 1 - p of that slip. The *margin* is the probability that the steady slip is below the slip at which
+  skidding begins, sample by sample. This slip does not rank oils: mostly a large limit drag torque makes it small.
+- The critical slips of the curves, by the closure of the scene, are reported too: that of a bearing is the smaller one
+  of its rings. With epicyclic rollers they are mostly larger than the slip at which skidding begins.
+- A slip beyond the range of the study counts as larger than all in it. A point that failed is unknown, and counts as
+  the smallest and as the largest value that it could have had (`rollslip_campaigns.uncertainty.estimators`).
+
+All sweeps are in one folder, so that the same command continues an interrupted run. Data that scatter are those of the
+scene's table ``[uncertainty]``; without one, what data and fields declare (`rollslip_studies.variation.scatter`). Sobol
+indices divide a variance among independent inputs; they are refused for correlated ones, because their sums would have
+no meaning.
 """
 
 import json
@@ -42,9 +55,20 @@ from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
-from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, fraction, indices, quantile
+from rollslip_campaigns.uncertainty.estimators import (
+    Estimate,
+    fraction,
+    indices,
+    min_samples,
+    quantile,
+)
 from rollslip_campaigns.uncertainty.findings import DRAG, LOAD, RESERVE, SKIDDING, STEADY
-from rollslip_campaigns.uncertainty.samples import LOWEST, fractions_of, minimum_loads, of_friction
+from rollslip_campaigns.uncertainty.samples import (
+    CRITICAL_SLIP,
+    classify_reserves,
+    friction_samples,
+    minimum_loads,
+)
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.scatter import with_scatter
@@ -56,21 +80,35 @@ if TYPE_CHECKING:
 
 __all__ = ["RESULT", "Margin", "expected_seconds", "plan_margin", "run_margin"]
 
+#: Name of the file with the result, in the folder of the sweeps.
 RESULT: Final = "uncertainty.nc"
+#: Confidence of the intervals that are reported. A higher one widens every interval. Chosen: the usual 95 %.
 CONFIDENCE: Final = 0.95
-#: Of quantiles where samples end at a width: that favours intervals which are narrow by chance, and costs up to 4 %.
-ENDING: Final = 0.975
-#: Samples of the first batch, and the most where batches end by themselves.
-_FIRST = 256
-_MOST = 16384
-_SAMPLES = 1024
-_LOADS = 64
-#: Fewest samples whose ranks are told.
-_RANKED: Final = 8
-#: Probabilities of the quantiles that are told beside that of the allowable slip.
-_TOLD: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
-#: What tells samples that are known, beyond a range, and unknown.
-_KNOWN: Final = (np.isfinite, np.isinf, np.isnan)
+#: Confidence of the intervals of quantiles where the samples end at a width (``until``). Such a stop favours intervals
+#: that are narrow by chance, which costs up to 4 % of coverage (docs/tables/margin_coverage.csv): with 0.975 the
+#: intervals still hold with 95 %. With 0.95 they would not; closer to 1 they need more samples than necessary.
+STOPPING_CONFIDENCE: Final = 0.975
+#: Samples of the first batch; a batch ends at 256, 512, 1024, ... samples. Twice as many can make runs with ``until``
+#: compute up to 256 samples too many. Chosen: 32 samples of each of eight sequences, a power of two.
+_FIRST_BATCH = 256
+#: Maximum number of samples with ``until``; it bounds the time of a run whose interval never is as narrow. Twice as many
+#: make the interval at the maximum narrower by about 1/sqrt(2), for twice the time. Chosen.
+_MAX_SAMPLES = 16384
+#: Default number of samples. Twice as many double the time and make intervals of a 1 % quantile narrower by about a
+#: third (docs/tables/margin_coverage.csv). 1024 is a power of two that gives this quantile two finite bounds
+#: (`rollslip_campaigns.uncertainty.estimators.min_samples`), which 512 does not always.
+_DEFAULT_SAMPLES = 1024
+#: Default number of samples of the minimum load, for which a point is a search over loads. Twice as many double its
+#: time. Chosen: enough for median and 90 % band, not for the bounds of a 99 % quantile.
+_DEFAULT_LOADS = 64
+#: Smallest number of samples from which a rank correlation is computed; below it, the correlation is NaN. A smaller
+#: number would report correlations that are chance. Chosen: with 8 samples the standard error is 1/sqrt(7), about 0.4.
+_MIN_RANKED: Final = 8
+#: Probabilities of the quantiles that are reported besides those of the requested probability p and 1 - p.
+_REPORTED_PROBABILITIES: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
+#: Predicates that classify a sample: known, beyond a range, unknown; in the order of the variables that count them.
+_SAMPLE_KINDS: Final = (np.isfinite, np.isinf, np.isnan)
+#: Variables of study effective-friction that the samples need.
 _OUTPUTS: Final = (
     "drag_reserve", "steady_cage_slip", "skidding_slip", "limit_drag", "critical_cage_slip", "critical_friction"
 )  # fmt: skip
@@ -127,7 +165,7 @@ class Margin:
     @property
     def confidence(self) -> float:
         """Confidence with which intervals of quantiles are made, so that they hold with 95 %."""
-        return CONFIDENCE if self.until is None else ENDING
+        return CONFIDENCE if self.until is None else STOPPING_CONFIDENCE
 
     def quantile(self, values: Array, probability: float) -> Estimate:
         """Return a quantile of samples."""
@@ -141,11 +179,11 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
     until = requested.until
     indices = requested.indices
     samples = (
-        requested.samples if requested.samples is not None else _SAMPLES if until is None else _MOST
+        requested.samples if requested.samples is not None else _DEFAULT_SAMPLES if until is None else _MAX_SAMPLES
     )
     stated = "acceptable_slip" in scene.study.get(SteadySlip.name, {})
     loads = (
-        requested.loads if requested.loads is not None else min(_LOADS, samples) if stated else 0
+        requested.loads if requested.loads is not None else min(_DEFAULT_LOADS, samples) if stated else 0
     )
     problems = []
     if not 0.5 <= probability < 1.0:
@@ -160,7 +198,7 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
         problems.append(
             f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}"
         )
-    if not EffectiveFriction.of(scene).skidding_range:
+    if not EffectiveFriction.from_scene(scene).skidding_range:
         problems.append(
             f"study.{EffectiveFriction.name}.skidding_range: a range is needed, such as 0.95, not 0"
         )
@@ -206,7 +244,7 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
     )
 
 
-def expected_seconds(made: Margin) -> dict[str, float]:
+def expected_seconds(plan: Margin) -> dict[str, float]:
     """Return the time [s] of one core that each sweep needs, if all its points are like the scene without scatter.
 
     With ``until`` those of running away are the most that there may be.
@@ -215,12 +253,12 @@ def expected_seconds(made: Margin) -> dict[str, float]:
         # the first time imports, and makes what samples share
         name: len(sweep.numbers)
         * min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
-        for name, sweep in made.sweeps.items()
+        for name, sweep in plan.sweeps.items()
     }
 
 
 def run_margin(
-    made: Margin,
+    plan: Margin,
     folder: Path,
     *,
     said: Callable[[str], None] = lambda text: None,
@@ -232,7 +270,7 @@ def run_margin(
     folder.mkdir(parents=True, exist_ok=True)
     every = {
         name: Points.of(one, folder / name, lambda text, name=name: said(f"{name}: {text}"), report)  # type: ignore[misc]
-        for name, one in made.sweeps.items()
+        for name, one in plan.sweeps.items()
     }
 
     def computed(name: str, count: int | None = None) -> "xr.Dataset":
@@ -241,27 +279,27 @@ def run_margin(
         return every[name].collected(numbers).isel(sample=slice(count))
 
     batches = list[tuple[int, Estimate]]()
-    total = len(made.critical.design.samples)
-    count = min(_FIRST, total)
+    total = len(plan.critical.design.samples)
+    count = min(_FIRST_BATCH, total)
     # where no interval ends them all are computed in one run, for which workers start once
-    whole = computed("critical", total) if made.until is None else None
+    whole = computed("critical", total) if plan.until is None else None
     while True:
         critical = computed("critical", count) if whole is None else whole.isel(sample=slice(count))
-        allowed = made.quantile(of_friction(critical)[SKIDDING], 1.0 - made.probability)
+        allowed = plan.quantile(friction_samples(critical)[SKIDDING], 1.0 - plan.probability)
         batches.append((count, allowed))
         said(f"{count} samples: {_so_far(allowed)}")
         # more samples make no end known that lies beyond the range
         if count == total or (
-            made.until is not None and (allowed.low == math.inf or allowed.half_width <= made.until)
+            plan.until is not None and (allowed.low == math.inf or allowed.half_width <= plan.until)
         ):
             break
         count = min(2 * count, total)
     points = {"critical": critical}
-    if made.load is not None:
-        points["load"] = computed("load", min(len(made.load.design.samples), count))
-    if made.varied is not None:
+    if plan.load is not None:
+        points["load"] = computed("load", min(len(plan.load.design.samples), count))
+    if plan.varied is not None:
         points["indices"] = computed("indices")
-    dataset = _dataset(made, batches, points)
+    dataset = _dataset(plan, batches, points)
     save(dataset, folder / RESULT)
     return dataset
 
@@ -285,18 +323,18 @@ def _so_far(allowed: Estimate) -> str:
 
 
 def _dataset(
-    made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]
+    plan: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]
 ) -> "xr.Dataset":
     import xarray as xr
 
     critical = points["critical"]
     n = batches[-1][0]
-    values = of_friction(critical)
+    values = friction_samples(critical)
     variables = dict[str, Any]()
     if STEADY in values:
         slip = values[STEADY]
         away = values[SKIDDING]
-        fractions = fractions_of(critical)
+        fractions = classify_reserves(critical)
         known = ~np.isnan(slip) & ~np.isnan(away)
         margin = fraction(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
         skids = fraction(
@@ -323,12 +361,12 @@ def _dataset(
     table = np.full((len(values), n), np.nan)
     for row, one in zip(table, values.values(), strict=True):
         row[: one.size] = one
-    probabilities = tuple(sorted({*_TOLD, round(1.0 - made.probability, 12), made.probability}))
+    probabilities = tuple(sorted({*_REPORTED_PROBABILITIES, round(1.0 - plan.probability, 12), plan.probability}))
     quantiles = np.array(
-        [[attrs.astuple(made.quantile(one, p)) for p in probabilities] for one in values.values()]
+        [[attrs.astuple(plan.quantile(one, p)) for p in probabilities] for one in values.values()]
     )
     over = ("quantity", "probability")
-    counts = np.array([[one.size, *(of(one).sum() for of in _KNOWN)] for one in values.values()])
+    counts = np.array([[one.size, *(of(one).sum() for of in _SAMPLE_KINDS)] for one in values.values()])
     ends = np.array([attrs.astuple(one) for _, one in batches])
     variables |= {
         "value": (
@@ -353,7 +391,7 @@ def _dataset(
         "batch_high": ("batch", ends[:, 2], about("1", "high end of its interval")),
         "input_value": (
             ("input", "sample"),
-            made.critical.design.samples[:n].T,
+            plan.critical.design.samples[:n].T,
             about("SI", "value of an uncertain quantity"),
         ),
     }
@@ -361,7 +399,7 @@ def _dataset(
     ranks = np.array(
         [
             [_ranked(column, values[name]) for name in acted]
-            for column in made.critical.design.samples.T
+            for column in plan.critical.design.samples.T
         ]
     )
     variables["rank_correlation"] = (
@@ -386,16 +424,16 @@ def _dataset(
             np.array(probabilities),
             about("1", "share of the distribution below"),
         ),
-        "input": ("input", np.array(made.critical.design.keys), about("1", "what is uncertain")),
+        "input": ("input", np.array(plan.critical.design.keys), about("1", "what is uncertain")),
     }
-    if made.varied is not None:
-        found, names = _indices(made, points)
+    if plan.varied is not None:
+        found, names = _indices(plan, points)
         variables |= found
         coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
     ended = {name: Counter(one["status"].to_numpy().tolist()) for name, one in points.items()}
     failed = {name: dict(sorted(counts.items())) for name, counts in ended.items()}
     return xr.Dataset(
-        variables, coords, _attributes(made, failed, json.loads(critical.attrs.get("left", "[]")))
+        variables, coords, _attributes(plan, failed, json.loads(critical.attrs.get("left", "[]")))
     )
 
 
@@ -417,22 +455,22 @@ def _ranked(one: Array, other: Array) -> float:
     known = ~np.isnan(one[:size]) & ~np.isnan(other[:size])
     a = one[:size][known]
     b = other[:size][known]
-    if a.size < _RANKED or np.unique(a).size < 2 or np.unique(b).size < 2:
+    if a.size < _MIN_RANKED or np.unique(a).size < 2 or np.unique(b).size < 2:
         return math.nan
     return float(spearmanr(a, b).statistic)
 
 
-def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
+def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
     """Sobol indices of what varies, and its names; what lies beyond the range of its study counts as at its end."""
-    d = len(made.critical.design.sampled)
+    d = len(plan.critical.design.sampled)
     rows = list[Any]()
     names = list[str]()
-    study = EffectiveFriction.of(made.critical.scene)
-    seed = made.critical.table.seed
-    for name, values in of_friction(points["indices"]).items():
-        if name == DRAG or name.startswith(f"{LOWEST},"):
+    study = EffectiveFriction.of(plan.critical.scene)
+    seed = plan.critical.table.seed
+    for name, values in friction_samples(points["indices"]).items():
+        if name == DRAG or name.startswith(f"{CRITICAL_SLIP},"):
             continue
-        last = study.slip_range if name == LOWEST else study.skidding_range
+        last = study.slip_range if name == CRITICAL_SLIP else study.skidding_range
         table = np.where(np.isinf(values), last, values).reshape(-1, d + 2)
         found = indices(table[:, 0], table[:, 1], table[:, 2:].T, seed, CONFIDENCE)
         if found is not None:
@@ -457,35 +495,35 @@ def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
 
 
 def _attributes(
-    made: Margin, failed: Mapping[str, Mapping[str, int]], left: Sequence[str]
+    plan: Margin, failed: Mapping[str, Mapping[str, int]], left: Sequence[str]
 ) -> dict[str, Any]:
-    sweep = made.critical
-    study = EffectiveFriction.of(made.critical.scene)
+    sweep = plan.critical
+    study = EffectiveFriction.of(plan.critical.scene)
     warnings = [
         f"{name}: {count} of {sum(counts.values())} points are {status}; they count as the worst and as the best"
         for name, counts in failed.items()
         for status, count in counts.items()
         if status != "ok"
     ]
-    if made.scatter:
+    if plan.scatter:
         warnings.append(
             f"the scene has no table [uncertainty]; the scatter is the one that its data and models come with: "
-            f"{'; '.join(made.scatter)}"
+            f"{'; '.join(plan.scatter)}"
         )
     return origin_of_points(
         sweep,
         warnings,
         left,
         study="uncertainty",
-        probability=made.probability,
+        probability=plan.probability,
         slip_range=study.skidding_range,
         search_range_hint=search_range_hint(
             f"{study.table}.skidding_range", study.skidding_range, MAX_CAGE_SLIP
         ),
         curves_with=CLOSURES[study.closure],
         confidence=CONFIDENCE,
-        fewest_samples=fewest(made.probability, REPLICATES, made.confidence),
+        min_samples=min_samples(plan.probability, REPLICATES, plan.confidence),
         acceptable_slip=SteadySlip.of(sweep.scene).acceptable_slip or "",
-        until=made.until if made.until is not None else "",
+        until=plan.until if plan.until is not None else "",
         points=failed,
     )

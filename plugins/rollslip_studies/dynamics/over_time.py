@@ -135,7 +135,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
     now = now | {"speed": apart}
     if (path := history.path) is not None:
         names.append(path.name)
-        spans[path.name], now[path.name] = (0.0, 1.0), path.along.at(times)
+        spans[path.name], now[path.name] = (0.0, 1.0), path.coordinate.at(times)
     for name in names:
         low, high = spans[name]
         values.append(now[name])

@@ -38,7 +38,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location, resolved
 from rollslip.studies.answers import LoadedSlices, Output, Part, ResolutionChoice, RunContext
-from rollslip.studies.error_estimate import exactly, with_tables
+from rollslip.studies.error_estimate import reference_choice, with_tables
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import damage_of, parts
 from rollslip_studies.dynamics import heating, over_time
@@ -207,7 +207,7 @@ class Dynamics(Study):
             self, **{name: value for name, value in said.items() if value is not None}
         )
 
-    def chosen(self, assembly: Assembly) -> Mapping[str, Any]:
+    def numerical_settings(self, assembly: Assembly) -> Mapping[str, Any]:
         """Return friction, level, integrator and its tolerance, as they are."""
         return {
             "friction": self.friction,
@@ -229,11 +229,11 @@ class Dynamics(Study):
             attrs.evolve(found, skidding_range=0.0) if rings and rings.turning else found
         )  # where no slip is steady
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
+    def choose_resolution(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
         """Choose slices and instants by the effective friction, all else by trial motions; laws stay as they are."""
         averaged = self.curve_study(assembly)
         if assembly.scene.accuracy.exact:
-            return self._with_choice(exactly(averaged, assembly), assembly)
+            return self._with_choice(reference_choice(averaged, assembly), assembly)
         estimated = over_time.at_the_ends(averaged, assembly, self.course(assembly), _FRACTION)
         estimated = self._with_choice(with_tables(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
@@ -278,7 +278,7 @@ class Dynamics(Study):
             and not (assembly.rings and assembly.rings.turning)
         )
 
-    def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
+    def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution: the finest would take days."""
         return refined(scene, own, self.relative_tolerance), "against four times as fine"
 

@@ -262,7 +262,7 @@ class EffectiveFriction(Study):
             "map_points": 8.0 * surface,
         }
 
-    def without(self, outputs: frozenset[str]) -> "EffectiveFriction":
+    def without_outputs(self, outputs: frozenset[str]) -> "EffectiveFriction":
         """Return a study without the map and without running away, which are most of the work, and single rollers."""
         return attrs.evolve(
             self,
@@ -409,7 +409,7 @@ class EffectiveFriction(Study):
         some = [_curves(*found[k]) for k in range(len(cases))]
         return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
 
-    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+    def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much the thinnest films of both rings are off, by slices and positions where they are.
 
         Where rollers jump to another balance between two positions the thinnest film is that just before the jump. It

@@ -29,7 +29,7 @@ def estimate_torques(study: Study, assembly: "Assembly", *, cheaper_laws: bool) 
     """Choose slices, instants and laws by torques alone: at which slip the largest of them is does not matter."""
     accuracy = attrs.evolve(assembly.scene.accuracy, critical_slip=_ANY_SLIP)
     there = attrs.evolve(assembly, scene=attrs.evolve(assembly.scene, accuracy=accuracy))
-    found = study.estimate(there, cheaper_laws=cheaper_laws)
+    found = study.choose_resolution(there, cheaper_laws=cheaper_laws)
     errors = {part: {of: error for of, error in some.items() if of != "critical_slip"} for part, some in
               found.errors.items()}  # fmt: skip
     return attrs.evolve(found, errors=errors)

@@ -181,7 +181,7 @@ class SteadySlip(Study):
         """Whether fewer instants are among more; each number is computed for itself."""
         return False
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
+    def choose_resolution(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
         """Choose slices, instants and laws by the slip-drag curve."""
         found = by_curves(self, assembly, fraction=_FRACTION, cheaper_laws=cheaper_laws)
         n_positions = max(found.resolution.n_positions or 0, minimum_positions(assembly))
@@ -189,7 +189,7 @@ class SteadySlip(Study):
             found, resolution=attrs.evolve(found.resolution, n_positions=n_positions)
         )
 
-    def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
+    def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution: the finest would take days."""
         return refined(scene, own), "against four times as fine"
 
@@ -204,7 +204,7 @@ class SteadySlip(Study):
         ways = self.acceptable_slip is not None and balance.has_several(self.acceptable_slip)
         return {"orbits": balance.seconds() * (_WAYS + followed + ways * _LOADS)}
 
-    def without(self, outputs: frozenset[str]) -> "SteadySlip":
+    def without_outputs(self, outputs: frozenset[str]) -> "SteadySlip":
         """Return a study that does not follow the slips against what nobody asked for."""
         dropped: dict[str, object] = {
             name: () for name in VARIED if outputs >= followed_outputs(name).keys()
@@ -354,7 +354,7 @@ class SteadySlip(Study):
             },
         )
 
-    def only(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
+    def partial_result(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
         """Return steady slips and status, or a least load, as `run` finds them; None if more is asked than these."""
         if outputs <= {"minimum_load", "minimum_load_status"} and self.acceptable_slip is not None:
             return self._minimum_load(
@@ -545,7 +545,7 @@ class SteadySlip(Study):
             found["minimum_load"][2]["slips"] = list(slips) if len(slips) > 1 else slips[0]
         return found
 
-    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+    def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much numbers of the answer are off."""
         finer = finer.with_resistance()
         balance = self.balance(finer)

@@ -116,7 +116,7 @@ class SurfaceDamage(Study):
     def _steady(self) -> SteadySlip:
         return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
+    def choose_resolution(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
         """Choose slices, instants and laws as for the torques of a steady slip; nothing where nothing is measured.
 
         Nothing is left out of films and widths of contacts: measures see these where torques do not.
@@ -168,7 +168,7 @@ class SurfaceDamage(Study):
             for ring in RINGS
         }
 
-    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+    def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much the steady slip and the worst value of each measure are off."""
         slip = float(dataset["slip"])
         measures = damage_of(finer)

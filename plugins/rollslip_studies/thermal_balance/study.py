@@ -166,7 +166,7 @@ class ThermalBalance(Study):
         named = thermal_model(assembly.scene)
         return (get_model("thermal", "given") if named is None else named).of(assembly)
 
-    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
+    def choose_resolution(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
         """Choose slices, instants and laws as for the torques of a steady slip at the temperatures of the scene."""
         return estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
 
@@ -200,7 +200,7 @@ class ThermalBalance(Study):
         status = str(dataset["stationary_status"].item())
         return {"steady cage slip": ComparedValues([[float(dataset["stationary_slip"])]], status)}
 
-    def without(self, outputs: frozenset[str]) -> "ThermalBalance":
+    def without_outputs(self, outputs: frozenset[str]) -> "ThermalBalance":
         """Return a study without the course in time, or without all but the coldest balance that lasts."""
         if outputs >= self.outputs.keys() - _OF_STATIONARY:
             return _Settled(**attrs.asdict(self) | {"duration": 0.0})
@@ -208,7 +208,7 @@ class ThermalBalance(Study):
             self.with_settings(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
         )
 
-    def compare_with(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+    def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much slip and losses of a bearing that has settled are off, at the temperatures of that.
 
         The resolution is chosen at those of the scene. A slip that is shown without digits is left out.
