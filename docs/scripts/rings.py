@@ -13,7 +13,7 @@ from output import write_table
 
 from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
-from rollslip.results.words import two
+from rollslip.results.words import two_digits
 from rollslip_studies.steady_slip.study import SteadySlip
 
 BASE = {
@@ -79,7 +79,7 @@ def lobes_and_housings():
         for lobes, preload in FORMS:
             changes = held(thickness) | (lobed(lobes, preload) if lobes else {})
             slip, drag, _ = solved(name, changes)
-            cells.append(f"{two(slip)} %; {two(drag)} N m")
+            cells.append(f"{two_digits(slip)} %; {two_digits(drag)} N m")
         housing = "rigid" if thickness is None else f"{thickness} mm" if thickness else "none"
         rows.append((name[8:10] + " °C", housing, *cells))
         print(*rows[-1], sep=" | ", flush=True)
@@ -103,7 +103,9 @@ def tight():
             state["bearing.radial_clearance"] = f"{-preload} um"
             slip, _, pressure = solved("1032930-70C", state | held(thickness, bore, harmonics=0))
             cells += (
-                [f"{two(slip)} %"] if len(drags) > 1 else [f"{pressure:.0f} MPa", f"{two(slip)} %"]
+                [f"{two_digits(slip)} %"]
+                if len(drags) > 1
+                else [f"{pressure:.0f} MPa", f"{two_digits(slip)} %"]
             )
         rows.append((place.partition(";")[0] if thickness == 0 else place, *cells))
         print(*rows[-1], sep=" | ", flush=True)
@@ -130,7 +132,7 @@ def play():
             )[0]
             for tight in (0, 5, 10, 20)
         ]
-        rows.append((place, *(f"{two(slip)} %" for slip in slips)))
+        rows.append((place, *(f"{two_digits(slip)} %" for slip in slips)))
         print(*rows[-1], sep=" | ", flush=True)
     write_table("rings_play", ("rings", "0 um", "-5 um", "-10 um", "-20 um"), rows)
 

@@ -8,7 +8,7 @@ import xarray as xr
 
 import rollslip
 from rollslip.results.figures import plot
-from rollslip.results.words import two
+from rollslip.results.words import two_digits
 from rollslip.structure import resolved
 from rollslip_studies.steady_slip.figures import catalogue_loads
 from rollslip_studies.steady_slip.minimum_load import minimum_loads_of_makers
@@ -78,9 +78,9 @@ def test_slips_over_load_have_the_minimum_loads_of_catalogues():
     assert requested
     assert list(catalogue_loads(dataset).values()) == pytest.approx(requested)
     said = legend(figure)
-    assert [two(1e-3 * load) in text for load, text in zip(requested, said, strict=True)] == [
-        True
-    ] * len(requested)
+    assert [
+        two_digits(1e-3 * load) in text for load, text in zip(requested, said, strict=True)
+    ] == [True] * len(requested)
     within = [load for load in requested if load <= 1e3 * figure.axes[0].get_xlim()[1]]
     assert [float(line.get_xdata()[0]) for line in figure.axes[0].lines[1:]] == pytest.approx(
         [1e-3 * x for x in within]

@@ -22,7 +22,7 @@ from rollslip.errors import OutputError, SceneError
 from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip.results.table import sheet
-from rollslip.results.words import two
+from rollslip.results.words import two_digits
 from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
 from rollslip.units import quantity
@@ -179,7 +179,7 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
         float(found.quantile_value.sel(quantity="limit drag torque", probability=0.5)), rel=1e-11
     )
     printed, decides = account_of(found).tables(found)
-    assert f"at least {two(away['with probability 0.9'])}" in next(
+    assert f"at least {two_digits(away['with probability 0.9'])}" in next(
         row for row in printed.rows if "skidding" in row[0]
     )
     ranks = found.rank_correlation.sel(acted="slip at which skidding begins").to_numpy()
@@ -348,7 +348,7 @@ def test_rollers_that_do_not_drive_the_cage_allow_no_slip(tmp_path, monkeypatch)
 
 
 def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
-    monkeypatch.setattr(allowable, "_FIRST", 64)
+    monkeypatch.setattr(allowable, "_FIRST_BATCH", 64)
 
     def points(sweep, folder):
         n = len(sweep.only)
@@ -361,7 +361,7 @@ def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
 
 
 def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_path, monkeypatch):
-    monkeypatch.setattr(allowable, "_FIRST", 16)
+    monkeypatch.setattr(allowable, "_FIRST_BATCH", 16)
 
     def points(sweep, folder):
         n = len(sweep.only)
@@ -415,7 +415,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
 
 @pytest.mark.slow
 def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(allowable, "_FIRST", 32)
+    monkeypatch.setattr(allowable, "_FIRST_BATCH", 32)
     options = {"samples": 48, "probability": 0.95}
     made = UncertaintySettings(uncertain(**ALPHA), **options).plan()
     whole = run_margin(made, tmp_path / "whole")
@@ -443,7 +443,7 @@ def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, mon
 
 @pytest.mark.slow
 def test_batches_end_when_the_interval_is_narrow_enough(monkeypatch):
-    monkeypatch.setattr(allowable, "_FIRST", 32)
+    monkeypatch.setattr(allowable, "_FIRST_BATCH", 32)
     wide = uncertainty(uncertain(**ALPHA), samples=256, probability=0.8, until=0.5)
     assert list(wide.batch_samples.values) == [32]
     assert wide.sizes["sample"] == 32

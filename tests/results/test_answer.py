@@ -33,7 +33,7 @@ from rollslip.results.answer import (
     judged,
     merged,
 )
-from rollslip.results.words import percent, rounded_up
+from rollslip.results.words import format_rounded_up, percent
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
 
 SAFE = {"slip": 0.01, "band": (0.004, 0.03), "reserve": (8.0, 8.0)}
@@ -287,10 +287,10 @@ def test_commands_that_are_named_next_work_as_pasted(ran):
     first, *_ = said["answer"]["next"]
     assert (
         first
-        == f"rollslip run {folder / 'my.toml'} --set operation.radial_load='{rounded_up(least, 'kN')}'"
+        == f"rollslip run {folder / 'my.toml'} --set operation.radial_load='{format_rounded_up(least, 'kN')}'"
     )
     done = CliRunner().invoke(
-        cli, ["run", str(folder / "my.toml"), "--set", f"operation.radial_load={rounded_up(least, 'kN')}",
+        cli, ["run", str(folder / "my.toml"), "--set", f"operation.radial_load={format_rounded_up(least, 'kN')}",
               "--no-plots", "--out", str(folder / "at-least")]
     )  # fmt: skip
     assert done.exit_code == 0

@@ -23,7 +23,7 @@ from rollslip.results.curves import percent
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 from rollslip.results.style import on_dark
-from rollslip.results.words import REST, counted
+from rollslip.results.words import OTHER_BOUNDS, describe_more_bounds
 from rollslip.scene import resolved
 from rollslip.scene.reading import load_scene
 from rollslip_studies.effective_friction.study import EffectiveFriction
@@ -269,7 +269,7 @@ def test_bounds_of_less_consequence_are_folded_below_the_warnings(results, figur
         for k in range(1, 7)
     ]  # fmt: skip
     warnings = json.dumps(
-        ["mind the load", *(f"sentence {k}" for k in range(1, 6)), f"{REST} small: short 6"]
+        ["mind the load", *(f"sentence {k}" for k in range(1, 6)), f"{OTHER_BOUNDS} small: short 6"]
     )
     said = provenance() | {"warnings": warnings, "validity": json.dumps({"told": told})}
     page = written(results, figures, tmp_path, **said)
@@ -284,7 +284,7 @@ def test_bounds_of_less_consequence_are_folded_below_the_warnings(results, figur
     ]
     assert re.findall("<li>(.*?)</li>", folded) == ["sentence 4", "sentence 5", "sentence 6"]
     assert "<summary>3 more bounds of laws are left" in folded
-    assert counted(["short 1"]).startswith("1 more bound of a law is left, ")
+    assert describe_more_bounds(["short 1"]).startswith("1 more bound of a law is left, ")
 
 
 class Page(HTMLParser):

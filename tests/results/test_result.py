@@ -15,7 +15,7 @@ from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.planning.execution import compute, execute
 from rollslip.results.dataset import VOLATILE, save
-from rollslip.results.words import in_python
+from rollslip.results.words import python_call
 
 COARSE = {
     "accuracy.slices": 5,
@@ -96,7 +96,7 @@ def test_what_is_next_runs_in_python_where_the_scene_has_no_file(
     )
     heavier = eval(first, {"rollslip": rollslip, "scene": scene})
     assert heavier.answer["cage_slip"].value < result.answer["cage_slip"].value
-    report = in_python("rollslip run {scene} --study steady-slip --report")
+    report = python_call("rollslip run {scene} --study steady-slip --report")
     assert (
         eval(report, {"rollslip": rollslip, "scene": scene})
         .read_text(encoding="utf-8")

@@ -6,7 +6,13 @@ import math
 import pytest
 
 import rollslip
-from rollslip.results.words import confidence, rounded_up, runs_at, two, warned
+from rollslip.results.words import (
+    collect_warnings,
+    confidence,
+    describe_running,
+    format_rounded_up,
+    two_digits,
+)
 
 RUNS = "with the drags of the scene the cage runs at a slip of"
 SCENE = rollslip.evolve(
@@ -62,8 +68,8 @@ def results():
     ],
 )
 def test_how_a_cage_runs_is_told_with_what_it_could_carry(slip, reserve, status, said):
-    assert runs_at(slip, 0.4, reserve, status) == said
-    assert runs_at(slip, math.nan, math.nan, "not known").startswith(said.split(",")[0])
+    assert describe_running(slip, 0.4, reserve, status) == said
+    assert describe_running(slip, math.nan, math.nan, "not known").startswith(said.split(",")[0])
 
 
 def test_confidence_is_the_error_of_an_approximation_and_the_quality_of_the_data(results):
@@ -89,7 +95,7 @@ def test_confidence_is_the_error_of_an_approximation_and_the_quality_of_the_data
     ],
 )
 def test_numbers_have_two_digits_and_no_exponent(value, said):
-    assert two(value) == said
+    assert two_digits(value) == said
 
 
 @pytest.mark.parametrize(
@@ -103,23 +109,23 @@ def test_numbers_have_two_digits_and_no_exponent(value, said):
     ],
 )
 def test_a_load_is_rounded_to_one_that_is_no_less(load, unit, said):
-    assert rounded_up(load, unit) == said
+    assert format_rounded_up(load, unit) == said
 
 
 def test_warnings_of_a_result_without_a_record_are_all_told(results):
     old = results["effective-friction"].assign_attrs(
         warnings='["mind the load", "and the oil"]', validity=""
     )
-    assert warned([old, old]) == (["mind the load", "and the oil"], [])
+    assert collect_warnings([old, old]) == (["mind the load", "and the oil"], [])
 
 
 def test_an_answer_tells_bounds_of_laws_itself_and_all_other_warnings_stay(results):
     dataset = results["effective-friction"]
-    told, more = warned([dataset])
+    told, more = collect_warnings([dataset])
     more_warnings = json.dumps([*json.loads(dataset.attrs["warnings"]), "mind the load"])
     assert told
     assert more
-    others, none = warned([dataset.assign_attrs(warnings=more_warnings)], laws=False)
+    others, none = collect_warnings([dataset.assign_attrs(warnings=more_warnings)], laws=False)
     assert none == []
     assert others[-1] == "mind the load"
     bounds = {one["text"] for one in json.loads(dataset.attrs["validity"])["told"]}

@@ -10,7 +10,7 @@ import pytest
 from registrations import registrations_rolled_back
 from rollslip import evolve, load_scene, plot, register
 from rollslip.errors import PluginError
-from rollslip.results.words import of_laws
+from rollslip.results.words import describe_law_outputs
 from rollslip_kernels.slices import Slices
 from rollslip_plugins.traction.eyring import Muraki
 from without_bands import run
@@ -71,7 +71,7 @@ def test_points_of_a_friction_curve_have_them(scene):
         "friction-curve-asperity-share",
         "friction-curve-heating",
     ]
-    first, *_ = of_laws(found)
+    first, *_ = describe_law_outputs(found)
     assert first.startswith("share of the load that asperities carry by 'sharing', 200 N: 0.")
 
 
@@ -94,7 +94,7 @@ def test_a_steady_slip_has_them_for_each_ring(scene):
 def test_without_such_laws_a_result_has_nothing_of_them():
     found = run(evolve(load_scene("1032930-70C"), QUICK), "friction-curve")
     assert not [name for name, variable in found.variables.items() if "law" in variable.attrs]
-    assert of_laws(found) == []
+    assert describe_law_outputs(found) == []
 
 
 def test_a_column_that_slices_do_not_have_is_refused_when_it_is_registered():

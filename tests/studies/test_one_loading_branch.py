@@ -103,7 +103,9 @@ def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
     bearing = few(HARD[name])
     (steady, *_) = SteadySlip().steady(bearing)[1]
     load = bearing.scene.operation.radial_load
-    found, _ = SteadySlip(acceptable_slip=steady.slip).partial_result(bearing, frozenset({"minimum_load"}))
+    found, _ = SteadySlip(acceptable_slip=steady.slip).partial_result(
+        bearing, frozenset({"minimum_load"})
+    )
     assert found["minimum_load"][1] == pytest.approx(load, rel=2e-4)  # it is found to 1e-4
 
 

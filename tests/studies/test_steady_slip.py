@@ -25,7 +25,7 @@ from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.results.accounts import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures, styled
-from rollslip.results.words import Status, two
+from rollslip.results.words import Status, two_digits
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.units import format_quantity, quantity
@@ -801,7 +801,7 @@ def test_findings_and_figures_tell_the_same(tmp_path, followed):
         f"{slip}, {held}".encode() for slip, held in zip(slips, ("held", "not held"), strict=True)
     ]
     assert any(all(state in file for state in states) for file in first)
-    assert f"limit drag torque, {two(float(found.limit_drag))} N m".encode() in first[0]
+    assert f"limit drag torque, {two_digits(float(found.limit_drag))} N m".encode() in first[0]
 
 
 def test_no_roller_loaded_on_the_inner_ring_is_refused():
@@ -879,13 +879,13 @@ def test_slips_over_load_have_the_minimum_loads_and_say_which_are_beyond_the_axi
             "steady-slip-radial-load"
         ]
         said = [text.get_text().replace("\n", " ") for text in figure.legends[0].get_texts()]
-    assert f"minimum load {two(1e-3 * float(found.minimum_load))} kN" in said
+    assert f"minimum load {two_digits(1e-3 * float(found.minimum_load))} kN" in said
     known = {
         str(maker): 1e-3 * float(load)
         for maker, load in zip(found.maker, found.makers_minimum_load, strict=True)
     }
     for maker, load in known.items():
-        words = f"catalogue minimum load, {maker} {two(load)} kN"
+        words = f"catalogue minimum load, {maker} {two_digits(load)} kN"
         ours = [text for text in said if text.startswith(words)]
         assert (
             ours == []

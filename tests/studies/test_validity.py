@@ -24,7 +24,7 @@ from rollslip.cli.models import models_as_dict
 from rollslip.errors import DomainError
 from rollslip.models import ISOTHERMAL, FilmModel, SliceModel, Tabled, TractionModel, Validity
 from rollslip.planning.execution import warnings
-from rollslip.results.words import warned as together
+from rollslip.results.words import collect_warnings as together
 from rollslip.studies.validity import (
     APPROXIMATION,
     Difference,
@@ -72,7 +72,9 @@ def test_a_bound_is_told_with_its_error_up_to_three_times_beyond_it(bound, told)
 def test_every_bound_of_the_box_has_a_code_of_its_own():
     root = Path(__file__).parents[2]
     codes = Counter()
-    interfaces = [root / "framework/rollslip/models" / name for name in ("stages.py", "validity.py")]
+    interfaces = [
+        root / "framework/rollslip/models" / name for name in ("stages.py", "validity.py")
+    ]
     places = [*interfaces, *(root / "plugins/rollslip_plugins").rglob("*.py")]
     for path in places:
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

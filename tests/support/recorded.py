@@ -27,7 +27,7 @@ from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import aligned
 from rollslip.results.figures import plot
 from rollslip.results.former_names import with_present_names
-from rollslip.results.words import confidence, counted, warned
+from rollslip.results.words import collect_warnings, confidence, describe_more_bounds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,7 +111,7 @@ def told(dataset: "xr.Dataset") -> str:
     account = account_of(dataset)
     answer = answer_of(dataset)
     said = account.lines(dataset)
-    (first, bounds) = warned([dataset])
+    (first, bounds) = collect_warnings([dataset])
     others = [
         text for texts in account.topics(dataset).values() for text in texts if text not in said
     ]
@@ -121,7 +121,7 @@ def told(dataset: "xr.Dataset") -> str:
         "topics": [", ".join(account.topics(dataset)), *others],
         "warned": [
             *first,
-            *([counted(bounds)] if bounds else []),
+            *([describe_more_bounds(bounds)] if bounds else []),
             *filter(None, [confidence([dataset])]),
         ],
     }

@@ -331,13 +331,15 @@ class Results:
 
         Without ``laws`` those of laws outside their range are not among them: an answer has them as notes.
         """
-        from rollslip.results.words import counted, warned
+        from rollslip.results.words import collect_warnings, describe_more_bounds
 
-        first, more = warned(datasets, laws=laws)
+        first, more = collect_warnings(datasets, laws=laws)
         warn(first)
         if more:
             warn(
-                [f"{counted(more)}; rollslip info of the .nc files in {self.target} tells of each"]
+                [
+                    f"{describe_more_bounds(more)}; rollslip info of the .nc files in {self.target} tells of each"
+                ]
             )
         click.echo(f"written to {self.target}: {', '.join(self.files)}")
 

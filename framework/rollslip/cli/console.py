@@ -20,7 +20,7 @@ from rollslip.cli.app import terminal
 from rollslip.cli.units import with_units
 from rollslip.results.accounts import account_of
 from rollslip.results.answer import COLOURS, Answer
-from rollslip.results.words import confidence, first_line, describe_law_outputs
+from rollslip.results.words import confidence, describe_law_outputs, first_line
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import scene_hash
@@ -201,7 +201,11 @@ def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> None:
     """Print of each study all that it found with errors and times, or only which errors are more than asked for."""
     for dataset in datasets:
         if whole or missed_errors(dataset):
-            found = [*account_of(dataset).lines(dataset), *describe_law_outputs(dataset)] if whole else []
+            found = (
+                [*account_of(dataset).lines(dataset), *describe_law_outputs(dataset)]
+                if whole
+                else []
+            )
             click.echo(
                 "\n  ".join((f"{dataset.attrs['study']}:", *found, accuracy_and_time(dataset)))
             )

@@ -187,9 +187,9 @@ def run(
     from rollslip.planning.verification import verify as verified
     from rollslip.results.accounts import answer
     from rollslip.results.dataset import save
-    from rollslip.results.words import IN_ROWS, confidence
+    from rollslip.results.words import CATALOGUE_LOAD_WARNING, confidence
 
-    made = plan(scene_of(scene, changes, later=IN_ROWS), study)
+    made = plan(scene_of(scene, changes, later=CATALOGUE_LOAD_WARNING), study)
     if verbose and not results.as_json:
         click.echo(console.headline(made))
     own = own_cage(made.scene, made.studies)  # which the answer tells among what is assumed

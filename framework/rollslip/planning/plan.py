@@ -265,8 +265,7 @@ def plan(
     }
     studies = {name: one.at(choices[name].resolution) for name, one in studies.items()}
     assemblies = {
-        name: stated.at(one.resolution).with_bounds(*one.left_out)
-        for name, one in choices.items()
+        name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in choices.items()
     }
     made = Plan(
         scene=scene,

@@ -14,7 +14,7 @@ import attrs
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.results.answer import Answer
-from rollslip.results.words import capital
+from rollslip.results.words import capitalise
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,7 +84,7 @@ class Account:
 
     def paragraph(self, dataset: "xr.Dataset") -> str:
         """Return all that is said as one text, for those who cannot see the figures."""
-        return " ".join(f"{capital(text)}." for text in self.sentences(dataset))
+        return " ".join(f"{capitalise(text)}." for text in self.sentences(dataset))
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:

@@ -19,7 +19,7 @@ from rollslip.results.account import Account, Contact, Figures
 from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
 from rollslip.results.curves import critical_rows, curves
 from rollslip.results.dataset import OTHERWISE, shown_short
-from rollslip.results.words import LOWER_BOUNDS, percent, places, single_values
+from rollslip.results.words import LOWER_BOUNDS, percent, single_value_indices, single_values
 from rollslip.scene.reading import shipped_scenes
 from rollslip.units import expect_results
 
@@ -84,7 +84,7 @@ class PlainAccount(Account):
         """Return critical slip, largest friction and status of each curve, and every single value."""
         singles: dict[str, Any] = {}
         for name in map(str, dataset.data_vars):
-            for _, at in places(dataset, name):
+            for _, at in single_value_indices(dataset, name):
                 value = dataset[name].isel(at).item()
                 value = None if isinstance(value, float) and not math.isfinite(value) else value
                 if at:

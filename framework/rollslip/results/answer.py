@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 
 from rollslip.results.curves import or_none
-from rollslip.results.words import force_unit, in_python, percent, plain, two
+from rollslip.results.words import force_unit, format_plain, percent, python_call, two_digits
 from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:
@@ -144,7 +144,9 @@ def _matters(name: str, before: float, after: float) -> bool:
 def _shown(name: str, value: float) -> str:
     if name == "slip":
         return f"slip {percent(value)}" if math.isfinite(value) else "it skids"
-    return f"{name} {two(value) if value > 0.0 else 'none'}" + " N m" * (name == "friction torque")
+    return f"{name} {two_digits(value) if value > 0.0 else 'none'}" + " N m" * (
+        name == "friction torque"
+    )
 
 
 @attrs.frozen(kw_only=True)
@@ -365,7 +367,7 @@ def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
         return answer
     answer = judged(answer)
     texts = (commands or {}).get(answer.verdict, ())
-    told = [text.replace("{scene}", scene) if scene else in_python(text) for text in texts]
+    told = [text.replace("{scene}", scene) if scene else python_call(text) for text in texts]
     return attrs.evolve(answer, next=tuple(told))
 
 
@@ -391,7 +393,7 @@ def judged(answer: Answer) -> Answer:
         words = f"whether it {rule.verdict.lower()} is not known: no {lacks}"
         words = words if lacks else f"whether it is {rule.words} is not known"
     per_cent = {"acceptable": 100.0 * answer.acceptable, "twice": 200.0 * answer.acceptable}
-    words = words.format(**{name: f"{plain(value)} %" for name, value in per_cent.items()})
+    words = words.format(**{name: f"{format_plain(value)} %" for name, value in per_cent.items()})
     rows = answer.rows
     if not any(row.key == "cage_slip" for row in rows):
         rows = (Row(key="cage_slip", label="cage slip", text="not computed"), *rows)
@@ -461,7 +463,10 @@ def case_of(dataset: "xr.Dataset") -> tuple[str, ...]:
     speed = f"{inner:.0f} rpm" + (f" (outer ring {outer:.0f} rpm)" if outer else "")
     (unit, size) = force_unit(operation["radial_load"])
     load = operation["radial_load"]
-    last = f"{plain(load * size)} {unit}", f"{plain(operation['temperature'] - 273.15)} °C"
+    last = (
+        f"{format_plain(load * size)} {unit}",
+        f"{format_plain(operation['temperature'] - 273.15)} °C",
+    )
     return tuple(filter(None, (named[0] if named else a.get("source", ""), oil, speed, *last)))
 
 
@@ -493,14 +498,16 @@ def _quantity(one: Mapping[str, Any]) -> str:
         called = (
             f"drag {table}" if name == "factor" else name.removesuffix("_factor").replace("_", " ")
         )
-        return f"{called} x {two(ends[0])} to {two(ends[1])}"
+        return f"{called} x {two_digits(ends[0])} to {two_digits(ends[1])}"
     called = name.replace("_", " ")
     unit = shown_unit(max(map(abs, ends)), one["unit"] or "1")
     low, high = (converted(end, one["unit"], unit) for end in ends)
     if low > 0.0 and high < 1e-3:  # a number that nobody reads: by what it is multiplied
-        return f"{called} x {two(math.sqrt(low / high))} to {two(math.sqrt(high / low))}"
+        return (
+            f"{called} x {two_digits(math.sqrt(low / high))} to {two_digits(math.sqrt(high / low))}"
+        )
     return (
-        f"{called} {two(low)} to {two(high)} {unit}".rstrip()
+        f"{called} {two_digits(low)} to {two_digits(high)} {unit}".rstrip()
         if max(abs(low), abs(high)) > 1e-3
         else called
     )

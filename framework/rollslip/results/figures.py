@@ -19,7 +19,7 @@ from rollslip.results.curves import Curves
 from rollslip.results.dataset import open_result
 from rollslip.results.folder import take_in
 from rollslip.results.style import as_svg, save_figures, styled
-from rollslip.results.words import LAW, capital, warned
+from rollslip.results.words import LAW, capitalise, collect_warnings
 from rollslip.units import expect_results
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
     @property
     def warnings(self) -> tuple[str, ...]:
         """What a reader has to know, in sentences, each once; of laws the worst, of which `notes` has all."""
-        return tuple(warned(self.complete().values())[0])
+        return tuple(collect_warnings(self.complete().values())[0])
 
     @property
     def figures(self) -> "Figures":
@@ -289,6 +289,6 @@ def _drawn(result: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
                 caption = f"{about['long_name']} over slip, by {about[LAW]!r}."
                 yield (
                     f"{account.name}-{name}".replace("_", "-"),
-                    capital(caption),
+                    capitalise(caption),
                     over_slip(result, str(name)),
                 )

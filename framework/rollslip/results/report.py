@@ -40,12 +40,12 @@ from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
 from rollslip.results.style import GROUND, INK, adapting
 from rollslip.results.words import (
-    capital,
+    capitalise,
+    collect_warnings,
     confidence,
-    counted,
+    describe_law_outputs,
+    describe_more_bounds,
     html_table,
-    of_laws,
-    warned,
     with_unit,
 )
 from rollslip.scene.schema import rows_of, schema
@@ -185,14 +185,14 @@ def _answered(first: Answer, lead: str, datasets: "Datasets") -> str:
 
 def _warnings(datasets: "Datasets") -> str:
     """Those of most consequence, and all others folded below."""
-    first, more = warned(datasets.values())
+    first, more = collect_warnings(datasets.values())
     if not more:
         return _list(first)
     body = ""
     for heading, judged in _per_study(datasets, "validity"):
         if rest := [one["text"] for one in judged.get("told", ()) if one["text"] not in first]:
             body += heading + _list(rest)
-    summary = counted(more).partition(":")[0]
+    summary = describe_more_bounds(more).partition(":")[0]
     return f"{_list(first)}<details>{_tag('summary', summary)}{body}</details>"
 
 
@@ -200,7 +200,9 @@ def _findings(datasets: "Datasets") -> str:
     body = ""
     for name, dataset in datasets.items():
         if told := "".join(
-            _told(part) for part in (*account_of(dataset).story(dataset), of_laws(dataset)) if part
+            _told(part)
+            for part in (*account_of(dataset).story(dataset), describe_law_outputs(dataset))
+            if part
         ):
             body += _tag("h3", name) + told
     sure = confidence(datasets.values())
@@ -209,11 +211,11 @@ def _findings(datasets: "Datasets") -> str:
 
 def _told(part: str | list[str] | Table) -> str:
     if isinstance(part, Table):
-        return html_table(part.head, part.rows, capital(part.caption))
+        return html_table(part.head, part.rows, capitalise(part.caption))
     return (
-        _tag("p", capital(part))
+        _tag("p", capitalise(part))
         if isinstance(part, str)
-        else _list(f"{capital(text)}." for text in part)
+        else _list(f"{capitalise(text)}." for text in part)
     )
 
 

@@ -31,7 +31,7 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
-from rollslip.results.words import REPORTED_FROM, OTHER_BOUNDS
+from rollslip.results.words import OTHER_BOUNDS, REPORTED_FROM
 from rollslip.studies.answers import LoadedSlices
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices

@@ -35,8 +35,8 @@ from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import origin, together
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import about
-from rollslip.results.words import counted, duration_range
-from rollslip.results.words import warned as of_consequence
+from rollslip.results.words import collect_warnings as of_consequence
+from rollslip.results.words import describe_more_bounds, duration_range
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import resolved, scene_hash
@@ -243,9 +243,7 @@ def _at_one_resolution(
 ) -> dict[str, Combination]:
     """Return the combinations with the slices and instants of the one that needs most, so that all have the same."""
     chosen = [
-        one.plan.choices[study].resolution
-        for one in combinations.values()
-        if one.plan is not None
+        one.plan.choices[study].resolution for one in combinations.values() if one.plan is not None
     ]
     planned = [one for one in chosen if one.n_positions is not None]
     if not planned:
@@ -479,7 +477,11 @@ def _origin(
         told, more = of_consequence([result])
         for warning in (
             *told,
-            *([f"{counted(more)}; rollslip run of the scene tells of each"] if more else []),
+            *(
+                [f"{describe_more_bounds(more)}; rollslip run of the scene tells of each"]
+                if more
+                else []
+            ),
         ):
             warned.setdefault(warning, []).append(label)
     largest = [

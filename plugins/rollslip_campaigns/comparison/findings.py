@@ -11,7 +11,7 @@ from rollslip.results.account import Account, Story, Table
 from rollslip.results.accounts import account_of
 from rollslip.results.curves import Curves, curve_names, or_none
 from rollslip.results.dataset import rows_along
-from rollslip.results.words import two
+from rollslip.results.words import two_digits
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -267,7 +267,11 @@ class AlternativesAccount(Account):
         for k, one in enumerate(rows_along(dataset, "alternative")):
             low = one["ratio_low"]
             high = one["ratio_high"]
-            ratio = "" if k == 0 or math.isnan(low) else f"{two(low)}\u00a0to\u00a0{two(high)}"
+            ratio = (
+                ""
+                if k == 0 or math.isnan(low)
+                else f"{two_digits(low)}\u00a0to\u00a0{two_digits(high)}"
+            )
             cells = rows.get(one["alternative"], {})
             verdict = one["verdict"] if one["alternative"] in rows else "failed"
             body.append(

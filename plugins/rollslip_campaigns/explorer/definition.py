@@ -8,7 +8,7 @@ import attrs
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import SceneError
-from rollslip.results.words import of_key
+from rollslip.results.words import short_label
 from rollslip.scene.changes import Quantity, unknown
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, shown_unit
@@ -112,7 +112,7 @@ def _dial(quantity: Quantity, text: str) -> Dial:
     now = quantity.value if isinstance(quantity.value, float) else 0.5 * (low + high)
     return Dial(
         key=quantity.key,
-        name=of_key(quantity.key),
+        name=short_label(quantity.key),
         unit=unit,
         shown=shown_unit(max(abs(low), abs(high)), unit),
         low=low,

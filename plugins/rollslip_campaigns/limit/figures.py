@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.results.style import DASHES, MODEL_COLOURS, Sheet, plain_decades, unit_label
-from rollslip.results.words import in_percent, of_key
+from rollslip.results.words import in_percent, short_label
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.limit.findings import headline, satisfied_spans
 from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
@@ -65,7 +65,7 @@ def over_searched(dataset: "xr.Dataset") -> "Figure":
     ):
         mark_loads(sheet, catalogue_loads(dataset), of_x)
     return sheet.done(
-        f"{_name(of_key(dataset.attrs['searched_key']))} [{unit_label(of_x)}]",
+        f"{_name(short_label(dataset.attrs['searched_key']))} [{unit_label(of_x)}]",
         f"{_name(dataset['result'].attrs['long_name'])} [{unit_label(of_y)}]",
         columns=3 if len(sheet.handles) <= 3 else 1,
     )

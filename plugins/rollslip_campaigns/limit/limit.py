@@ -282,7 +282,11 @@ def _resolution(
         begin = time.process_time()
         try:
             cost = sum(
-                study_class(study).from_scene(at).at(resolution).cost(assemble(at, resolution)).values()
+                study_class(study)
+                .from_scene(at)
+                .at(resolution)
+                .cost(assemble(at, resolution))
+                .values()
             )
         except RollslipError:
             continue

@@ -27,7 +27,7 @@ from rollslip.results.style import (
     seamless,
     unit_label,
 )
-from rollslip.results.words import in_percent, of_key
+from rollslip.results.words import in_percent, short_label
 from rollslip.search import Array
 from rollslip.units import UnitError, converted, shown_unit
 from rollslip_campaigns.sweep.findings import axes as axes_of
@@ -80,14 +80,16 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
             if "steady" in values.dims:
                 values = values.isel(steady=0)
                 said = said.replace(" over ", ", the smallest, over ")
-            caption = f"{said}{' and '.join(of_key(key_of[key]) for key in numbers)}; {_HATCHED}."
+            caption = (
+                f"{said}{' and '.join(short_label(key_of[key]) for key in numbers)}; {_HATCHED}."
+            )
             yield (
                 f"sweep-map{ending}",
                 caption,
                 _map(values, numbers, panels, [_given(dataset, key) for key in numbers]),
             )
         elif len(numbers) == 1 and values.notnull().any([*{*values.dims} - {numbers[0]}]).sum() > 1:
-            caption = f"{said}{of_key(key_of[numbers[0]])}{f', by {of_key(key_of[choices[0]])}' if choices else ''}."
+            caption = f"{said}{short_label(key_of[numbers[0]])}{f', by {short_label(key_of[choices[0]])}' if choices else ''}."
             loads = {}
             if key_of[numbers[0]] == "operation.radial_load" and in_percent(name, "1"):
                 least = (
@@ -145,7 +147,7 @@ def models_apart(dataset: "xr.Dataset") -> str:
         scatter = f"the middle half of {(~known).sum()} ends beyond the range"
     return (
         f"Cage slip at largest traction of the inner ring{resting(dataset)} for {len(quantiles)} choices of "
-        f"{of_key(key)}: median, middle half, and 5 to 95 % of the samples (100 % where they lie beyond the range, or "
+        f"{short_label(key)}: median, middle half, and 5 to 95 % of the samples (100 % where they lie beyond the range, or "
         f"their point failed): {spread}, {scatter}."
     )
 
@@ -311,7 +313,7 @@ def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
     """Values of what was varied and the label of their axis, in the unit in which they were asked for."""
     values = coordinate.to_numpy()
     (unit, given) = _units(coordinate)
-    name = of_key(str(coordinate.attrs.get("key", coordinate.name)))
+    name = short_label(str(coordinate.attrs.get("key", coordinate.name)))
     return converted(values, unit, given), f"{name[0].upper()}{name[1:]} [{unit_label(given)}]"
 
 

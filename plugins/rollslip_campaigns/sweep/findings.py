@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.dataset import STATUS_VARIABLE, UNITS
 from rollslip.results.table import sheet
-from rollslip.results.words import in_percent, plain, two, with_unit
+from rollslip.results.words import format_plain, in_percent, two_digits, with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -94,7 +94,7 @@ def point_table(of: Sheet, varied: Collection[str]) -> list[Table]:
     def told(value: object, name: str) -> str:
         if not isinstance(value, float):
             return "-" if value is None else str(value)
-        return plain(value) if name.partition(" [")[0] in varied else two(value)
+        return format_plain(value) if name.partition(" [")[0] in varied else two_digits(value)
 
     return [
         Table(

@@ -28,7 +28,7 @@ from rollslip.planning.plan import plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import describe_citations, describe_scene, origin
 from rollslip.results.dataset import STATUS_VARIABLE, about
-from rollslip.results.words import counted
+from rollslip.results.words import describe_more_bounds
 from rollslip.scene.changes import evolve, full_key
 from rollslip.studies import validity
 from rollslip.studies.error_estimate import errors_between
@@ -246,7 +246,7 @@ def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
         f"at {count[key]} of {len(numbers)} points checked: {worst[key].text}" for key in first
     ]
     if more := [f"{worst[key].short} at {count[key]} of them" for key in ranked[len(first) :]]:
-        found.append(counted(more))
+        found.append(describe_more_bounds(more))
     if found:
         which = (
             f"only {len(numbers)} of {len(sweep.numbers)} points were checked, which lie far apart"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.results.style import DASHES, MM, MODEL_COLOURS, SINGLE_COLUMN, Sheet, plain_decades
-from rollslip.results.words import of_key
+from rollslip.results.words import short_label
 from rollslip_campaigns.uncertainty.findings import (
     RESERVE,
     SKIDDING,
@@ -100,7 +100,7 @@ def _of_inputs(
     dataset: "xr.Dataset", order: Any, each: float, names: Any, label: str, bars: Any
 ) -> Sheet:
     """Draw a panel for each name, whose rows are what scatters, `each` so high [mm]; `bars` draws into one."""
-    keys = [of_key(str(key)) for key in dataset["input"].to_numpy()[order]]
+    keys = [short_label(str(key)) for key in dataset["input"].to_numpy()[order]]
     places = np.arange(order.size)
     size = 2 * SINGLE_COLUMN[0], (24 + each * len(keys)) * MM
     sheet = Sheet(size, 1, len(names), sharex=True, sharey=True, squeeze=False)

@@ -12,7 +12,7 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import UNITS, rows_along
 from rollslip.results.table import in_people_s_unit
-from rollslip.results.words import force, percent, plain, span, two
+from rollslip.results.words import format_force, format_plain, format_slip_band, percent, two_digits
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -77,16 +77,16 @@ class UncertaintyAccount(Account):
         rows = [
             Row(key="cage_slip", label="cage slip", value=slip, band=(low, high), known=_KNOWN, within=math.inf,
                 text=percent(slip) if math.isfinite(slip) else "skidding",
-                note=f"{span(low, high)}; median of {n} samples")
+                note=f"{format_slip_band(low, high)}; median of {n} samples")
             if not math.isnan(slip)
             else Row(key="cage_slip", label="cage slip", text="not found", note=_steady(dataset)),
             Row(key="drag_reserve", label="reserve to skidding", value=sure, band=(sure, math.inf), known=_KNOWN,
-                within=math.inf, text="not found" if math.isnan(sure) else f"at least {two(sure)}",
+                within=math.inf, text="not found" if math.isnan(sure) else f"at least {two_digits(sure)}",
                 note=f"with probability {p:g}; {percent(skids) if skids > 0.0 else 'none'} of the samples skid"),
         ]  # fmt: skip
         if LOAD in every and math.isfinite(load := _quantile(dataset, LOAD, p)[0]):
-            below = f"for a slip below {plain(100.0 * float(dataset.attrs['acceptable_slip']))} %"
-            rows.append(Row(key="minimum_load", label="minimum load", value=load, unit="N", text=force(load, load),
+            below = f"for a slip below {format_plain(100.0 * float(dataset.attrs['acceptable_slip']))} %"
+            rows.append(Row(key="minimum_load", label="minimum load", value=load, unit="N", text=format_force(load, load),
                             note=f"{below}, with probability {p:g}", within=math.inf))  # fmt: skip
         return Answer(rows=tuple(rows))
 
@@ -150,7 +150,7 @@ class UncertaintyAccount(Account):
         """Return a row for each quantity, those that people act on first, and one for each input."""
 
         def told(*values: float | None) -> str:
-            return " to ".join("-" if value is None else two(value) for value in values)
+            return " to ".join("-" if value is None else two_digits(value) for value in values)
 
         (head, rows), (inputs, ranks) = self.sheets(dataset).values()
         shown = [
@@ -344,7 +344,7 @@ def allowable(dataset: "xr.Dataset") -> str:
     if math.isnan(value):
         return f"the allowable slip is not known: none of {n} samples says where skidding begins"
     few = (
-        f"{n} samples are too few to tell how much less it may be, which takes {dataset.attrs['fewest_samples']} and "
+        f"{n} samples are too few to tell how much less it may be, which takes {dataset.attrs['min_samples']} and "
         "more where all points have a result"
     )
     if value == math.inf:

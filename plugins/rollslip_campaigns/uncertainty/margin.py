@@ -116,22 +116,22 @@ _OUTPUTS: Final = (
 
 @attrs.frozen(eq=False, kw_only=True)
 class Margin:
-    """What is asked for, as sweeps over the same uncertain data.
+    """The plan of an uncertainty campaign: sweeps over the same uncertain data.
 
     Attributes
     ----------
     critical : Sweep
-        Effective friction on all samples.
+        Study effective-friction for all samples.
     load : Sweep or None
-        Least radial loads on the first of them; None without an acceptable slip.
+        Minimum radial loads for the first samples; None without an acceptable slip.
     varied : Sweep or None
-        Effective friction on Saltelli's design, for Sobol indices; None if they are not asked for.
+        Study effective-friction on Saltelli's design, for Sobol indices; None if these are not requested.
     probability : float
-        With which the slip is to be below that of running away.
+        Probability with which the slip is to be below the one at which skidding begins.
     until : float or None
-        Half width of the interval of the allowable slip at which batches end.
+        Half width of the interval of the allowable slip at which batches end; None if all samples are computed.
     scatter : tuple of str
-        What oil and bearing say of their scatter, if that is what the samples are of.
+        Scatter that oil, bearing and models declare, in sentences, if the samples are drawn from it.
     """
 
     critical: Sweep
@@ -143,32 +143,42 @@ class Margin:
 
     @property
     def sweeps(self) -> dict[str, Sweep]:
-        """Sweeps that are asked for, by the name of their folder."""
-        named = {"critical": self.critical, "load": self.load, "indices": self.varied}
-        return {name: one for name, one in named.items() if one is not None}
+        """Sweeps of the plan, by the name of their folder."""
+        sweeps = {"critical": self.critical, "load": self.load, "indices": self.varied}
+        return {name: sweep for name, sweep in sweeps.items() if sweep is not None}
 
     @property
     def unusual(self) -> tuple[str, ...]:
-        """What is unusual of the values that scatter."""
+        """Warnings of uncertain values that are implausible."""
         return self.critical.unusual
 
     @property
     def told(self) -> list[str]:
-        """What is sampled, and what it costs, in words."""
-        planned = dict.fromkeys(f"  {line}" for one in self.sweeps.values() for line in one.planned)
+        """Lines that describe what is sampled, and an estimate of its cost."""
+        planned = dict.fromkeys(
+            f"  {line}" for sweep in self.sweeps.values() for line in sweep.planned
+        )
         cost = (
-            f"  {name}: {duration_range(of)} of one core"
-            for name, of in expected_seconds(self).items()
+            f"  {name}: {duration_range(seconds)} of one core"
+            for name, seconds in expected_seconds(self).items()
         )
         return [self.critical.headline, *planned, *cost]
 
     @property
     def confidence(self) -> float:
-        """Confidence with which intervals of quantiles are made, so that they hold with 95 %."""
+        """Confidence with which intervals of quantiles are computed, so that they hold with 95 %."""
         return CONFIDENCE if self.until is None else STOPPING_CONFIDENCE
 
     def quantile(self, values: Array, probability: float) -> Estimate:
-        """Return a quantile of samples."""
+        """Return a quantile of samples with its interval.
+
+        Parameters
+        ----------
+        values : ndarray of float, (n,)
+            Samples of one quantity; NaN where unknown, infinite where beyond a range.
+        probability : float
+            Probability of the quantile.
+        """
         return quantile(values, probability, replicates=REPLICATES, confidence=self.confidence)
 
 
@@ -179,11 +189,19 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
     until = requested.until
     indices = requested.indices
     samples = (
-        requested.samples if requested.samples is not None else _DEFAULT_SAMPLES if until is None else _MAX_SAMPLES
+        requested.samples
+        if requested.samples is not None
+        else _DEFAULT_SAMPLES
+        if until is None
+        else _MAX_SAMPLES
     )
     stated = "acceptable_slip" in scene.study.get(SteadySlip.name, {})
     loads = (
-        requested.loads if requested.loads is not None else min(_DEFAULT_LOADS, samples) if stated else 0
+        requested.loads
+        if requested.loads is not None
+        else min(_DEFAULT_LOADS, samples)
+        if stated
+        else 0
     )
     problems = []
     if not 0.5 <= probability < 1.0:
@@ -213,15 +231,70 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
     friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
     balance = {"study": SteadySlip.name, "output": ["minimum_load"], **shared}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
-    if critical.design.axes:
-        keys = ", ".join(axis.key for axis in critical.design.axes)
+    _check_design(critical, requested.indices)
+    requested_engine(critical)  # an unusable engine is refused before a folder is made
+    return Margin(
+        critical=critical,
+        load=plan_sweep(scene, samples=loads, sampling="replicated-sobol", **balance)
+        if loads
+        else None,
+        varied=plan_sweep(scene, samples=requested.indices, sampling="saltelli", **friction)
+        if requested.indices
+        else None,
+        probability=requested.probability,
+        until=requested.until,
+        scatter=scatter,
+    )
+
+
+def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
+    """Number of all samples, and of those of the minimum load, by default where they are not given."""
+    samples = requested.samples
+    if samples is None:
+        samples = _DEFAULT_SAMPLES if requested.until is None else _MAX_SAMPLES
+    loads = requested.loads
+    if loads is None:
+        has_acceptable_slip = "acceptable_slip" in requested.given.study.get(SteadySlip.name, {})
+        loads = min(_DEFAULT_LOADS, samples) if has_acceptable_slip else 0
+    return samples, loads
+
+
+def _faults(requested: "UncertaintySettings", samples: int, loads: int) -> list[str]:
+    """Messages on settings that are out of their range."""
+    probability = requested.probability
+    until = requested.until
+    indices = requested.indices
+    problems = []
+    if not 0.5 <= probability < 1.0:
+        problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
+    if until is not None and not until > 0.0:
+        problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
+    if loads > samples:
+        problems.append(
+            f"loads: the samples of the minimum load are the first of all {samples}, not {loads}"
+        )
+    if indices and (indices < 4 or indices & (indices - 1)):
+        problems.append(
+            f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}"
+        )
+    if not EffectiveFriction.of(requested.given).skidding_range:
+        problems.append(
+            f"study.{EffectiveFriction.name}.skidding_range: a range is needed, such as 0.95, not 0"
+        )
+    return problems
+
+
+def _check_design(sweep: Sweep, indices: int) -> None:
+    """Refuse axes, which are several bearings, and Sobol indices of correlated inputs."""
+    if sweep.design.axes:
+        keys = ", ".join(axis.key for axis in sweep.design.axes)
         raise SceneError(
             [
                 f"sweep.over: {keys} is swept, but margins are of one bearing; take rollslip sweep run"
             ]
         )
     if indices and np.any(
-        critical.uncertainty.correlation != np.eye(len(critical.uncertainty.distributions))
+        sweep.uncertainty.correlation != np.eye(len(sweep.uncertainty.distributions))
     ):
         raise SceneError(
             [
@@ -229,28 +302,15 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
                 "the indices, or the correlations"
             ]
         )
-    requested_engine(critical)  # refused before a folder is made
-    return Margin(
-        critical=critical,
-        load=plan_sweep(scene, samples=loads, sampling="replicated-sobol", **balance)
-        if loads
-        else None,
-        varied=plan_sweep(scene, samples=indices, sampling="saltelli", **friction)
-        if indices
-        else None,
-        probability=probability,
-        until=until,
-        scatter=scatter,
-    )
 
 
 def expected_seconds(plan: Margin) -> dict[str, float]:
-    """Return the time [s] of one core that each sweep needs, if all its points are like the scene without scatter.
+    """Return an estimate of the time [s] of one core for each sweep, from the time of the scene without scatter.
 
-    With ``until`` those of running away are the most that there may be.
+    With ``until`` the estimate of sweep "critical" is an upper bound, for the maximum number of samples.
     """
     return {
-        # the first time imports, and makes what samples share
+        # two runs: the first one includes imports, and what all samples share
         name: len(sweep.numbers)
         * min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
         for name, sweep in plan.sweeps.items()
@@ -264,67 +324,91 @@ def run_margin(
     said: Callable[[str], None] = lambda text: None,
     report: Callable[[Progress], None] = lambda progress: None,
 ) -> "xr.Dataset":
-    """Compute what a margin needs, or what is left of it, in its folder, and write the result there."""
+    """Compute the samples that the folder does not have yet, estimate the distributions and save them in the folder.
+
+    Parameters
+    ----------
+    plan : Margin
+        The sweeps and the requested probability.
+    folder : Path
+        Folder of the sweeps and of the result; a run with the same plan continues there.
+    said : callable
+        Takes a line of text on the progress.
+    report : callable
+        Takes the progress of the sweep that is computed.
+
+    Returns
+    -------
+    xarray.Dataset
+        As described in `rollslip_campaigns.uncertainty.UncertaintySettings`; NaN is unknown, infinite beyond a range.
+    """
     from rollslip.results.dataset import save
 
     folder.mkdir(parents=True, exist_ok=True)
-    every = {
-        name: Points.of(one, folder / name, lambda text, name=name: said(f"{name}: {text}"), report)  # type: ignore[misc]
-        for name, one in plan.sweeps.items()
+    points_of = {
+        name: Points.of(
+            sweep, folder / name, lambda text, name=name: said(f"{name}: {text}"), report
+        )  # type: ignore[misc]
+        for name, sweep in plan.sweeps.items()
     }
 
-    def computed(name: str, count: int | None = None) -> "xr.Dataset":
+    def compute_samples(name: str, count: int | None = None) -> "xr.Dataset":
         numbers = None if count is None else range(count)
-        every[name].compute(numbers)
-        return every[name].collected(numbers).isel(sample=slice(count))
+        points_of[name].compute(numbers)
+        return points_of[name].collected(numbers).isel(sample=slice(count))
 
     batches = list[tuple[int, Estimate]]()
     total = len(plan.critical.design.samples)
     count = min(_FIRST_BATCH, total)
-    # where no interval ends them all are computed in one run, for which workers start once
-    whole = computed("critical", total) if plan.until is None else None
+    # without `until` all samples are computed in one run, for which workers start once
+    all_samples = compute_samples("critical", total) if plan.until is None else None
     while True:
-        critical = computed("critical", count) if whole is None else whole.isel(sample=slice(count))
-        allowed = plan.quantile(friction_samples(critical)[SKIDDING], 1.0 - plan.probability)
-        batches.append((count, allowed))
-        said(f"{count} samples: {_so_far(allowed)}")
-        # more samples make no end known that lies beyond the range
+        if all_samples is None:
+            critical = compute_samples("critical", count)
+        else:
+            critical = all_samples.isel(sample=slice(count))
+        allowable = plan.quantile(friction_samples(critical)[SKIDDING], 1.0 - plan.probability)
+        batches.append((count, allowable))
+        said(f"{count} samples: {_describe_allowable(allowable)}")
+        # a bound beyond the range stays there, however many samples there are
         if count == total or (
-            plan.until is not None and (allowed.low == math.inf or allowed.half_width <= plan.until)
+            plan.until is not None
+            and (allowable.low == math.inf or allowable.half_width <= plan.until)
         ):
             break
         count = min(2 * count, total)
     points = {"critical": critical}
     if plan.load is not None:
-        points["load"] = computed("load", min(len(plan.load.design.samples), count))
+        points["load"] = compute_samples("load", min(len(plan.load.design.samples), count))
     if plan.varied is not None:
-        points["indices"] = computed("indices")
+        points["indices"] = compute_samples("indices")
     dataset = _dataset(plan, batches, points)
     save(dataset, folder / RESULT)
     return dataset
 
 
-def _so_far(allowed: Estimate) -> str:
-    """Tell an allowable slip of some samples in short, on whichever side of its range its ends are."""
-    if math.isnan(allowed.value):
+def _describe_allowable(allowable: Estimate) -> str:
+    """Allowable slip and its interval in one short line, whether or not its bounds lie in the range."""
+    if math.isnan(allowable.value):
         return "none has a result"
-    value, low, high = (f"{100.0 * end:.4g} %" for end in attrs.astuple(allowed))
-    if allowed.value == math.inf:
+    value, low, high = (f"{100.0 * slip:.4g} %" for slip in attrs.astuple(allowable))
+    if allowable.value == math.inf:
         value = "beyond the range"
-    if allowed.low == -math.inf:
+    if allowable.low == -math.inf:
         return f"allowable slip {value}, too few for the low end of its interval"
-    if allowed.high == math.inf:
-        low = "beyond the range" if allowed.low == math.inf else low
+    if allowable.high == math.inf:
+        low = "beyond the range" if allowable.low == math.inf else low
         return f"allowable slip {value}, 95 %: from {low} on"
     return f"allowable slip {value}, 95 %: {low} to {high}"
 
 
-# What the samples say ------------------------------------------------------------------------------------------------
+# Estimates from the samples ------------------------------------------------------------------------------------------
 
 
 def _dataset(
     plan: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]
 ) -> "xr.Dataset":
+    """Dataset of all estimates, from the batches (samples, allowable slip) and the points of each sweep."""
     import xarray as xr
 
     critical = points["critical"]
@@ -332,86 +416,26 @@ def _dataset(
     values = friction_samples(critical)
     variables = dict[str, Any]()
     if STEADY in values:
-        slip = values[STEADY]
-        away = values[SKIDDING]
-        fractions = classify_reserves(critical)
-        known = ~np.isnan(slip) & ~np.isnan(away)
-        margin = fraction(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
-        skids = fraction(
-            int(fractions["skids"].sum()), int(fractions["unknown"].sum()), n, CONFIDENCE
-        )
-        variables |= _estimate(
-            "margin",
-            margin,
-            "probability that the steady slip is below that at which skidding begins",
-        )
-        variables |= _estimate(
-            "skidding", skids, "probability that the cage has no balance of torques"
-        )
-        said = "samples of which the reserve is a lower bound"
-        variables["bounded"] = (), int(fractions["bound"].sum()), about("1", said)
-    if "load" in points:  # third of what is told
+        variables |= _probabilities(critical, values)
+    if "load" in points:  # the minimum load is the third quantity
         loads = {LOAD: minimum_loads(points["load"])}
         values = (
             {key: values.pop(key) for key in (RESERVE, STEADY) if key in values} | loads | values
         )
-    allowed = batches[-1][1]
-    variables |= _estimate("allowable", allowed, "allowable slip")
+    variables |= _estimate_variables("allowable", batches[-1][1], "allowable slip")
     variables["allowable_slip"] = variables.pop("allowable")
-    table = np.full((len(values), n), np.nan)
-    for row, one in zip(table, values.values(), strict=True):
-        row[: one.size] = one
-    probabilities = tuple(sorted({*_REPORTED_PROBABILITIES, round(1.0 - plan.probability, 12), plan.probability}))
-    quantiles = np.array(
-        [[attrs.astuple(plan.quantile(one, p)) for p in probabilities] for one in values.values()]
+    probabilities = tuple(
+        sorted({*_REPORTED_PROBABILITIES, round(1.0 - plan.probability, 12), plan.probability})
     )
-    over = ("quantity", "probability")
-    counts = np.array([[one.size, *(of(one).sum() for of in _SAMPLE_KINDS)] for one in values.values()])
-    ends = np.array([attrs.astuple(one) for _, one in batches])
-    variables |= {
-        "value": (
-            ("quantity", "sample"),
-            table,
-            about("1", f"value of a sample, number k of scrambling k mod {REPLICATES}"),
-        ),
-        "quantile_value": (over, quantiles[..., 0], about("1", "quantile of the known samples")),
-        "quantile_low": (over, quantiles[..., 1], about("1", "low end of its 95 % interval")),
-        "quantile_high": (over, quantiles[..., 2], about("1", "high end of its 95 % interval")),
-        "samples": ("quantity", counts[:, 0], about("1", "samples")),
-        "known": ("quantity", counts[:, 1], about("1", "known")),
-        "beyond": ("quantity", counts[:, 2], about("1", "beyond")),
-        "unknown": ("quantity", counts[:, 3], about("1", "unknown")),
-        "batch_samples": (
-            "batch",
-            np.array([count for count, _ in batches]),
-            about("1", "samples"),
-        ),
-        "batch_allowable": ("batch", ends[:, 0], about("1", "allowable slip")),
-        "batch_low": ("batch", ends[:, 1], about("1", "low end of its interval")),
-        "batch_high": ("batch", ends[:, 2], about("1", "high end of its interval")),
-        "input_value": (
-            ("input", "sample"),
-            plan.critical.design.samples[:n].T,
-            about("SI", "value of an uncertain quantity"),
-        ),
-    }
+    variables |= _distributions(plan, values, probabilities, n)
+    variables |= _batch_variables(batches)
+    variables["input_value"] = (
+        ("input", "sample"),
+        plan.critical.design.samples[:n].T,
+        about("SI", "value of an uncertain quantity"),
+    )
     acted = [name for name in (RESERVE, STEADY, LOAD, SKIDDING) if name in values]
-    ranks = np.array(
-        [
-            [_ranked(column, values[name]) for name in acted]
-            for column in plan.critical.design.samples.T
-        ]
-    )
-    variables["rank_correlation"] = (
-        ("input", "acted"), ranks, about("1", "rank correlation of an uncertain quantity with what is acted on")
-    )  # fmt: skip
-    variables["strength_correlation"] = (
-        (),
-        _ranked(values[SKIDDING], values[DRAG]),
-        about(
-            "1", "rank correlation of the slip at which skidding begins and the limit drag torque"
-        ),
-    )
+    variables |= _rank_correlations(plan, values, acted)
     coords: dict[str, Any] = {
         "acted": ("acted", np.array(acted), about("1", "what is acted on")),
         "quantity": (
@@ -427,41 +451,149 @@ def _dataset(
         "input": ("input", np.array(plan.critical.design.keys), about("1", "what is uncertain")),
     }
     if plan.varied is not None:
-        found, names = _indices(plan, points)
-        variables |= found
+        index_variables, names = _indices(plan, points)
+        variables |= index_variables
         coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
-    ended = {name: Counter(one["status"].to_numpy().tolist()) for name, one in points.items()}
-    failed = {name: dict(sorted(counts.items())) for name, counts in ended.items()}
-    return xr.Dataset(
-        variables, coords, _attributes(plan, failed, json.loads(critical.attrs.get("left", "[]")))
-    )
-
-
-def _estimate(name: str, of: Estimate, doc: str) -> dict[str, Any]:
-    ends = {"": of.value, "_low": of.low, "_high": of.high}
-    said = {
-        "": doc,
-        "_low": f"{doc}, low end of its 95 % interval",
-        "_high": f"{doc}, high end of its 95 % interval",
+    statuses = {
+        name: Counter(sweep_points["status"].to_numpy().tolist())
+        for name, sweep_points in points.items()
     }
-    return {f"{name}{end}": ((), value, about("1", said[end])) for end, value in ends.items()}
+    status_counts = {name: dict(sorted(counts.items())) for name, counts in statuses.items()}
+    left_out = json.loads(critical.attrs.get("left", "[]"))
+    return xr.Dataset(variables, coords, _attributes(plan, status_counts, left_out))
 
 
-def _ranked(one: Array, other: Array) -> float:
-    """Rank correlation of two samples after Spearman, what is beyond a range ranked there; NaN where there is none."""
+def _probabilities(critical: "xr.Dataset", values: Mapping[str, Array]) -> dict[str, Any]:
+    """Variables of the margin and of the probability of skidding, and the number of reserves that are lower bounds."""
+    slip = values[STEADY]
+    skidding_slip = values[SKIDDING]
+    n = slip.size
+    reserves = classify_reserves(critical)
+    known = ~np.isnan(slip) & ~np.isnan(skidding_slip)
+    margin = fraction(int((slip < skidding_slip)[known].sum()), int((~known).sum()), n, CONFIDENCE)
+    skids = fraction(int(reserves["skids"].sum()), int(reserves["unknown"].sum()), n, CONFIDENCE)
+    variables = _estimate_variables(
+        "margin",
+        margin,
+        "probability that the steady slip is below that at which skidding begins",
+    )
+    variables |= _estimate_variables(
+        "skidding", skids, "probability that the cage has no balance of torques"
+    )
+    long_name = "samples of which the reserve is a lower bound"
+    variables["bounded"] = (), int(reserves["bound"].sum()), about("1", long_name)
+    return variables
+
+
+def _distributions(
+    plan: Margin, values: Mapping[str, Array], probabilities: Sequence[float], n: int
+) -> dict[str, Any]:
+    """Variables of the samples of all quantities, of their quantiles and of the numbers of known and unknown ones."""
+    table = np.full((len(values), n), np.nan)
+    for row, samples in zip(table, values.values(), strict=True):
+        row[: samples.size] = samples
+    quantiles = np.array(
+        [
+            [attrs.astuple(plan.quantile(samples, p)) for p in probabilities]
+            for samples in values.values()
+        ]
+    )
+    dims = ("quantity", "probability")
+    counts = np.array(
+        [
+            [samples.size, *(is_kind(samples).sum() for is_kind in _SAMPLE_KINDS)]
+            for samples in values.values()
+        ]
+    )
+    return {
+        "value": (
+            ("quantity", "sample"),
+            table,
+            about("1", f"value of a sample, number k of scrambling k mod {REPLICATES}"),
+        ),
+        "quantile_value": (dims, quantiles[..., 0], about("1", "quantile of the known samples")),
+        "quantile_low": (dims, quantiles[..., 1], about("1", "low end of its 95 % interval")),
+        "quantile_high": (dims, quantiles[..., 2], about("1", "high end of its 95 % interval")),
+        "samples": ("quantity", counts[:, 0], about("1", "samples")),
+        "known": ("quantity", counts[:, 1], about("1", "known")),
+        "beyond": ("quantity", counts[:, 2], about("1", "beyond")),
+        "unknown": ("quantity", counts[:, 3], about("1", "unknown")),
+    }
+
+
+def _batch_variables(batches: Sequence[tuple[int, Estimate]]) -> dict[str, Any]:
+    """Variables of the convergence: the allowable slip after each batch."""
+    estimates = np.array([attrs.astuple(estimate) for _, estimate in batches])
+    return {
+        "batch_samples": (
+            "batch",
+            np.array([count for count, _ in batches]),
+            about("1", "samples"),
+        ),
+        "batch_allowable": ("batch", estimates[:, 0], about("1", "allowable slip")),
+        "batch_low": ("batch", estimates[:, 1], about("1", "low end of its interval")),
+        "batch_high": ("batch", estimates[:, 2], about("1", "high end of its interval")),
+    }
+
+
+def _rank_correlations(
+    plan: Margin, values: Mapping[str, Array], acted: Sequence[str]
+) -> dict[str, Any]:
+    """Variables of the rank correlations of inputs with results, and of skidding slip with limit drag torque."""
+    ranks = np.array(
+        [
+            [_rank_correlation(column, values[name]) for name in acted]
+            for column in plan.critical.design.samples.T
+        ]
+    )
+    return {
+        "rank_correlation": (
+            ("input", "acted"),
+            ranks,
+            about("1", "rank correlation of an uncertain quantity with what is acted on"),
+        ),
+        "strength_correlation": (
+            (),
+            _rank_correlation(values[SKIDDING], values[DRAG]),
+            about(
+                "1",
+                "rank correlation of the slip at which skidding begins and the limit drag torque",
+            ),
+        ),
+    }
+
+
+def _estimate_variables(name: str, estimate: Estimate, doc: str) -> dict[str, Any]:
+    """Three scalar variables of an estimate: its value and both bounds."""
+    parts = {
+        "": (estimate.value, doc),
+        "_low": (estimate.low, f"{doc}, low end of its 95 % interval"),
+        "_high": (estimate.high, f"{doc}, high end of its 95 % interval"),
+    }
+    return {
+        f"{name}{suffix}": ((), value, about("1", long_name))
+        for suffix, (value, long_name) in parts.items()
+    }
+
+
+def _rank_correlation(first: Array, second: Array) -> float:
+    """Spearman's rank correlation of two samples; NaN of too few samples, or where all of one are equal.
+
+    Samples beyond a range are infinite and rank as the largest.
+    """
     from scipy.stats import spearmanr
 
-    size = min(one.size, other.size)
-    known = ~np.isnan(one[:size]) & ~np.isnan(other[:size])
-    a = one[:size][known]
-    b = other[:size][known]
+    size = min(first.size, second.size)
+    known = ~np.isnan(first[:size]) & ~np.isnan(second[:size])
+    a = first[:size][known]
+    b = second[:size][known]
     if a.size < _MIN_RANKED or np.unique(a).size < 2 or np.unique(b).size < 2:
         return math.nan
     return float(spearmanr(a, b).statistic)
 
 
 def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
-    """Sobol indices of what varies, and its names; what lies beyond the range of its study counts as at its end."""
+    """Variables of the Sobol indices, and the quantities that have some; a slip beyond the range counts as its end."""
     d = len(plan.critical.design.sampled)
     rows = list[Any]()
     names = list[str]()
@@ -472,15 +604,21 @@ def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
             continue
         last = study.slip_range if name == CRITICAL_SLIP else study.skidding_range
         table = np.where(np.isinf(values), last, values).reshape(-1, d + 2)
-        found = indices(table[:, 0], table[:, 1], table[:, 2:].T, seed, CONFIDENCE)
-        if found is not None:
+        estimates = indices(table[:, 0], table[:, 1], table[:, 2:].T, seed, CONFIDENCE)
+        if estimates is not None:
             names.append(name)
             rows.append(
-                (found.first, found.total, found.used, len(table), int(np.isinf(values).sum()))
+                (
+                    estimates.first,
+                    estimates.total,
+                    estimates.used,
+                    len(table),
+                    int(np.isinf(values).sum()),
+                )
             )
     variables: dict[str, Any] = {
-        f"indexed_{what}": ("indexed", np.array([row[k] for row in rows]), about("1", said))
-        for k, what, said in (
+        f"indexed_{suffix}": ("indexed", np.array([row[k] for row in rows]), about("1", long_name))
+        for k, suffix, long_name in (
             (2, "rows", "rows of the design that are used"),
             (3, "asked", "rows of the design"),
             (4, "beyond", "samples beyond the range"),
@@ -488,20 +626,21 @@ def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     }
     for k, order in enumerate(("first_order", "total_order")):
         stacked = np.array([row[k] for row in rows]).reshape(len(rows), 3, d)
-        for i, end in enumerate(("", "_low", "_high")):
-            said = about("1", f"Sobol index, {order.replace('_', ' ')}")
-            variables[f"{order}{end}"] = ("indexed", "input"), stacked[:, i], said
+        for i, suffix in enumerate(("", "_low", "_high")):
+            attributes = about("1", f"Sobol index, {order.replace('_', ' ')}")
+            variables[f"{order}{suffix}"] = ("indexed", "input"), stacked[:, i], attributes
     return variables, names
 
 
 def _attributes(
-    plan: Margin, failed: Mapping[str, Mapping[str, int]], left: Sequence[str]
+    plan: Margin, status_counts: Mapping[str, Mapping[str, int]], left_out: Sequence[str]
 ) -> dict[str, Any]:
+    """Attributes of the dataset: origin, warnings, and the settings that its sentences need."""
     sweep = plan.critical
     study = EffectiveFriction.of(plan.critical.scene)
     warnings = [
         f"{name}: {count} of {sum(counts.values())} points are {status}; they count as the worst and as the best"
-        for name, counts in failed.items()
+        for name, counts in status_counts.items()
         for status, count in counts.items()
         if status != "ok"
     ]
@@ -513,7 +652,7 @@ def _attributes(
     return origin_of_points(
         sweep,
         warnings,
-        left,
+        left_out,
         study="uncertainty",
         probability=plan.probability,
         slip_range=study.skidding_range,
@@ -525,5 +664,5 @@ def _attributes(
         min_samples=min_samples(plan.probability, REPLICATES, plan.confidence),
         acceptable_slip=SteadySlip.of(sweep.scene).acceptable_slip or "",
         until=plan.until if plan.until is not None else "",
-        points=failed,
+        points=status_counts,
     )

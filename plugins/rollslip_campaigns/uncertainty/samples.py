@@ -16,7 +16,7 @@ from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, SKIDDING, STE
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LOWEST", "classify_reserves", "minimum_loads", "friction_samples"]
+__all__ = ["LOWEST", "classify_reserves", "friction_samples", "minimum_loads"]
 
 CRITICAL_SLIP: Final = "critical slip"
 

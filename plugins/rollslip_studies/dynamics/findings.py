@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer, Row
-from rollslip.results.words import UNSURE, describe_skidding, percent
+from rollslip.results.words import EFFECTIVE_FRICTION_ERROR, describe_skidding, percent
 from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
@@ -386,7 +386,7 @@ def _skidding_sentences(dataset: "xr.Dataset") -> list[str]:
         return said
     if a["friction"] == "effective" and slip.max() > _NEAR * away:
         said.append(
-            f"{UNSURE}, and slip comes near: run with --set study.{a['study']}.friction=conventional to be sure"
+            f"{EFFECTIVE_FRICTION_ERROR}, and slip comes near: run with --set study.{a['study']}.friction=conventional to be sure"
         )
     value = f"the {_fraction(away)} at which skidding begins"
     passages = skidding_passages(dataset)

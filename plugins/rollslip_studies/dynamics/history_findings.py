@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.results.answer import Row
-from rollslip.results.words import estimated, percent
+from rollslip.results.words import describe_estimated, percent
 from rollslip.search import Array
 from rollslip.units import format_quantity
 
@@ -138,7 +138,7 @@ def format_heat(dataset: "xr.Dataset") -> list[str]:
         f"the highest temperature is {format_quantity(float(a['hottest_temperature']), 'K', 4)}, of the "
         f"{a['hottest_node']}; they were {a['thermal_status']}",
     ]
-    if guessed := estimated(dataset):
+    if guessed := describe_estimated(dataset):
         said.append(f"{guessed}, 'rollslip models {a['thermal']}' says how")
     if "radial_clearance" in dataset:
         first, last = (

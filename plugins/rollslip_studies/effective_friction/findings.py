@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
-from rollslip.results.words import Status, describe_skidding, runs_at
+from rollslip.results.words import Status, describe_running, describe_skidding
 from rollslip_studies.steady_slip.findings import (
     LOAD_OF_OTHERS,
     next_of_others,
@@ -50,7 +50,7 @@ def _runs(dataset: "xr.Dataset") -> str:
     if "drag_reserve" in dataset:
         reserve = dataset["drag_reserve"].item()
         known = dataset["reserve_status"].item()
-    return runs_at(slip, dataset["skidding_slip"].item(), reserve, known)
+    return describe_running(slip, dataset["skidding_slip"].item(), reserve, known)
 
 
 class EffectiveFrictionAccount(PlainAccount):

@@ -12,7 +12,7 @@ import numpy as np
 from rollslip.errors import RollslipError
 from rollslip.planning.loads import load_distribution
 from rollslip.results.style import RING_COLOURS, SINGLE_COLUMN, Sheet
-from rollslip.results.words import two
+from rollslip.results.words import two_digits
 from rollslip.scene.reading import from_raw
 from rollslip.units import format_quantity
 
@@ -87,5 +87,5 @@ def ring_figure(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         )
     axes.set_aspect("equal")
     axes.set_axis_off()
-    caption = f"Raceways as forms and loads leave them, {two(times)} times as large, and forces of the rollers."
+    caption = f"Raceways as forms and loads leave them, {two_digits(times)} times as large, and forces of the rollers."
     yield f"{dataset.attrs['study']}-rings", caption, sheet.done()

@@ -25,7 +25,7 @@ from rollslip.results.style import (
     light_to_dark,
     unit_label,
 )
-from rollslip.results.words import percent, span, two
+from rollslip.results.words import format_slip_band, percent, two_digits
 from rollslip.scene.reading import from_raw
 from rollslip.units import converted, shown_unit
 from rollslip_studies.effective_friction.ring_figures import ring_figure
@@ -105,7 +105,9 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
     largest = float(dataset["limit_drag"])
     if not np.isnan(largest):
         place = 100 * float(dataset["skidding_slip"]), largest
-        sheet.mark(*place, f"limit drag torque, {two(largest)} N m", marker="^", markersize=4)
+        sheet.mark(
+            *place, f"limit drag torque, {two_digits(largest)} N m", marker="^", markersize=4
+        )
     for stable, style, words in (
         (1, MARKER, "steady slip"),
         (0, _OPEN, "steady slip that is not held"),
@@ -115,7 +117,7 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
             torque = dataset["torque"].to_numpy()[chosen]
             said = f"{words}, {', '.join(percent(0.01 * value) for value in at)}"
             if stable and (band := rows["cage_slip"].band):
-                said += f"; where data scatter {span(*band)}"
+                said += f"; where data scatter {format_slip_band(*band)}"
                 ends = 100 * np.minimum(band, 10.0)  # an end beyond the axis has no tick
                 axes.plot(
                     ends,
@@ -248,7 +250,7 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
             ends = ""
             if row.band:
                 low, high = converted(np.array(row.band), "N", unit)
-                ends = f", {two(low)} to {two(high)} where data scatter:"
+                ends = f", {two_digits(low)} to {two_digits(high)} where data scatter:"
                 axes.axvspan(low, high, color="0.9", linewidth=0.0, zorder=0)
             mark_loads(sheet, {f"minimum load{ends}": row.value}, unit, color="black")
         mark_loads(sheet, catalogue_loads(dataset), unit)
@@ -288,7 +290,7 @@ def mark_loads(sheet: Sheet, loads: Mapping[str, float], unit: str, **style: Any
         }
         if inside := low <= at <= high:
             sheet.axes.axvline(at, **look)
-        words = f"{label} {two(at)} {unit}{'' if inside else ', beyond the axis'}"
+        words = f"{label} {two_digits(at)} {unit}{'' if inside else ', beyond the axis'}"
         sheet.key(words, **(look if inside else {"linestyle": "none"}))
     sheet.axes.set_xlim(low, high)
 

@@ -11,14 +11,14 @@ from rollslip.results.account import Account
 from rollslip.results.answer import ACCEPTABLE, Answer, Row, assumed_of
 from rollslip.results.words import (
     Status,
-    force,
     force_unit,
+    format_force,
+    format_plain,
+    format_power,
+    format_rounded_up,
+    format_slip_band,
     percent,
-    plain,
-    power,
-    rounded_up,
-    span,
-    two,
+    two_digits,
 )
 from rollslip.units import format_quantity
 
@@ -75,7 +75,7 @@ def _next(dataset: "xr.Dataset", rows: tuple[Row, ...]) -> dict[str, tuple[str, 
     least = next((row for row in rows if row.key == "minimum_load"), None)
     ends = () if least is None else (least.value, (least.band or (math.nan,))[-1])
     if more := [end for end in ends if load < end < math.inf]:
-        run = f"rollslip run {{scene}} --set operation.radial_load='{rounded_up(more[0], force_unit(load)[0])}'"
+        run = f"rollslip run {{scene}} --set operation.radial_load='{format_rounded_up(more[0], force_unit(load)[0])}'"
         return NEXT | {verdict: (run, *NEXT[verdict]) for verdict in ("SLIPS", "SKIDS")}
     return NEXT
 
@@ -108,15 +108,15 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     if "loss" in one and math.isfinite(torque := float(one["friction_torque"])):
         size, unit = (1e3 * torque, "mN m") if torque < 0.1 else (torque, "N m")
         heat = "; ".join(
-            filter(None, [f"{power(float(one['loss'].sum()))} of heat", doubted(dataset)])
+            filter(None, [f"{format_power(float(one['loss'].sum()))} of heat", doubted(dataset)])
         )
-        yield Row(key="friction_torque", label="friction torque", value=torque, unit="N m", text=f"{two(size)} {unit}",
+        yield Row(key="friction_torque", label="friction torque", value=torque, unit="N m", text=f"{two_digits(size)} {unit}",
                   note=heat, known=_KNOWN)  # fmt: skip
     yield _film(dataset, one)
     if (clearance := bearing.get("radial_clearance")) is not None:
         made = json.loads(dataset.attrs.get("clearance", "{}")).get("text", "").partition(" = ")[0]
         yield Row(key="clearance", label="operating clearance", value=clearance, unit="m",
-                  text=f"{two(1e6 * clearance)} µm", note=made.replace("um", "µm"))  # fmt: skip
+                  text=f"{two_digits(1e6 * clearance)} µm", note=made.replace("um", "µm"))  # fmt: skip
 
 
 def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, within: float) -> Row:
@@ -128,7 +128,11 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
     if one is not None:
         band = one["low"], math.inf if one["high"] is None else one["high"]
     note = (
-        span(*band) if band else "driven: it runs ahead of pure rolling" if slip < -_AHEAD else ""
+        format_slip_band(*band)
+        if band
+        else "driven: it runs ahead of pure rolling"
+        if slip < -_AHEAD
+        else ""
     )
     return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), band=band, note=note, known=known,
                within=within)  # fmt: skip
@@ -166,9 +170,9 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
     row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "known": _KNOWN}
     outcome = Status.of(status)
     unlimited = outcome in (Status.NO_LOAD_NEEDED, Status.ANY_LOAD)
-    below = f"for a slip below {plain(100.0 * acceptable)} %"
+    below = f"for a slip below {format_plain(100.0 * acceptable)} %"
     if preload > 0.0 and unlimited:
-        return Row(**row, text="none", note=f"preloaded by {two(1e6 * preload)} µm")
+        return Row(**row, text="none", note=f"preloaded by {two_digits(1e6 * preload)} µm")
     if math.isnan(least):
         if unlimited:
             return Row(**row, text="none", note=f"{Status.ANY_LOAD}, {below}")
@@ -177,7 +181,11 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
     if least < (weight := float(dataset.attrs.get("rollers_weight", 0.0))):
         said = f"{below}; rollers weigh as much, which is left out"
         return Row(
-            **row, value=least, text=f"below {force(weight, weight)}", note=said, band=(0.0, weight)
+            **row,
+            value=least,
+            text=f"below {format_force(weight, weight)}",
+            note=said,
+            band=(0.0, weight),
         )
     below += "; with less it skids" if outcome is Status.FOUND_AT_SKIDDING else ""
     one = json.loads(dataset.attrs.get("band", "{}")).get("minimum_load")
@@ -186,14 +194,18 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
         load if low >= _READABLE * load else low
     )  # in the unit of the load, if that leaves digits to read
     if one is None or one["high"] is None:
-        return Row(**row, value=least, text=force(least, load), note=below)
+        return Row(**row, value=least, text=format_force(least, load), note=below)
     band = one["low"], one["high"]
-    ends = f"{force(band[0], load, unit=False)} to {force(band[1], load)}"
-    return Row(**row, value=least, text=force(least, load), band=band, note=f"{ends}, {below}")
+    ends = f"{format_force(band[0], load, unit=False)} to {format_force(band[1], load)}"
+    return Row(
+        **row, value=least, text=format_force(least, load), band=band, note=f"{ends}, {below}"
+    )
 
 
 def _times(reserve: float, least: bool = False) -> str:
-    return f"over {_PLENTY:g}" if reserve > _PLENTY else f"{'at least ' * least}{two(reserve)}"
+    return (
+        f"over {_PLENTY:g}" if reserve > _PLENTY else f"{'at least ' * least}{two_digits(reserve)}"
+    )
 
 
 def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
@@ -208,7 +220,7 @@ def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
     met = [load >= least for least, *_ in requested]
     text = "met" if all(met) else "met in part" if any(met) else "not met"
     named = ", ".join(
-        f"{maker}{_at_rest(status)} {force(least, load, unit=False)}"
+        f"{maker}{_at_rest(status)} {format_force(least, load, unit=False)}"
         for least, maker, status in requested
     )
     named += f" {force_unit(load)[0]}"
@@ -231,7 +243,7 @@ def _to_acceptable(dataset: "xr.Dataset", acceptable: float) -> Row | None:
     reserve = float(dataset.get("acceptable_reserve", math.nan))
     if math.isnan(reserve):
         return None
-    note = f"to a slip of {plain(100.0 * acceptable)} %"
+    note = f"to a slip of {format_plain(100.0 * acceptable)} %"
     if reserve <= 0.0:
         return Row(
             key="acceptable_reserve",
@@ -256,7 +268,7 @@ def _film(dataset: "xr.Dataset", one: "xr.Dataset") -> Row | None:
     thinnest = float(one["film_parameter"].min())
     limits = json.loads(dataset.attrs.get("film_limits", "{}"))
     kappa = float(dataset.get("viscosity_ratio", math.nan))
-    words = [f"kappa {two(kappa)}"] if kappa > 0.0 else []
+    words = [f"kappa {two_digits(kappa)}"] if kappa > 0.0 else []
     if "mixed" in limits:
         regime = "full film" if thinnest >= limits["mixed"] else "mixed friction"
         words.append("boundary friction" if thinnest <= limits.get("boundary", 0.0) else regime)
@@ -264,7 +276,7 @@ def _film(dataset: "xr.Dataset", one: "xr.Dataset") -> Row | None:
         key="film_parameter",
         label="oil film",
         value=thinnest,
-        text=f"Lambda {two(thinnest)}",
+        text=f"Lambda {two_digits(thinnest)}",
         note=", ".join(words),
     )
 

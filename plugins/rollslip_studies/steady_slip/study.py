@@ -181,7 +181,9 @@ class SteadySlip(Study):
         """Whether fewer instants are among more; each number is computed for itself."""
         return False
 
-    def choose_resolution(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
+    def choose_resolution(
+        self, assembly: Assembly, *, cheaper_laws: bool = True
+    ) -> ResolutionChoice:
         """Choose slices, instants and laws by the slip-drag curve."""
         found = by_curves(self, assembly, fraction=_FRACTION, cheaper_laws=cheaper_laws)
         n_positions = max(found.resolution.n_positions or 0, minimum_positions(assembly))

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
-from rollslip.results.words import estimated, percent, power
+from rollslip.results.words import describe_estimated, format_power, percent
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.findings import next_of_others
 
@@ -46,8 +46,8 @@ def _temperatures(names: Any, values: Any) -> str:
     )
 
 
-def _watt(power: float) -> str:
-    return format_quantity(power, "W", 3)
+def _watt(format_power: float) -> str:
+    return format_quantity(format_power, "W", 3)
 
 
 class ThermalBalanceAccount(Account):
@@ -68,7 +68,7 @@ class ThermalBalanceAccount(Account):
         )  # of the slip at the temperatures of the scene another study knows
         if not solved(dataset):
             loss = float(dataset["given_loss"])
-            text = power(loss)
+            text = format_power(loss)
             note = "at the temperatures of the scene"
             if math.isnan(loss):
                 text = "not found"
@@ -99,7 +99,7 @@ class ThermalBalanceAccount(Account):
             Row(key="cage_slip_in_balance", label="cage slip there", value=slip, text=percent(slip)),
         )  # fmt: skip
         return Answer(
-            rows=rows, assumed=tuple(filter(None, [estimated(dataset)])), commands=commands
+            rows=rows, assumed=tuple(filter(None, [describe_estimated(dataset)])), commands=commands
         )
 
     @staticmethod
@@ -190,7 +190,7 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
             f"({one['stability'].item()}): {_watt(made)} are lost{brought}, {away}; the cage slip is "
             f"{100.0 * float(one['steady_slip']):.3g} %{given}"
         )
-    if guessed := estimated(dataset):
+    if guessed := describe_estimated(dataset):
         said[-1] += f"; {guessed}"
     if (jumps := str(dataset["jumps"].item())) != "none":
         said.append(jumps)
