@@ -25,8 +25,8 @@ import motion_samples
 from rollslip.results.accounts import account_of
 from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import aligned
+from rollslip.results.dataset import with_present_names
 from rollslip.results.figures import plot
-from rollslip.results.former_names import with_present_names
 from rollslip.results.words import collect_warnings, confidence, describe_more_bounds
 
 if TYPE_CHECKING:
