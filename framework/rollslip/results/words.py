@@ -1,10 +1,10 @@
-"""Sentences that several studies and campaigns say alike, and how people read numbers."""
+"""Statuses, sentences that several studies and campaigns share, and formats of numbers that people read."""
 
 import enum
 import json
 import math
 import shlex
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
@@ -18,37 +18,37 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "IN_ROWS",
+    "CATALOGUE_LOAD_WARNING",
+    "EFFECTIVE_FRICTION_ERROR",
     "LOWER_BOUNDS",
+    "OTHER_BOUNDS",
     "REPORTED_FROM",
-    "REST",
     "SWITCHED_OFF",
-    "UNSURE",
     "Status",
-    "capital",
+    "capitalise",
+    "collect_warnings",
     "confidence",
-    "counted",
+    "describe_estimated",
+    "describe_law_outputs",
+    "describe_more_bounds",
+    "describe_running",
     "describe_skidding",
     "duration",
     "duration_range",
-    "estimated",
     "first_line",
-    "force",
     "force_unit",
+    "format_force",
+    "format_plain",
+    "format_power",
+    "format_rounded_up",
+    "format_slip_band",
     "html_table",
-    "in_python",
-    "of_key",
-    "of_laws",
     "percent",
-    "places",
-    "plain",
-    "power",
-    "rounded_up",
-    "runs_at",
+    "python_call",
+    "short_label",
+    "single_value_indices",
     "single_values",
-    "span",
-    "two",
-    "warned",
+    "two_digits",
     "with_unit",
 ]  # fmt: skip
 
@@ -93,48 +93,65 @@ class Status(enum.StrEnum):
         return max((member for member in cls if text.startswith(member)), key=len)
 
 
-#: Attribute of a variable: the law that gives it beside its columns.
+#: Attribute of a variable which a law gives beside its columns: the name of that law.
 LAW: Final = "law"
-#: What is known of effective friction near the slip of running away; docs/tables/skidding_effective_summary.csv.
-UNSURE: Final = (
+#: Error of effective friction near the onset of skidding; from docs/tables/skidding_effective_summary.csv.
+EFFECTIVE_FRICTION_ERROR: Final = (
     "by effective friction the limit drag torque is off by 2.7 % in the middle of 62 random bearings and by up to "
     "23 %, the slip by up to 41 points"
 )
 
 
-#: What is said of a scene that states that nothing drags rollers and cage.
+#: Consequence of a scene which states that nothing drags rollers and cage.
 SWITCHED_OFF: Final = "every drag is switched off by cage.drag = [], as in no bearing"
-#: What is said where no drag is the resistance of the oil to rolling, which may lower the torque of a cage that skids.
+#: Consequence of a scene without rolling resistance, which may lower the torque of a cage that skids.
 LOWER_BOUNDS: Final = "no rolling resistance: slip a lower bound, friction torque lacks it"
 
-#: Part of a warning that the row of makers' minimum loads tells, too.
-IN_ROWS: Final = "of SKF's catalogue minimum load"
-#: Share of the contact force outside a bound from which on it counts.
+#: Part of a warning that the row of the catalogue minimum loads repeats; the warning is left out beside the row.
+CATALOGUE_LOAD_WARNING: Final = "of SKF's catalogue minimum load"
+#: Fraction of the contact force outside the range of a law from which on the range counts as exceeded. Doubling it
+#: hides laws that are outside in up to 1 % of the force; chosen, so that slices with little load raise no warning.
 REPORTED_FROM: Final = 0.005
-#: How the warning begins that counts bounds which are no warnings of their own.
-REST: Final = "laws are outside their range of validity, too, where the consequence is"
-#: Bounds that are told at once, at most, and the slip of a driven cage, without sign, that is told as none.
-_MOST = 3
-_NOTHING = 1e-4
-#: Values of a variable that are told one by one, at most.
-_ONE_BY_ONE: Final = 8
+#: Start of the warning that lists exceeded ranges without a warning of their own.
+OTHER_BOUNDS: Final = "laws are outside their range of validity, too, where the consequence is"
+#: Number of warnings of exceeded ranges that an answer shows; the others are counted. Doubling it fills half a screen;
+#: chosen.
+_MAX_SHOWN_BOUNDS: Final = 3
+#: Size of a negative slip up to which a cage counts as running without slip. Chosen: doubling it calls
+#: cages undriven that run up to 0.02 % ahead of pure rolling.
+_NEGLIGIBLE_SLIP: Final = 1e-4
+#: Number of names up to which a variable gives one line for each of its values. Doubling it prints up to 16 lines for
+#: one variable; chosen so that rings, makers and sources are listed and curves are not.
+_MAX_LISTED_VALUES: Final = 8
 
 
 def first_line(
     version: str, subject: str, digest: str, models: Iterable[tuple[str, str, str, str]]
 ) -> str:
-    """Return the first line about a run: version, what it is of, and models, with others' packages behind."""
-    named = dict[str, list[str]]()
+    """Return the first line about a run: version, scene, digest of the scene, and models.
+
+    Parameters
+    ----------
+    version : str
+        Version of rollslip.
+    subject : str
+        Name of the scene.
+    digest : str
+        Digest of the resolved scene, of which 12 characters are shown.
+    models : iterable of tuple of str
+        Kind, name, package and version of the package of each model; a third-party package is named in brackets.
+    """
+    by_kind = dict[str, list[str]]()
     for kind, name, package, offered in models:
-        named.setdefault(kind, []).append(
+        by_kind.setdefault(kind, []).append(
             name if package == "rollslip" else f"{name} ({package} {offered})"
         )
-    used = "; ".join(f"{kind} {', '.join(names)}" for kind, names in named.items())
+    used = "; ".join(f"{kind} {', '.join(names)}" for kind, names in by_kind.items())
     return f"rollslip {version} | {subject} {digest[:12]} | {used}"
 
 
-def estimated(dataset: "xr.Dataset") -> str:
-    """Say how many conductances of a heat balance are estimated; empty if none is."""
+def describe_estimated(dataset: "xr.Dataset") -> str:
+    """Return how many conductances of a heat balance are estimated; empty if none is."""
     count = sum(
         value.endswith("W/K")
         for value in json.loads(dataset.attrs.get("taken_from_bearing", "{}")).values()
@@ -143,7 +160,17 @@ def estimated(dataset: "xr.Dataset") -> str:
 
 
 def describe_skidding(slip: float, drag: float, status: str) -> str:
-    """Say where a cage runs away, or what was found instead; no full stop."""
+    """Return at which slip skidding begins, without a full stop.
+
+    Parameters
+    ----------
+    slip : float
+        Cage slip at the onset of skidding [-]; NaN if none was found.
+    drag : float
+        Limit drag torque [N m].
+    status : str
+        Text that is returned where the slip is NaN.
+    """
     if math.isnan(slip):
         return status
     return (
@@ -152,56 +179,83 @@ def describe_skidding(slip: float, drag: float, status: str) -> str:
     )
 
 
-def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
-    """Say at which slip a cage runs, and how many times the drag there the largest one is; no full stop."""
-    if slip < -_NOTHING:
+def describe_running(slip: float, skidding_slip: float, reserve: float, status: str) -> str:
+    """Return at which slip the cage runs and its drag reserve, without a full stop.
+
+    Parameters
+    ----------
+    slip : float
+        Steady cage slip [-]; negative where the cage runs ahead of pure rolling.
+    skidding_slip : float
+        Cage slip at the onset of skidding [-]; NaN if it is not known.
+    reserve : float
+        Limit drag torque over the drag of the scene [-]; it is left out where it is NaN or infinite.
+    status : str
+        Status of the reserve; see `Status`.
+    """
+    if slip < -_NEGLIGIBLE_SLIP:
         return f"{Status.DRIVEN}: it runs {-100.0 * slip:.2g} % faster than its epicyclic speed"
     if slip == 0.0:
         return f"{SWITCHED_OFF}, so the cage runs without slip"
-    how = f"at a slip of {100.0 * slip:.3g} %" if slip > 0.0 else "without slip"
-    said = f"with the drags of the scene the cage runs {how}"
-    if slip > at:
+    with_slip = f"at a slip of {100.0 * slip:.3g} %" if slip > 0.0 else "without slip"
+    sentence = f"with the drags of the scene the cage runs {with_slip}"
+    if slip > skidding_slip:
         where = "beyond that at which skidding begins"
-        return f"{said}, {where}: there its drag falls with slip faster than what the rollers carry"
-    bound = Status.of(status) is Status.AT_LEAST
-    if not math.isfinite(reserve) or (bound and not reserve > 1.0):  # which says nothing
-        return said
-    return f"{said}, with a drag reserve of {'at least ' * bound}{reserve:.3g}"
+        return f"{sentence}, {where}: there its drag falls with slip faster than what the rollers carry"
+    is_bound = Status.of(status) is Status.AT_LEAST
+    if not math.isfinite(reserve) or (
+        is_bound and not reserve > 1.0
+    ):  # a lower bound below 1 is no information
+        return sentence
+    return f"{sentence}, with a drag reserve of {'at least ' * is_bound}{reserve:.3g}"
 
 
-def warned(datasets: "Iterable[xr.Dataset]", *, laws: bool = True) -> tuple[list[str], list[str]]:
-    """Return the warnings of results that are told at once, and the bounds of laws that are told where asked for.
+def collect_warnings(
+    datasets: "Iterable[xr.Dataset]", *, laws: bool = True
+) -> tuple[list[str], list[str]]:
+    """Return the warnings of results, and the exceeded ranges of laws that are only counted. No text has a full stop.
 
-    What several results warn of alike is told once, where its consequence is largest; without ``laws`` no bounds
-    are. No full stops.
+    A range that several results exceed is reported once, where its consequence is largest.
+
+    Parameters
+    ----------
+    datasets : iterable of Dataset
+        The results.
+    laws : bool
+        Whether exceeded ranges of laws are among the warnings; without them the second list is empty.
     """
     others = dict[str, None]()
     bounds = dict[tuple[str, str], dict[str, Any]]()
-    every = list(datasets)
-    in_rows = [IN_ROWS] if not laws and any("makers_minimum_load" in one for one in every) else []
-    for dataset in every:
-        said = json.loads(dataset.attrs.get("validity") or "{}").get("told", [])
-        texts = {one["text"] for one in said}
+    results = list(datasets)
+    has_row = not laws and any("makers_minimum_load" in result for result in results)
+    repeated = [CATALOGUE_LOAD_WARNING] if has_row else []
+    for dataset in results:
+        exceeded = json.loads(dataset.attrs.get("validity") or "{}").get("told", [])
+        texts = {bound["text"] for bound in exceeded}
         warnings = json.loads(dataset.attrs.get("warnings", "[]"))
-        others |= dict.fromkeys(text for text in warnings if text not in texts and not text.startswith(REST)
-                                and not any(part in text for part in in_rows))  # fmt: skip
-        for one in said:
-            known = bounds.setdefault((one["law"], one["made_for"]), one)
-            if (one["warned"], one["weight"]) > (known["warned"], known["weight"]):
-                bounds[one["law"], one["made_for"]] = one
+        others |= dict.fromkeys(
+            text
+            for text in warnings
+            if text not in texts
+            and not text.startswith(OTHER_BOUNDS)
+            and not any(part in text for part in repeated)
+        )
+        for bound in exceeded:
+            known = bounds.setdefault((bound["law"], bound["made_for"]), bound)
+            if (bound["warned"], bound["weight"]) > (known["warned"], known["weight"]):
+                bounds[bound["law"], bound["made_for"]] = bound
+    if not laws:
+        return [*others], []
     ranked = sorted(
-        bounds.values(), key=lambda one: (not one["warned"], not one["measured"], -one["weight"])
+        bounds.values(),
+        key=lambda bound: (not bound["warned"], not bound["measured"], -bound["weight"]),
     )
-    first = [one["text"] for one in ranked[:_MOST] if one["warned"]]
-    return (
-        ([*others, *first], [one["short"] for one in ranked[len(first) :]])
-        if laws
-        else ([*others], [])
-    )
+    shown = [bound["text"] for bound in ranked[:_MAX_SHOWN_BOUNDS] if bound["warned"]]
+    return [*others, *shown], [bound["short"] for bound in ranked[len(shown) :]]
 
 
-def counted(more: "Sequence[str]") -> str:
-    """Say how many bounds are not told at once, and which; no full stop."""
+def describe_more_bounds(more: "Sequence[str]") -> str:
+    """Return how many exceeded ranges are only counted, and which, without a full stop."""
     what = (
         "1 more bound of a law is left"
         if len(more) == 1
@@ -211,40 +265,44 @@ def counted(more: "Sequence[str]") -> str:
 
 
 def confidence(datasets: "Iterable[xr.Dataset]") -> str:
-    """Say what results rest on: a law that approximates another, and the quality of the data; no full stop."""
-    every = list(datasets)
+    """Return the largest error of an approximating law, and the quality of the data, without a full stop."""
+    results = list(datasets)
     checked: list[dict[str, Any]] = [
-        json.loads(d.attrs["validity"]) for d in every if d.attrs.get("validity")
+        json.loads(result.attrs["validity"]) for result in results if result.attrs.get("validity")
     ]
-    said = list[str]()
-    if off := [one["approximation"] for one in checked if one.get("approximation")]:
-        most = max(off, key=lambda one: float(one["rms"]))
-        said.append(
-            f"{most['law']!r} is {100.0 * most['rms']:.2g} % (rms) off {most['reference']!r}, which it approximates"
+    parts = list[str]()
+    if approximations := [row["approximation"] for row in checked if row.get("approximation")]:
+        largest = max(approximations, key=lambda law: float(law["rms"]))
+        parts.append(
+            f"{largest['law']!r} is {100.0 * largest['rms']:.2g} % (rms) off {largest['reference']!r}, which it "
+            "approximates"
         )
-    kept: list[dict[str, Any]] = [
-        {"kind": "oil"} | json.loads(d.attrs["lubricant"])
-        for d in every
-        if d.attrs.get("lubricant")
+    sources: list[dict[str, Any]] = [
+        {"kind": "oil"} | json.loads(result.attrs["lubricant"])
+        for result in results
+        if result.attrs.get("lubricant")
     ]
-    kept += [one for d in every for one in json.loads(d.attrs.get("data", "[]"))]
-    for kind in dict.fromkeys(one["kind"] for one in kept):
+    sources += [row for result in results for row in json.loads(result.attrs.get("data", "[]"))]
+    for kind in dict.fromkeys(source["kind"] for source in sources):
         if grades := sorted(
             {
                 grade
-                for one in kept
-                if one["kind"] == kind
-                for grade in one.get("grades", {}).values()
+                for source in sources
+                if source["kind"] == kind
+                for grade in source.get("grades", {}).values()
             }
         ):
-            ends = " and ".join(dict.fromkeys((grades[0], grades[-1])))
-            said.append(f"data quality of the {kind} {ends} (A printed to D estimated)")
-    return "; ".join(said)
+            extremes = " and ".join(dict.fromkeys((grades[0], grades[-1])))
+            parts.append(f"data quality of the {kind} {extremes} (A printed to D estimated)")
+    return "; ".join(parts)
 
 
-def of_laws(dataset: "xr.Dataset") -> list[str]:
-    """Say what laws give beside their columns (`rollslip.models.SliceModel.outputs`), a sentence for each and curve."""
-    said = list[str]()
+def describe_law_outputs(dataset: "xr.Dataset") -> list[str]:
+    """Return the range of what laws give beside their columns, a sentence for each output and curve.
+
+    Such outputs are those of `rollslip.models.SliceModel.outputs`.
+    """
+    sentences = list[str]()
     for variable in dataset.data_vars.values():
         if LAW not in variable.attrs:
             continue
@@ -252,22 +310,17 @@ def of_laws(dataset: "xr.Dataset") -> list[str]:
         unit = dataset[variable.dims[0]].attrs.get("units", "1")
         for at, values in zip(dataset[dim].to_numpy().tolist(), variable.to_numpy(), strict=True):
             known = values[np.isfinite(values)]
-            ends = (
-                (
-                    with_unit(float(end), variable.attrs["units"])
-                    for end in (known.min(), known.max())
-                )
-                if known.size
-                else ("no value",)
-            )
+            extremes = ["no value"]
+            if known.size:
+                units = variable.attrs["units"]
+                extremes = [with_unit(float(end), units) for end in (known.min(), known.max())]
             label = f"{at} {dim}" if isinstance(at, str) else with_unit(at, unit)
-            said.append(
-                f"{variable.attrs['long_name']} by {variable.attrs[LAW]!r}, {label}: {' to '.join(dict.fromkeys(ends))}"
-            )
-    return said
+            name = f"{variable.attrs['long_name']} by {variable.attrs[LAW]!r}"
+            sentences.append(f"{name}, {label}: {' to '.join(dict.fromkeys(extremes))}")
+    return sentences
 
 
-def capital(text: str) -> str:
+def capitalise(text: str) -> str:
     """Return a text with a capital as its first letter, unless its first word is a name such as "steady_slip"."""
     return (
         f"{text[:1].upper()}{text[1:]}" if text.partition(" ")[0].rstrip(":,;").isalpha() else text
@@ -275,38 +328,51 @@ def capital(text: str) -> str:
 
 
 def single_values(dataset: "xr.Dataset") -> dict[str, str]:
-    """Every single number and text by its long name; in place of a number that is not there, its status.
+    """Return every single number and text by its long name; in place of a missing number, the text of its status.
 
-    A variable with one value for each of a few names, of the rings for example, gives a line for each.
+    A variable with one value for each of a few names, for example of the rings, gives an entry for each.
     """
-    found = {}
+    values = {}
     for name in map(str, dataset.data_vars):
-        for label, at in places(dataset, name):
-            one = dataset[name].isel(at)
-            value = one.item()
-            said_by = next((s for s in (f"{name}_status", "status") if s in dataset), None)
+        for label, index in single_value_indices(dataset, name):
+            variable = dataset[name].isel(index)
+            value = variable.item()
             if isinstance(value, float):
-                status = None if said_by is None else dataset[said_by]
-                missing = (
-                    "no value"
-                    if status is None
-                    else str(status.isel(at if status.ndim else {}).item())
-                )
-                said = (
-                    with_unit(value, one.attrs.get("units", "1"))
-                    if math.isfinite(value)
-                    else missing
-                )
+                if math.isfinite(value):
+                    text = with_unit(value, variable.attrs.get("units", "1"))
+                else:
+                    text = _status_text(dataset, name, index)
             elif name.endswith("_status") and name.removesuffix("_status") in dataset:
-                continue  # said where the value is missing
+                continue  # it stands in place of the missing value
             else:
-                said = str(value)
-            found[f"{one.attrs.get('long_name', name)}{label}"] = said
-    return found
+                text = str(value)
+            values[f"{variable.attrs.get('long_name', name)}{label}"] = text
+    return values
 
 
-def places(dataset: "xr.Dataset", name: str) -> "list[tuple[str, dict[Hashable, int]]]":
-    """Where a variable has single values, and what tells them apart; nowhere if it has many or curves speak for it."""
+def _status_text(dataset: "xr.Dataset", name: str, index: "Mapping[Hashable, int]") -> str:
+    """Return why a variable has no value at an index: the text of its own status, or of that of the result."""
+    key = next((key for key in (f"{name}_status", "status") if key in dataset), None)
+    if key is None:
+        return "no value"
+    status = dataset[key]
+    return str(status.isel(index if status.ndim else {}).item())
+
+
+def single_value_indices(
+    dataset: "xr.Dataset", name: str
+) -> "list[tuple[str, dict[Hashable, int]]]":
+    """Return label and index of each single value of a variable.
+
+    The list is empty where the variable has many values or where curves show it.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        The result.
+    name : str
+        Name of the variable.
+    """
     variable = dataset[name]
     if variable.ndim == 0:
         return [("", {})]
@@ -316,7 +382,7 @@ def places(dataset: "xr.Dataset", name: str) -> "list[tuple[str, dict[Hashable, 
         or Curves.of(dataset) is not None
         or dim not in dataset.coords
         or dataset[dim].dtype.kind not in "UO"
-        or variable.size > _ONE_BY_ONE
+        or variable.size > _MAX_LISTED_VALUES
     ):
         return []
     return [(f", {value} {dim}", {dim: k}) for k, value in enumerate(dataset[dim].to_numpy())]
@@ -326,24 +392,34 @@ def places(dataset: "xr.Dataset", name: str) -> "list[tuple[str, dict[Hashable, 
 
 
 def in_percent(name: str, unit: str) -> bool:
-    """Whether a result is told, drawn and limited in percent: slips are."""
+    """Whether a quantity is printed, drawn and limited in percent: slips are."""
     return unit == "1" and "slip" in name
 
 
 def with_unit(value: float, unit: str, digits: int = 4) -> str:
-    """Return a value of a result as people read it."""
+    """Return a value with the unit in which people read it.
+
+    Parameters
+    ----------
+    value : float
+        The value in SI units.
+    unit : str
+        Its SI unit.
+    digits : int
+        Number of significant digits.
+    """
     try:
         return format_quantity(value, unit, digits)
     except UnitError:  # a unit for which there is no other way to write it
         return f"{value:.{digits}g} {unit.partition(',')[0]}"
 
 
-def two(value: float) -> str:
+def two_digits(value: float) -> str:
     """Return a number in two digits, without an exponent.
 
     Examples
     --------
-    >>> two(0.00456), two(12.34), two(22040.0), two(1.0)
+    >>> two_digits(0.00456), two_digits(12.34), two_digits(22040.0), two_digits(1.0)
     ('0.0046', '12', '22000', '1.0')
     """
     if not math.isfinite(value) or value == 0.0:
@@ -353,14 +429,14 @@ def two(value: float) -> str:
 
 
 def percent(fraction: float) -> str:
-    """Return a share in per cent, two digits.
+    """Return a fraction in per cent, with two digits.
 
     Examples
     --------
     >>> percent(0.0434), percent(7e-6), percent(0.934)
     ('4.3 %', 'below 0.1 %', '93 %')
     """
-    return "below 0.1 %" if abs(fraction) < 1e-3 else f"{two(100.0 * fraction)} %"
+    return "below 0.1 %" if abs(fraction) < 1e-3 else f"{two_digits(100.0 * fraction)} %"
 
 
 def duration(seconds: float) -> str:
@@ -378,7 +454,9 @@ def duration(seconds: float) -> str:
 
 
 def duration_range(seconds: float) -> str:
-    """Return half to three times a time in words, where nine of ten end that run once ("docs/tables/plan_times.csv").
+    """Return the range from half to three times an estimated time, in words.
+
+    Nine of ten first runs end within it (docs/tables/plan_times.csv).
 
     Examples
     --------
@@ -396,84 +474,121 @@ def duration_range(seconds: float) -> str:
     )
 
 
-def span(low: float, high: float) -> str:
-    """Return a band of slips in per cent: what is below 0.1 % and beyond all slips is said so."""
+def format_slip_band(low: float, high: float) -> str:
+    """Return a band of slips in per cent, with words in place of slips below 0.1 % and of 1 or more.
+
+    Parameters
+    ----------
+    low, high : float
+        Bounds of the cage slip [-]; 1 or more means that the cage skids.
+    """
     if high < 1e-3:
         return "all below 0.1 %"
-    least = "below 0.1" if low < 1e-3 else two(100.0 * low)
-    return f"{least} to {two(100.0 * high)} %" if high < 1.0 else f"{least} % to skidding"
+    lower = "below 0.1" if low < 1e-3 else two_digits(100.0 * low)
+    return f"{lower} to {two_digits(100.0 * high)} %" if high < 1.0 else f"{lower} % to skidding"
 
 
-def force(load: float, like: float, *, unit: bool = True) -> str:
-    """Return a force in N, or in kN where one that it stands beside is 500 N or more: one unit for a printout."""
-    name, factor = force_unit(like)
-    return f"{two(load * factor)}{f' {name}' * unit}"
+def format_force(load: float, reference: float, *, unit: bool = True) -> str:
+    """Return a force in the unit of another one, so that a printout has one unit.
+
+    Parameters
+    ----------
+    load : float
+        The force [N].
+    reference : float
+        The force [N] that gives the unit: kN from 500 N on, else N.
+    unit : bool
+        Whether the name of the unit follows.
+    """
+    name, factor = force_unit(reference)
+    return f"{two_digits(load * factor)}{f' {name}' * unit}"
 
 
-def power(watts: float) -> str:
+def format_power(watts: float) -> str:
     """Return a power in two digits, in W or kW."""
-    return f"{two(watts)} W" if watts < 999.5 else f"{two(1e-3 * watts)} kW"
+    return f"{two_digits(watts)} W" if watts < 999.5 else f"{two_digits(1e-3 * watts)} kW"
 
 
 def force_unit(load: float) -> tuple[str, float]:
-    """Return the unit in which a load is printed, and how many there are in a newton."""
+    """Return the unit in which a load is printed, and the factor from newton to that unit."""
     return ("kN", 1e-3) if load >= 500.0 else ("N", 1.0)
 
 
-def plain(value: float) -> str:
-    """Return a number as it was given, without an exponent where it is short."""
+def format_plain(value: float) -> str:
+    """Return a number with the digits that it was given with, without an exponent where the number is short."""
     return f"{value:.10g}" if abs(value) >= 1e-3 and len(f"{value:.10g}") < 8 else f"{value:.4g}"
 
 
-def rounded_up(load: float, unit: str = "N") -> str:
-    """Return a load that is no less, in two digits, in N or kN."""
+def format_rounded_up(load: float, unit: str = "N") -> str:
+    """Return a load rounded up to two digits.
+
+    Parameters
+    ----------
+    load : float
+        The load [N], positive.
+    unit : {"N", "kN"}
+        Unit of the text.
+    """
     size = 10.0 ** (math.floor(math.log10(load)) - 1)
-    return f"{plain(math.ceil(load / size) * size * (1e-3 if unit == 'kN' else 1.0))} {unit}"
+    return f"{format_plain(math.ceil(load / size) * size * (1e-3 if unit == 'kN' else 1.0))} {unit}"
 
 
-def of_key(key: str) -> str:
-    """Return what a key of a scene is called where there is little room, with its table where it has but one word.
+def short_label(key: str) -> str:
+    """Return a short label of a key of a scene: its last part, with its table where that part is a single word.
 
     Examples
     --------
-    >>> of_key("operation.radial_load"), of_key("cage.drag.churning.factor"), of_key("lubricant.eyring_stress")
-    ('radial load', 'churning factor', 'Eyring stress')
-    >>> of_key("lubricant.name"), of_key("models.film.model")
-    ('lubricant', 'film')
+    >>> short_label("operation.radial_load"), short_label("cage.drag.churning.factor")
+    ('radial load', 'churning factor')
+    >>> short_label("lubricant.eyring_stress"), short_label("lubricant.name"), short_label("models.film.model")
+    ('Eyring stress', 'lubricant', 'film')
     """
     *tables, name = key.removesuffix(".name").removesuffix(".model").split(".")
     named = f"{tables[-1]} {name}" if len(tables) > 1 and "_" not in name else name
     return named.replace("_", " ").replace("eyring ", "Eyring ")
 
 
-def in_python(command: str) -> str:
-    """Return a command about ``{scene}`` as Python has it, where the scene is a value.
+def python_call(command: str) -> str:
+    """Return the call in Python that does what a command about ``{scene}`` does.
 
     Examples
     --------
-    >>> in_python("rollslip run {scene} --set operation.radial_load='1.2 kN'")
+    >>> python_call("rollslip run {scene} --set operation.radial_load='1.2 kN'")
     'rollslip.run(rollslip.evolve(scene, {"operation.radial_load": "1.2 kN"}))'
-    >>> in_python("rollslip run {scene} --study steady-slip --report")
+    >>> python_call("rollslip run {scene} --study steady-slip --report")
     'rollslip.report(rollslip.run(scene, study="steady-slip"))'
     """
-    _, name, _, *words = shlex.split(command)
+    _, name, _, *options = shlex.split(command)
     changes = dict[str, str]()
-    given = ""
+    arguments = ""
     flags = list[str]()
-    while words:
-        option, *words = words
-        if not words or words[0].startswith("--"):
+    while options:
+        option, *options = options
+        if not options or options[0].startswith("--"):
             flags.append(option)
         elif option == "--set":
-            key, _, changes[key] = words.pop(0).partition("=")
+            key, _, changes[key] = options.pop(0).partition("=")
         else:
-            given += f", {option.removeprefix('--').replace('-', '_')}={json.dumps(words.pop(0))}"
-    call = f"rollslip.{name}({f'rollslip.evolve(scene, {json.dumps(changes)})' if changes else 'scene'}{given})"
+            arguments += (
+                f", {option.removeprefix('--').replace('-', '_')}={json.dumps(options.pop(0))}"
+            )
+    scene = f"rollslip.evolve(scene, {json.dumps(changes)})" if changes else "scene"
+    call = f"rollslip.{name}({scene}{arguments})"
     return f"rollslip.report({call})" if "--report" in flags else call
 
 
 def html_table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> str:
-    """Return a table whose first column names its rows; a cell that is a list has one line for each item."""
+    """Return a table in HTML whose first column names its rows; empty if it has no rows.
+
+    Parameters
+    ----------
+    head : sequence of str
+        Headings of the columns.
+    rows : sequence of sequence
+        Cells of each row; a cell that is a list has one line for each item.
+    caption : str
+        Caption, empty for none.
+    """
     if not rows:
         return ""
     columns = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
@@ -486,6 +601,6 @@ def html_table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: s
 
 
 def _cell(cell: object, head: str) -> str:
-    """Return a cell that knows its column, whose name stands before it where a screen is narrow."""
+    """Return a cell with the heading of its column as an attribute, which narrow screens show before the cell."""
     lines = "<br/>".join(escape(str(item)) for item in (cell if isinstance(cell, list) else [cell]))
     return f'<td data-of="{escape(head)}">{lines}</td>' if lines else "<td></td>"
