@@ -69,7 +69,9 @@ def runs(level, friction, starts):
     squares, slips = np.empty((2, len(WAYS), starts))
     for k, slip in enumerate((1e-3 * np.random.default_rng(1).uniform(size=starts)).tolist()):
         for way, (name, tolerance) in enumerate(WAYS):
-            found = study.with_settings(integrator=name, cage_slip=slip).tried(motion, times, tolerance)
+            found = study.with_settings(integrator=name, cage_slip=slip).trial_motion(
+                motion, times, tolerance
+            )
             assert found.outcome == "finished", found.message
             quiet = found.t > QUIET * SPANS[level]
             squares[way, k] = np.mean(
@@ -102,7 +104,9 @@ def first_impacts():
         )  # fmt: skip
         reference = told(exact.y.T)
         for name, tolerance in (WAYS[0], WAYS[1], ("leapfrog", 1e-7)):
-            found = study.with_settings(integrator=name, cage_slip=start).tried(motion, times, tolerance)
+            found = study.with_settings(integrator=name, cage_slip=start).trial_motion(
+                motion, times, tolerance
+            )
             off = told(found.y) / reference - 1.0
             rows.append(
                 (level, friction, f"{name}, {tolerance:.0e}", *(f"{part:+.1e}" for part in off))

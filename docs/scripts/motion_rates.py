@@ -55,9 +55,11 @@ def job(number):
     seconds = []
     found = None
     while len(seconds) < MOST and sum(seconds) < ENOUGH:
-        found = study.tried(moving, np.array([0.0, span]), tolerance)  # the first finds the loads
+        found = study.trial_motion(
+            moving, np.array([0.0, span]), tolerance
+        )  # the first finds the loads
         begin = time.process_time()
-        found = study.tried(moving, np.array([0.0, span]), tolerance)
+        found = study.trial_motion(moving, np.array([0.0, span]), tolerance)
         seconds.append(time.process_time() - begin)
     assert found.outcome == "finished", found.message
     took = {"seconds": min(seconds), "evaluations": found.evaluations}

@@ -115,7 +115,7 @@ def lines(level, starts, only, before):
             if name == "scipy":
                 found = told_nothing(study.with_settings(cage_slip=slip), moving, times, tolerance)
             else:
-                found = study.with_settings(integrator=name, cage_slip=slip).tried(
+                found = study.with_settings(integrator=name, cage_slip=slip).trial_motion(
                     moving, times, tolerance
                 )
             spent += time.process_time() - begin

@@ -42,7 +42,7 @@ def main():
         assembly = assemble(scene, Resolution(slices=12, table_tolerance=1e-3))
         study = Dynamics(level=level, friction=friction, planar=PlanarSettings(inner_ring_mass=5.0))
         moving = study.moving(assembly)
-        found = study.with_settings(integrator="rk45").tried(
+        found = study.with_settings(integrator="rk45").trial_motion(
             moving, np.linspace(0.0, SPAN, N_POSITIONS), 1e-4
         )
         assert found.outcome == "finished", found.message

@@ -20,7 +20,7 @@ from rollslip.errors import ConvergenceError
 from rollslip.planning.plan import plan
 from rollslip_studies.dynamics import choice as estimates
 from rollslip_studies.dynamics import cost as costs
-from rollslip_studies.dynamics.choice import adds_up, choose_motion
+from rollslip_studies.dynamics.choice import choose_motion, error_accumulation
 from rollslip_studies.dynamics.findings import DynamicsAccount
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
@@ -107,7 +107,7 @@ PLANAR = PlanarSettings(inner_ring_mass=5.0)
 def damped(study, assembly, end):
     """Strongest damping along a motion, in the time in which a roller on its bar turns by 0.2."""
     moving = study.moving(assembly)
-    found = study.tried(moving, np.linspace(0.0, end, 6), 1e-4)
+    found = study.trial_motion(moving, np.linspace(0.0, end, 6), 1e-4)
     speeds = ~moving.system.places
     worst = max(
         -np.linalg.eigvals(moving.system.jacobian(0.0, y)[np.ix_(speeds, speeds)]).real.min()
@@ -119,7 +119,7 @@ def damped(study, assembly, end):
 def evaluations(study, integrator, few=None):
     """Evaluations of the rates that an integrator takes with few slices."""
     few = estimates.with_coarse_slices(bearing()) if few is None else few
-    found = attrs.evolve(study, integrator=integrator).tried(
+    found = attrs.evolve(study, integrator=integrator).trial_motion(
         study.moving(few), np.linspace(0.0, study.duration, 3), study.relative_tolerance
     )
     assert found.outcome == "finished"
@@ -273,7 +273,7 @@ def test_integrators_say_whether_they_are_explicit():
 
 def test_errors_of_a_cage_that_nothing_drives_or_holds_add_up_over_all_of_the_time():
     study = Dynamics(friction="constant", friction_coefficient=0.0, duration=0.5)
-    assert adds_up(study, bearing(cage__drag=[]), 5e-3) == pytest.approx(100.0, rel=1e-6)
+    assert error_accumulation(study, bearing(cage__drag=[]), 5e-3) == pytest.approx(100.0, rel=1e-6)
 
 
 def test_errors_fade_as_fast_as_a_cage_that_is_held_by_its_drag_alone_comes_to_its_speed():
@@ -282,11 +282,13 @@ def test_errors_fade_as_fast_as_a_cage_that_is_held_by_its_drag_alone_comes_to_i
     span = 5e-3
     study = Dynamics(friction="constant", friction_coefficient=0.0, duration=2.0)
     moving = study.moving(few)
-    speed = moving.split(study.tried(moving, np.array([0.0, 1e-3, 2e-3]), 1e-10).y)["cage_speed"]
+    speed = moving.split(study.trial_motion(moving, np.array([0.0, 1e-3, 2e-3]), 1e-10).y)[
+        "cage_speed"
+    ]
     tau = 1e-3 / math.log(
         (speed[0] - speed[1]) / (speed[1] - speed[2])
     )  # of a speed that decays to any other
-    assert adds_up(study, few, span) == pytest.approx(
+    assert error_accumulation(study, few, span) == pytest.approx(
         tau * -math.expm1(-2.0 / tau) / span, rel=0.02
     )
 
@@ -294,7 +296,8 @@ def test_errors_fade_as_fast_as_a_cage_that_is_held_by_its_drag_alone_comes_to_i
 def test_a_longer_motion_that_settles_needs_hardly_smaller_steps():
     few = bearing()
     one, ten = (
-        adds_up(Dynamics(level="pocket", duration=duration), few, 5e-3) for duration in (1.0, 10.0)
+        error_accumulation(Dynamics(level="pocket", duration=duration), few, 5e-3)
+        for duration in (1.0, 10.0)
     )
     assert one < ten < 2.0 * one
 
@@ -314,10 +317,10 @@ def test_the_steps_of_a_plan_keep_the_mean_speed_of_the_cage_over_seconds():
 
 
 def test_what_cannot_be_estimated_is_taken_as_finely_as_there_is(monkeypatch):
-    def fails(self, study, times, tolerance, before=None):
+    def fails(self, study, times, before=None):
         raise ConvergenceError("the steps became too small")
 
-    monkeypatch.setattr(estimates._Trials, "speeds", fails)
+    monkeypatch.setattr(estimates._Trials, "cage_speeds", fails)
     found = choose_motion(Dynamics(duration=1e-3), bearing(), ["integrator"])
     assert found.settings == {"friction": "conventional", "level": "pocket"}
     for name in ("friction", "level"):

@@ -208,7 +208,7 @@ def judged(k):
         default=0.0,
     )
     tolerance = one.accuracy.of("cage_speed")
-    ours = study.tried(moving, times, study.relative_tolerance).y
+    ours = study.trial_motion(moving, times, study.relative_tolerance).y
     theirs = reference(moving, start, times, "LSODA")
     other = reference(moving, start, times, "DOP853")
     exact = moving.split(theirs)["cage_speed"]
@@ -225,7 +225,7 @@ def judged(k):
     verdict = "kept"
     if max(off) + unsure > limit:
         verdict = "missed" if max(off) - unsure > limit else "sensitive"
-        fine = study.tried(moving, times, max(1e-3 * study.relative_tolerance, 1e-11)).y
+        fine = study.trial_motion(moving, times, max(1e-3 * study.relative_tolerance, 1e-11)).y
         finer = f"{max(apart(moving, fine, theirs)):.1e}"
     shown = [
         f"{value:.1e}" for value in (study.relative_tolerance, tolerance, claimed, *off, unsure)

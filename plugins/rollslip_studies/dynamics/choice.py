@@ -1,25 +1,38 @@
-"""Chooses friction, level, integrator and tolerance of a step of cage and rollers in motion, where a scene leaves them.
+"""Choose friction, level of detail, integrator and step tolerance of a motion, where a scene leaves them open.
 
-- The motion itself is gone through with few slices and loose steps, once in either way. That costs a hundredth of what
-  it does with many, and its difference is the error of the simpler way, with all that averages out or adds up.
-- Rollers that hit their pockets let the cage swing without moving its mean, and how they do so is chaotic: no tolerance
-  makes two integrators agree on it. The levels are therefore held against each other by means over orbits of the cage.
-- Integrators are chosen by rule, from the frequencies that a motion tells and its damping, the eigenvalues of its
-  Jacobian, where it begins. What swings and is hardly damped is for explicit methods, what is damped within a step that
-  resolves its contacts for the one that a study takes by default.
-- Effective friction has another largest drag than conventional friction, by 2.7 % in the middle and up to 23 % over 62
-  random bearings (docs/trust/skidding.rst). Near it the one cage runs away where the other does not, whatever their
-  speeds were until then: there it is not chosen.
-- Where rollers hit their pockets only explicit methods that resolve contacts serve: another that is right about the
-  cage's speed may miss a third of the impacts' force (docs/trust/dynamics.rst).
-- What is stiff for a while only, as a start from rest, is for an explicit method whose steps follow their error.
-- Along a history it is looked at several instants. Where rings rest contacts are damped most: there, if not all the
-  way, the motion is stiff, and an explicit method whose steps follow its error takes short ones for a short time.
-- What cannot be estimated is taken as finely as there is.
-- Errors of steps over a short time go with their tolerance, in proportion at most, and add up or fade. Where rollers
-  hit their pockets hardly a tolerance keeps motions together: they come apart as far as play lets them swing, and each
-  by chance. How far motions of other tolerances do so in an orbit of the cage tells what to expect.
-- For steps a history is gone through as it is: what moves nothing at one speed may hit its pockets in a run-up.
+Four choices trade time against the error of the cage speed. Each has an a priori estimate from trial motions with few
+slices (a hundredth of the time of many), or a rule:
+
+1. Friction: integrate the motion at level cage-set with effective and with conventional friction over all of its
+   duration. Take effective friction if the cage speeds differ by at most 0.3 of the tolerance.
+2. Take conventional friction all the same where the cage is near skidding. The limit drags of the two frictions differ
+   by 2.7 % (median) and up to 23 % over 62 random bearings (docs/trust/skidding.rst): near the limit one of the cages
+   skids and the other does not, however well their speeds agreed until then.
+3. Level: integrate levels cage-set and pocket over three orbits of the cage. Take cage-set if the means over each orbit
+   differ by at most 0.2 of the tolerance. Impacts in the pockets are chaotic: instantaneous speeds do not converge with
+   the steps, means over orbits do.
+4. Integrator: no trial. The strongest damping, from the eigenvalues of the Jacobian of the speeds by the speeds, says
+   whether the motion is stiff: whether damping or accuracy (the contacts to be resolved) limits an explicit step. A
+   stiff motion takes the integrator of the study, which is implicit; others an explicit one (`_Trials.integrator`).
+5. Step tolerance: two motions of 5 ms, at the usual tolerance and at a thousandth of it, give the error of the cage
+   speed at the end of that time (the difference from a reference solution).
+6. Errors of later intervals add to it while those of earlier ones decay, since the drive of the cage pulls it back. The
+   factor for the whole motion is the integral of that decay over time, from two cages with different speeds at the
+   start (`error_accumulation`).
+7. The error is taken to be proportional to the tolerance; scale the tolerance so that 0.2 of the requested one is used.
+8. Where rollers hit their pockets, motions with different steps diverge, as neighbouring motions of any chaotic system
+   do, until the play in the pockets bounds their difference. Twice the largest divergence of motions with other
+   tolerances within an orbit of the cage is reported as error, too; no tolerance removes it.
+9. Along a history the middle and a late time are sampled as well: what is smooth at one speed may have impacts, or be
+   stiff, at another. Contacts are damped most while the rings rest.
+10. What cannot be estimated, because a trial motion fails, is taken with all detail (`FALLBACKS`).
+
+Only explicit methods that resolve contacts are taken at levels with contacts: others get the cage speed right and may
+miss a third of the impact force (docs/trust/dynamics.rst).
+
+Sources: stiffness and the stability of explicit methods, E. Hairer and G. Wanner, Solving Ordinary Differential
+Equations II, chapter IV; the transport of local errors to the end of a motion, E. Hairer, S. P. Norsett and G. Wanner,
+Solving Ordinary Differential Equations I, chapter II.
 """
 
 import itertools
@@ -40,52 +53,139 @@ from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.motion.time_integration import Trajectory
 from rollslip_studies.motion.torque_balance import near_skidding
 
-#: What a plan chooses -> the finest of it that needs nothing more from a scene.
-OPEN: Final = {"friction": "conventional", "level": "pocket", "integrator": None}
-#: Slices and error of tables, with which motions are tried.
-_FEW = 12
-_TABLE = 1e-3
-#: Shares of the tolerance of the cage speed that the simpler friction and the simpler level may take.
-_FRACTION: Final = {"friction": 0.3, "level": 0.2}
-#: Error of their steps, relative to the tolerance of the cage speed, and the largest one.
-_STEP = 0.1
-_LOOSEST = 1e-3
-#: Orbits of the cage over which levels are compared, and instants of each.
-_ORBITS = 3
-_INSTANTS = 64
-#: Instants after which frictions are compared before their motions go on.
-_LOOKS: Final = (4, 8, 16, 32)
-#: Damping [1/s] up to which rk45 takes fewer evaluations of smooth motions than rodas5p, or 1.6 times as many at most,
-#: and error of a step from which on leapfrog takes fewer than rk45 where contacts are resolved: 24 random bearings.
-_SMOOTH = 1e4
-_LEAPS = 3e-8
-#: A step resolves a contact by this part of a radian; what is damped by more than the other part in it is stiff. An
-#: explicit method bears a fifth more.
-_RESOLVED = 0.2
-_STIFF = 0.25
-#: Slip by which two cages begin apart to see how errors of the cage speed fade, error of a step relative to it, the
-#: time [s] over which that is seen at most, and its instants.
-_APART = 1e-2
-_EXACT = 1e-5
-_FADING = 10.0
-_SEEN = 256
-#: Share of the tolerance of the cage speed that steps may take, and the time [s] of a short motion.
-_OF_STEPS = 0.2
-_SHORT = 5e-3
-#: A usual tolerance of a step.
-_USUAL: Final = 1e-5
-#: Pieces of an orbit, and instants of each, in which it is looked how far steps let motions come apart, how much finer
-#: others are, evaluations of the rates after which there is no further piece, and how many times as far apart as those
-#: that were tried others may be, by the scenes of tools/references/motions_by_scipy.csv.
-_PIECES = 8
-_PIECE = 16
-_FINER = (4.0, 16.0)
-_MOST = 200_000
-_OTHERS = 2.0
+#: Settings that a plan chooses -> the most detailed choice that needs no further data from a scene; None where that is
+#: the choice of the study.
+FALLBACKS: Final = {"friction": "conventional", "level": "pocket", "integrator": None}
 
 
-class Movable(Protocol):
-    """A study that sets a bearing in motion: what is asked of it here."""
+@attrs.frozen(kw_only=True)
+class ErrorFractions:
+    """Fractions of the tolerance of the cage speed that the simplifications of a motion may use.
+
+    They add up to 0.7. The rest is for slices and tables, whose errors are those of the friction.
+    """
+
+    #: Effective in place of conventional friction. Doubled, effective friction, which is faster, is chosen more often,
+    #: and the errors together may exceed the tolerance. Chosen; the largest, since this choice saves the largest part
+    #: of the time.
+    friction: float = 0.3
+    #: Level cage-set in place of pocket. Doubled, cage-set is chosen for looser pockets. Chosen: the play of the
+    #: shipped bearing moves the mean speed by 7e-5, a third of what the usual tolerance of 1e-3 then allows.
+    level: float = 0.2
+    #: Steps in time. Doubled, steps grow by 15 % (order 5) to 40 % (leapfrog). Chosen.
+    steps: float = 0.2
+
+
+@attrs.frozen(kw_only=True)
+class TrialResolution:
+    """Resolution of trial motions, and how long they are compared."""
+
+    #: Slices of a roller. Doubled, trial motions with conventional friction take twice as long. Chosen: few enough that
+    #: a trial costs a hundredth of the run; tests/studies/test_dynamics_choice.py holds the difference of the frictions
+    #: with 12 slices to a quarter of that with 25.
+    slices: int = 12
+    #: Relative error of tables of loads and friction. Halved, tables take longer to build. Chosen: the usual tolerance;
+    #: its error is common to the motions that are compared.
+    table_tolerance: float = 1e-3
+    #: Step tolerance over the tolerance of the cage speed. Doubled, trials are faster, and the errors of their steps
+    #: may add up to the differences that are to be found (0.2 and 0.3 of the tolerance). Chosen.
+    step_tolerance: float = 0.1
+    #: Largest step tolerance, whatever the scene requests. Chosen; it counts from a requested tolerance of 1e-2 on.
+    max_step_tolerance: float = 1e-3
+    #: Orbits of the cage over which levels are compared. Doubled, the trial at level pocket takes twice as long and
+    #: sees slower drifts of the mean. Chosen: the first orbit contains the start.
+    orbits: int = 3
+    #: Samples of an orbit for its mean speed, and of the whole duration for the comparison of frictions. Halved,
+    #: oscillations of the cage with more than 16 periods an orbit alias into the mean. Chosen; samples cost nothing
+    #: beside the steps.
+    samples: int = 64
+    #: Samples after which frictions are compared before the trial goes on: at 1/16, 1/8, 1/4 and 1/2 of the duration.
+    #: Each check may save the rest of the trial, and costs one restart of the integrator.
+    checks: tuple[int, ...] = (4, 8, 16, 32)
+
+
+@attrs.frozen(kw_only=True)
+class IntegratorRule:
+    """Limits of the rule that chooses the integrator, from 144 cases of 24 random bearings (docs/trust/plan.rst)."""
+
+    #: Damping [1/s] up to which rk45 is taken for motions without contacts. Up to there it takes fewer evaluations of
+    #: the rates than rodas5p, or at most 1.6 times as many. Doubled, rk45 is also taken where its stability limits the
+    #: step, 3.3 over the damping.
+    max_smooth_damping: float = 1e4
+    #: Step tolerance below which rk45 is taken in place of leapfrog where contacts are resolved: from there on its
+    #: order of 5 makes up for 6 evaluations a step. Measured on the same bearings.
+    leapfrog_tolerance: float = 3e-8
+    #: Step that resolves a contact times the frequency of the contact [rad]: that of leapfrog (CONTACT in
+    #: kernels/rollslip_kernels/motion/leapfrog.pyx). Doubled, an impact (half a period) is resolved by 8
+    #: steps in place of 16.
+    contact_step: float = 0.2
+    #: Damping times that step from which on a motion is stiff. The shipped bearing has 0.003 at level pocket and 0.03
+    #: at planar, heavy loads 0.4, films in the pockets 1.9 (docs/trust/dynamics.rst). Doubled, it exceeds the 0.3 up to
+    #: which leapfrog extrapolates speeds with held friction; 0.25 leaves a fifth for the damping to grow along the
+    #: motion.
+    max_damping_per_step: float = 0.25
+
+
+@attrs.frozen(kw_only=True)
+class DecayTrial:
+    """Two cages with different speeds, which show how fast an error of the cage speed decays."""
+
+    #: Difference of their slips at the start. Doubled, the decay may no longer be that of a small error. Chosen: large
+    #: against the errors of the steps, small against the slips of the start and of skidding.
+    slip_difference: float = 1e-2
+    #: Step tolerance over that difference. Doubled, the decay can be followed down to 2e-5 of the difference
+    #: only. Chosen; at level cage-set steps are cheap.
+    step_tolerance: float = 1e-5
+    #: Longest time that is integrated [s]; later the difference is taken to stay as large as it is at the end. Doubled,
+    #: long motions of which errors decay slowly get larger steps, and the trial takes longer. Chosen.
+    max_duration: float = 10.0
+    #: Samples of the decay, for its integral by the trapezoidal rule. Halved, a decay within a sample counts too much.
+    #: Chosen.
+    samples: int = 256
+
+
+@attrs.frozen(kw_only=True)
+class StepTrial:
+    """Motions with different step tolerances: how large the error of a tolerance is, and how far motions diverge."""
+
+    #: Duration [s] of the motion that gives the error of steps. Doubled, the trial takes twice as long and averages
+    #: over more impacts. Chosen: more than a hundred steps at level pocket (typically 4e-5 s), less than an orbit.
+    duration: float = 5e-3
+    #: Usual step tolerance: that of the trial, the largest that is chosen, and the default of the study. Larger steps
+    #: are not known to be right where a contact opens; at this one leapfrog takes its largest step, and the force on
+    #: pockets is within 1 % (docs/trust/dynamics.rst).
+    tolerance: float = 1e-5
+    #: Tolerance of the reference solution over the usual one. Doubled, the reference takes 13 % fewer steps (order 5).
+    #: Chosen: small enough to be exact beside the trial.
+    reference: float = 1e-3
+    #: Divisors of the tolerance of the motions whose divergence is measured. Two, since one pair may stay close by
+    #: chance; near 1, since what is sought is the effect of chance and not the error. Chosen.
+    refinements: tuple[float, ...] = (4.0, 16.0)
+    #: Pieces of an orbit of the cage after each of which the work is checked. Doubled, a trial stops sooner after the
+    #: limit of evaluations, and restarts the integrators more often. Chosen.
+    pieces: int = 8
+    #: Samples of a piece at which speeds are compared. Halved, the largest difference may be missed. Chosen.
+    samples: int = 16
+    #: Evaluations of the rates after which no further piece begins: some seconds. Doubled, more of the orbit is seen,
+    #: and a plan may take twice as long. Chosen.
+    max_evaluations: int = 200_000
+    #: Largest divergence that other motions may have over that of the trial motions. Halved, the reported error is less
+    #: than the true one in 9 of the 60 scenes of tools/references/motions_by_scipy.csv at levels pocket and planar;
+    #: with 2 only in some of the five whose reference solutions diverge themselves (0.7 to 1.7 times the error).
+    safety_factor: float = 2.0
+    #: Samples of a history for the largest speeds without slip. Halved, a short peak may be missed. Chosen.
+    speed_samples: int = 256
+
+
+FRACTIONS: Final = ErrorFractions()
+TRIALS: Final = TrialResolution()
+INTEGRATORS: Final = IntegratorRule()
+DECAY: Final = DecayTrial()
+STEPS: Final = StepTrial()
+
+
+class MotionStudy(Protocol):
+    """What the choice of a motion, and the estimate of its cost, require of a study that integrates motions."""
 
     @property
     def friction(self) -> str:
@@ -105,30 +205,30 @@ class Movable(Protocol):
 
     @property
     def duration(self) -> float:
-        """Time to go through [s]."""
+        """Duration of the motion [s]."""
 
-    def with_settings(self, **settings: Any) -> "Movable":
+    def with_settings(self, **settings: Any) -> "MotionStudy":
         """Return the study with other settings."""
 
     @property
     def points(self) -> int:
-        """Instants stored."""
+        """Number of stored times."""
 
     @property
     def relative_tolerance(self) -> float:
-        """Error of a step."""
+        """Step tolerance, relative to the magnitude of an unknown."""
 
     def moving(self, assembly: Assembly) -> MovingBearing:
-        """Return the bearing in motion."""
+        """Return the system of equations of motion of a bearing."""
 
-    def tried(
+    def trial_motion(
         self,
         moving: MovingBearing,
         times: Array,
         tolerance: float,
         before: Trajectory | None = None,
     ) -> Trajectory:
-        """Return the motion at some times [s] and a relative tolerance, from its start or from what was before."""
+        """Return the motion at some times [s] with a step tolerance, from its start or from the end of another."""
 
     def method(self, assembly: Assembly) -> IntegratorModel:
         """Return the integrator."""
@@ -136,92 +236,132 @@ class Movable(Protocol):
 
 @attrs.frozen(kw_only=True)
 class MotionChoice:
-    """What was chosen of friction, level and integrator, with reasons and the errors that the simpler ones leave."""
+    """Choices of friction, level and integrator by setting."""
 
+    #: Setting -> choice.
     settings: Mapping[str, Any] = attrs.field(factory=dict)
+    #: Setting -> reason of the choice, for the plan.
     reasons: Mapping[str, str] = attrs.field(factory=dict)
+    #: Setting -> result -> estimated error of a simpler choice; nothing for choices without loss.
     errors: Mapping[str, Mapping[str, float]] = attrs.field(factory=dict)
 
 
+@attrs.frozen
+class Choice:
+    """Choice of one setting."""
+
+    #: Value of the setting.
+    value: Any
+    #: Reason, for the plan.
+    reason: str
+    #: Estimated error of the cage speed relative to the epicyclic one; None for a choice without loss.
+    error: float | None = None
+
+
 def with_coarse_slices(assembly: Assembly) -> Assembly:
-    """Return a bearing as motions of it are tried, so that all of them share its loads and tables."""
+    """Return a bearing with the resolution of trial motions; all of them share its loads and tables."""
     resolution = assembly.resolution
-    slices = min(_FEW, resolution.slices)
     return assembly.at(
-        attrs.evolve(resolution, slices=slices, quadrature="equal", table_tolerance=_TABLE)
+        attrs.evolve(
+            resolution,
+            slices=min(TRIALS.slices, resolution.slices),
+            quadrature="equal",
+            table_tolerance=TRIALS.table_tolerance,
+        )
     )
 
 
-def adds_up(study: Movable, few: Assembly, span: float) -> float:
-    """Return how many times the error of the cage speed over a short time adds up over a whole motion.
+def error_accumulation(study: MotionStudy, coarse: Assembly, span: float) -> float:
+    """Return the error of the cage speed over a whole motion, relative to the error over a short time.
 
-    Every stretch adds an error, and what drives the cage lets it fade: with g(t) what is left at t of a difference at
-    the start, all of them add up to the integral of g over that time. Two cages that begin apart show g, at level
-    cage-set; where they come no nearer to each other, errors add up over all of the duration.
+    Each interval adds an error, and the drive of the cage lets it decay. With g(t) the fraction of an error that is
+    left after the time t, the errors of all intervals add up to the integral of g over the duration. The difference of
+    two cages with different speeds at the start, at level cage-set, shows g. Where their speeds do not approach each
+    other, the integral is the duration.
 
     Parameters
     ----------
-    study : Movable
+    study : MotionStudy
         The study, without a history.
-    few : Assembly
-        The bearing with few slices.
+    coarse : Assembly
+        The bearing with the resolution of trial motions.
     span : float
         The short time [s].
+
+    Returns
+    -------
+    float
+        The factor, from 1 to the duration over the short time; the latter if the trial motion fails.
     """
-    seen = min(study.duration, _FADING)
-    times = np.linspace(0.0, seen, _SEEN + 1)
-    alone = study.with_settings(
+    end = min(study.duration, DECAY.max_duration)
+    times = np.linspace(0.0, end, DECAY.samples + 1)
+    cage_set = study.with_settings(
         level="cage-set", friction="constant" if study.friction == "constant" else "effective"
     )
-    moving = alone.moving(few)
-    ends = []
-    for slip in (study.cage_slip, study.cage_slip + _APART):
-        found = alone.with_settings(cage_slip=slip).tried(moving, times, _EXACT * _APART)
+    moving = cage_set.moving(coarse)
+    tolerance = DECAY.step_tolerance * DECAY.slip_difference
+    speeds = []
+    for slip in (study.cage_slip, study.cage_slip + DECAY.slip_difference):
+        found = cage_set.with_settings(cage_slip=slip).trial_motion(moving, times, tolerance)
         if found.outcome != "finished":
             return study.duration / span
-        ends.append(np.asarray(moving.split(found.y)["cage_speed"]))
-    left = np.abs(ends[1] - ends[0]) / abs(ends[1][0] - ends[0][0])
-    longer = (study.duration - seen) * float(left[-_SEEN // 4 :].max())
-    return max(1.0, min(study.duration, float(np.trapezoid(left, times)) + longer) / span)
+        speeds.append(np.asarray(moving.split(found.y)["cage_speed"]))
+    decay = np.abs(speeds[1] - speeds[0]) / abs(speeds[1][0] - speeds[0][0])
+    later = (study.duration - end) * float(decay[-DECAY.samples // 4 :].max())
+    integral = min(study.duration, float(np.trapezoid(decay, times)) + later)
+    return max(1.0, integral / span)
 
 
-def choose_motion(study: Movable, assembly: Assembly, named: Collection[str]) -> MotionChoice:
-    """Choose what a scene does not name of friction, level and integrator."""
-    unnamed = [name for name in OPEN if name not in named]
+def choose_motion(study: MotionStudy, assembly: Assembly, named: Collection[str]) -> MotionChoice:
+    """Choose those of friction, level and integrator that a scene does not name.
+
+    Parameters
+    ----------
+    study : MotionStudy
+        The study, with the choices that the scene names.
+    assembly : Assembly
+        The bearing.
+    named : collection of str
+        Settings that are not to be chosen.
+    """
+    unnamed = [name for name in FALLBACKS if name not in named]
     if not unnamed:
         return MotionChoice()
     if assembly.scene.accuracy.exact:
-        exact = {name: of for name in unnamed if (of := OPEN[name]) is not None}
+        exact = {name: value for name in unnamed if (value := FALLBACKS[name]) is not None}
         return MotionChoice(
             settings=exact, reasons=dict.fromkeys(exact, "an exact result is asked for")
         )
-    study = study.with_settings(film_limit=0.0)  # an event, which moves nothing
+    study = study.with_settings(film_limit=0.0)  # an event, which does not change the motion
     trials = _Trials(assembly)
     settings = dict[str, Any]()
     reasons = dict[str, str]()
     errors = dict[str, Mapping[str, float]]()
     for name in unnamed:
         try:
-            choice, reasons[name], left = getattr(trials, name)(study.with_settings(**settings))
+            choice: Choice = getattr(trials, name)(study.with_settings(**settings))
         except RollslipError as error:
-            choice = OPEN[name] or getattr(study, name)
-            reasons[name] = f"there is no estimate of what a simpler one would leave: {error}"
-            left = None
-        settings[name] = choice
-        if left is not None:
-            errors[name] = {"cage_speed": left}
+            choice = Choice(
+                FALLBACKS[name] or getattr(study, name),
+                f"there is no estimate of what a simpler one would leave: {error}",
+            )
+        settings[name] = choice.value
+        reasons[name] = choice.reason
+        if choice.error is not None:
+            errors[name] = {"cage_speed": choice.error}
     return MotionChoice(settings=settings, reasons=reasons, errors=errors)
 
 
 @attrs.frozen(eq=False)
 class _Trials:
-    """Motions of a bearing with few slices."""
+    """Trial motions of a bearing; a method for each setting of `FALLBACKS`."""
 
     assembly: Assembly
-    _made: dict[tuple[str, str], MovingBearing] = attrs.field(factory=dict, init=False)
+    _systems: dict[tuple[str, str], MovingBearing] = attrs.field(factory=dict, init=False)
 
     @cached_property
-    def few(self) -> Assembly:
+    def coarse(self) -> Assembly:
+        """The bearing with the resolution of trial motions."""
         return with_coarse_slices(self.assembly)
 
     @property
@@ -229,257 +369,297 @@ class _Trials:
         """Tolerance of the cage speed."""
         return self.assembly.scene.accuracy.of("cage_speed")
 
-    def moving(self, study: Movable) -> MovingBearing:
-        """The bearing in motion, by friction and level made once."""
-        if (key := (study.friction, study.level)) not in self._made:
-            self._made[key] = study.moving(self.few)
-        return self._made[key]
+    @property
+    def step_tolerance(self) -> float:
+        """Step tolerance of trial motions."""
+        return min(TRIALS.step_tolerance * self.requested, TRIALS.max_step_tolerance)
 
-    def speeds(
-        self, study: Movable, times: Array, tolerance: float, before: Trajectory | None = None
+    def moving(self, study: MotionStudy) -> MovingBearing:
+        """Return the equations of motion, cached by friction and level."""
+        if (key := (study.friction, study.level)) not in self._systems:
+            self._systems[key] = study.moving(self.coarse)
+        return self._systems[key]
+
+    def cage_speeds(
+        self, study: MotionStudy, times: Array, before: Trajectory | None = None
     ) -> tuple[Array, Trajectory]:
-        """Cage speed at some times, relative to the epicyclic one, and the motion, from its start or from before."""
+        """Return cage speeds at some times, relative to the epicyclic one, and the motion that has them."""
         moving = self.moving(study)
-        found = study.tried(moving, times, tolerance, before)
+        found = study.trial_motion(moving, times, self.step_tolerance, before)
         if found.outcome != "finished":
             raise ConvergenceError(
                 f"{study.friction} friction at level {study.level}: {found.message}"
             )
-        return np.asarray(
-            moving.split(found.y)["cage_speed"] / self.few.kinematics.epicyclic_cage_speed
-        ), found
+        speeds = moving.split(found.y)["cage_speed"] / self.coarse.kinematics.epicyclic_cage_speed
+        return np.asarray(speeds), found
 
-    def friction(self, study: Movable) -> tuple[str, str, float | None]:
-        """Effective friction where it moves the cage as conventional friction does, over all of the time."""
-        times = np.linspace(0.0, study.duration, _INSTANTS + 1)[1:]
-        tolerance = min(_STEP * self.requested, _LOOSEST)
-        allowed = _FRACTION["friction"] * self.requested
+    def friction(self, study: MotionStudy) -> Choice:
+        """Choose effective friction if it moves the cage as conventional friction does, and not near skidding."""
+        allowed = FRACTIONS.friction * self.requested
+        difference, max_slip, end = self._friction_difference(study, allowed)
+        after = "" if end == study.duration else f" after {end:.2g} s already"
+        found = f"with few slices the two frictions give cage speeds that differ by up to {difference:.1e}{after}"
+        if difference > allowed:
+            return Choice(
+                "conventional",
+                f"{found}, more than the {allowed:.1e} that effective friction may take",
+            )
+        if near := near_skidding(self.coarse, max_slip):
+            return Choice("conventional", f"{found}, but {near}")
+        return Choice(
+            "effective", f"{found}, less than the {allowed:.1e} that it may take", difference
+        )
+
+    def _friction_difference(
+        self, study: MotionStudy, allowed: float
+    ) -> tuple[float, float, float]:
+        """Return the largest difference of relative cage speeds between the frictions, the largest slip, and the time.
+
+        The trial ends as soon as the difference exceeds ``allowed``. The slip is that with conventional friction.
+        """
+        times = np.linspace(0.0, study.duration, TRIALS.samples + 1)[1:]
         conventional, effective = (
             study.with_settings(friction=friction, level="cage-set")
             for friction in ("conventional", "effective")
         )
-        ours = theirs = None
-        off = slowest = 0.0
-        for part in np.split(times, _LOOKS):
-            one, ours = self.speeds(conventional, part, tolerance, ours)
-            other, theirs = self.speeds(effective, part, tolerance, theirs)
-            off = max(off, float(np.abs(one - other).max()))
-            slowest = max(slowest, 1.0 - float(one.min()))
-            if off > allowed:
+        reference = simplified = None
+        difference = 0.0
+        max_slip = 0.0
+        for interval in np.split(times, TRIALS.checks):
+            reference_speed, reference = self.cage_speeds(conventional, interval, reference)
+            simplified_speed, simplified = self.cage_speeds(effective, interval, simplified)
+            change = np.abs(reference_speed - simplified_speed)
+            difference = max(difference, float(change.max()))
+            max_slip = max(max_slip, 1.0 - float(reference_speed.min()))
+            if difference > allowed:
                 break
-        after = "" if part[-1] == times[-1] else f" after {part[-1]:.2g} s already"
-        found = f"with few slices the two frictions give cage speeds that differ by up to {off:.1e}{after}"
-        if off <= allowed:
-            if near := near_skidding(self.few, slowest):
-                return "conventional", f"{found}, but {near}", None
-            return "effective", f"{found}, less than the {allowed:.1e} that it may take", off
-        return (
-            "conventional",
-            f"{found}, more than the {allowed:.1e} that effective friction may take",
-            None,
-        )
+        return difference, max_slip, float(interval[-1])
 
-    def level(self, study: Movable) -> tuple[str, str, float | None]:
-        """Cage-set where play in the pockets does not move the mean speed of the cage, orbit by orbit."""
-        speed = abs(self.few.kinematics.epicyclic_cage_speed)
-        orbits = int(min(study.duration * speed / (2.0 * math.pi), _ORBITS))
+    def level(self, study: MotionStudy) -> Choice:
+        """Choose cage-set if play in the pockets does not change the mean speed of the cage in any orbit."""
+        speed = abs(self.coarse.kinematics.epicyclic_cage_speed)
+        orbits = int(min(study.duration * speed / (2.0 * math.pi), TRIALS.orbits))
         span = orbits * 2.0 * math.pi / speed if orbits else study.duration
-        times = np.linspace(0.0, span, max(orbits, 1) * _INSTANTS + 1)
+        times = np.linspace(0.0, span, max(orbits, 1) * TRIALS.samples + 1)
         friction = "constant" if study.friction == "constant" else "effective"
-        tolerance = min(_STEP * self.requested, _LOOSEST)
-        alone, within = (
-            self.speeds(study.with_settings(friction=friction, level=level), times, tolerance)[0]
+        cage_set, pocket = (
+            self.cage_speeds(study.with_settings(friction=friction, level=level), times)[0]
             for level in ("cage-set", "pocket")
         )
-        off = within - alone
-        means = np.abs(off[1:].reshape(-1, _INSTANTS).mean(axis=1))
-        moved = float(means.max())
-        allowed = _FRACTION["level"] * self.requested
+        difference = pocket - cage_set
+        means = np.abs(difference[1:].reshape(-1, TRIALS.samples).mean(axis=1))
+        largest_mean = float(means.max())
+        allowed = FRACTIONS.level * self.requested
         found = (
-            f"play in the pockets moves the mean speed of the cage by up to {moved:.1e} (and lets it "
-            f"swing by {np.ptp(off):.1e})"
+            f"play in the pockets moves the mean speed of the cage by up to {largest_mean:.1e} (and lets it "
+            f"swing by {np.ptp(difference):.1e})"
         )
-        other = "; planar only where the scene names it, with the masses it needs"
-        if moved <= allowed:
-            return (
+        planar = "; planar only where the scene names it, with the masses it needs"
+        if largest_mean <= allowed:
+            return Choice(
                 "cage-set",
-                f"{found}, less than the {allowed:.1e} that leaving it out may take{other}",
-                moved,
+                f"{found}, less than the {allowed:.1e} that leaving it out may take{planar}",
+                largest_mean,
             )
-        return (
-            "pocket",
-            f"{found}, more than the {allowed:.1e} that leaving it out may take{other}",
-            None,
+        return Choice(
+            "pocket", f"{found}, more than the {allowed:.1e} that leaving it out may take{planar}"
         )
 
-    def integrator(self, study: Movable) -> tuple[str, str, float | None]:
-        """Leapfrog where contacts are to be resolved, rk45 where nothing swings, and the default where it is stiff."""
+    def integrator(self, study: MotionStudy) -> Choice:
+        """Choose leapfrog where contacts oscillate, rk45 for smooth motions, and that of the study if it is stiff."""
         moving = self.moving(study)
-        name = study.method(self.assembly).name
-        contact = moving.system.frequencies[0]
-        (times, states) = moving.sample_states()
+        implicit = study.method(self.assembly).name
+        times, states = moving.sample_states()
         without_slip = [_damping(moving, t, y) for t, y in zip(times.tolist(), states, strict=True)]
-        begin = _damping(
-            moving, 0.0, np.asarray(moving.initial(study.cage_slip, study.roller_slip))
-        )
-        mildest = min(without_slip)
-        most = max(*without_slip, begin)
-        damped = f"speeds are damped by up to {most:.2g}/s"
+        initial = np.asarray(moving.initial(study.cage_slip, study.roller_slip))
+        strongest = max(*without_slip, _damping(moving, 0.0, initial))
+        damped = f"speeds are damped by up to {strongest:.2g}/s"
+        contact = moving.system.frequencies[0]
         if not contact:
-            if most > _SMOOTH:
-                return (
-                    name,
-                    f"{damped}, more than the {_SMOOTH:g}/s up to which an explicit method takes fewer rates",
-                    None,
-                )
-            return "rk45", f"{damped}, which does not bind an explicit method", None
+            return _smooth_integrator(strongest, damped, implicit)
         if self.assembly.cage.pocket_contact == "film":
-            return (
-                name,
-                "the motion is stiff: films in the pockets are, once they are pressed",
-                None,
+            return Choice(
+                implicit, "the motion is stiff: films in the pockets are, once they are pressed"
             )
-        if stiff := _stiff(contact, mildest):
-            return name, stiff, None
-        if _stiff(contact, most):
-            return (
+        weakest = min(without_slip)
+        if _is_stiff(contact, weakest):
+            return Choice(implicit, _describe_stiffness(contact, weakest))
+        if _is_stiff(contact, strongest):
+            return Choice(
                 "rk45",
                 f"{damped}, but for a while only: explicit steps are held to their error there",
-                None,
             )
         swings = (
             f"the motion swings, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
         )
-        if study.relative_tolerance < _LEAPS:
-            return (
-                "rk45",
-                f"{swings}: explicit steps of a high order serve for errors of that size",
-                None,
+        if study.relative_tolerance < INTEGRATORS.leapfrog_tolerance:
+            return Choice(
+                "rk45", f"{swings}: explicit steps of a high order serve for errors of that size"
             )
-        return "leapfrog", f"{swings}: explicit steps that resolve contacts serve", None
+        return Choice("leapfrog", f"{swings}: explicit steps that resolve contacts serve")
 
 
-def step_tolerance(study: Movable, assembly: Assembly, fades: bool) -> tuple[float, float]:
-    """Return the tolerance of a step, and the error of the speeds that it leaves, relative to the largest.
-
-    Parameters
-    ----------
-    study : Movable
-        The study, with its choices.
-    assembly : Assembly
-        The bearing as it is to run.
-    fades : bool
-        Whether it is looked at how errors of the cage speed fade; else they add up over all of the duration.
-    """
-    few = with_coarse_slices(assembly)
-    moving = study.moving(assembly)
-    if moving.friction.by_slices:
-        moving = study.moving(few)
-    span = min(_SHORT, study.duration)
-    # a motion at level cage-set takes no longer than a look at how its errors fade
-    times = adds_up(study, few, span) if fades else study.duration / span
-    off = _come_apart(study, moving, (_USUAL, 1e-3 * _USUAL), [span])[0]
-    error = float(off[~np.isnan(off)][-1:].sum()) * times
-    fraction = _OF_STEPS * assembly.scene.accuracy.of("cage_speed")
-    # nobody has seen a step of more than the typical tolerance do well where a contact opens
-    least = reference_resolution(assembly.scene).integrator_tolerance or 0.0
-    tolerance = min(max(_USUAL * fraction / max(error, 1e-300), least), _USUAL)
-    left = error * tolerance / _USUAL
-    return tolerance, left if study.level == "cage-set" else max(
-        left, _swings_apart(study, moving, tolerance)
-    )
-
-
-def _come_apart(
-    study: Movable, moving: MovingBearing, tolerances: Sequence[float], spans: Sequence[float]
-) -> Array:
-    """Return how far motions with finer steps come apart from one at some times [s], (cage and rollers, m).
-
-    They begin with the motion, along a history in its middle and late, without slip, too: the largest of these counts.
-
-    Parameters
-    ----------
-    study : Movable
-        The study.
-    moving : MovingBearing
-        The bearing in motion.
-    tolerances : sequence of float
-        Tolerance of a step of the one, and of the others.
-    spans : sequence of float
-        Ends of pieces [s], each with as many of the times; more are not gone through once enough rates were evaluated.
-
-    Returns
-    -------
-    ndarray
-        Differences of speeds, relative to the largest without slip; NaN at times that were not reached.
-    """
-    looks, states = moving.sample_states()
-    most = np.array(_fastest(moving))[:, None]
-    still = study.tried(moving, np.zeros(1), tolerances[0])
-    later = np.flatnonzero((looks > 0.0) & (looks + spans[-1] <= looks[-1])).tolist()
-    few = {later[len(later) // 2], later[-1]} if later else ()
-    off = np.full((2, len(spans), _PIECE), np.nan)
-    for begin in (
-        still,
-        *(attrs.evolve(still, last_t=float(looks[k]), last_y=states[k]) for k in few),
-    ):
-        motions = [begin] * len(tolerances)
-        work = 0
-        for k, (start, end) in enumerate(itertools.pairwise((0.0, *spans))):
-            times = begin.last_t + np.linspace(start, end, _PIECE + 1)[1:]
-            motions = [
-                study.tried(moving, times, *one) for one in zip(tolerances, motions, strict=True)
-            ]
-            work += sum(found.evaluations for found in motions)
-            count = min(found.t.size for found in motions)
-            first, *others = (moving.split(found.y[:count]) for found in motions)
-            for other in others:
-                cage, spin = (
-                    np.abs(other[name] - first[name]) for name in ("cage_speed", "roller_spin")
-                )
-                here = off[:, k, :count]
-                here[:] = np.fmax(here, np.stack((cage, spin.max(axis=-1))) / most)
-            if work > _MOST or count < _PIECE:
-                break
-    return off.reshape(2, -1)
-
-
-def _fastest(moving: MovingBearing) -> tuple[float, ...]:
-    """Largest speeds of cage and rollers without slip [rad/s]."""
-    looks, _ = moving.sample_states()
-    times = np.union1d(looks, np.linspace(0.0, looks[-1], _SEEN + 1))
-    return tuple(float(np.nanmax(np.abs(speeds))) for speeds in moving.epicyclic_speeds(times))
-
-
-def _swings_apart(study: Movable, moving: MovingBearing, tolerance: float) -> float:
-    """Return how far steps of a tolerance let motions come apart in an orbit of the cage, and others as these."""
-    span = min(study.duration, 2.0 * math.pi / _fastest(moving)[0])
-    ends = [span * k / _PIECES for k in range(1, _PIECES + 1)]
-    most = 0.0
-    for own in dict.fromkeys((tolerance, _USUAL)):  # looser steps show more of an orbit
-        off = _come_apart(study, moving, (own, *(own / finer for finer in _FINER)), ends)
-        most = max(most, _OTHERS * float(np.nanmax(off, initial=0.0)))
-        if not np.isnan(off).any():
-            break
-    return most
+def _smooth_integrator(damping: float, damped: str, implicit: str) -> Choice:
+    """Choose rk45 or the implicit integrator for a motion without contacts, by the strongest damping [1/s]."""
+    if damping > INTEGRATORS.max_smooth_damping:
+        return Choice(
+            implicit,
+            f"{damped}, more than the {INTEGRATORS.max_smooth_damping:g}/s up to which an explicit method takes "
+            "fewer rates",
+        )
+    return Choice("rk45", f"{damped}, which does not bind an explicit method")
 
 
 def _damping(moving: MovingBearing, t: float, y: Array) -> float:
-    """Strongest damping [1/s] of speeds by speeds at a state, twice the decay of what it lets swing."""
+    """Return the strongest damping [1/s] at a state: minus the least real part of the eigenvalues, speeds by speeds.
+
+    An oscillation decays at half of the damping of its speed.
+    """
     speeds = ~moving.system.places
     try:
         jacobian = moving.system.jacobian(t, y)
-    except Exception as fault:  # of somebody's drag or friction: the run tells whose
+    except Exception as fault:  # of a third-party drag or friction: the run reports which
         raise ConvergenceError(f"the rates fail at t = {t:.3g} s: {fault}") from fault
     return max(0.0, float(-np.linalg.eigvals(jacobian[np.ix_(speeds, speeds)]).real.min()))
 
 
-def _stiff(contact: float, damping: float) -> str:
-    """Why a motion with contacts of a frequency is stiff; empty if it is not."""
-    step = _RESOLVED / contact
-    if damping * step <= _STIFF:
-        return ""
+def _is_stiff(contact: float, damping: float) -> bool:
+    """Return whether damping [1/s] limits an explicit step more than contacts of a frequency [rad/s] do."""
+    return damping * (INTEGRATORS.contact_step / contact) > INTEGRATORS.max_damping_per_step
+
+
+def _describe_stiffness(contact: float, damping: float) -> str:
+    """Describe why damping [1/s] makes a motion with contacts of a frequency [rad/s] stiff."""
+    step = INTEGRATORS.contact_step / contact
     return (
         f"the motion is stiff: its strongest damping, {damping:.2g}/s, takes {damping * step:.2g} in a step of "
-        f"{step:.2g} s that resolves its contacts, more than the {_STIFF:g} up to which explicit ones serve"
+        f"{step:.2g} s that resolves its contacts, more than the {INTEGRATORS.max_damping_per_step:g} up to which "
+        "explicit ones serve"
     )
+
+
+def step_tolerance(
+    study: MotionStudy, assembly: Assembly, estimates_decay: bool
+) -> tuple[float, float]:
+    """Return the step tolerance, and the error of the speeds with it, relative to the largest speeds without slip.
+
+    Parameters
+    ----------
+    study : MotionStudy
+        The study, with its choices.
+    assembly : Assembly
+        The bearing with the resolution of the run.
+    estimates_decay : bool
+        Whether the decay of errors of the cage speed is estimated; else errors add up over all of the duration.
+    """
+    coarse = with_coarse_slices(assembly)
+    moving = study.moving(assembly)
+    if moving.friction.by_slices:
+        moving = study.moving(coarse)
+    span = min(STEPS.duration, study.duration)
+    # a motion at level cage-set takes no longer than the trial that shows how its errors decay
+    factor = error_accumulation(study, coarse, span) if estimates_decay else study.duration / span
+    tolerances = (STEPS.tolerance, STEPS.reference * STEPS.tolerance)
+    cage = _divergence(study, moving, tolerances, [span])[0]
+    error = float(cage[~np.isnan(cage)][-1:].sum()) * factor
+    allowed = FRACTIONS.steps * assembly.scene.accuracy.of("cage_speed")
+    lower = reference_resolution(assembly.scene).integrator_tolerance or 0.0
+    tolerance = min(max(STEPS.tolerance * allowed / max(error, 1e-300), lower), STEPS.tolerance)
+    step_error = error * tolerance / STEPS.tolerance
+    if study.level == "cage-set":
+        return tolerance, step_error
+    return tolerance, max(step_error, _orbit_divergence(study, moving, tolerance))
+
+
+def _divergence(
+    study: MotionStudy, moving: MovingBearing, tolerances: Sequence[float], ends: Sequence[float]
+) -> Array:
+    """Return how far motions with smaller step tolerances diverge from a first one, at some times.
+
+    All start from the same state: that of the motion, and along a history also from states without slip in its middle
+    and late. The largest difference counts.
+
+    Parameters
+    ----------
+    study : MotionStudy
+        The study.
+    moving : MovingBearing
+        The equations of motion.
+    tolerances : sequence of float
+        Step tolerance of the first motion, and of the others.
+    ends : sequence of float
+        Ends of the pieces [s], each with as many samples; the rest is left out after too many evaluations.
+
+    Returns
+    -------
+    ndarray
+        Differences of speeds of cage and rollers, relative to the largest without slip, (2, samples of all pieces); NaN
+        at times that were not reached.
+    """
+    max_speeds = np.array(_max_speeds(moving))[:, None]
+    differences = np.full((2, len(ends), STEPS.samples), np.nan)
+    for start in _starting_points(study, moving, tolerances[0], ends[-1]):
+        motions = [start] * len(tolerances)
+        evaluations = 0
+        for k, (first_time, last_time) in enumerate(itertools.pairwise((0.0, *ends))):
+            times = start.last_t + np.linspace(first_time, last_time, STEPS.samples + 1)[1:]
+            motions = [
+                study.trial_motion(moving, times, tolerance, motion)
+                for tolerance, motion in zip(tolerances, motions, strict=True)
+            ]
+            evaluations += sum(motion.evaluations for motion in motions)
+            count = min(motion.t.size for motion in motions)
+            first, *others = (moving.split(motion.y[:count]) for motion in motions)
+            for other in others:
+                cage, spin = (
+                    np.abs(other[name] - first[name]) for name in ("cage_speed", "roller_spin")
+                )
+                piece = differences[:, k, :count]
+                piece[:] = np.fmax(piece, np.stack((cage, spin.max(axis=-1))) / max_speeds)
+            if evaluations > STEPS.max_evaluations or count < STEPS.samples:
+                break
+    return differences.reshape(2, -1)
+
+
+def _starting_points(
+    study: MotionStudy, moving: MovingBearing, tolerance: float, span: float
+) -> list[Trajectory]:
+    """Return motions of no duration: at the start, and of a history also in its middle and a span [s] before its end.
+
+    Without slip at the later times.
+    """
+    start = study.trial_motion(moving, np.zeros(1), tolerance)
+    times, states = moving.sample_states()
+    later = np.flatnonzero((times > 0.0) & (times + span <= times[-1])).tolist()
+    sampled = {later[len(later) // 2], later[-1]} if later else set()
+    return [
+        start,
+        *(attrs.evolve(start, last_t=float(times[k]), last_y=states[k]) for k in sampled),
+    ]
+
+
+def _max_speeds(moving: MovingBearing) -> tuple[float, ...]:
+    """Return the largest speeds of cage and rollers without slip [rad/s]."""
+    sampled, _ = moving.sample_states()
+    even = np.linspace(0.0, sampled[-1], STEPS.speed_samples + 1)
+    return tuple(
+        float(np.nanmax(np.abs(speeds)))
+        for speeds in moving.epicyclic_speeds(np.union1d(sampled, even))
+    )
+
+
+def _orbit_divergence(study: MotionStudy, moving: MovingBearing, tolerance: float) -> float:
+    """Return the largest divergence within an orbit of the cage that a step tolerance leads to, with its safety factor.
+
+    If motions of that tolerance take too many evaluations for an orbit, motions of the usual tolerance are added.
+    """
+    span = min(study.duration, 2.0 * math.pi / _max_speeds(moving)[0])
+    ends = [span * k / STEPS.pieces for k in range(1, STEPS.pieces + 1)]
+    largest = 0.0
+    for own in dict.fromkeys((tolerance, STEPS.tolerance)):
+        finer = [own / divisor for divisor in STEPS.refinements]
+        differences = _divergence(study, moving, (own, *finer), ends)
+        largest = max(largest, STEPS.safety_factor * float(np.nanmax(differences, initial=0.0)))
+        if not np.isnan(differences).any():
+            break
+    return largest

@@ -20,7 +20,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.studies.timing import timed
-from rollslip_studies.dynamics.choice import Movable, with_coarse_slices
+from rollslip_studies.dynamics.choice import MotionStudy, with_coarse_slices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.motion.time_integration import Trajectory
 
@@ -38,7 +38,7 @@ _FALLS = 0.8
 _FASTEST = 0.5
 
 
-def costs_of(study: Movable, assembly: Assembly) -> dict[str, float]:
+def costs_of(study: MotionStudy, assembly: Assembly) -> dict[str, float]:
     """Return the time [s] that the tables and the motion of a study will take."""
     study.moving(assembly)
     moving = study.moving(assembly)
@@ -54,7 +54,7 @@ def costs_of(study: Movable, assembly: Assembly) -> dict[str, float]:
     return {"tables": tables, "motion": each * evaluations + stored * study.points}
 
 
-def _foreseen(study: Movable, moving: MovingBearing) -> tuple[float, float, Trajectory]:
+def _foreseen(study: MotionStudy, moving: MovingBearing) -> tuple[float, float, Trajectory]:
     """Evaluations of the rates in the whole motion, the time [s] of each, and where the look at it ended."""
     ends = [0.0]
     counts = [0]
@@ -66,14 +66,15 @@ def _foreseen(study: Movable, moving: MovingBearing) -> tuple[float, float, Traj
     ):
         ends.append(min(max(2.0 * ends[-1], _FIRST), study.duration))
         before = found
-        found = study.tried(moving, np.array(ends[-1:]), study.relative_tolerance, found)
+        found = study.trial_motion(moving, np.array(ends[-1:]), study.relative_tolerance, found)
         counts.append(found.evaluations)
         if found.outcome != "finished":
             break
     # again, now that the loads there are known
     assert found is not None
     seconds = timed(
-        partial(study.tried, moving, np.array(ends[-1:]), study.relative_tolerance, before), 1
+        partial(study.trial_motion, moving, np.array(ends[-1:]), study.relative_tolerance, before),
+        1,
     )
     ahead = _ahead(ends, counts, study.duration)
     if found.outcome == "finished" and ahead > _ENOUGH:
@@ -81,9 +82,9 @@ def _foreseen(study: Movable, moving: MovingBearing) -> tuple[float, float, Traj
     return sum(counts) + ahead, seconds / max(counts[-1], 1), found
 
 
-def _on_the_way(study: Movable, moving: MovingBearing, at: Trajectory, pace: float) -> float:
+def _on_the_way(study: MotionStudy, moving: MovingBearing, at: Trajectory, pace: float) -> float:
     """Evaluations to come by those of short motions from later instants of a history, a power of time between."""
-    times, states = moving.looks()
+    times, states = moving.sample_states()
     ahead = 0.0
     before = at.last_t
     for t, y in zip(times.tolist(), states, strict=True):
@@ -94,7 +95,7 @@ def _on_the_way(study: Movable, moving: MovingBearing, at: Trajectory, pace: flo
         evaluations = 0
         while evaluations < _FEW and t + span < study.duration:
             span *= 2.0
-            tried = study.tried(
+            tried = study.trial_motion(
                 moving, np.array([min(t + span, study.duration)]), study.relative_tolerance, begin
             )
             evaluations = tried.evaluations

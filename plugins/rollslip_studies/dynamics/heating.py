@@ -27,9 +27,9 @@ from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.studies.answers import Part
 from rollslip.studies.thermal_balance.model import ThermalModel, from_bearing, thermal_model
 from rollslip.studies.timing import timed
-from rollslip_studies.dynamics.choice import Movable
+from rollslip_studies.dynamics.choice import MotionStudy
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History
-from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, ThermalPath, changed
+from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, ThermalPath, with_changes
 from rollslip_studies.dynamics.history.time_functions import constant
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.termination import explained
@@ -61,7 +61,7 @@ _ORBIT = 4
 _SLIPS = (0.0, 0.05, 0.15, 0.3, 0.6, 0.9)
 
 
-class Warming(Movable, Protocol):
+class Warming(MotionStudy, Protocol):
     """A study that sets a bearing in motion along a history: what is asked of it here."""
 
     name: ClassVar[str]
@@ -143,9 +143,9 @@ def heated(
     if model is None:
         return None
     start = model.start(assembly.scene)
-    bearing = changed(assembly, model.changes(start, assembly.scene))
+    bearing = with_changes(assembly, model.changes(start, assembly.scene))
     given = study.course(bearing)
-    if given is not None and (fixed := [name for name in given.given if name in TEMPERATURES]):
+    if given is not None and (fixed := [name for name in given.prescribed if name in TEMPERATURES]):
         raise SceneError(
             [
                 f"study.{study.name}.history gives {', '.join(fixed)}, and models.thermal = {model.name!r} lets "
@@ -224,7 +224,7 @@ def _history(
         model.changes(row, written.scene) for row in at
     ]  # of the scene as it is written: no change comes twice
     values = {key: np.array([row[key] for row in rows]) for key in rows[0]}
-    path = ThermalPath.through(times, values, error)
+    path = ThermalPath.from_samples(times, values, error)
     own = {
         key.removeprefix("operation."): course
         for key, course in path.courses.items()
@@ -239,7 +239,7 @@ def _history(
         }
         given = History(courses=courses, given=(), end=study.duration)
     return attrs.evolve(
-        given, courses={**given.courses, **known}, given=(*given.given, *known), path=path
+        given, courses={**given.courses, **known}, prescribed=(*given.prescribed, *known), path=path
     )
 
 
@@ -249,7 +249,7 @@ def _moved(
     """The motion along a history."""
     try:
         moving = study.moving_along(history, assembly)
-        found = explained(study.tried(moving, times, study.relative_tolerance), moving)
+        found = explained(study.trial_motion(moving, times, study.relative_tolerance), moving)
     except (SceneError, DomainError) as error:
         raise _failed(count, str(error)) from error
     if found.outcome != "finished":
@@ -280,7 +280,7 @@ def _heat(
     of = moving.split(found.y)
     t = found.t
     with np.errstate(divide="ignore", invalid="ignore"):  # a cage whose epicyclic speed is none
-        slip = np.nan_to_num(1.0 - of["cage_speed"] / moving.unslipped(t)[0])
+        slip = np.nan_to_num(1.0 - of["cage_speed"] / moving.epicyclic_speeds(t)[0])
     inner = np.interp(0.5 * (slip[1:] + slip[:-1]), *rolling) * np.diff(of["lost_rolling"])
     rolled = np.concatenate(([0.0], np.cumsum(inner)))
     heat = {
@@ -415,6 +415,8 @@ def cost(study: Warming, assembly: Assembly, motion: float) -> dict[str, float]:
     model = model_of(assembly)
     if model is None:
         return {}
-    warmer = changed(assembly, model.changes(model.start(assembly.scene) + _STEP, assembly.scene))
+    warmer = with_changes(
+        assembly, model.changes(model.start(assembly.scene) + _STEP, assembly.scene)
+    )
     one = timed(lambda: study.moving_along(study.course(warmer), warmer), 1)
     return {"temperatures": _USUAL * (_ALONG * motion + _BEARINGS * one)}

@@ -38,7 +38,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location, resolved
 from rollslip.studies.answers import LoadedSlices, Output, Part, ResolutionChoice, RunContext
-from rollslip.studies.error_estimate import reference_choice, with_tables
+from rollslip.studies.error_estimate import reference_choice, with_table_tolerance
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import damage_of, parts
 from rollslip_studies.dynamics import heating, over_time
@@ -229,13 +229,15 @@ class Dynamics(Study):
             attrs.evolve(found, skidding_range=0.0) if rings and rings.turning else found
         )  # where no slip is steady
 
-    def choose_resolution(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
+    def choose_resolution(
+        self, assembly: Assembly, *, cheaper_laws: bool = True
+    ) -> ResolutionChoice:
         """Choose slices and instants by the effective friction, all else by trial motions; laws stay as they are."""
         averaged = self.curve_study(assembly)
         if assembly.scene.accuracy.exact:
             return self._with_choice(reference_choice(averaged, assembly), assembly)
         estimated = over_time.at_the_ends(averaged, assembly, self.course(assembly), _FRACTION)
-        estimated = self._with_choice(with_tables(estimated, assembly, _TABLES), assembly)
+        estimated = self._with_choice(with_table_tolerance(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
         return self._with_steps(estimated, assembly.at(estimated.resolution))
@@ -291,7 +293,9 @@ class Dynamics(Study):
         told = attrs.evolve(self.curve_study(assembly), map_points=0).cost(assembly.at(at))
         away = sum(told.values())
         history = self.course(assembly)
-        along_it = over_time.cost(history, lambda: self.moving(assembly), self.curve_study(assembly))
+        along_it = over_time.cost(
+            history, lambda: self.moving(assembly), self.curve_study(assembly)
+        )
         motion = costs_of(self, assembly)
         return {
             "skidding": away,
@@ -423,7 +427,9 @@ class Dynamics(Study):
         DomainError, ConvergenceError
             If loads or friction cannot be tabulated.
         """
-        dataset = over_time.told(self.at(assembly.resolution)._run(assembly, context or RunContext()))
+        dataset = over_time.told(
+            self.at(assembly.resolution)._run(assembly, context or RunContext())
+        )
         damage, measures = over_motion(
             assembly, dataset, partial(over_time.at_instant, assembly, dataset)
         )
@@ -485,7 +491,10 @@ class Dynamics(Study):
         found = found if before is None else before.then(found)
         # by now models may fail as in the run, or anew
         outputs, found = outputs_of(moving, found)
-        slip = 1.0 - (moving.split(found.y)["cage_speed"] / moving.epicyclic_speeds(found.t)[0])[[0, -1]]
+        slip = (
+            1.0
+            - (moving.split(found.y)["cage_speed"] / moving.epicyclic_speeds(found.t)[0])[[0, -1]]
+        )
         regimes, found = regimes_of(
             raceways, np.clip(np.nan_to_num(slip), 0.0, settings.max_cage_slip), found
         )
@@ -514,7 +523,7 @@ class Dynamics(Study):
             )
         )
 
-    def tried(
+    def trial_motion(
         self,
         moving: MovingBearing,
         times: Array,
@@ -641,7 +650,9 @@ class Dynamics(Study):
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip = variables["cage_slip"][1]
         works = moving.works(found.y)
-        at_positions, of_history = over_time.with_history(self.curve_study(assembly), moving, t, found.y)
+        at_positions, of_history = over_time.with_history(
+            self.curve_study(assembly), moving, t, found.y
+        )
         variables |= self.variables(**at_positions)
         ended = found.outcome == "finished"  # else a longer run would end there too
         steady, steady_status = steady_slip_of(
