@@ -231,7 +231,7 @@ def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, 
     study = Dynamics(level=level, friction=friction, duration=duration, points=21, planar=planar)
     assembly = bearing()
     tried = estimates.with_coarse_slices(assembly) if friction == "conventional" else assembly
-    cost_sentences, each, _ = costs._foreseen(study, study.moving(tried))
+    cost_sentences, each, _ = costs._estimate_evaluations(study, study.moving(tried))
     found = study.run(assembly)
     assert 0.5 < cost_sentences / found.attrs["rate_evaluations"] < 2.0
     assert each > 0.0
@@ -256,7 +256,7 @@ def test_a_run_up_from_rest_is_foreseen_by_later_instants_too():
     )
     assembly = assemble(scene)
     study = Dynamics.from_scene(scene)
-    cost_sentences, _, _ = costs._foreseen(study, study.moving(assembly))
+    cost_sentences, _, _ = costs._estimate_evaluations(study, study.moving(assembly))
     assert 0.5 < cost_sentences / study.run(assembly).attrs["rate_evaluations"] < 2.0
 
 

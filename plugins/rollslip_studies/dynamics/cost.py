@@ -1,13 +1,17 @@
-"""What a motion will cost, from its beginning.
+"""Estimate the processor time of a motion before its run: evaluations of the rates times the time of one.
 
-- The motion is gone through for some thousands of steps, in stretches of which each is as long as all before: impacts
-  begin late, and a beginning is abrupt. The rest is taken to go on as the last stretch, or, where that took clearly
-  fewer evaluations a second than the one before, to take fewer yet with every doubling of the time.
-- A start from rest is the stiffest part of a motion, and tells nothing of the rest of it: where much is to come, later
-  instants of a history are looked at too, from states without slip.
-- Conventional friction that asks for slices is tried with few. Its evaluations are those of many slices; what these
-  cost more is measured apart. So is what the stored instants cost, whose films are those of all slices.
-- Loads and tables are built for it as the run will need them, and kept: of them the run pays what finding them costs.
+1. Integrate the start of the motion over intervals of which each doubles the time, up to some thousand evaluations or
+   0.3 s: impacts begin late, and a start is abrupt.
+2. Extrapolate the evaluations per second of motion: constant from the last interval on, or, where they clearly fall
+   from one interval to the next, falling by that ratio with every doubling of the time.
+3. A start from rest is the stiffest part of a motion, and extrapolates to far too many. Where many evaluations remain,
+   integrate short motions from later times of a history, from states without slip, and interpolate the evaluations per
+   second between them by a power of the time. Take the smaller of both numbers.
+4. Measure the time of an evaluation by repeating the last interval. Conventional friction evaluated slice by slice is
+   integrated with few slices, since the number of slices hardly changes the steps; the additional time of an evaluation
+   with all slices is measured directly.
+5. Measure the time of a stored point, whose films are those of all slices.
+6. Loads and tables are built as the run needs them, and cached: the run pays only for looking them up.
 """
 
 import math
@@ -19,137 +23,178 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import Array
 from rollslip.studies.timing import timed
 from rollslip_studies.dynamics.choice import MotionStudy, with_coarse_slices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.motion.time_integration import Trajectory
 
-#: Evaluations of the rates that a look takes, its time of the processor [s] at most, and its first stretch [s].
-_ENOUGH: Final = 20_000
-_LOOK = 0.3
-_FIRST = 3e-4
-#: Evaluations that a look at a later instant of a history takes.
-_FEW: Final = 200
-#: Evaluations that tell what one costs, and the time [s] from which that is told well.
+#: Evaluations of the rates after which the trial motion ends. Doubled, plans take longer where an evaluation takes less
+#: than 15 us (else `_TRIAL_SECONDS` ends the trial), and later times of a history are sampled for longer motions only.
+#: Chosen.
+_TRIAL_EVALUATIONS: Final = 20_000
+#: Processor time [s] after which the trial motion ends. Doubled, plans take longer, and estimates see more of the
+#: motion. Chosen: a delay that is hardly noticed.
+_TRIAL_SECONDS: Final = 0.3
+#: First interval of a trial motion [s]. Doubled, the trial may end after fewer intervals than the extrapolation needs.
+#: Chosen: a few steps at level pocket, 4e-5 s each.
+_FIRST_INTERVAL: Final = 3e-4
+#: Evaluations of a short motion from a later time of a history. Halved, the first steps, which the integrator still has
+#: to choose, weigh more. Chosen: some ten steps.
+_LATER_EVALUATIONS: Final = 200
+#: Calls whose time is measured at first. Chosen; more are made where they take less than `_MEASURED_SECONDS`.
 _CALLS: Final = 10
-_SHORT: Final = 0.01
-#: Evaluations a second over those of the stretch before: up to the first they fall, at least to the other.
-_FALLS = 0.8
-_FASTEST = 0.5
+#: Processor time [s] that a measurement takes at least. Halved, the resolution of the clock and other programs count
+#: twice as much. Chosen.
+_MEASURED_SECONDS: Final = 0.01
+#: Ratio of the evaluations per second in one interval to those in the interval before, below which they are taken to
+#: fall on. Nearer to 1, chance alone makes long motions look short. Chosen; tests hold estimates to a factor of two.
+_MAX_FALLING_RATIO: Final = 0.8
+#: Least ratio that is extrapolated. Halved, the fall at the end of an abrupt start is
+#: extrapolated further, and long motions look too short. Chosen.
+_MIN_FALLING_RATIO: Final = 0.5
 
 
 def costs_of(study: MotionStudy, assembly: Assembly) -> dict[str, float]:
-    """Return the time [s] that the tables and the motion of a study will take."""
+    """Return the processor time [s] of the tables and the motion of a study, by name.
+
+    Parameters
+    ----------
+    study : MotionStudy
+        The study, with its choices.
+    assembly : Assembly
+        The bearing with the resolution of the run.
+    """
     study.moving(assembly)
     moving = study.moving(assembly)
     tables = timed(partial(study.moving, assembly), 1)
     sliced = study.friction == "conventional" and moving.friction.by_slices
-    tried = study.moving(with_coarse_slices(assembly)) if sliced else moving
-    evaluations, each, last = _foreseen(study, tried)
-    stored = each
-    if last.outcome != "failed":  # a fault is for the run to tell
+    trial = study.moving(with_coarse_slices(assembly)) if sliced else moving
+    evaluations, seconds, last = _estimate_evaluations(study, trial)
+    point_seconds = seconds
+    if last.outcome != "failed":  # else the run reports the error
         if sliced:
-            each += max(_evaluation(moving, last) - _evaluation(tried, last), 0.0)
-        stored = _stored(moving, last, study.points)
-    return {"tables": tables, "motion": each * evaluations + stored * study.points}
+            seconds += max(_time_evaluation(moving, last) - _time_evaluation(trial, last), 0.0)
+        point_seconds = _time_stored_point(moving, last, study.points)
+    return {"tables": tables, "motion": seconds * evaluations + point_seconds * study.points}
 
 
-def _foreseen(study: MotionStudy, moving: MovingBearing) -> tuple[float, float, Trajectory]:
-    """Evaluations of the rates in the whole motion, the time [s] of each, and where the look at it ended."""
+def _estimate_evaluations(
+    study: MotionStudy, moving: MovingBearing
+) -> tuple[float, float, Trajectory]:
+    """Return the evaluations of the rates in the whole motion, the time [s] of one, and the last trial motion."""
     ends = [0.0]
     counts = [0]
     before = None
     found = None
-    begin = time.process_time()
+    start = time.process_time()
     while (
-        ends[-1] < study.duration and sum(counts) < _ENOUGH and time.process_time() - begin < _LOOK
+        ends[-1] < study.duration
+        and sum(counts) < _TRIAL_EVALUATIONS
+        and time.process_time() - start < _TRIAL_SECONDS
     ):
-        ends.append(min(max(2.0 * ends[-1], _FIRST), study.duration))
+        ends.append(min(max(2.0 * ends[-1], _FIRST_INTERVAL), study.duration))
         before = found
         found = study.trial_motion(moving, np.array(ends[-1:]), study.relative_tolerance, found)
         counts.append(found.evaluations)
         if found.outcome != "finished":
             break
-    # again, now that the loads there are known
+    # repeat the last interval, now that its loads are cached
     assert found is not None
     seconds = timed(
         partial(study.trial_motion, moving, np.array(ends[-1:]), study.relative_tolerance, before),
         1,
     )
-    ahead = _ahead(ends, counts, study.duration)
-    if found.outcome == "finished" and ahead > _ENOUGH:
-        ahead = min(ahead, _on_the_way(study, moving, found, counts[-1] / (ends[-1] - ends[-2])))
-    return sum(counts) + ahead, seconds / max(counts[-1], 1), found
+    remaining = _extrapolate(ends, counts, study.duration)
+    if found.outcome == "finished" and remaining > _TRIAL_EVALUATIONS:
+        rate = counts[-1] / (ends[-1] - ends[-2])
+        remaining = min(remaining, _sample_history(study, moving, found, rate))
+    return sum(counts) + remaining, seconds / max(counts[-1], 1), found
 
 
-def _on_the_way(study: MotionStudy, moving: MovingBearing, at: Trajectory, pace: float) -> float:
-    """Evaluations to come by those of short motions from later instants of a history, a power of time between."""
+def _sample_history(
+    study: MotionStudy, moving: MovingBearing, last: Trajectory, rate: float
+) -> float:
+    """Return the remaining evaluations after a trial motion, by short motions from later times of a history.
+
+    Between two sampled times the evaluations per second of motion follow a power of the time. ``rate`` has those at the
+    end of the trial motion; infinity where there are no later times, or a motion fails.
+    """
     times, states = moving.sample_states()
-    ahead = 0.0
-    before = at.last_t
+    remaining = 0.0
+    before = last.last_t
     for t, y in zip(times.tolist(), states, strict=True):
         if not before < t < study.duration:
             continue
-        begin = attrs.evolve(at, last_t=t, last_y=y, last_step=0.0, last_state=np.zeros(0))
-        span = _FIRST
-        evaluations = 0
-        while evaluations < _FEW and t + span < study.duration:
-            span *= 2.0
-            tried = study.trial_motion(
-                moving, np.array([min(t + span, study.duration)]), study.relative_tolerance, begin
-            )
-            evaluations = tried.evaluations
-            if tried.outcome != "finished":
-                return math.inf
-        here = max(evaluations, 1) / min(span, study.duration - t)
-        power = 1.0 + math.log(here / pace) / math.log(t / before)
-        ahead += (
-            before
-            * pace
-            * (math.log(t / before) if power == 0.0 else ((t / before) ** power - 1.0) / power)
-        )
+        later = _rate_at(study, moving, last, t, y)
+        if math.isinf(later):
+            return math.inf
+        power = 1.0 + math.log(later / rate) / math.log(t / before)
+        integral = math.log(t / before) if power == 0.0 else ((t / before) ** power - 1.0) / power
+        remaining += before * rate * integral
         before = t
-        pace = here
-    return ahead + pace * (study.duration - before) if before > at.last_t else math.inf
+        rate = later
+    if before > last.last_t:
+        return remaining + rate * (study.duration - before)
+    return math.inf
 
 
-def _ahead(ends: list[float], counts: list[int], duration: float) -> float:
-    """Evaluations of the rates to come, by those of the stretches up to some times [s]."""
-    paces = [
+def _rate_at(
+    study: MotionStudy, moving: MovingBearing, last: Trajectory, t: float, y: Array
+) -> float:
+    """Return the evaluations per second of a motion that starts at a time [s] from a state; infinity if it fails."""
+    start = attrs.evolve(last, last_t=t, last_y=y, last_step=0.0, last_state=np.zeros(0))
+    span = _FIRST_INTERVAL
+    evaluations = 0
+    while evaluations < _LATER_EVALUATIONS and t + span < study.duration:
+        span *= 2.0
+        end = np.array([min(t + span, study.duration)])
+        found = study.trial_motion(moving, end, study.relative_tolerance, start)
+        evaluations = found.evaluations
+        if found.outcome != "finished":
+            return math.inf
+    return max(evaluations, 1) / min(span, study.duration - t)
+
+
+def _extrapolate(ends: list[float], counts: list[int], duration: float) -> float:
+    """Return the remaining evaluations of the rates, from the evaluations in intervals up to some times [s]."""
+    rates = [
         count / (end - start) for count, start, end in zip(counts[1:], ends, ends[1:], strict=False)
     ]
-    at = ends[-1]
-    pace = paces[-1]
-    ratio = paces[-1] / max(paces[-2], 1e-300) if len(paces) > 1 else 1.0
-    falls = max(ratio, _FASTEST) if ratio < _FALLS else 1.0
-    ahead = 0.0
-    while at < duration:
-        to = min(2.0 * at, duration)
-        pace *= falls
-        ahead += pace * (to - at)
-        at = to
-    return ahead
+    start = ends[-1]
+    rate = rates[-1]
+    ratio = rates[-1] / max(rates[-2], 1e-300) if len(rates) > 1 else 1.0
+    factor = max(ratio, _MIN_FALLING_RATIO) if ratio < _MAX_FALLING_RATIO else 1.0
+    remaining = 0.0
+    while start < duration:
+        end = min(2.0 * start, duration)
+        rate *= factor
+        remaining += rate * (end - start)
+        start = end
+    return remaining
 
 
-def _stored(moving: MovingBearing, at: Trajectory, points: int) -> float:
-    """Time [s] of what goes with a stored instant, of which more cost less each."""
+def _time_stored_point(moving: MovingBearing, last: Trajectory, points: int) -> float:
+    """Return the processor time [s] of a stored point; many at once take less each."""
     count = 1
     seconds = 0.0
-    while count < points and seconds < _SHORT:
-        enough = math.ceil(2.0 * _SHORT / max(seconds, 1e-9) * count) if seconds else _CALLS
-        count = min(_CALLS * count, enough, points)
-        states = np.array([at.last_y] * count)
-        times = np.full(count, at.last_t)
-        begin = time.process_time()
+    while count < points and seconds < _MEASURED_SECONDS:
+        required = _CALLS
+        if seconds:
+            required = math.ceil(2.0 * _MEASURED_SECONDS / max(seconds, 1e-9) * count)
+        count = min(_CALLS * count, required, points)
+        states = np.array([last.last_y] * count)
+        times = np.full(count, last.last_t)
+        start = time.process_time()
         moving.outputs(times, states)
-        seconds = time.process_time() - begin
+        seconds = time.process_time() - start
     return seconds / count
 
 
-def _evaluation(moving: MovingBearing, at: Trajectory) -> float:
-    """Time [s] of an evaluation of the rates, once the loads there are known."""
-    moving.system(at.last_t, at.last_y)
-    begin = time.process_time()
+def _time_evaluation(moving: MovingBearing, last: Trajectory) -> float:
+    """Return the processor time [s] of an evaluation of the rates whose loads are cached."""
+    moving.system(last.last_t, last.last_y)
+    start = time.process_time()
     for _ in range(_CALLS):
-        moving.system(at.last_t, at.last_y)
-    return (time.process_time() - begin) / _CALLS
+        moving.system(last.last_t, last.last_y)
+    return (time.process_time() - start) / _CALLS
