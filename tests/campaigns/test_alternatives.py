@@ -125,7 +125,7 @@ def test_a_winner_is_told_only_where_data_that_scatter_leave_one(slip, ratio, sa
 
 
 @pytest.mark.parametrize(
-    ("asked", "said"),
+    ("requested", "said"),
     [
         ({"oil": "iso-vg-68"}, "oil: name two at least"),
         ({"oil": "nope, nada"}, "no lubricant is called 'nope'"),

@@ -117,7 +117,7 @@ def test_weights_are_exact_for_cubics_and_hold_beyond_the_ends():
     ],
 )
 def test_tables_are_right_at_an_operation_that_nobody_looked_at(dataset, error, T, W):
-    tables = Tables.of(dataset)
+    tables = Tables.from_dataset(dataset)
     assert float(dataset.attrs["error"]) <= error
     low, high = dataset["rolling_speed"].to_numpy()[[0, -1]]
     study = RacewayFriction(slowest=float(low), fastest=float(high))
@@ -126,14 +126,14 @@ def test_tables_are_right_at_an_operation_that_nobody_looked_at(dataset, error, 
     )
     u = true["rolling_speed"].to_numpy()
     ratio = true["slide_roll"].to_numpy()[1:]
-    folded = tables.at(T, W)
+    folded = tables.interpolate(T, W)
     for ring in (0, 1):
         friction, force = (
             true[name].to_numpy()[ring, 0] for name in ("mean_friction", "ring_force")
         )
         for k in range(0, u.size, 6):
             w = np.full(ratio.size, u[k] / tables.numbers["outer_radius"])
-            pull, rolls = folded.pull(ring, w, ratio * u[k], np.full(ratio.size, u[k]))
+            pull, rolls = folded.ring_forces(ring, w, ratio * u[k], np.full(ratio.size, u[k]))
             size = friction[k].max() * force[k]
             assert pull == pytest.approx(friction[k, 1:] * force[k], abs=2.0 * error * size)
             assert rolls[0] == pytest.approx(
@@ -142,7 +142,7 @@ def test_tables_are_right_at_an_operation_that_nobody_looked_at(dataset, error, 
 
 
 def test_the_drags_of_the_cage_are_those_of_the_scene_at_the_speeds_of_its_rings(dataset):
-    folded = Tables.of(dataset).at(SCENE.operation.temperature, 1500.0)
+    folded = Tables.from_dataset(dataset).interpolate(SCENE.operation.temperature, 1500.0)
     for speed in (55.0, 100.0, 185.0):  # less oil is between the rings, the faster they are
         drags = assemble(evolve(SCENE, {"operation.inner_speed": speed})).cage.drags
         for w in (-40.0, 0.0, 3.0, 60.0, 110.0):
@@ -156,7 +156,7 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage():
     ranges = {"operation.inner_speed": (50.0, 200.0), "operation.outer_speed": (0.0, 0.0)}
     k = assemble(SCENE).kinematics
     own = SCENE.operation.inner_speed / (1.0 / k.inner_radius + 1.0 / k.outer_radius)
-    found, top, _ = made_by._drags(scene, np.array([353.15]), ranges, np.array([own]))
+    found, top, _ = made_by._tabulate_drags(scene, np.array([353.15]), ranges, np.array([own]))
     torque = assemble(scene).cage.drags.torque
     cages = np.sinh(np.linspace(0.0, np.arcsinh(top), found["rest"].shape[1]))
     told = found["rest"][0] - found["cage"][0, 0] * cages**2
@@ -164,7 +164,7 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage():
 
 
 @pytest.mark.parametrize(
-    ("scene", "asked", "said"),
+    ("scene", "requested", "said"),
     [
         (
             evolve(SCENE, {"cage.drag": ["pocket-friction"]}),
@@ -243,7 +243,11 @@ OF_SPEED = 0.004
 def test_rollers_of_one_spin_slip_less_than_rollers_of_their_own_by_what_the_page_says(
     dataset, T, W
 ):
-    told = Tables.of(dataset).at(T, W).steady(np.array([SCENE.operation.inner_speed]), 0.0)
+    told = (
+        Tables.from_dataset(dataset)
+        .interpolate(T, W)
+        .steady_state(np.array([SCENE.operation.inner_speed]), 0.0)
+    )
     run = rollslip.run(
         evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W}), study="steady-slip"
     )
@@ -293,7 +297,7 @@ int main(int count, char **words) {
     for (int k = 0; scanf("%lf %lf %lf", v + B_RADIAL_LOAD, v + B_INNER_SPEED, v + B_OUTER_SPEED) == 3; k++) {
         if (k == 0) bearing_start(b);
         else bearing_step(b, 1e-3);
-        bearing_tell(b);
+        bearing_output(b);
         printf("%.17g\n", v[B_CAGE_SPEED]);
     }
     return 0;
@@ -575,7 +579,9 @@ def test_tables_are_made_and_a_second_call_goes_on_with_what_is_there(tmp_path, 
     over = ["radial_load=1.4 kN:1.6 kN", "temperature=80 degC", "inner_speed=1400 rpm:1500 rpm"]
     first, _ = made(tmp_path, over, 0.2, scene)
     bearing = MeanRoller(evolve(scene, {"operation.temperature": 353.15}))
-    found = Tables.of(first).at(353.15, 1500.0).steady(np.array([150.0]), 0.0)
+    found = (
+        Tables.from_dataset(first).interpolate(353.15, 1500.0).steady_state(np.array([150.0]), 0.0)
+    )
     left, torque = bearing.balanced(found.cage_slip[0], 1500.0, 150.0, 0.0)
     assert abs(left) <= 0.02 * bearing.largest(found.cage_slip[0], 1500.0, 150.0, 0.0)
     assert found.torque[0] == pytest.approx(torque, rel=0.02)

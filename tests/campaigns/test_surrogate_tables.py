@@ -18,7 +18,7 @@ from rollslip.errors import SceneError
 from rollslip.scene.formats import format_of
 from rollslip_campaigns.surrogate import SurrogateSettings, surrogate
 from rollslip_campaigns.surrogate.exports import C, Csv, _description, c_header
-from rollslip_campaigns.surrogate.surrogate import _drags
+from rollslip_campaigns.surrogate.surrogate import _tabulate_drags
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 
 pytestmark = pytest.mark.quick
@@ -73,7 +73,7 @@ def dataset(
 
 
 def folded(**given):
-    return Tables.of(dataset(**given)).at(350.0, 2e3)
+    return Tables.from_dataset(dataset(**given)).interpolate(350.0, 2e3)
 
 
 def test_weights_are_those_of_the_four_nodes_around():
@@ -85,7 +85,7 @@ def test_weights_are_those_of_the_four_nodes_around():
 def test_traction_and_resistance_are_those_of_the_law():
     V = np.array([0.3, -0.3, 0.01])
     u = np.array([5.0, 5.0, 1e-3])
-    traction, resistance = folded(resistance=3.0).pull(1, np.full(3, 40.0), V, u)
+    traction, resistance = folded(resistance=3.0).ring_forces(1, np.full(3, 40.0), V, u)
     film = np.hypot(u, 1e-3)
     x = np.minimum(np.arcsinh(np.abs(V) / (SMALL * film)) / STEP, 24.0)
     assert traction == pytest.approx(np.sign(V) * 1e-3 * x * 1200.0)
@@ -116,8 +116,8 @@ def test_rollers_are_where_their_torques_balance(slip, resistance):
     b = RO * (w - outer)
 
     def forces(c):
-        return [*one.pull(0, np.array([w]), np.array([a - c]), np.array([0.5 * (a + c)])),
-                *one.pull(1, np.array([w]), np.array([c - b]), np.array([0.5 * (b + c)]))]  # fmt: skip
+        return [*one.ring_forces(0, np.array([w]), np.array([a - c]), np.array([0.5 * (a + c)])),
+                *one.ring_forces(1, np.array([w]), np.array([c - b]), np.array([0.5 * (b + c)]))]  # fmt: skip
 
     def spin(c):
         Fi, Si, Fo, So = forces(c)
@@ -135,7 +135,7 @@ def test_rollers_are_where_their_torques_balance(slip, resistance):
 
 def test_a_bearing_that_runs_steadily_takes_in_what_it_loses():
     one = folded(resistance=2.0, drags=(1e-3, 0.0, 1e-4, 0.1))
-    found = one.steady(np.array([100.0, 150.0]), 10.0)
+    found = one.steady_state(np.array([100.0, 150.0]), 10.0)
     w = (RI * np.array([100.0, 150.0]) + RO * 10.0) / (RI + RO) * (1.0 - found.cage_slip)
     oil = np.log(np.array([90.0, 140.0]) / (1.0 / RI + 1.0 / RO)) / math.log(
         100.0 / (1.0 / RI + 1.0 / RO)
@@ -153,7 +153,7 @@ def test_a_bearing_that_runs_steadily_takes_in_what_it_loses():
 
 
 def test_where_nothing_is_carried_there_is_no_slip_and_no_reserve():
-    found = folded(rise=1e-6, largest=0.5, drags=(0.0, 1.0, 0.0, 0.0)).steady(
+    found = folded(rise=1e-6, largest=0.5, drags=(0.0, 1.0, 0.0, 0.0)).steady_state(
         np.array([100.0]), -7.0
     )
     assert np.isnan([found.cage_slip[0], found.torque[0], found.power_loss[0]]).all()
@@ -190,7 +190,7 @@ def test_drags_are_told_apart_by_what_they_go_with():
     drag = [{"model": "constant-torque", "size": "0.2 N m"}]
     scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"cage.drag": drag})
     ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
-    found, top, off = _drags(scene, np.array([350.0]), ranges, np.geomspace(1.0, 10.0, 5))
+    found, top, off = _tabulate_drags(scene, np.array([350.0]), ranges, np.geomspace(1.0, 10.0, 5))
     assert [found["inner"][0], found["outer"][0], *found["cage"][0]] == pytest.approx(
         [0.0] * 7, abs=1e-6
     )
@@ -208,7 +208,9 @@ def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
         monkeypatch.setattr(surrogate, "assemble", lambda _: made())
         monkeypatch.setattr(surrogate, "at_rolling_speed", lambda _, u: made(2.0 * u))
         ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
-        found, _, off = _drags(rollslip.load_scene("gearbox"), np.array([350.0]), ranges, u)
+        found, _, off = _tabulate_drags(
+            rollslip.load_scene("gearbox"), np.array([350.0]), ranges, u
+        )
         return found, off
 
     u = np.geomspace(10.0, 50.0, 9)
@@ -246,7 +248,7 @@ int main(void) {
 def test_an_export_in_c_reads_along_every_axis_what_the_tables_hold(tmp_path):
     """Torques of both rings and the power loss, with rollers half-way between the rings."""
     result = dataset(resistance=2.0, drags=(0.02, 0.03, 1e-4, 0.1), growth=(0.1, 0.2, 0.3, 0.4))
-    (tmp_path / "driver.c").write_text(f"{C('c').of(result).text}\n{DRIVER}", encoding="utf-8")
+    (tmp_path / "driver.c").write_text(f"{C('c').render(result).text}\n{DRIVER}", encoding="utf-8")
     subprocess.run(["cc", "-std=c11", "driver.c", "-o", "driver", "-lm"], cwd=tmp_path, check=True)
     operations = [
         (345.0, 1.2e3, 100.0, -7.0, 0.02),
@@ -258,13 +260,13 @@ def test_an_export_in_c_reads_along_every_axis_what_the_tables_hold(tmp_path):
         [tmp_path / "driver"], input=lines, capture_output=True, text=True, check=True
     )
     for (T, W, inner, outer, slip), told in zip(operations, done.stdout.splitlines(), strict=True):
-        one = Tables.of(result).at(T, W)
+        one = Tables.from_dataset(result).interpolate(T, W)
         w = np.array([(RI * inner + RO * outer) / (RI + RO) * (1.0 - slip)])
         ahead = RI * (inner - w)
         behind = RO * (w - outer)
         surface = 0.5 * (ahead + behind)
-        Fi, Si = one.pull(0, w, ahead - surface, 0.5 * (ahead + surface))
-        Fo, So = one.pull(1, w, surface - behind, 0.5 * (surface + behind))
+        Fi, Si = one.ring_forces(0, w, ahead - surface, 0.5 * (ahead + surface))
+        Fo, So = one.ring_forces(1, w, surface - behind, 0.5 * (surface + behind))
         by_inner = 0.02 * (inner - w)
         by_outer = 0.03 * (outer - w)
         loss = (
@@ -311,7 +313,7 @@ def test_a_row_without_a_balance_has_empty_cells():
          for name, value in zip(columns, values, strict=True)},
         coords={name: (name, value, {"units": "1"}) for name, value in axes.items()},
     )  # fmt: skip
-    assert Csv("csv").of(made).text.splitlines()[1] == "350,1000,100,,,,,0.5"
+    assert Csv("csv").render(made).text.splitlines()[1] == "350,1000,100,,,,,0.5"
 
 
 def test_of_two_endings_the_longer_one_says_the_format(monkeypatch):

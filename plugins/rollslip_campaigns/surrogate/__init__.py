@@ -1,4 +1,4 @@
-"""Tables that stand for a bearing in other programs: refined until they are right, told, and written for them."""
+"""Campaign surrogate: tables that replace a bearing in other programs, such as FMU hosts."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rollslip.planning.progress import Shown
-    from rollslip_campaigns.surrogate.surrogate import Surrogate
+    from rollslip_campaigns.surrogate.surrogate import SurrogatePlan
 
 
 @attrs.frozen(eq=False)
@@ -35,7 +35,7 @@ class SurrogateSettings(OfPoints):
     Raises
     ------
     SceneError, PluginError
-        If anything is wrong with the scene or what is asked for, or its pockets rub; before anything runs.
+        If anything is wrong with the scene or the settings, or cage pockets have friction; before anything runs.
     ConvergenceError
         If a point fails, or the most nodes leave more than the error.
     EngineError, OutputError
@@ -56,8 +56,8 @@ class SurrogateSettings(OfPoints):
     checks: int = setting("Random operations that have to be within it.", of=int, default=24, least=4, metavar="N",
                           shown=True)  # fmt: skip
 
-    def plan(self) -> "Surrogate":
-        """Check the ranges and lay out the points."""
+    def plan(self) -> "SurrogatePlan":
+        """Return the points to be computed, after a check of ranges and drags."""
         from rollslip_campaigns.surrogate.surrogate import plan_surrogate
 
         return plan_surrogate(self)
@@ -65,7 +65,7 @@ class SurrogateSettings(OfPoints):
     def run(
         self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
     ) -> "xr.Dataset":
-        """Compute in a folder."""
+        """Compute the tables in a folder, and return them."""
         from rollslip_campaigns.surrogate.surrogate import run_surrogate
 
-        return run_surrogate(made, folder, said=said, report=lambda now: show(*now.told))
+        return run_surrogate(made, folder, print_line=said, report=lambda now: show(*now.told))

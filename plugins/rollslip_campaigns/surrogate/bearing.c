@@ -1,10 +1,12 @@
-/* A cylindrical roller bearing by its tables: cage and one mean roller under effective friction.
+/* Motion of a cylindrical roller bearing by its tables: the cage and one mean roller under effective friction.
  *
- * - bearing_data.h has all numbers: this file knows no bearing, reads no file and keeps no globals.
- * - Along every axis the cubic through four even nodes; beyond the ends values are held.
- * - Rows over the slide-roll ratio are folded over temperature and load where the motion first needs them: a load that
- *   changes at every step costs the few rows about the speeds that the bearing runs at.
- * - Two stiff unknowns: Rosenbrock's method of Shampine and Reichelt, its Jacobian by differences, its own step size. */
+ * - bearing_data.h has all numbers: this file has no number of a bearing, reads no file and has no global variables.
+ * - Along each axis a table is the cubic Lagrange polynomial through the four nearest nodes, which are uniform; beyond the
+ *   ends of an axis the last value is used.
+ * - Rows over the slide-roll ratio are interpolated over temperature and load when the motion first needs them: a load
+ *   that changes at each step costs the few rows about the speeds at which the bearing runs.
+ * - Both unknowns are stiff. They are integrated by the Rosenbrock method of Shampine and Reichelt (ode23s, 1997), with a
+ *   Jacobian by differences and an adaptive step. */
 #include <math.h>
 #include <string.h>
 #include "bearing.h"
@@ -12,15 +14,26 @@
 #define MANY(n) ((n) < 4 ? (n) : 4)
 enum { QT = MANY(NT), QW = MANY(NW), QR = MANY(NR), QU = MANY(NU), QX = MANY(NX), QC = MANY(NC) };
 struct bearing {
-    double v[B_VALUES], state[2], step;
-    double at_T, at_W, wt[4], ww[4], lead_inner, lead_outer, squares[NU], square, rest[NC];
-    int t, l, folded[2][NR][NU];
-    double mu[2][NR][NU][NX], force[2][NR][NU], rolls[2][NR][NU], most[2][NR][NU];
+    double v[B_VALUES];            /* inputs and outputs, by the names of bearing.h */
+    double state[2];               /* cage speed, spin of the roller relative to the cage [rad/s] */
+    double step;                   /* next step of the integration [s] */
+    double at_T, at_W;             /* temperature and load of what follows */
+    int t, l;                      /* first node of temperature and of load */
+    double wt[4], ww[4];           /* weights of the four nodes */
+    double lead_inner, lead_outer; /* drags over the leads of the rings [N m s] */
+    double squares[NU], square;    /* drag over the square of the cage speed [N m s2]: over rolling speed; now */
+    double rest[NC];               /* remainder of the drags over cage speed [N m] */
+    int folded[2][NR][NU];         /* whether the rows that follow are interpolated: (ring, cage ratio, rolling speed) */
+    double mu[2][NR][NU][NX];      /* effective friction, over the slide-roll ratio too */
+    double force[2][NR][NU];       /* normal force of all rollers [N] */
+    double rolls[2][NR][NU];       /* rolling resistance of all rollers [N] */
+    double largest[2][NR][NU];     /* largest effective friction */
 };
 unsigned long bearing_size(void) { return sizeof(bearing); }
 double *bearing_values(bearing *b) { return b->v; }
 const char *bearing_guid(void) { return GUID; }
-/* First of four nodes about a place, in steps and held at the ends, and Lagrange's weights */
+/* First of the four nodes about a position, in steps from the first node and limited to the axis, and their weights of
+ * Lagrange interpolation */
 static int four(double at, int n, double *w) {
     double t = at > 0.0 ? at < n - 1.0 ? at : n - 1.0 : 0.0;   /* NaN is 0 */
     int k = (int)t - 1, many = MANY(n);
@@ -48,13 +61,13 @@ static void fold(bearing *b) {
         }
         b->at_T = T, b->at_W = W;
     }
-    double wu[4];   /* the oil between the rings goes with their speeds */
+    double wu[4];   /* the supply of oil between the rings depends on their speeds */
     int k = four((log(fmax(u, 1e-12)) - U_FIRST) / U_STEP, NU, wu);
     b->square = 0.0;
     for (int i = 0; i < QU; i++) b->square += wu[i] * b->squares[k + i];
 }
 static void fold_row(bearing *b, int ring, int r, int u) {
-    double *mu = b->mu[ring][r][u], force = 0.0, rolls = 0.0, most = 0.0;
+    double *mu = b->mu[ring][r][u], force = 0.0, rolls = 0.0, largest = 0.0;
     memset(mu, 0, sizeof b->mu[0][0][0]);
     for (int i = 0; i < QT; i++)
         for (int j = 0; j < QW; j++) {
@@ -63,34 +76,34 @@ static void fold_row(bearing *b, int ring, int r, int u) {
             for (int x = 0; x < NX; x++) mu[x] += w * row[x];
             force += w * FORCE[ring][b->t + i][b->l + j][r][u];
             rolls += w * ROLLS[ring][b->t + i][b->l + j][r][u];
-            most += w * MOST[ring][b->t + i][b->l + j][r][u];
+            largest += w * LARGEST[ring][b->t + i][b->l + j][r][u];
         }
-    b->force[ring][r][u] = force, b->rolls[ring][r][u] = rolls, b->most[ring][r][u] = most;
+    b->force[ring][r][u] = force, b->rolls[ring][r][u] = rolls, b->largest[ring][r][u] = largest;
     b->folded[ring][r][u] = 1;
 }
 /* Traction of all rollers on a ring, their rolling resistance and largest traction, at cage speed w, sliding speed V and
  * rolling speed u */
-static double pull(bearing *b, int ring, double w, double V, double u, double *rolls, double *most) {
-    double wr[4], wu[4], wx[4], mu = 0.0, force = 0.0, resists = 0.0, largest = 0.0, film = sqrt(u * u + 1e-6);
+static double ring_forces(bearing *b, int ring, double w, double V, double u, double *rolls, double *limit) {
+    double wr[4], wu[4], wx[4], mu = 0.0, force = 0.0, resists = 0.0, friction = 0.0, film = sqrt(u * u + 1e-6);
     int r = four((log(fmax(RO * fabs(w) / film, 1e-12)) - R_FIRST) / R_STEP, NR, wr);
     int k = four((log(film) - U_FIRST) / U_STEP, NU, wu), x = four(asinh(fabs(V) / (X_SMALL * film)) * X_STEPS, NX, wx);
     for (int i = 0; i < QR; i++)
         for (int j = 0; j < QU; j++) {
-            double weight = wr[i] * wu[j], one = 0.0;
+            double weight = wr[i] * wu[j], row = 0.0;
             if (!b->folded[ring][r + i][k + j]) fold_row(b, ring, r + i, k + j);
-            for (int n = 0; n < QX; n++) one += wx[n] * b->mu[ring][r + i][k + j][x + n];
-            mu += weight * one, force += weight * b->force[ring][r + i][k + j];
-            resists += weight * b->rolls[ring][r + i][k + j], largest += weight * b->most[ring][r + i][k + j];
+            for (int n = 0; n < QX; n++) row += wx[n] * b->mu[ring][r + i][k + j][x + n];
+            mu += weight * row, force += weight * b->force[ring][r + i][k + j];
+            resists += weight * b->rolls[ring][r + i][k + j], friction += weight * b->largest[ring][r + i][k + j];
         }
     *rolls = resists * u / film;
-    if (most) *most = largest * force;
+    if (limit) *limit = friction * force;
     return V > 0.0 ? mu * force : V < 0.0 ? -mu * force : 0.0;
 }
-/* Rates of cage speed and of the roller's spin s; outputs where they are asked for */
+/* Rates of cage speed and of the roller's spin s; outputs unless `out` is NULL */
 static void rates(bearing *b, const double *y, double *rate, double *out) {
     double w = y[0], wi = b->v[B_INNER_SPEED], wo = b->v[B_OUTER_SPEED], wc[4], rest = 0.0, Si, So;
     double c = ROLLER * (y[1] + w), in = RI * (wi - w), outer = RO * (w - wo);
-    double Fi = pull(b, 0, w, in - c, 0.5 * (in + c), &Si, NULL), Fo = pull(b, 1, w, c - outer, 0.5 * (outer + c), &So, NULL);
+    double Fi = ring_forces(b, 0, w, in - c, 0.5 * (in + c), &Si, NULL), Fo = ring_forces(b, 1, w, c - outer, 0.5 * (outer + c), &So, NULL);
     int k = four(asinh(fabs(w) / C_SMALL) * C_STEPS, NC, wc);
     for (int i = 0; i < QC; i++) rest += wc[i] * b->rest[k + i];
     double on_inner = b->lead_inner * (wi - w), on_outer = b->lead_outer * (wo - w);
@@ -105,8 +118,8 @@ static void rates(bearing *b, const double *y, double *rate, double *out) {
         out[B_TORQUE] = RI * (Fi + Si) + on_inner, out[B_OUTER_TORQUE] = RO * (Fo - So) + on_outer;
         out[B_POWER_LOSS] = Fi * (in - c) + Fo * (c - outer) + Si * (in + c) + So * (outer + c) - drag * w
             + on_inner * wi + on_outer * wo;
-        pull(b, 0, w, 0.0, fabs(u), &ri, &mi), pull(b, 1, w, 0.0, fabs(u), &ro, &mo);
-        double most = fmin(mo, mi - ri - ro), torque = RI * (most + 2.0 * ri + ro) + RO * (most - ro);
+        ring_forces(b, 0, w, 0.0, fabs(u), &ri, &mi), ring_forces(b, 1, w, 0.0, fabs(u), &ro, &mo);
+        double limit = fmin(mo, mi - ri - ro), torque = RI * (limit + 2.0 * ri + ro) + RO * (limit - ro);
         out[B_DRAG_RESERVE] = drag != 0.0 ? fmin(torque / fabs(drag), 1e6) : 1e6;
     }
 }
@@ -137,8 +150,8 @@ int bearing_step(bearing *b, double span) {
             rates(b, y, f2, NULL);
             SOLVE(g, f2[0] - e32 * (k2[0] - f1[0]) - 2.0 * (k1[0] - f0[0]), f2[1] - e32 * (k2[1] - f1[1]) - 2.0 * (k1[1] - f0[1]));
             for (int c = 0; c < 2; c++) {
-                double off = fabs(h / 6.0 * (k1[c] - 2.0 * k2[c] + g[c])) / (tolerance * (fabs(y[c]) + 1.0));
-                worst = off > worst || off != off ? off : worst;
+                double error = fabs(h / 6.0 * (k1[c] - 2.0 * k2[c] + g[c])) / (tolerance * (fabs(y[c]) + 1.0));
+                worst = error > worst || error != error ? error : worst;
             }
             if (worst <= 1.0) {
                 t = last ? span : t + h;
@@ -153,7 +166,7 @@ int bearing_step(bearing *b, double span) {
     }
     return 1;
 }
-void bearing_tell(bearing *b) { double none[2]; fold(b); rates(b, b->state, none, b->v); }
+void bearing_output(bearing *b) { double none[2]; fold(b); rates(b, b->state, none, b->v); }
 void bearing_init(bearing *b) {
     memset(b, 0, sizeof *b);
     b->v[B_RADIAL_LOAD] = FIRST_LOAD, b->v[B_INNER_SPEED] = FIRST_INNER, b->v[B_OUTER_SPEED] = FIRST_OUTER;
@@ -163,7 +176,7 @@ void bearing_start(bearing *b) {
     double wi = b->v[B_INNER_SPEED], wo = b->v[B_OUTER_SPEED];
     double w = (RI * wi + RO * wo) / (RI + RO) * (1.0 - b->v[B_FIRST_CAGE_SLIP]);
     b->state[0] = w, b->state[1] = 0.5 * (RI * (wi - w) + RO * (w - wo)) / ROLLER - w;
-    b->step = 1e-5, bearing_tell(b);
+    b->step = 1e-5, bearing_output(b);
 }
 int bearing_outside(const bearing *b) {
     double W = b->v[B_RADIAL_LOAD], T = b->v[B_TEMPERATURE];

@@ -1,9 +1,9 @@
-"""Tables of a surrogate for other programs: FMU, C and CSV.
+"""Write the tables of a surrogate for other programs: as an FMU (FMI 2.0 for co-simulation), as C, and as CSV.
 
-- Formats of the kind that scenes have: found by the ending, written by ``rollslip export --result surrogate.nc``. They
-  hold no scene, so that nothing is read from them.
-- Equal tables give equal files, to the byte: the GUID is made of the numbers, archives have one fixed date, and the
-  compiler is told no path. The library is of this machine; hosts of another system compile the sources.
+- These are scene formats: found by the ending of a file name, written by ``rollslip export --result surrogate.nc``.
+  They hold no scene, so that nothing is read from them.
+- Equal tables give identical files: the GUID is a hash of the numbers, entries of archives have a fixed date, and the
+  compiler receives no path. The library is compiled for this machine; hosts of another system compile the sources.
 """
 
 import abc
@@ -66,31 +66,41 @@ VARIABLES: Final = (
     ("drag_reserve", "1", "output", "", "largest torque of the rollers on the cage over its drag"),
     ("first_cage_slip", "1", "parameter", "", "cage slip at the start"),
 )
+#: Exponents of the SI base units of each unit.
 _UNITS: Final[Mapping[str, dict[str, str]]] = {
     "s": {"s": "1"}, "N": {"kg": "1", "m": "1", "s": "-2"}, "rad/s": {"rad": "1", "s": "-1"}, "K": {"K": "1"}, "1": {},
     "N.m": {"kg": "1", "m": "2", "s": "-2"}, "W": {"kg": "1", "m": "2", "s": "-3"},
 }  # fmt: skip
-#: Date of the entries of an archive.
+#: Date of the entries of an archive, the first that ZIP can hold; a fixed one makes archives of equal tables identical.
 _DATE: Final = (1980, 1, 1, 0, 0, 0)
-#: Namespace of GUIDs.
-_SPACE: Final = uuid.UUID("6f0b1a3c-6c0e-5d0c-9f0e-0a5b7c1d2e3f")
+#: Namespace of GUIDs, drawn at random once; another one changes all GUIDs.
+_GUID_NAMESPACE: Final = uuid.UUID("6f0b1a3c-6c0e-5d0c-9f0e-0a5b7c1d2e3f")
+#: Flags of the compiler: no debugging information and no build id, which hold paths, and no fused multiplications,
+#: which would give other results on another processor.
 _FLAGS: Final = ("-std=c11", "-O2", "-g0", "-ffp-contract=off", "-shared", "-fPIC", "-fvisibility=hidden",
                  "-Wall", "-Wextra", "-Wl,--build-id=none")  # fmt: skip
 
 
-def _own(name: str) -> str:
+#: Files in C that are the same for each bearing.
+_C_FILES: Final = ("bearing.h", "bearing.c", "fmi2.c")
+#: Length after which a line of numbers ends; some compilers limit lines.
+_LINE_LENGTH = 110
+
+
+def _read_source(name: str) -> str:
+    """Return the text of a file in C of this package."""
     return (files(__package__) / name).read_text(encoding="utf-8")
 
 
 def _array(name: str, values: Any, kind: str = "double") -> str:
-    """Return an array in C; a float has eight digits, a double all that it needs."""
+    """Return the definition of an array in C: floats with eight digits, doubles with as many as they need."""
     values = np.asarray(values, dtype=float)
     numbers = (f"{v:.8g}" if kind == "float" else repr(v) for v in values.ravel().tolist())
     sizes = "".join(f"[{n}]" for n in values.shape)
     rows = list[str]()
     line = ""
     for number in numbers:
-        if len(line) > 110:
+        if len(line) > _LINE_LENGTH:
             rows = [*rows, line]
             line = ""
         line += f"{number},"
@@ -99,18 +109,18 @@ def _array(name: str, values: Any, kind: str = "double") -> str:
 
 
 def c_header(result: "xr.Dataset") -> tuple[str, str]:
-    """Return the tables as numbers in C, and the GUID that is made of them."""
-    tables = Tables.of(result)
+    """Return the tables as a header in C, and the GUID that is a hash of them."""
+    tables = Tables.from_dataset(result)
     n = tables.numbers
 
-    def axis(letter: str, of: Axis) -> str:
-        nodes = np.log(of.nodes) if of.logarithmic else of.nodes
+    def axis_macros(letter: str, axis: Axis) -> str:
+        nodes = np.log(axis.nodes) if axis.logarithmic else axis.nodes
         step = float(nodes[-1] - nodes[0]) / (nodes.size - 1) if nodes.size > 1 else 1.0
         ends = f"#define {letter}_FIRST {float(nodes[0])!r}\n#define {letter}_STEP {step!r}\n"
         return f"#define N{letter} {nodes.size}\n{ends}"
 
     letters = {"temperature": "T", "radial_load": "W", "cage_ratio": "R", "rolling_speed": "U"}
-    text = "".join(axis(letter, tables.axes[name]) for name, letter in letters.items())
+    text = "".join(axis_macros(letter, tables.axes[name]) for name, letter in letters.items())
     rest = tables.drags["rest"]
     cage_step = float(np.arcsinh(tables.cage_top / CAGE_SMALL)) / (rest.shape[1] - 1)
     numbers = {
@@ -123,7 +133,7 @@ def c_header(result: "xr.Dataset") -> tuple[str, str]:
     text += "".join(f"#define {name} {float(value)!r}\n" for name, value in numbers.items())
     text += f"#define NX {tables.friction.shape[-1]}\n#define NC {rest.shape[1]}\n"
     text += _array("FRICTION", tables.friction, "float") + _array("FORCE", tables.force, "float")
-    text += _array("ROLLS", tables.resistance, "float") + _array("MOST", tables.largest, "float")
+    text += _array("ROLLS", tables.resistance, "float") + _array("LARGEST", tables.largest, "float")
     for name, key in (
         ("LEAD_INNER", "inner"),
         ("LEAD_OUTER", "outer"),
@@ -131,8 +141,8 @@ def c_header(result: "xr.Dataset") -> tuple[str, str]:
         ("REST", "rest"),
     ):
         text += _array(name, tables.drags[key])
-    everything = text + "".join(_own(name) for name in ("bearing.h", "bearing.c", "fmi2.c"))
-    guid = f"{{{uuid.uuid5(_SPACE, everything)}}}"
+    program = text + "".join(_read_source(name) for name in _C_FILES)
+    guid = f"{{{uuid.uuid5(_GUID_NAMESPACE, program)}}}"
     return (
         f'/* Tables of a bearing, within {float(result.attrs["error"]):.2g}. */\n#define GUID "{guid}"\n{text}',
         guid,
@@ -140,50 +150,58 @@ def c_header(result: "xr.Dataset") -> tuple[str, str]:
 
 
 def sources(result: "xr.Dataset") -> tuple[dict[str, str], str]:
-    """Return the files of which a library is compiled, by name, and the GUID."""
+    """Return the files in C of which a library is compiled, by name, and the GUID."""
     header, guid = c_header(result)
     return {
         "bearing_data.h": header,
-        **{name: _own(name) for name in ("bearing.h", "bearing.c", "fmi2.c")},
+        **{name: _read_source(name) for name in _C_FILES},
     }, guid
 
 
 @attrs.frozen
 class TablesFormat(SceneFormat):
-    """A format that holds tables of a surrogate, and no scene."""
+    """A format for the tables of a surrogate, which holds no scene; subclasses implement `render`."""
 
     def read(self, content: bytes, source: str) -> Read:
-        """Refuse to read: there is no scene in it."""
+        """Raise `SceneError`, because such a file holds no scene."""
         raise SceneError(
             [f"{source}: holds tables of a bearing, and no scene; name the scene they were made of"]
         )
 
     def write(self, document: Mapping[str, Any], result: "xr.Dataset | None") -> Written:
-        """Write the tables of a result of campaign surrogate."""
+        """Return the file for a result of campaign surrogate; other results and none are refused.
+
+        Parameters
+        ----------
+        document : mapping
+            Scene, which is not used.
+        result : xarray.Dataset or None
+            Result of campaign surrogate.
+        """
         if result is None or result.attrs.get("study") != "surrogate":
             raise SceneError(
                 [f"format {self.name}: is written of tables; make them by rollslip surrogate SCENE, and give "
                  "--result surrogate.nc"]
             )  # fmt: skip
-        return self.of(result)
+        return self.render(result)
 
     @abc.abstractmethod
-    def of(self, result: "xr.Dataset") -> Written:
-        """Return the file."""
+    def render(self, result: "xr.Dataset") -> Written:
+        """Return the content of the file, and notes for the user."""
 
 
 @attrs.frozen
 class Fmu(TablesFormat):
-    """A co-simulation unit of FMI 2.0."""
+    """A unit of FMI 2.0 for co-simulation, without the sources if `binary_only`."""
 
     endings: ClassVar[tuple[str, ...]] = (".fmu",)
 
     binary_only: bool = False
 
-    def of(self, result: "xr.Dataset") -> Written:
-        """Return the archive: description, sources, and a library for this machine where there is a compiler."""
-        made, guid = sources(result)
-        library, note = _library(made)
+    def render(self, result: "xr.Dataset") -> Written:
+        """Return the archive: description, sources, and a library for this machine if a compiler is found."""
+        code, guid = sources(result)
+        library, note = _compile_library(code)
         if library is None and self.binary_only:
             raise OutputError(f"an FMU without sources needs a library, and {note}")
         notes = [] if library is not None else [f"the FMU has sources only: {note}"]
@@ -191,54 +209,67 @@ class Fmu(TablesFormat):
         if library is not None:
             entries[f"binaries/{_platform()}/bearing{_suffix()}"] = library
         if not self.binary_only:
-            entries |= {f"sources/{name}": text.encode() for name, text in made.items()}
-        packed = io.BytesIO()
-        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            entries |= {f"sources/{name}": text.encode() for name, text in code.items()}
+        buffer = io.BytesIO()
+        with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
             for name in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
                 entry = zipfile.ZipInfo(name, _DATE)
                 entry.compress_type = zipfile.ZIP_DEFLATED
                 entry.create_system = 3
                 entry.external_attr = 0o644 << 16
                 archive.writestr(entry, entries[name])
-        return Written(packed.getvalue(), tuple(notes))
+        return Written(buffer.getvalue(), tuple(notes))
+
+
+#: Name of the platform in an FMU, and ending of its shared libraries, by `sys.platform`; all others are taken as Linux.
+_PLATFORMS: Final = {"win32": ("win", ".dll"), "darwin": ("darwin", ".dylib")}
+_LINUX: Final = ("linux", ".so")
 
 
 def _platform() -> str:
+    """Return the name of the folder of libraries for this machine, as the standard of FMI 2.0 defines it."""
     bits = 64 if sys.maxsize > 2**32 else 32
-    return f"{'win' if sys.platform == 'win32' else 'darwin' if sys.platform == 'darwin' else 'linux'}{bits}"
+    return f"{_PLATFORMS.get(sys.platform, _LINUX)[0]}{bits}"
 
 
 def _suffix() -> str:
-    return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+    """Return the ending of shared libraries on this machine."""
+    return _PLATFORMS.get(sys.platform, _LINUX)[1]
 
 
-def _library(made: Mapping[str, str]) -> tuple[bytes | None, str]:
-    """Return the compiled library, or why there is none."""
-    named = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
-    compiler = (
-        shutil.which(named) or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    )
+def _compile_library(code: Mapping[str, str]) -> tuple[bytes | None, str]:
+    """Return the compiled library and "", or None and the reason why there is none."""
+    command = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
+    candidates = (shutil.which(name) for name in (command, "cc", "gcc", "clang"))
+    compiler = next(filter(None, candidates), None)
     if compiler is None:
         return None, "no C compiler is found"
     with TemporaryDirectory() as folder:
-        for name, text in made.items():
+        for name, text in code.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
         flags = [
             flag
             for flag in _FLAGS
             if sys.platform.startswith("linux") or not flag.startswith("-Wl")
         ]
-        done = subprocess.run(
+        process = subprocess.run(
             [compiler, *flags, "-Wno-missing-braces", "bearing.c", "fmi2.c", "-o", "bearing.so", "-lm"],
             cwd=folder, capture_output=True, text=True, check=False,
         )  # fmt: skip
-        if done.returncode:
-            return None, f"{compiler} cannot compile it: {done.stderr.strip().splitlines()[-1:]}"
+        if process.returncode:
+            return None, f"{compiler} cannot compile it: {process.stderr.strip().splitlines()[-1:]}"
         return (Path(folder) / "bearing.so").read_bytes(), ""
 
 
+#: Attributes of a variable of an FMU, by its causality; inputs and time are continuous.
+_VARIABILITY: Final[Mapping[str, dict[str, str]]] = {
+    "parameter": {"variability": "fixed", "initial": "exact"},
+    "output": {"variability": "continuous", "initial": "calculated"},
+}
+
+
 def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
-    """Return modelDescription.xml."""
+    """Return modelDescription.xml: variables, units and default experiment, as FMI 2.0 defines it."""
     packages = json.loads(result.attrs["packages"])
     error = 100.0 * float(result.attrs["error"])
     root = ET.Element(
@@ -248,35 +279,34 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
         generationTool=f"rollslip {packages.get('rollslip', '')}".strip(), variableNamingConvention="flat",
         numberOfEventIndicators="0",
     )  # fmt: skip
-    unit = ET.SubElement(
+    simulation = ET.SubElement(
         root, "CoSimulation", modelIdentifier="bearing", canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUstate="true", canSerializeFMUstate="true", canBeInstantiatedOnlyOncePerProcess="false",
         canNotUseMemoryManagementFunctions="false",
     )  # fmt: skip
     if not binary_only:
-        compiled = ET.SubElement(unit, "SourceFiles")
+        compiled = ET.SubElement(simulation, "SourceFiles")
         for name in ("bearing.c", "fmi2.c"):
             ET.SubElement(compiled, "File", name=name)
     units = ET.SubElement(root, "UnitDefinitions")
     for name, exponents in _UNITS.items():
-        ET.SubElement(ET.SubElement(units, "Unit", name=name), "BaseUnit", exponents)
+        element = ET.SubElement(units, "Unit", name=name)
+        ET.SubElement(element, "BaseUnit", exponents)
     ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="2", stepSize="0.001")
-    known = ET.SubElement(root, "ModelVariables")
+    variables = ET.SubElement(root, "ModelVariables")
     ranges = {name: result[f"{name}_range"].to_numpy() for name in ("radial_load", "temperature")}
-    for reference, (name, of, causality, first, text) in enumerate(VARIABLES):
-        more: dict[str, dict[str, str]] = {"parameter": {"variability": "fixed", "initial": "exact"},
-                "output": {"variability": "continuous", "initial": "calculated"}}  # fmt: skip
-        said = {
+    for reference, (name, unit, causality, start, text) in enumerate(VARIABLES):
+        attributes = {
             "name": name,
             "valueReference": str(reference),
             "causality": causality,
             "description": text,
+            **_VARIABILITY.get(causality, {"variability": "continuous"}),
         }
-        said |= more.get(causality, {"variability": "continuous"})
-        variable = ET.SubElement(known, "ScalarVariable", said)
-        real = ET.SubElement(variable, "Real", unit=of)
-        if first or causality == "parameter":
-            real.set("start", repr(float(result[first])) if first else "0.0")
+        variable = ET.SubElement(variables, "ScalarVariable", attributes)
+        real = ET.SubElement(variable, "Real", unit=unit)
+        if start or causality == "parameter":
+            real.set("start", repr(float(result[start])) if start else "0.0")
         for end, value in zip(("min", "max"), ranges.get(name, ()), strict=False):
             real.set(end, repr(float(value)))
     structure = ET.SubElement(root, "ModelStructure")
@@ -291,20 +321,20 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
 
 @attrs.frozen
 class C(TablesFormat):
-    """One file of C with the tables and the motion, for programs that link it."""
+    """One file in C with the tables and the motion, for programs that link it."""
 
     endings: ClassVar[tuple[str, ...]] = (".c",)
 
-    def of(self, result: "xr.Dataset") -> Written:
-        """Return header, numbers and code in one file; bearing.h at its beginning is what callers copy."""
-        made, _ = sources(result)
-        code = made["bearing.c"]
+    def render(self, result: "xr.Dataset") -> Written:
+        """Return declarations, numbers and code in one file; it begins with bearing.h, which callers copy."""
+        parts, _ = sources(result)
+        code = parts["bearing.c"]
         for name in ("bearing.h", "bearing_data.h"):
-            code = code.replace(f'#include "{name}"\n', made[name], 1)
+            code = code.replace(f'#include "{name}"\n', parts[name], 1)
         return Written(code)
 
 
-#: Columns of the table of operations beside those that say where.
+#: Columns of the CSV file after temperature, load and speed.
 _COLUMNS: Final = (
     "steady_cage_slip",
     "friction_torque",
@@ -316,20 +346,19 @@ _COLUMNS: Final = (
 
 @attrs.frozen
 class Csv(TablesFormat):
-    """A row for each temperature, load and speed: where the bearing runs at constant speeds."""
+    """A row for each temperature, load and speed: the steady state of the bearing."""
 
     endings: ClassVar[tuple[str, ...]] = (".csv",)
 
-    def of(self, result: "xr.Dataset") -> Written:
-        """Return the rows, in SI units, with the units in the head."""
+    def render(self, result: "xr.Dataset") -> Written:
+        """Return the rows in SI units, with names and units in the first; a cell is empty where a value is NaN."""
         axes = ("temperature", "radial_load", "inner_speed")
         text = io.StringIO()
         rows = csv.writer(text, lineterminator="\n")
         rows.writerow([f"{name} [{result[name].attrs['units']}]" for name in (*axes, *_COLUMNS)])
-        for at in np.ndindex(*(result.sizes[name] for name in axes)):
-            place = dict(zip(axes, at, strict=True))
-            values = [*(float(result[name][place[name]]) for name in axes)]
-            values += [float(result[name].transpose(*axes)[at]) for name in _COLUMNS]
+        for index in np.ndindex(*(result.sizes[name] for name in axes)):
+            values = [float(result[name][k]) for name, k in zip(axes, index, strict=True)]
+            values += [float(result[name].transpose(*axes)[index]) for name in _COLUMNS]
             rows.writerow(["" if np.isnan(value) else f"{value:.8g}" for value in values])
         return Written(text.getvalue())
 

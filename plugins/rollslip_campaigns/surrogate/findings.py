@@ -1,4 +1,4 @@
-"""The account of tables that stand for a bearing."""
+"""Report on a surrogate: errors of its tables at random operations, their ranges, and where the bearing skids."""
 
 import json
 from typing import TYPE_CHECKING, Any, Final
@@ -12,26 +12,29 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Quantities that tables range over, and their SI units.
 _RANGES = {"temperature": "K", "radial_load": "N", "inner_speed": "rad/s", "outer_speed": "rad/s"}
+#: Axes of the tables, in the order of the attribute "nodes".
+_NODES = ("temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_roll")
 
 
 class SurrogateAccount(Account):
-    """How it is told how right tables are, and what they hold."""
+    """Reports the errors and the ranges of tables."""
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return how right the tables are."""
+        """Return the largest and the median error of the tables."""
         return Answer(rows=(Row(key="error", label="tables", text="", note=_error(dataset)),))
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say how right the tables are, over what they go, and where the bearing skids in them."""
-        found = {"error": [_error(dataset)], "ranges": [_ranges(dataset)]}
+        """Return sentences on the errors of the tables, their ranges, and nodes at which the bearing skids."""
+        topics = {"error": [_error(dataset)], "ranges": [_ranges(dataset)]}
         skids = np.isnan(dataset["steady_cage_slip"].to_numpy())
         if skids.any():
-            found["skidding"] = [f"the cage skids at {int(skids.sum())} of {skids.size} nodes of load, speed and "
+            topics["skidding"] = [f"the cage skids at {int(skids.sum())} of {skids.size} nodes of load, speed and "
                                  "temperature: its drags are more than the rollers carry"]  # fmt: skip
-        return found
+        return topics
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -41,7 +44,7 @@ class SurrogateAccount(Account):
             "error": {
                 "largest": float(a["error"]),
                 "median": float(a["median_error"]),
-                "asked": float(a["error_requested"]),
+                "requested": float(a["error_requested"]),
             },
             "operations": int(dataset.sizes["operation"]),
             "nodes": dict(zip(_NODES, json.loads(a["nodes"]), strict=True)),
@@ -49,10 +52,8 @@ class SurrogateAccount(Account):
         }
 
 
-_NODES = ("temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_roll")
-
-
 def _error(dataset: "xr.Dataset") -> str:
+    """Return a sentence on the largest and the median error at random operations."""
     largest, median = (
         f"{100.0 * float(dataset.attrs[name]):.2g} %" for name in ("error", "median_error")
     )
@@ -61,6 +62,7 @@ def _error(dataset: "xr.Dataset") -> str:
 
 
 def _ranges(dataset: "xr.Dataset") -> str:
+    """Return a sentence on the ranges of all quantities."""
     spans = []
     for name, unit in _RANGES.items():
         low, high = (

@@ -64,13 +64,13 @@ typedef struct {
 typedef struct { const Callbacks *call; char name[128]; int logs, starting, outside; bearing *b; } Unit;
 typedef struct { char guid[GUIDS]; int starting, outside; } Head;   /* of a state; the numbers of the bearing follow */
 static size_t state_size(void) { return sizeof(Head) + bearing_size(); }
-static void tell(const Unit *unit, Status status, String category, String text) {
+static void log_message(const Unit *unit, Status status, String category, String text) {
     if (unit->call->logger && (unit->logs || status >= ERROR))
         unit->call->logger(call_environment(unit->call), unit->name, status, category, "%s", text);
 }
-static Status refused(const Unit *unit, String why) { tell(unit, ERROR, "logStatusError", why); return ERROR; }
-static void look_outside(Unit *unit) {
-    static const String SAID[8] = {
+static Status log_error(const Unit *unit, String why) { log_message(unit, ERROR, "logStatusError", why); return ERROR; }
+static void report_outside(Unit *unit) {
+    static const String MESSAGES[8] = {
         "all inputs are within the tables again",
         "radial_load is beyond the tables, which are held at their ends",
         "temperature is beyond the tables, which are held at their ends",
@@ -81,7 +81,7 @@ static void look_outside(Unit *unit) {
         "radial_load, temperature and the speeds of the rings are beyond the tables, which are held at their ends",
     };
     int now = bearing_outside(unit->b);
-    if (now != unit->outside) tell(unit, now ? WARNING : OK, "logStatusWarning", SAID[now]);
+    if (now != unit->outside) log_message(unit, now ? WARNING : OK, "logStatusWarning", MESSAGES[now]);
     unit->outside = now;
 }
 EXPORT String fmi2GetTypesPlatform(void) { return "default"; }
@@ -92,8 +92,8 @@ EXPORT Component fmi2Instantiate(String name, Type type, String guid, String pla
     if (!call || !call_allocate(call) || !call_release(call) || !(unit = call_allocate(call)(1, sizeof *unit))) return NULL;
     unit->call = call, unit->logs = logging;
     if (name) strncpy(unit->name, name, sizeof unit->name - 1);
-    if (type != COSIMULATION) refused(unit, "this unit is for co-simulation");
-    else if (!guid || strcmp(guid, bearing_guid())) refused(unit, "the GUID is not that of this unit");
+    if (type != COSIMULATION) log_error(unit, "this unit is for co-simulation");
+    else if (!guid || strcmp(guid, bearing_guid())) log_error(unit, "the GUID is not that of this unit");
     else if ((unit->b = call_allocate(call)(1, bearing_size()))) { bearing_init(unit->b); return unit; }
     call_release(call)(unit);
     return NULL;
@@ -116,7 +116,7 @@ EXPORT Status fmi2SetupExperiment(Component c, Boolean toleranced, Real toleranc
 EXPORT Status fmi2EnterInitializationMode(Component c) { ((Unit *)c)->starting = 1; return OK; }
 EXPORT Status fmi2ExitInitializationMode(Component c) {
     Unit *unit = c;
-    look_outside(unit), bearing_start(unit->b), unit->starting = 0;
+    report_outside(unit), bearing_start(unit->b), unit->starting = 0;
     return OK;
 }
 EXPORT Status fmi2Terminate(Component c) { (void)c; return OK; }
@@ -129,7 +129,7 @@ EXPORT Status fmi2GetReal(Component c, const Ref r[], size_t n, Real v[]) {
     Unit *unit = c;
     if (unit->starting) bearing_start(unit->b);
     for (size_t i = 0; i < n; i++) {
-        if (r[i] >= B_VALUES) return refused(unit, "no such variable");
+        if (r[i] >= B_VALUES) return log_error(unit, "no such variable");
         v[i] = bearing_values(unit->b)[r[i]];
     }
     return OK;
@@ -138,8 +138,8 @@ EXPORT Status fmi2SetReal(Component c, const Ref r[], size_t n, const Real v[]) 
     Unit *unit = c;
     for (size_t i = 0; i < n; i++) {
         if (!(r[i] >= B_RADIAL_LOAD && r[i] <= B_TEMPERATURE) && r[i] != B_FIRST_CAGE_SLIP)
-            return refused(unit, "this variable cannot be set");
-        if (!isfinite(v[i])) return refused(unit, "an input is no finite number");
+            return log_error(unit, "this variable cannot be set");
+        if (!isfinite(v[i])) return log_error(unit, "an input is no finite number");
     }
     for (size_t i = 0; i < n; i++) bearing_values(unit->b)[r[i]] = v[i];
     return OK;
@@ -147,11 +147,11 @@ EXPORT Status fmi2SetReal(Component c, const Ref r[], size_t n, const Real v[]) 
 #define NONE(kind, type) \
     EXPORT Status fmi2Get##kind(Component c, const Ref r[], size_t n, type v[]) { \
         (void)r, (void)v; \
-        return n ? refused(c, "all variables are real") : OK; \
+        return n ? log_error(c, "all variables are real") : OK; \
     } \
     EXPORT Status fmi2Set##kind(Component c, const Ref r[], size_t n, const type v[]) { \
         (void)r, (void)v; \
-        return n ? refused(c, "all variables are real") : OK; \
+        return n ? log_error(c, "all variables are real") : OK; \
     }
 NONE(Integer, Integer) NONE(Boolean, Boolean) NONE(String, String)
 static void put(const Unit *unit, char *to) {
@@ -162,7 +162,7 @@ static void put(const Unit *unit, char *to) {
 static Status take(Unit *unit, const char *from) {
     Head head;
     memcpy(&head, from, sizeof head);
-    if (strncmp(head.guid, bearing_guid(), GUIDS)) return refused(unit, "this is a state of another unit");
+    if (strncmp(head.guid, bearing_guid(), GUIDS)) return log_error(unit, "this is a state of another unit");
     unit->starting = head.starting, unit->outside = head.outside, memcpy(unit->b, from + sizeof head, bearing_size());
     return OK;
 }
@@ -180,35 +180,35 @@ EXPORT Status fmi2FreeFMUstate(Component c, State *s) {
 }
 EXPORT Status fmi2SerializedFMUstateSize(Component c, State s, size_t *n) { (void)c, (void)s; *n = state_size(); return OK; }
 EXPORT Status fmi2SerializeFMUstate(Component c, State s, Byte to[], size_t n) {
-    if (n < state_size()) return refused(c, "there is too little room for the state");
+    if (n < state_size()) return log_error(c, "there is too little room for the state");
     memcpy(to, s, state_size());
     return OK;
 }
 EXPORT Status fmi2DeSerializeFMUstate(Component c, const Byte from[], size_t n, State *s) {
     Unit *unit = c;
-    if (n != state_size()) return refused(unit, "this is no state of this unit");
+    if (n != state_size()) return log_error(unit, "this is no state of this unit");
     if (!*s && !(*s = call_allocate(unit->call)(1, n))) return ERROR;
     memcpy(*s, from, n);
     return OK;
 }
 EXPORT Status fmi2GetDirectionalDerivative(Component c, const Ref z[], size_t nz, const Ref v[], size_t nv, const Real dv[], Real dz[]) {
     (void)z, (void)nz, (void)v, (void)nv, (void)dv, (void)dz;
-    return refused(c, "this unit has no directional derivatives");
+    return log_error(c, "this unit has no directional derivatives");
 }
 EXPORT Status fmi2SetRealInputDerivatives(Component c, const Ref r[], size_t n, const Integer o[], const Real v[]) {
     (void)r, (void)n, (void)o, (void)v;
-    return refused(c, "inputs are held during a step");
+    return log_error(c, "inputs are held during a step");
 }
 EXPORT Status fmi2GetRealOutputDerivatives(Component c, const Ref r[], size_t n, const Integer o[], Real v[]) {
     (void)r, (void)n, (void)o, (void)v;
-    return refused(c, "this unit has no derivatives of its outputs");
+    return log_error(c, "this unit has no derivatives of its outputs");
 }
 EXPORT Status fmi2DoStep(Component c, Real at, Real span, Boolean no_way_back) {
     Unit *unit = c;
     (void)no_way_back;
-    look_outside(unit);
-    if (span > 0.0 && !bearing_step(unit->b, span)) return refused(unit, "no step of time is short enough");
-    bearing_values(unit->b)[B_TIME] = at + span, bearing_tell(unit->b);
+    report_outside(unit);
+    if (span > 0.0 && !bearing_step(unit->b, span)) return log_error(unit, "no step of time is short enough");
+    bearing_values(unit->b)[B_TIME] = at + span, bearing_output(unit->b);
     return OK;
 }
 EXPORT Status fmi2CancelStep(Component c) { (void)c; return ERROR; }

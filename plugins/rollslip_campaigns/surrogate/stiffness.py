@@ -1,10 +1,12 @@
-"""Stiffness of a bearing against small displacements of its inner ring, from the Jacobian of its equilibrium.
+"""Stiffness of a bearing against small displacements of its inner ring: the Jacobian of its static equilibrium.
 
-- A roller between rigid rings is two springs in series: force and moment of a contact change by K_i or K_o times its
-  approach and tilt (dr, dphi), sums over slices of w dQ/dr (1, x, x^2). The roller itself moves by (K_i + K_o)^-1 K_i
-  e, where the ring moves by e = (1, 0), and what is left to the ring is k = e K_i (e - (K_i + K_o)^-1 K_i e).
-- The ring has K = sum of k (cos^2, cos sin; cos sin, sin^2) over its loaded rollers, along the load and across it, mean
-  over the instants of a roller pitch. Centrifugal forces are held: they go with the cage's speed alone.
+- A roller between rigid rings is two springs in series. Force and moment of a contact change by K_i or K_o times its
+  approach and tilt (dr, dphi), where K is a sum over slices of w dQ/dr (1, x; x, x^2). If the ring moves by
+  e = (1, 0), the roller moves by (K_i + K_o)^-1 K_i e, and the stiffness of the pair is
+  k = e K_i (e - (K_i + K_o)^-1 K_i e).
+- The ring has K = sum of k (cos^2, cos sin; cos sin, sin^2) over its loaded rollers, along the load and across it,
+  averaged over the roller positions within one pitch. Centrifugal forces are constant, because they depend on the speed
+  of the cage only.
 """
 
 import numpy as np
@@ -14,52 +16,67 @@ from rollslip.bearing.raceway import RINGS, Array
 
 __all__ = ["N_POSITIONS", "stiffness"]
 
-#: Instants of a roller pitch.
+#: Roller positions within one pitch. Stiffness varies over a pitch, because rollers enter and leave the load zone;
+#: doubling it doubles the time. Chosen; test_surrogate_stiffness compares the mean with differences of small forces.
 N_POSITIONS = 8
 
 
 def stiffness(
     assembly: Assembly, cage_speed: float | None = None, n_positions: int = N_POSITIONS
 ) -> Array:
-    """Return the stiffness [N/m], (2, 2), along and across the load of the scene; NaN where rings yield.
+    """Return the stiffness of the inner ring [N/m], (2, 2): along the load of the scene and across it.
 
-    The cage's speed [rad/s] is by default the epicyclic one.
+    Parameters
+    ----------
+    assembly : Assembly
+        Bearing, at its operation.
+    cage_speed : float, optional
+        Speed of the cage [rad/s], on which centrifugal forces depend; by default the epicyclic one.
+    n_positions : int
+        Roller positions within one pitch over which the stiffness is averaged.
+
+    Returns
+    -------
+    array
+        Stiffness; NaN where rings are flexible.
     """
     case = assembly.load_case(n_positions)
     if case.rings is not None:
         return np.full((2, 2), np.nan)
-    found = assembly.load_distribution(n_positions, cage_speed)
-    x = found.position
-    psi = found.psi[..., None]
-    ring = found.displacement[:, None, None]
-    tilt = found.roller_tilt[..., None] * x
-    outer = found.roller_shift[..., None] + tilt - assembly.drop
+    loads = assembly.load_distribution(n_positions, cage_speed)
+    x = loads.position
+    psi = loads.psi[..., None]
+    ring = loads.displacement[:, None, None]
+    tilt = loads.roller_tilt[..., None] * x
+    outer = loads.roller_shift[..., None] + tilt - assembly.drop
     inner = ring[..., 0] * np.cos(psi) + ring[..., 1] * np.sin(psi) - 0.5 * case.radial_clearance
     inner = inner + case.misalignment * x * np.cos(psi) - outer - 2.0 * assembly.drop
     springs = []
     for name, approach, load in zip(
-        RINGS, (inner, outer), (found.inner_load, found.outer_load), strict=True
+        RINGS, (inner, outer), (loads.inner_load, loads.outer_load), strict=True
     ):
-        each = np.where(load > 0.0, assembly.deflect(approach, name)[1], 0.0) * assembly.widths
+        spring = np.where(load > 0.0, assembly.deflect(approach, name)[1], 0.0) * assembly.widths
         springs.append(
             np.moveaxis(
-                np.array([[each.sum(-1), each @ x], [each @ x, each @ x**2]]), (0, 1), (-2, -1)
+                np.array([[spring.sum(-1), spring @ x], [spring @ x, spring @ x**2]]),
+                (0, 1),
+                (-2, -1),
             )
         )
-    pressed = found.inner_force > 0.0
-    Ki, Ko = (of[pressed] for of in springs)
-    follows = np.linalg.solve(_held(Ki + Ko), Ki[..., :1])
-    k = np.zeros(found.inner_force.shape)
-    k[pressed] = Ki[:, 0, 0] - (Ki[:, :1] @ follows)[:, 0, 0]
-    c = np.cos(found.psi)
-    s = np.sin(found.psi)
+    pressed = loads.inner_force > 0.0
+    Ki, Ko = (matrix[pressed] for matrix in springs)
+    motion = np.linalg.solve(_with_tilt_stiffness(Ki + Ko), Ki[..., :1])
+    k = np.zeros(loads.inner_force.shape)
+    k[pressed] = Ki[:, 0, 0] - (Ki[:, :1] @ motion)[:, 0, 0]
+    c = np.cos(loads.psi)
+    s = np.sin(loads.psi)
     return np.asarray(
         np.array([[k * c * c, k * c * s], [k * c * s, k * s * s]]).sum(axis=-1).mean(axis=-1)
     )
 
 
-def _held(K: Array) -> Array:
-    """Return springs of which one slice alone, that tells of no tilt, does not leave it free."""
-    turned = np.zeros((2, 2))
-    turned[1, 1] = 1.0
-    return np.asarray(K + turned * (K[:, 1, 1] == 0.0)[:, None, None] * K[:, :1, :1])
+def _with_tilt_stiffness(K: Array) -> Array:
+    """Return matrices with a stiffness against tilt where one slice alone at the centre has none, (n, 2, 2)."""
+    tilt = np.zeros((2, 2))
+    tilt[1, 1] = 1.0
+    return np.asarray(K + tilt * (K[:, 1, 1] == 0.0)[:, None, None] * K[:, :1, :1])

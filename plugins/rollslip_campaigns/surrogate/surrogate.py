@@ -1,14 +1,24 @@
-"""Makes the tables of a surrogate: points of a sweep over temperature and load, refined until random ones are right.
+"""Tabulate a bearing over temperature, load and speeds until random operations are within a tolerance.
 
-- A point is study raceway-friction at one temperature and load. It costs some hundredths of a second and has more nodes
-  over speeds and slide-roll ratios than are kept: how many are needed is seen against those that are left out.
-- Temperature and load are rows of many even nodes, of which few are computed at first and then every second one
-  between, along the one that errs more, held against nodes half-way. All of it is in the journal of one sweep, so that
-  the same command goes on.
-- At last random temperatures and loads are computed, of all speeds and ratios each. If one is off by more than asked
-  for, nodes are added until all are right. The error of the file is the largest of these.
-- How much oil the bearing gets, of which starvation and churning follow, goes with the speeds of its rings: tables over
-  rolling speed have that of rings between which it rolls so without slip.
+Tables are interpolated by tensor products of cubic Lagrange polynomials over uniform nodes (module tables). The nodes
+are refined axis by axis, and the error is measured at independent random operations:
+
+1. A point is study raceway-friction at one temperature and load. It costs some hundredths of a second and has more
+   nodes over speeds and slide-roll ratios than a table needs.
+2. Compute the random operations: temperatures and loads of a Latin hypercube, with all speeds and slide-roll ratios.
+3. Start with four nodes of temperature and four of load. Interpolate half-way between nodes of one axis, at both ends
+   and in the middle of the other axis, and compute points there.
+4. If the difference exceeds a fraction of the tolerance, halve the distance of the nodes of this axis; repeat.
+5. Choose the coarsest nodes within a point (cage ratio, rolling speed, slide-roll ratio) whose interpolation on all
+   nodes leaves less than the same fraction; refine rolling speeds also for the drags of the cage.
+6. Interpolate the resulting tables at the random operations. If the largest error exceeds the tolerance, halve the
+   fraction and go on at step 3; after four attempts fail.
+7. The error of the file is the largest error at the random operations.
+8. Add the steady states over temperature, load and shaft speed, and the stiffness at each.
+
+All points are in the journals of two sweeps, so that the same command continues after an interruption. The supply of
+oil, which starvation and churning depend on, depends on the speeds of the rings: at a rolling speed the tables have the
+supply of rings between which a roller rolls at this speed without slip.
 """
 
 import json
@@ -24,7 +34,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.dataset import about, save
-from rollslip.scene.changes import evolve, unknown
+from rollslip.scene.changes import Quantity, evolve, unknown
 from rollslip.search import Array
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
@@ -52,64 +62,156 @@ if TYPE_CHECKING:
     from rollslip.scene.values import Scene
     from rollslip_campaigns.surrogate import SurrogateSettings
 
-__all__ = ["RESULT", "Surrogate", "plan_surrogate", "run_surrogate"]
+__all__ = ["RESULT", "SurrogatePlan", "plan_surrogate", "run_surrogate"]
 
+#: File of the result in the folder of a surrogate.
 RESULT: Final = "surrogate.nc"
-#: Nodes of the rows of temperature and load, and strides from the first one on.
-_ROW = 49
-_STRIDES = (16, 8, 4, 2, 1)
-#: Strides of the nodes of a point: cage ratio, rolling speed, slide-roll ratio, coarse to fine.
-_WITHIN: Final = ((4, 2), (8, 4, 2), (4, 2))
-#: Share of the error for one axis at first, and by how much less it is where random operations are off.
-_FRACTION = 0.8
-_TIGHTER = 0.5
-_TIMES = 4
-#: Ranges where none are named: factors of a load and of a speed, and kelvins about a temperature.
-_LOADS = (0.4, 2.5)
-_SPEEDS = (0.15, 1.2)
-_KELVINS = 20.0
-#: Rolling speeds over those of the rings at the epicyclic speed: a cage at rest has about twice that.
-_SLOWER = 0.7
-_FASTER = 1.6
-_SLOWEST = 0.01
-#: Speeds of a ring at which ratios are looked at, and bounds of these: without a cage speed no roller is pressed.
-_LOOKED_AT = 9
-_MIN_RATIO = 0.05
-_MAX_RATIO = 50.0
-#: Cage speeds and shaft speeds of the tables over them.
-_CAGE = 65
-_SHAFT = 9
-#: Error of drags that tell of another dependence than that on leads and squares, and what rounding leaves of one.
-_NO_SUM: Final = 0.1
-_NOTHING: Final = 1e-10
+
+
+@attrs.frozen
+class _Refinement:
+    """Nodes of a surrogate, and how they are refined.
+
+    Attributes
+    ----------
+    row_nodes : int
+        Nodes of the finest rows of temperature and load, uniform in temperature and in the logarithm of load; three
+        intervals of 16 and one. Doubling the intervals allows smaller tolerances and changes no coarser table.
+    row_strides : tuple of int
+        Distances of the nodes in these rows, coarse to fine. Each is half the previous one, so that points are reused;
+        the first leaves four nodes, which a cubic needs.
+    point_strides : tuple of tuple of int
+        The same for the nodes of a point: cage ratio, rolling speed, slide-roll ratio. Each number of intervals of
+        raceway-friction (8, 48, 64) is a multiple of the largest stride. A larger stride makes smaller files.
+    fraction : float
+        Fraction of the tolerance that one axis may use at first. A smaller one computes more points at once, a larger
+        one fails at the random operations more often. Chosen: several axes seldom err most at the same operation.
+    tightening : float
+        Factor of the fraction after an attempt that fails at the random operations. Chosen; a smaller factor ends
+        earlier, with finer tables than needed.
+    max_attempts : int
+        Attempts before the tolerance counts as unattainable: fractions from 0.8 to 0.1 with the values above.
+        Doubling it asks an axis for less than 1 % of the tolerance.
+    """
+
+    row_nodes: int = 49
+    row_strides: tuple[int, ...] = (16, 8, 4, 2, 1)
+    point_strides: tuple[tuple[int, ...], ...] = ((4, 2), (8, 4, 2), (4, 2))
+    fraction: float = 0.8
+    tightening: float = 0.5
+    max_attempts: int = 4
+
+
+_REFINEMENT: Final = _Refinement()
+
+
+@attrs.frozen
+class _DefaultRanges:
+    """Ranges about the operation of the scene where none are named; chosen, and doubled widths need more nodes.
+
+    Attributes
+    ----------
+    load_factors : tuple of float
+        Smallest and largest load over that of the scene.
+    speed_factors : tuple of float
+        Smallest and largest speed of a ring over that of the scene: a run-up without its first part.
+    temperature_change : float
+        Kelvins below and above the temperature of the scene.
+    """
+
+    load_factors: tuple[float, float] = (0.4, 2.5)
+    speed_factors: tuple[float, float] = (0.15, 1.2)
+    temperature_change: float = 20.0
+
+
+_DEFAULT_RANGES: Final = _DefaultRanges()
+
+
+@attrs.frozen
+class _SpeedBounds:
+    """Bounds of rolling speed and of the ratio of cage and rolling speed that tables cover.
+
+    Attributes
+    ----------
+    lower_factor : float
+        Smallest rolling speed over the smallest one at the epicyclic cage speed: slip changes the rolling speed by a
+        few per cent only, except beside a cage at rest.
+    upper_factor : float
+        Largest rolling speed over the largest epicyclic one. A cage at rest has about twice the epicyclic one; chosen
+        below it, because beyond the tables the last value is used.
+    min_fraction : float
+        Smallest rolling speed over the largest one, also where rings reverse. Halving it stretches the logarithmic axis
+        by 15 %, so that more nodes are needed.
+    ring_speeds : int
+        Speeds of each ring at which rolling speed and ratio are evaluated; both are extreme at the ends of ranges
+        except where rings reverse. Doubling it changes nothing for rings that do not reverse.
+    min_ratio : float
+        Smallest ratio over the largest one: without cage speed no centrifugal force acts, so that smaller ratios
+        hardly change the contact forces.
+    max_ratio : float
+        Largest ratio; it is unbounded where both rings turn alike and nothing rolls.
+    """
+
+    lower_factor: float = 0.7
+    upper_factor: float = 1.6
+    min_fraction: float = 0.01
+    ring_speeds: int = 9
+    min_ratio: float = 0.05
+    max_ratio: float = 50.0
+
+
+_SPEED_BOUNDS: Final = _SpeedBounds()
+#: Nodes over cage speed of the remainder of the drags, uniform in asinh(speed/CAGE_SMALL). Doubling it halves their
+#: distance and the error of drags that change abruptly, such as a constant torque at rest; one row a temperature.
+_CAGE_NODES = 65
+#: Shaft speeds at which steady states and stiffness are tabulated. Doubling it doubles their time and rows in a CSV
+#: file, and changes no motion; chosen.
+_SHAFT_NODES = 9
+#: Random speeds of cage and rings, for each temperature, at which the drags of the tables are compared with the models.
+#: Doubling it finds errors of a smaller part of the speeds; one costs an assembly of the bearing.
+_DRAG_CHECKS = 20
+#: Relative error of drags above which they are not a sum of terms in ring leads and the square of the cage speed, but
+#: depend on speeds otherwise, so that no finer table helps. Halving it would blame the form where nodes are too coarse.
+_MAX_FORM_ERROR: Final = 0.1
+#: Fraction of the drags below which a term is rounding error and is set to zero: differences of double precision leave
+#: about 1e-14. Doubling it changes nothing.
+_DRAG_ROUNDING: Final = 1e-10
+#: Quantities of an operation that tables range over.
 _KEYS: Final = (
     "operation.temperature",
     "operation.radial_load",
     "operation.inner_speed",
     "operation.outer_speed",
 )
+#: SI units of these quantities.
+_UNITS: Final = ("K", "N", "rad/s", "rad/s")
 _OUTPUTS: Final = tuple(RacewayFriction.outputs)
-#: Table -> how many of cage ratio, rolling speed and slide-roll ratio it is over.
-_LAST: Final = {"mean_friction": 3, "largest_friction": 2, "ring_resistance": 2, "ring_force": 2}
-_TABLES: Final = tuple(_LAST)
+#: Number of trailing axes of each table, of (cage ratio, rolling speed, slide-roll ratio).
+_TABLE_AXES: Final = {
+    "mean_friction": 3,
+    "largest_friction": 2,
+    "ring_resistance": 2,
+    "ring_force": 2,
+}
+_TABLES: Final = tuple(_TABLE_AXES)
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class Surrogate:
-    """What is tabulated.
+class SurrogatePlan:
+    """Operations that a surrogate tabulates and checks.
 
     Attributes
     ----------
     scene : Scene
         The scene without tables of campaigns.
     sweep : Sweep
-        All temperatures and loads that may be computed.
+        All temperatures and loads that may be computed: the finest rows.
     random : Sweep
-        Random ones.
+        Random temperatures and loads, for the measured error.
     ranges : mapping
-        Ends of every quantity, in SI units.
+        Lower and upper bound of each of the four quantities, in SI units.
     error : float
-        What the tables may leave.
+        Largest relative error that is allowed.
     """
 
     scene: "Scene"
@@ -120,13 +222,13 @@ class Surrogate:
 
     @property
     def unusual(self) -> tuple[str, ...]:
-        """What is unusual of the values."""
+        """Warnings about unusual values of the scene."""
         return self.sweep.unusual
 
     @property
     def told(self) -> list[str]:
-        """What is tabulated, in words."""
-        units = dict(zip(_KEYS, ("K", "N", "rad/s", "rad/s"), strict=True))
+        """Lines that describe the ranges and the allowed error."""
+        units = dict(zip(_KEYS, _UNITS, strict=True))
         spans = (
             f"  {key}: "
             + " to ".join(dict.fromkeys(format_quantity(end, units[key], 4) for end in ends))
@@ -140,24 +242,25 @@ class Surrogate:
 
     @property
     def axes(self) -> dict[str, Axis]:
-        """The rows of temperature and load."""
+        """The finest rows of temperature and load."""
         return _axes(self.ranges)
 
 
 def _axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
-    """Return the rows of temperature and load; one node where both ends are the same."""
-    found = {}
+    """Return the finest rows of temperature and load; a row has one node where both bounds are the same."""
+    axes = {}
     for key, name, logarithmic in zip(
         _KEYS, ("temperature", "radial_load"), (False, True), strict=False
     ):
         low, high = ranges[key]
-        row = (np.geomspace if logarithmic else np.linspace)(low, high, _ROW)
-        found[name] = Axis(row if high > low else row[:1], logarithmic)
-    return found
+        space = np.geomspace if logarithmic else np.linspace
+        row = space(low, high, _REFINEMENT.row_nodes)
+        axes[name] = Axis(row if high > low else row[:1], logarithmic)
+    return axes
 
 
-def plan_surrogate(requested: "SurrogateSettings") -> Surrogate:
-    """Check the ranges and lay out the points."""
+def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
+    """Check the ranges, the error and the drags of the cage, and lay out the points."""
     base = attrs.evolve(requested.given, sweep=None, uncertainty=None)
     assembly = assemble(base)
     if (pocket := assembly.cage.drags.pocket_friction) is not None:
@@ -173,26 +276,22 @@ def plan_surrogate(requested: "SurrogateSettings") -> Surrogate:
                 f"error: a share from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {requested.error}"
             ]
         )
-    slow, fast, least, most = _speeds(assembly, ranges)
-    of_study = f"study.{RacewayFriction.name}"
-    told = {f"{of_study}.slowest": slow, f"{of_study}.fastest": fast, f"{of_study}.smallest_ratio": least,
-            f"{of_study}.largest_ratio": most}  # fmt: skip
-    scene = evolve(base, told)
-    rolling = np.geomspace(slow, fast, ROLLING)
-    off = _drags(scene, np.array(ranges[_KEYS[0]]), ranges, rolling)[2]
-    names = f"cage.drag: {', '.join(model.name for model in assembly.cage.drags.torques)}: "
-    if off > _NO_SUM:
-        raise SceneError(
-            [f"{names}what they do is no sum of what goes with the lead of a ring and what goes with the cage's speed, "
-             "so that it cannot be tabulated"]
-        )  # fmt: skip
-    if off > error:
-        raise SceneError(
-            [f"{names}between the most speeds of a table they are off by {100 * off:.2g} %; allow a larger error, or "
-             "narrow the ranges of speeds"]
-        )  # fmt: skip
-    how = {"study": RacewayFriction.name, "output": list(_OUTPUTS), "engine": requested.engine,
-           "time_limit": requested.time_limit}  # fmt: skip
+    slow, fast, min_ratio, max_ratio = _speed_bounds(assembly, ranges)
+    study = f"study.{RacewayFriction.name}"
+    bounds = {
+        f"{study}.slowest": slow,
+        f"{study}.fastest": fast,
+        f"{study}.smallest_ratio": min_ratio,
+        f"{study}.largest_ratio": max_ratio,
+    }
+    scene = evolve(base, bounds)
+    _check_drags(scene, assembly, ranges, np.geomspace(slow, fast, ROLLING), error)
+    options = {
+        "study": RacewayFriction.name,
+        "output": list(_OUTPUTS),
+        "engine": requested.engine,
+        "time_limit": requested.time_limit,
+    }
     rows = dict[str, object]()
     spans = dict[str, object]()
     for key, axis in zip(_KEYS, _axes(ranges).values(), strict=False):
@@ -200,511 +299,624 @@ def plan_surrogate(requested: "SurrogateSettings") -> Surrogate:
         if axis.nodes.size > 1:
             low, high = ranges[key]
             spans[key] = f"{low!r}:{high!r}{':log' if axis.logarithmic else ''}"
-    sweep = plan_sweep(scene, rows, **how)
+    sweep = plan_sweep(scene, rows, **options)
     requested_engine(sweep)
+    sampling = {"samples": requested.checks, "seed": 1, "sampling": "latin-hypercube"}
     random = plan_sweep(
-        scene, spans or {_KEYS[1]: rows[_KEYS[1]]},
-        **how | ({"samples": requested.checks, "seed": 1, "sampling": "latin-hypercube"} if spans else {}),
-    )  # fmt: skip
-    sweep, random = (attrs.evolve(one, given=requested.given) for one in (sweep, random))
-    return Surrogate(scene=base, sweep=sweep, random=random, ranges=ranges, error=error)
+        scene, spans or {_KEYS[1]: rows[_KEYS[1]]}, **options | (sampling if spans else {})
+    )
+    return SurrogatePlan(
+        scene=base,
+        sweep=attrs.evolve(sweep, given=requested.given),
+        random=attrs.evolve(random, given=requested.given),
+        ranges=ranges,
+        error=error,
+    )
+
+
+def _check_drags(
+    scene: "Scene",
+    assembly: Assembly,
+    ranges: Mapping[str, tuple[float, float]],
+    rolling: Array,
+    error: float,
+) -> None:
+    """Refuse drags of the cage that the finest tables do not reproduce within the allowed error."""
+    deviation = _tabulate_drags(scene, np.array(ranges[_KEYS[0]]), ranges, rolling)[2]
+    names = f"cage.drag: {', '.join(model.name for model in assembly.cage.drags.torques)}: "
+    if deviation > _MAX_FORM_ERROR:
+        raise SceneError(
+            [f"{names}what they do is no sum of what goes with the lead of a ring and what goes with the cage's speed, "
+             "so that it cannot be tabulated"]
+        )  # fmt: skip
+    if deviation > error:
+        raise SceneError(
+            [f"{names}between the most speeds of a table they are off by {100 * deviation:.2g} %; allow a larger "
+             "error, or narrow the ranges of speeds"]
+        )  # fmt: skip
 
 
 def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
-    """Return the ends of all four quantities."""
+    """Return the bounds of all four quantities: those requested, or the default ones about the scene."""
     known = quantities(assemble(scene), settings(scene, RacewayFriction.name))
-    o = scene.operation
-    found = {
-        _KEYS[0]: (o.temperature - _KELVINS, o.temperature + _KELVINS),
-        _KEYS[1]: (_LOADS[0] * o.radial_load, _LOADS[1] * o.radial_load),
-        **{
-            key: _around(value)
-            for key, value in zip(_KEYS[2:], (o.inner_speed, o.outer_speed), strict=True)
-        },
+    operation = scene.operation
+    change = _DEFAULT_RANGES.temperature_change
+    low_load, high_load = _DEFAULT_RANGES.load_factors
+    ranges = {
+        _KEYS[0]: (operation.temperature - change, operation.temperature + change),
+        _KEYS[1]: (low_load * operation.radial_load, high_load * operation.radial_load),
+        _KEYS[2]: _default_speeds(operation.inner_speed),
+        _KEYS[3]: _default_speeds(operation.outer_speed),
     }
     problems = list[str]()
     for key, text in read_overs(over or {}).items():
         name = next((full for full in _KEYS if key in (full, full.partition(".")[2])), None)
         if name is None:
-            there = f"there are: {', '.join(_KEYS)}"
-            problems.append(f"{key}: {there if key in known else unknown(key, known)}")
+            choices = f"there are: {', '.join(_KEYS)}"
+            problems.append(f"{key}: {choices if key in known else unknown(key, known)}")
             continue
-        text = (
-            text[0] if isinstance(text, list) and len(text) == 1 else text
-        )  # one value, where nothing varies
-        unit = str(known[name].unit)
-        parts = [part.strip() for part in str(text).split(":")]
+        # a list of one value is a quantity that does not vary
+        text = text[0] if isinstance(text, list) and len(text) == 1 else text
         try:
-            if len(parts) > 2:
-                raise ValueError(f"{text!r} is no range; write LOW:HIGH, with units")
-            check_typed(str(text), parts, unit)
-            ends = evenly(parts[0], parts[-1], 2, unit)
-            low = float(ends[0])
-            high = float(ends[-1])
-            if low > high or (name == _KEYS[1] and not low > 0.0):
-                raise ValueError(
-                    f"{text!r}: the first end must be {'above 0 and ' * (name == _KEYS[1])}below the second"
-                )
-            for end in (low, high):
-                known[name].read(end)
-            found[name] = low, high
+            ranges[name] = _read_range(name, text, known[name])
         except (UnitError, ValueError) as error:
             problems.append(f"{name}: {error}")
     if problems:
         raise SceneError(problems)
-    return found
+    return ranges
 
 
-def _around(speed: float) -> tuple[float, float]:
-    low, high = sorted(factor * speed for factor in _SPEEDS)
+def _read_range(name: str, text: object, quantity: Quantity) -> tuple[float, float]:
+    """Return the bounds in a text "LOW:HIGH" with units, or of one value; raise where a bound is not allowed."""
+    unit = str(quantity.unit)
+    parts = [part.strip() for part in str(text).split(":")]
+    if len(parts) > 2:
+        raise ValueError(f"{text!r} is no range; write LOW:HIGH, with units")
+    check_typed(str(text), parts, unit)
+    ends = evenly(parts[0], parts[-1], 2, unit)
+    low = float(ends[0])
+    high = float(ends[-1])
+    if low > high or (name == _KEYS[1] and not low > 0.0):
+        raise ValueError(
+            f"{text!r}: the first end must be {'above 0 and ' * (name == _KEYS[1])}below the second"
+        )
+    for end in (low, high):
+        quantity.read(end)
     return low, high
 
 
-def _speeds(
+def _default_speeds(speed: float) -> tuple[float, float]:
+    """Return the default bounds of a ring's speed, the lower one first also where it turns backwards."""
+    low, high = sorted(factor * speed for factor in _DEFAULT_RANGES.speed_factors)
+    return low, high
+
+
+def _speed_bounds(
     assembly: Assembly, ranges: Mapping[str, tuple[float, float]]
 ) -> tuple[float, float, float, float]:
-    """Return the ends of the rolling speeds [m/s], and those of R_o w/u without slip."""
+    """Return the smallest and largest rolling speed u [m/s] of tables, and those of the ratio R_o w/u."""
     Ri = assembly.kinematics.inner_radius
     Ro = assembly.kinematics.outer_radius
-    inner, outer = np.meshgrid(*(np.linspace(*ranges[key], _LOOKED_AT) for key in _KEYS[2:]))
+    bounds = _SPEED_BOUNDS
+    inner, outer = np.meshgrid(
+        *(np.linspace(*ranges[key], bounds.ring_speeds) for key in _KEYS[2:])
+    )
     u = Ri * Ro / (Ri + Ro) * (inner - outer)
     if not u.any():
         raise SceneError(
             ["operation.inner_speed: nothing rolls at any speed of the ranges; give other ones"]
         )
-    fast = _FASTER * float(np.abs(u).max())
-    slow = (
-        _SLOWEST * fast
-        if u.min() < 0.0 < u.max()
-        else max(_SLOWER * float(np.abs(u).min()), _SLOWEST * fast)
-    )
+    fast = bounds.upper_factor * float(np.abs(u).max())
+    slow = bounds.min_fraction * fast
+    if not u.min() < 0.0 < u.max():
+        slow = max(bounds.lower_factor * float(np.abs(u).min()), slow)
     if not outer.any():
         return slow, fast, 1.0, 1.0
     rho = np.abs(Ri * inner + Ro * outer)[u != 0.0] / (Ri + Ro) * Ro / np.abs(u[u != 0.0])
-    most = min(float(rho.max()), _MAX_RATIO)
-    least = max(float(rho.min()), _MIN_RATIO * most)
-    return slow, fast, least, most if most > least else 2.0 * least
+    upper = min(float(rho.max()), bounds.max_ratio)
+    lower = max(float(rho.min()), bounds.min_ratio * upper)
+    return slow, fast, lower, upper if upper > lower else 2.0 * lower
 
 
-# The points -----------------------------------------------------------------------------------------------------------
+# Points ---------------------------------------------------------------------------------------------------------------
 
 
 @attrs.define(eq=False)
 class _Nodes:
-    """What points have given, by number of temperature and load in their rows."""
+    """Results of computed points, by the number of the point in the sweep of all nodes."""
 
-    made: Surrogate
+    plan: SurrogatePlan
     points: Points
-    known: dict[int, dict[str, Array]] = attrs.field(factory=dict)
+    results: dict[int, dict[str, Array]] = attrs.field(factory=dict)
 
-    def at(self, temperatures: Sequence[int], loads: Sequence[int]) -> dict[str, Array]:
-        """Return tables at numbers of both rows: (temperature, load, ...)."""
+    def tables(self, temperatures: Sequence[int], loads: Sequence[int]) -> dict[str, Array]:
+        """Return the tables at indices of the finest rows of temperature and load: (temperature, load, ...)."""
         numbers = np.array([[self._number(t, w) for w in loads] for t in temperatures])
-        _computed(self.points, self.known, numbers.ravel().tolist())
+        _compute_points(self.points, self.results, numbers.ravel().tolist())
         return {
-            name: np.array([[self.known[int(n)][name] for n in row] for row in numbers])
+            name: np.array([[self.results[int(n)][name] for n in row] for row in numbers])
             for name in (*_TABLES, "cage_ratio", "rolling_speed", "slide_roll")
         }
 
     def _number(self, t: int, w: int) -> int:
-        return t * self.made.sweep.design.shape[1] + w
+        return t * self.plan.sweep.design.shape[1] + w
 
 
-def _computed(points: Points, known: dict[int, dict[str, Array]], numbers: Sequence[int]) -> None:
-    """Compute some points, those that failed once more, and add what they have given."""
-    requested = [number for number in numbers if number not in known]
+def _compute_points(
+    points: Points, results: dict[int, dict[str, Array]], numbers: Sequence[int]
+) -> None:
+    """Compute those points that have no result yet, and add their results; raise if any fails again."""
+    requested = [number for number in numbers if number not in results]
     if not requested:
         return
     points.compute(requested, again=FAILED)
     failed = dict[int, str]()
     for row in records(points.folder):
         if row.status == "ok":
-            if row.number not in known:
-                known[row.number] = values_of(row)
+            if row.number not in results:
+                results[row.number] = values_of(row)
             failed.pop(row.number, None)
-        elif row.number not in known:
+        elif row.number not in results:
             failed[row.number] = row.message
-    if lost := [number for number in requested if number not in known]:
+    if missing := [number for number in requested if number not in results]:
         raise ConvergenceError(
-            f"{len(lost)} of {len(requested)} operations failed, the first: "
-            f"{failed.get(lost[0], 'it was not computed')}; "
+            f"{len(missing)} of {len(requested)} operations failed, the first: "
+            f"{failed.get(missing[0], 'it was not computed')}; "
             "narrow the ranges"
         )
 
 
-# Between the nodes ----------------------------------------------------------------------------------------------------
+# Interpolation and refinement -----------------------------------------------------------------------------------------
 
 
-def _along(table: Array, axis: int, matrix: Array) -> Array:
+def _apply_along(table: Array, axis: int, matrix: Array) -> Array:
+    """Return the table multiplied by a matrix of interpolation weights (new nodes, nodes) along one axis."""
     return np.moveaxis(np.tensordot(matrix, table, axes=(1, axis)), 0, axis)
 
 
-def _errors(found: Mapping[str, Array], true: Mapping[str, Array]) -> Array:
-    """Largest error of each row of the first axis: of friction relative to the largest, of the others to themselves."""
-    worst = np.zeros(len(true["mean_friction"]))
+def _max_errors(tables: Mapping[str, Array], reference: Mapping[str, Array]) -> Array:
+    """Return the largest relative error in each row of the first axis.
+
+    Errors of friction are relative to the largest friction over the slide-roll ratio, those of other tables to
+    themselves.
+    """
+    worst = np.zeros(len(reference["mean_friction"]))
     for name in _TABLES:
-        size = np.abs(true[name])
+        size = np.abs(reference[name])
         if name == "mean_friction":
             size = size.max(axis=-1, keepdims=True)
-        off = np.abs(found[name] - true[name]) / np.where(size > 0.0, size, np.inf)
-        worst = np.maximum(worst, off.reshape(len(worst), -1).max(axis=1))
+        errors = np.abs(tables[name] - reference[name]) / np.where(size > 0.0, size, np.inf)
+        worst = np.maximum(worst, errors.reshape(len(worst), -1).max(axis=1))
     return worst
 
 
-def _thin(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Array]:
-    """Return every so many nodes of cage ratio, rolling speed and slide-roll ratio, the last axes of a table."""
-    every: list[Any] = [slice(None, None, stride) for stride in strides]
-    return {name: tables[name][(..., *every[:count])] for name, count in _LAST.items()}
+def _coarsen(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Array]:
+    """Return each n-th node of cage ratio, rolling speed and slide-roll ratio, the last axes of a table."""
+    slices: list[Any] = [slice(None, None, stride) for stride in strides]
+    return {name: tables[name][(..., *slices[:count])] for name, count in _TABLE_AXES.items()}
 
 
-def _thick(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Array]:
-    """Return thin tables on all nodes."""
-    found = {}
-    for name, count in _LAST.items():
+def _interpolate_all_nodes(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Array]:
+    """Return coarsened tables, interpolated on all nodes."""
+    fine = {}
+    for name, count in _TABLE_AXES.items():
         table = tables[name]
         for axis, stride in enumerate(strides[:count], start=table.ndim - count):
             if (nodes := table.shape[axis]) > 1:
-                table = _along(
-                    table, axis, weights(nodes, np.arange((nodes - 1) * stride + 1) / stride)
-                )
-        found[name] = table
-    return found
+                positions = np.arange((nodes - 1) * stride + 1) / stride
+                table = _apply_along(table, axis, weights(nodes, positions))
+        fine[name] = table
+    return fine
 
 
-def _strides_within(tables: Mapping[str, Array], allowed: float) -> list[int]:
-    """Return the coarsest strides within a point that leave so much of each axis alone."""
+def _choose_point_strides(tables: Mapping[str, Array], allowed: float) -> list[int]:
+    """Return the coarsest strides within a point, each with an error up to `allowed` if the other axes are fine."""
     flat = {name: tables[name].reshape(-1, *tables[name].shape[2:]) for name in _TABLES}
-    chosen = [options[-1] for options in _WITHIN]
-    for k, options in enumerate(_WITHIN):
+    chosen = [options[-1] for options in _REFINEMENT.point_strides]
+    for k, options in enumerate(_REFINEMENT.point_strides):
         for stride in options:
-            alone = [stride if j == k else 1 for j in range(len(_WITHIN))]
-            if _errors(_thick(_thin(flat, alone), alone), flat).max() <= allowed:
+            single = [stride if j == k else 1 for j in range(len(chosen))]
+            coarse = _coarsen(flat, single)
+            if _max_errors(_interpolate_all_nodes(coarse, single), flat).max() <= allowed:
                 chosen[k] = stride
                 break
     return chosen
 
 
 def run_surrogate(
-    made: Surrogate,
+    plan: SurrogatePlan,
     folder: Path,
     *,
-    said: Callable[[str], None] = lambda text: None,
+    print_line: Callable[[str], None] = lambda text: None,
     report: Callable[[Progress], None] = lambda progress: None,
 ) -> "xr.Dataset":
-    """Compute the tables, or what is left of them, in a folder, and write the result there."""
-    nodes = _Nodes(made, Points.of(made.sweep, folder / "nodes", said, report))
-    places = Points.of(made.random, folder / "random", said, report)
-    true = dict[int, dict[str, Array]]()
-    _computed(places, true, range(made.random.design.size))
-    random = {name: np.array([true[k][name] for k in sorted(true)]) for name in _TABLES}
-    axes = made.axes
-    at = _random_places(made)
-    level = [0, 0]
-    fraction = _FRACTION
-    for _ in range(_TIMES):
-        level = _refined(nodes, level, fraction * made.error)
-        rows = [_row(axis, k) for axis, k in zip(axes.values(), level, strict=True)]
-        whole = nodes.at(*rows)
-        strides = _strides_within(whole, fraction * made.error)
-        while strides[1] > 1 and _drags(
-            made.sweep.scene, np.array(made.ranges[_KEYS[0]]), made.ranges, whole["rolling_speed"][0, 0][:: strides[1]]
-        )[2] > fraction * made.error:  # fmt: skip
+    """Compute the tables, or the points that are missing, in a folder, and write the result there.
+
+    Parameters
+    ----------
+    plan : SurrogatePlan
+        Operations, ranges and allowed error.
+    folder : Path
+        Folder of the journals and of the result; points that it holds are not computed again.
+    print_line : callable
+        Is called with a line of text after each attempt.
+    report : callable
+        Is called with the progress of each sweep.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tables over temperature, radial load and speeds, with the measured errors. Steady states are NaN where the
+        rollers do not carry the drags.
+
+    Raises
+    ------
+    ConvergenceError
+        If a point fails, or the finest tables leave more than the allowed error.
+    """
+    nodes = _Nodes(plan, Points.of(plan.sweep, folder / "nodes", print_line, report))
+    random_points = Points.of(plan.random, folder / "random", print_line, report)
+    results = dict[int, dict[str, Array]]()
+    _compute_points(random_points, results, range(plan.random.design.size))
+    reference = {name: np.array([results[k][name] for k in sorted(results)]) for name in _TABLES}
+    axes = plan.axes
+    operations = _random_operations(plan)
+    levels = [0, 0]
+    fraction = _REFINEMENT.fraction
+    for _ in range(_REFINEMENT.max_attempts):
+        allowed = fraction * plan.error
+        levels = _refine_rows(nodes, levels, allowed)
+        rows = [_row(axis, level) for axis, level in zip(axes.values(), levels, strict=True)]
+        fine = nodes.tables(*rows)
+        strides = _choose_point_strides(fine, allowed)
+        rolling = fine["rolling_speed"][0, 0]
+        while strides[1] > 1 and _drag_error(plan, rolling[:: strides[1]]) > allowed:
             strides[1] //= 2
-        tables = _thin(whole, strides)
-        errors = _errors(_thick(_interpolated(tables, axes, rows, at), strides), random)
-        said(f"{len(rows[0])} temperatures and {len(rows[1])} loads: random operations are off by "
-             f"{100 * errors.max():.2g} % at most")  # fmt: skip
-        if errors.max() <= made.error:
+        tables = _coarsen(fine, strides)
+        interpolated = _interpolate_operations(tables, axes, rows, operations)
+        errors = _max_errors(_interpolate_all_nodes(interpolated, strides), reference)
+        print_line(f"{len(rows[0])} temperatures and {len(rows[1])} loads: random operations are off by "
+                   f"{100 * errors.max():.2g} % at most")  # fmt: skip
+        if errors.max() <= plan.error:
             break
-        fraction *= _TIGHTER
+        fraction *= _REFINEMENT.tightening
     else:
         raise ConvergenceError(
             f"the most nodes leave {100 * errors.max():.2g} % at random operations, more than the "
-            f"{100 * made.error:.3g} % asked for; allow a larger --error, or narrow the ranges"
+            f"{100 * plan.error:.3g} % asked for; allow a larger --error, or narrow the ranges"
         )
-    dataset = _dataset(made, axes, rows, strides, {**whole, **tables}, at, errors)
+    dataset = _dataset(plan, axes, rows, strides, {**fine, **tables}, operations, errors)
     save(dataset, folder / RESULT)
     return dataset
 
 
+def _drag_error(plan: SurrogatePlan, rolling: Array) -> float:
+    """Return the relative error of the drags, tabulated over some rolling speeds [m/s]."""
+    temperatures = np.array(plan.ranges[_KEYS[0]])
+    return _tabulate_drags(plan.sweep.scene, temperatures, plan.ranges, rolling)[2]
+
+
 def _row(axis: Axis, level: int) -> list[int]:
-    return [0] if axis.nodes.size == 1 else list(range(0, _ROW, _STRIDES[level]))
+    """Return the indices of the nodes of temperature or load at a level of refinement."""
+    if axis.nodes.size == 1:
+        return [0]
+    return list(range(0, _REFINEMENT.row_nodes, _REFINEMENT.row_strides[level]))
 
 
-def _refined(nodes: _Nodes, level: Sequence[int], allowed: float) -> list[int]:
-    """Return how fine both rows have to be, each held against nodes half-way, at three places of the other."""
-    axes = [*nodes.made.axes.values()]
-    found = [*level]
+def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[int]:
+    """Return the levels of both rows at which interpolation half-way between nodes is within `allowed`.
+
+    Along the other row, the error is measured at both ends and in the middle.
+    """
+    axes = [*nodes.plan.axes.values()]
+    last = _REFINEMENT.row_nodes - 1
+    levels = [*levels]
     for k in (0, 1):
-        other = [0] if axes[1 - k].nodes.size == 1 else [0, _ROW // 2, _ROW - 1]
-        while axes[k].nodes.size > 1 and found[k] < len(_STRIDES) - 1:
-            row = _row(axes[k], found[k])
-            half = [(a + b) // 2 for a, b in pairwise(row)]
-            known, true = (
-                nodes.at(*((some, other) if k == 0 else (other, some))) for some in (row, half)
+        other = [0] if axes[1 - k].nodes.size == 1 else [0, last // 2, last]
+        while axes[k].nodes.size > 1 and levels[k] < len(_REFINEMENT.row_strides) - 1:
+            row = _row(axes[k], levels[k])
+            midpoints = [(a + b) // 2 for a, b in pairwise(row)]
+            coarse = nodes.tables(*((row, other) if k == 0 else (other, row)))
+            reference = nodes.tables(*((midpoints, other) if k == 0 else (other, midpoints)))
+            between = weights(len(row), np.arange(0.5, len(midpoints)))
+            errors = _max_errors(
+                {
+                    name: np.moveaxis(_apply_along(coarse[name], k, between), k, 0)
+                    for name in _TABLES
+                },
+                {name: np.moveaxis(reference[name], k, 0) for name in _TABLES},
             )
-            between = weights(len(row), np.arange(0.5, len(half)))
-            guessed = {name: _along(known[name], k, between) for name in _TABLES}
-            if (
-                _errors(
-                    *({n: np.moveaxis(of[n], k, 0) for n in _TABLES} for of in (guessed, true))
-                ).max()
-                <= allowed
-            ):
+            if errors.max() <= allowed:
                 break
-            found[k] += 1
-    return found
+            levels[k] += 1
+    return levels
 
 
-def _random_places(made: Surrogate) -> dict[str, Array]:
-    """Return temperatures and loads of the random operations."""
+def _random_operations(plan: SurrogatePlan) -> dict[str, Array]:
+    """Return temperatures [K] and loads [N] of the random operations, (operations,) each."""
     changes: list[Mapping[str, Any]] = [
-        made.random.design.changes(k) for k in range(made.random.design.size)
+        plan.random.design.changes(k) for k in range(plan.random.design.size)
     ]
     return {
         key.partition(".")[2]: np.array(
-            [float(one.get(key, made.ranges[key][0])) for one in changes]
+            [float(change.get(key, plan.ranges[key][0])) for change in changes]
         )
         for key in _KEYS[:2]
     }
 
 
-def _interpolated(
+def _interpolate_operations(
     tables: Mapping[str, Array],
     axes: Mapping[str, Axis],
     rows: Sequence[Sequence[int]],
-    at: Mapping[str, Array],
+    operations: Mapping[str, Array],
 ) -> dict[str, Array]:
-    """Return tables (temperature, load, ...) at places, (place, ...)."""
-    t, w = (Axis(axes[name].nodes[row], axes[name].logarithmic).weights(at[name])
+    """Return tables (temperature, load, ...) interpolated at operations, (operation, ...)."""
+    t, w = (Axis(axes[name].nodes[row], axes[name].logarithmic).weights(operations[name])
             for name, row in zip(axes, rows, strict=True))  # fmt: skip
     return {
         name: np.einsum("pt,pw,tw...->p...", t, w, tables[name], optimize=True) for name in _TABLES
     }
 
 
-# What it comes to -----------------------------------------------------------------------------------------------------
+# Drags of the cage ----------------------------------------------------------------------------------------------------
 
 
-def _drags(
+@attrs.frozen(eq=False)
+class _DragTerms:
+    """Terms of the drags on a cage, by finite differences at speeds up to `speed` [rad/s]."""
+
+    drags: Any
+    speed: float
+
+    def lead_coefficient(self, ring: int) -> float:
+        """Return the torque over the lead of a ring before the cage [N m s]: 1 is the inner ring, 2 the outer one."""
+        speeds = [0.5 * self.speed] * 3
+        before = self.drags.torque(*speeds)
+        speeds[ring] += self.speed
+        return float((self.drags.torque(*speeds) - before) / self.speed)
+
+    def remainder(self, w: float, leads: float) -> float:
+        """Return the torque [N m] at a cage speed w beside rings at rest without the part over the leads of rings."""
+        return float(self.drags.torque(w, 0.0, 0.0)) + leads * w
+
+    def square_coefficient(self, leads: float) -> float:
+        """Return the coefficient of the cage speed squared [N m s2], by a second difference."""
+        w = self.speed
+        difference = (
+            self.remainder(w, leads)
+            - 2.0 * self.remainder(0.75 * w, leads)
+            + self.remainder(0.5 * w, leads)
+        )
+        return -8.0 * difference / w**2
+
+
+def _tabulate_drags(
     scene: "Scene", temperatures: Array, ranges: Mapping[str, tuple[float, float]], rolling: Array
 ) -> tuple[dict[str, Array], float, float]:
-    """Return what the drags of the cage do, the cage speed up to which what is left goes, and the largest error.
+    """Return tables of the drags of the cage, their largest cage speed [rad/s], and their largest relative error.
 
-    Over temperature, what goes with the cage's square over rolling speeds too, what is left over cage speeds. The error
-    is that of cages between the speeds of their rings, relative to all drags there, or at the largest speeds.
+    The torque is a sum of coefficients times the leads of the inner and outer ring, a coefficient times the square of
+    the cage speed, which also depends on the rolling speed, and a remainder over the cage speed; all over temperature.
+    The error is that at random cage speeds between those of the rings, relative to all drags there or at the largest
+    speeds.
     """
     rng = np.random.default_rng(1)
-    most = max(abs(speed) for key in _KEYS[2:] for speed in ranges[key])
-    step = math.asinh(most / CAGE_SMALL) / (_CAGE - 1)
-    cages = CAGE_SMALL * np.sinh(step * np.arange(_CAGE))
-    found: dict[str, list[Any]] = {name: [] for name in ("inner", "outer", "cage", "rest")}
+    top = max(abs(speed) for key in _KEYS[2:] for speed in ranges[key])
+    step = math.asinh(top / CAGE_SMALL) / (_CAGE_NODES - 1)
+    cages = CAGE_SMALL * np.sinh(step * np.arange(_CAGE_NODES))
+    tables: dict[str, list[Any]] = {name: [] for name in ("inner", "outer", "cage", "rest")}
     axis = Axis(rolling, True)
     worst = 0.0
     for temperature in temperatures.tolist():
         bearing = assemble(evolve(scene, {_KEYS[0]: temperature}))
-        drags = bearing.cage.drags
+        terms = _DragTerms(bearing.cage.drags, top)
         k = bearing.kinematics
-
-        def lead(of: int, drags: Any = drags) -> float:
-            speeds = [0.5 * most] * 3
-            before = drags.torque(*speeds)
-            speeds[of] += most
-            return float((drags.torque(*speeds) - before) / most)
-
-        inner = lead(1)
-        outer = lead(2)
-
-        def left(w: float, drags: Any = drags, leads: float = inner + outer) -> float:
-            return float(drags.torque(w, 0.0, 0.0)) + leads * w
-
-        def square(drags: Any, left: Callable[[float, Any], float] = left) -> float:
-            return (
-                -8.0
-                * (left(most, drags) - 2.0 * left(0.75 * most, drags) + left(0.5 * most, drags))
-                / most**2
-            )
-
-        size = abs(left(most)) + (abs(inner) + abs(outer)) * most
-        own = square(drags)
-        own = own if abs(own) * most**2 > _NOTHING * size else 0.0
+        inner = terms.lead_coefficient(1)
+        outer = terms.lead_coefficient(2)
+        leads = inner + outer
+        size = abs(terms.remainder(top, leads)) + (abs(inner) + abs(outer)) * top
+        square = terms.square_coefficient(leads)
+        square = square if abs(square) * top**2 > _DRAG_ROUNDING * size else 0.0
+        at_speeds = (at_rolling_speed(bearing, u).cage.drags for u in rolling.tolist())
         squares = np.array(
-            [square(at_rolling_speed(bearing, u).cage.drags) for u in rolling.tolist()]
+            [_DragTerms(drags, top).square_coefficient(leads) for drags in at_speeds]
         )
-        rest = np.array([left(w) + own * w * w for w in cages.tolist()])
-        rest[np.abs(rest) <= _NOTHING * size] = 0.0
+        rest = np.array([terms.remainder(w, leads) + square * w * w for w in cages.tolist()])
+        rest[np.abs(rest) <= _DRAG_ROUNDING * size] = 0.0
         for name, value in (("inner", inner), ("outer", outer), ("cage", squares), ("rest", rest)):
-            found[name].append(value)
-        for _ in range(20):
-            more = rng.uniform(-most, most)
+            tables[name].append(value)
+        for _ in range(_DRAG_CHECKS):
+            wo = rng.uniform(-top, top)
             u = float(np.exp(rng.uniform(*np.log(rolling[[0, -1]]))))
-            wi = more + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
-            wo = more
+            wi = wo + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
             w = float(rng.uniform(wo, wi))
-            true = at_rolling_speed(bearing, u).cage.drags.torque(w, wi, wo)
+            reference = at_rolling_speed(bearing, u).cage.drags.torque(w, wi, wo)
             x = math.asinh(abs(w) / CAGE_SMALL) / step
-            told = (
+            torque = (
                 inner * (wi - w)
                 + outer * (wo - w)
                 - float((axis.weights(u) @ squares)[0]) * abs(w) * w
             )
-            told += math.copysign(1.0, w) * float((weights(_CAGE, np.array([x])) @ rest)[0])
-            worst = max(worst, abs(told - true) / max(size, abs(true), 1e-300))
-    return {name: np.array(values) for name, values in found.items()}, float(cages[-1]), worst
+            torque += math.copysign(1.0, w) * float((weights(_CAGE_NODES, np.array([x])) @ rest)[0])
+            worst = max(worst, abs(torque - reference) / max(size, abs(reference), 1e-300))
+    return {name: np.array(values) for name, values in tables.items()}, float(cages[-1]), worst
+
+
+# The dataset ----------------------------------------------------------------------------------------------------------
 
 
 def _dataset(
-    made: Surrogate,
+    plan: SurrogatePlan,
     axes: Mapping[str, Axis],
     rows: Sequence[Sequence[int]],
     strides: Sequence[int],
     tables: Mapping[str, Array],
-    at: Mapping[str, Array],
+    operations: Mapping[str, Array],
     errors: Array,
 ) -> "xr.Dataset":
+    """Return the result: tables, numbers of the bearing, ranges, errors at random operations, and steady states."""
     import xarray as xr
 
-    scene = made.sweep.scene
-    assembly = assemble(scene)
-    k = assembly.kinematics
-    o = scene.operation
-    Z = scene.bearing.rollers
-    m = assembly.roller_mass
+    scene = plan.sweep.scene
     T, W = (axes[name].nodes[row] for name, row in zip(axes, rows, strict=True))
     nodes = {name: tables[name][0, 0][::stride] for name, stride in
              zip(("cage_ratio", "rolling_speed", "slide_roll"), strides, strict=True)}  # fmt: skip
-    drags, cage_top, _ = _drags(scene, T, made.ranges, nodes["rolling_speed"])
+    drags, max_cage_speed, _ = _tabulate_drags(scene, T, plan.ranges, nodes["rolling_speed"])
     dims = ("ring", "temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_roll")
     outputs = RacewayFriction.outputs
     variables: dict[str, Any] = {
-        name: (dims[: 3 + last], np.moveaxis(tables[name], 2, 0), about(outputs[name].unit, outputs[name].meaning))
-        for name, last in _LAST.items()
-    }  # fmt: skip
-    for name, unit, text in (
-        ("inner", "N m s", "torque of drags on the cage over the lead of the inner ring"),
-        ("outer", "N m s", "torque of drags on the cage over the lead of the outer ring"),
-        ("cage", "N m s2", "torque of drags against the cage over the square of its speed"),
-    ):
-        over = ("temperature", "rolling_speed")[: drags[name].ndim]
-        variables[f"drag_{name}"] = (over, drags[name], about(unit, text))
-    variables["drag_rest"] = (
-        ("temperature", "cage_speed"), drags["rest"], about("N m", "what is left of the drags, along the cage's speed")
-    )  # fmt: skip
-    for name, value, unit, text in (
-        ("inner_radius", k.inner_radius, "m", "radius of the inner raceway"),
-        ("outer_radius", k.outer_radius, "m", "radius of the outer raceway"),
-        ("roller_radius", k.roller_radius, "m", "radius of a roller"),
-        ("orbit_radius", k.orbit_radius, "m", "radius of the orbit"),
-        ("roller_mass", m, "kg", "mass of a roller"),
-        (
-            "orbital_inertia",
-            assembly.cage.inertia + Z * m * k.orbit_radius**2,
-            "kg m2",
-            "of cage and rollers",
-        ),
-        (
-            "spin_inertia",
-            Z * 0.5 * m * k.roller_radius**2,
-            "kg m2",
-            "of all rollers about themselves",
-        ),
-        ("first_load", o.radial_load, "N", "radial load of the scene"),
-        ("first_temperature", o.temperature, "K", "temperature of the scene"),
-        ("first_inner_speed", o.inner_speed, "rad/s", "speed of the inner ring of the scene"),
-        ("first_outer_speed", o.outer_speed, "rad/s", "speed of the outer ring of the scene"),
-    ):
-        variables[name] = ((), float(value), about(unit, text))
-    for key, unit in zip(_KEYS, ("K", "N", "rad/s", "rad/s"), strict=True):
+        name: (
+            dims[: 3 + count],
+            np.moveaxis(tables[name], 2, 0),
+            about(outputs[name].unit, outputs[name].meaning),
+        )
+        for name, count in _TABLE_AXES.items()
+    }
+    variables |= _drag_variables(drags)
+    variables |= _bearing_variables(scene)
+    for key, unit in zip(_KEYS, _UNITS, strict=True):
         name = key.partition(".")[2]
         variables[f"{name}_range"] = (
             "end",
-            np.array(made.ranges[key]),
+            np.array(plan.ranges[key]),
             about(unit, f"ends of {key}"),
         )
-    variables |= {
-        "operation_error": ("operation", errors, about("1", "largest error at a random operation")),
-        **{f"operation_{name}": ("operation", value, about(unit, f"{name.replace('_', ' ')} there"))
-           for (name, value), unit in zip(at.items(), ("K", "N"), strict=True)},
-    }  # fmt: skip
+    largest = about("1", "largest error at a random operation")
+    variables["operation_error"] = ("operation", errors, largest)
+    for (name, value), unit in zip(operations.items(), ("K", "N"), strict=True):
+        meaning = about(unit, f"{name.replace('_', ' ')} there")
+        variables[f"operation_{name}"] = ("operation", value, meaning)
     units = {"temperature": "K", "radial_load": "N", "cage_ratio": "1", "rolling_speed": "m/s",
              "slide_roll": "1", "cage_speed": "rad/s"}  # fmt: skip
-    step = math.asinh(cage_top / CAGE_SMALL) / (_CAGE - 1)
+    step = math.asinh(max_cage_speed / CAGE_SMALL) / (_CAGE_NODES - 1)
     values = {
         "temperature": T,
         "radial_load": W,
         **nodes,
-        "cage_speed": CAGE_SMALL * np.sinh(step * np.arange(_CAGE)),
+        "cage_speed": CAGE_SMALL * np.sinh(step * np.arange(_CAGE_NODES)),
     }
     coords: dict[str, Any] = {
         name: (name, value, about(units[name], name.replace("_", " ")))
         for name, value in values.items()
     }
     coords["ring"] = ("ring", ["inner", "outer"], about("1", "raceway"))
-    found = xr.Dataset(
+    origin = origin_of_points(attrs.evolve(plan.sweep, scene=plan.scene), [], [], study="surrogate")
+    result = xr.Dataset(
         variables,
         coords=coords,
-        attrs=origin_of_points(attrs.evolve(made.sweep, scene=made.scene), [], [], study="surrogate") | {
+        attrs=origin
+        | {
             "error": float(errors.max()),
             "median_error": float(np.median(errors)),
-            "error_requested": made.error,
+            "error_requested": plan.error,
             "sliding_small": SMALL,
-            "nodes": json.dumps([len(row) for row in rows] + [len(one) for one in nodes.values()]),
+            "nodes": json.dumps([len(row) for row in rows] + [len(row) for row in nodes.values()]),
         },
-    )  # fmt: skip
-    return _with_steady(found, made)
+    )
+    return _with_steady_states(result, plan)
 
 
-def _with_steady(found: "xr.Dataset", made: Surrogate) -> "xr.Dataset":
-    """Return tables with what a bearing that runs at constant speeds does, over temperature, load and shaft speed."""
-    low, high = made.ranges[_KEYS[2]]
-    speeds = np.linspace(low, high, _SHAFT) if high > low else np.array([low])
-    tables = Tables.of(found)
-    outer = made.sweep.scene.operation.outer_speed
-    T = found["temperature"].to_numpy()
-    W = found["radial_load"].to_numpy()
-    rows = np.array(
+def _drag_variables(drags: Mapping[str, Array]) -> dict[str, Any]:
+    """Return the variables of the drags on the cage: dimensions, values, and attributes."""
+    variables: dict[str, Any] = {}
+    for name, unit, text in (
+        ("inner", "N m s", "torque of drags on the cage over the lead of the inner ring"),
+        ("outer", "N m s", "torque of drags on the cage over the lead of the outer ring"),
+        ("cage", "N m s2", "torque of drags against the cage over the square of its speed"),
+    ):
+        dims = ("temperature", "rolling_speed")[: drags[name].ndim]
+        variables[f"drag_{name}"] = (dims, drags[name], about(unit, text))
+    remainder = about("N m", "what is left of the drags, along the cage's speed")
+    variables["drag_rest"] = (("temperature", "cage_speed"), drags["rest"], remainder)
+    return variables
+
+
+def _bearing_variables(scene: "Scene") -> dict[str, Any]:
+    """Return radii, masses and inertias of the bearing, and the operation of the scene, as scalar variables."""
+    assembly = assemble(scene)
+    k = assembly.kinematics
+    o = scene.operation
+    Z = scene.bearing.rollers
+    m = assembly.roller_mass
+    orbital = assembly.cage.inertia + Z * m * k.orbit_radius**2
+    spin = Z * 0.5 * m * k.roller_radius**2
+    rows = (
+        ("inner_radius", k.inner_radius, "m", "radius of the inner raceway"),
+        ("outer_radius", k.outer_radius, "m", "radius of the outer raceway"),
+        ("roller_radius", k.roller_radius, "m", "radius of a roller"),
+        ("orbit_radius", k.orbit_radius, "m", "radius of the orbit"),
+        ("roller_mass", m, "kg", "mass of a roller"),
+        ("orbital_inertia", orbital, "kg m2", "of cage and rollers"),
+        ("spin_inertia", spin, "kg m2", "of all rollers about themselves"),
+        ("first_load", o.radial_load, "N", "radial load of the scene"),
+        ("first_temperature", o.temperature, "K", "temperature of the scene"),
+        ("first_inner_speed", o.inner_speed, "rad/s", "speed of the inner ring of the scene"),
+        ("first_outer_speed", o.outer_speed, "rad/s", "speed of the outer ring of the scene"),
+    )
+    return {name: ((), float(value), about(unit, text)) for name, value, unit, text in rows}
+
+
+#: Name, unit and meaning of the variables of a steady state, in the order of the fields of `SteadyState`.
+_STEADY_VARIABLES: Final = (
+    ("steady_cage_slip", "1", "cage slip at which the drags are carried"),
+    ("friction_torque", "N m", "torque that drives the inner ring there"),
+    ("outer_torque", "N m", "torque that drives the outer ring there"),
+    ("power_loss", "W", "losses there"),
+    (
+        "drag_reserve",
+        "1",
+        "largest torque of the rollers on the cage over its drag, 1e6 at most; below 1 it skids",
+    ),
+)
+
+
+def _with_steady_states(result: "xr.Dataset", plan: SurrogatePlan) -> "xr.Dataset":
+    """Return the result with steady states and stiffness over temperature, load and shaft speed."""
+    low, high = plan.ranges[_KEYS[2]]
+    speeds = np.linspace(low, high, _SHAFT_NODES) if high > low else np.array([low])
+    tables = Tables.from_dataset(result)
+    outer = plan.sweep.scene.operation.outer_speed
+    T = result["temperature"].to_numpy()
+    W = result["radial_load"].to_numpy()
+    states = np.array(
         [
-            [np.stack(attrs.astuple(tables.at(t, w).steady(speeds, outer)), axis=-1) for w in W]
+            [
+                np.stack(
+                    attrs.astuple(tables.interpolate(t, w).steady_state(speeds, outer)), axis=-1
+                )
+                for w in W
+            ]
             for t in T
         ]
     )
     dims = ("temperature", "radial_load", "inner_speed")
-    told = (
-        ("steady_cage_slip", "1", "cage slip at which the drags are carried"),
-        ("friction_torque", "N m", "torque that drives the inner ring there"),
-        ("outer_torque", "N m", "torque that drives the outer ring there"),
-        ("power_loss", "W", "losses there"),
-        (
-            "drag_reserve",
-            "1",
-            "largest torque of the rollers on the cage over its drag, 1e6 at most; below 1 it skids",
-        ),
-    )
-    made_of = {
-        name: (dims, rows[..., k], about(unit, text)) for k, (name, unit, text) in enumerate(told)
+    variables = {
+        name: (dims, states[..., k], about(unit, text))
+        for k, (name, unit, text) in enumerate(_STEADY_VARIABLES)
     }
-    springs = _springs(made, T, W, speeds, rows[..., 0])
-    for name, at in (("along", (0, 0)), ("across", (1, 1)), ("oblique to", (0, 1))):
-        made_of[f"stiffness_{name.split()[0]}"] = (
+    springs = _stiffnesses(plan, T, W, speeds, states[..., 0])
+    for name, entry in (("along", (0, 0)), ("across", (1, 1)), ("oblique to", (0, 1))):
+        variables[f"stiffness_{name.split()[0]}"] = (
             dims,
-            springs[..., *at],
+            springs[..., *entry],
             about("N/m", f"stiffness {name} the load"),
         )
     speed = {"inner_speed": ("inner_speed", speeds, about("rad/s", "speed of the inner ring"))}
-    return found.assign(made_of).assign_coords(speed)
+    return result.assign(variables).assign_coords(speed)
 
 
-def _springs(
-    made: Surrogate, temperatures: Array, loads: Array, speeds: Array, slips: Array
+def _stiffnesses(
+    plan: SurrogatePlan, temperatures: Array, loads: Array, speeds: Array, slips: Array
 ) -> Array:
-    """Return stiffnesses [N/m] at the slips at which the bearing runs, at none where it does not, (T, W, n, 2, 2)."""
-    found = np.empty((*slips.shape, 2, 2))
+    """Return stiffnesses [N/m] at the steady slips, (temperature, load, speed, 2, 2); at no slip where it is NaN."""
+    springs = np.empty((*slips.shape, 2, 2))
     for t, k in np.ndindex(len(temperatures), len(speeds)):
-        at = {_KEYS[0]: float(temperatures[t]), _KEYS[2]: float(speeds[k])}
-        bearing = assemble(evolve(made.scene, at))
+        operation = {_KEYS[0]: float(temperatures[t]), _KEYS[2]: float(speeds[k])}
+        bearing = assemble(evolve(plan.scene, operation))
         for w, load in enumerate(loads.tolist()):
             slip = 0.0 if np.isnan(slips[t, w, k]) else float(slips[t, w, k])
-            found[t, w, k] = stiffness(
+            springs[t, w, k] = stiffness(
                 bearing.at_load(load), bearing.kinematics.epicyclic_cage_speed * (1.0 - slip)
             )
-    return found
+    return springs

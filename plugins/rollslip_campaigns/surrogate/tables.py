@@ -1,16 +1,20 @@
-"""The tables of a surrogate, what lies between their nodes, and the motion that they give: two unknowns, no laws.
+"""Tables of a surrogate: interpolation between their nodes, and the steady motion of cage and rollers by them.
 
-- Along every axis nodes are even in a coordinate of their own, and between them stands the cubic through four nodes
-  (Lagrange), at the ends the outermost. Beyond the ends values are held. C and FMU do the same in ``bearing.c``.
-- Unknowns are the cage's speed w and one mean spin s of all rollers. Both pull by effective friction times the force on
-  a ring, under the equations of level cage-set of study dynamics::
+- Along each axis the nodes are uniform in a coordinate of that axis (the quantity, its logarithm or its asinh). Values
+  between nodes are those of the cubic Lagrange polynomial through the four nearest nodes, and at the ends of an axis
+  through the outermost four. Beyond an axis its last value is used. C and FMU do the same in ``bearing.c``.
+- Unknowns are the speed w of the cage and one mean spin s of all rollers. Both rings act on a roller by effective
+  friction times normal force, in the equations of level cage-set of study dynamics::
 
       J s' = r (F_i - F_Ri) - r (F_o + F_Ro)
       (I_c + Z m R_m^2) w' = T + r (F_i - F_Ri) + R_i (F_i + F_Ri) - r (F_o + F_Ro) + R_o (F_o - F_Ro)
 
-- The drags of the cage are what they do: in proportion to the lead of a ring, to the square of the cage's speed, and
-  what is left of both over the cage's speed. Churning goes with the oil between the rings, and that with their speeds:
-  the square has a row over the rolling speed that these have without slip.
+- The torque T of the drags on the cage is a sum: coefficients times the lead of each ring before the cage, a
+  coefficient times the square of the cage speed, and a remainder over the cage speed. Churning depends on the oil
+  between the rings, and this oil on their speeds, so that the coefficient of the square is tabulated over the rolling
+  speed without slip.
+- A steady state (w' = s' = 0) is found by nested searches: for each cage slip of a grid, bisect the spin of the
+  rollers; then refine the first interval of slips over which the torque on the cage changes sign, several times.
 """
 
 import math
@@ -25,67 +29,119 @@ from rollslip.search import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CAGE_SMALL", "REST", "Axis", "Folded", "Steady", "Tables", "weights"]
+__all__ = ["CAGE_SMALL", "REST", "Axis", "OperationTables", "SteadyState", "Tables", "weights"]
 
-#: Rolling speed that a contact at rest is taken to have [m/s], as in study dynamics.
+#: Smallest rolling speed of a contact [m/s], combined with the rolling speed by the root of squares, as in study
+#: dynamics: a contact at rest has no film and no slide-roll ratio. Doubling it changes results near standstill only.
 REST: Final = 1e-3
-#: Cage speed over which what is left of the drags is taken [rad/s].
+#: Cage speed [rad/s] below which nodes of the remainder of the drags are uniform in the speed, above in its logarithm.
+#: Doubling it moves nodes from small to large speeds. Chosen: far below operating speeds, and `bearing.c` has it too.
 CAGE_SMALL: Final = 1.0
-#: Cage slips at which a balance is looked for, how often it is narrowed down to how many, and halvings of a spin.
-_SLIPS = 40
-_ROUNDS = 4
-_FINER = 17
-_HALVINGS = 26
 
 
-def weights(count: int, place: Array) -> Array:
-    """Return the weights of even nodes at places, in steps from the first one: (places, count)."""
-    t = np.clip(np.atleast_1d(place), 0.0, count - 1.0)
-    many = min(count, 4)
-    first = np.clip(t.astype(int) - 1, 0, count - many)
-    found = np.zeros((t.size, count))
-    for node in range(many):
-        others = [k for k in range(many) if k != node]
+@attrs.frozen
+class _SlipSearch:
+    """Search for the steady state of a bearing: a grid of cage slips, refined where the torque changes sign.
+
+    Attributes
+    ----------
+    negative : int
+        Nodes of negative cage slips (the cage turns faster than without slip), from -1 to -1e-4 on a logarithmic grid:
+        few, because only rings and drags that drive the cage cause them. Doubling it separates close balances.
+    positive : int
+        Nodes of positive cage slips, from 1e-4 to 1, likewise. The first sign change is taken; two balances within one
+        interval of 27 % in slip are missed. Doubling it halves the interval.
+    rounds : int
+        Evaluations of a grid, the first included. With 17 nodes each, the slip is found to 27 % / 16^3 of itself.
+        One more costs 17 evaluations and changes the slip by less than 1e-4 of itself.
+    nodes : int
+        Nodes of a refined interval. Chosen: more nodes find the slip in fewer rounds, and all are one array operation.
+    bisections : int
+        Halvings of the spin of the rollers between those of both rings: to 2^-26 = 1.5e-8 of the difference of their
+        speeds. Each one more halves this error.
+    spin_margin : float
+        Extension of the interval of the spin beyond the speeds of the rings, as a fraction of the sum of both: rolling
+        resistance may slow rollers further. Zero misses such balances.
+    """
+
+    negative: int = 9
+    positive: int = 40
+    rounds: int = 4
+    nodes: int = 17
+    bisections: int = 26
+    spin_margin: float = 0.05
+
+
+_SEARCH: Final = _SlipSearch()
+#: Drag reserve [1] where there is no drag, and upper limit of all others, so that files hold a finite number. Doubling
+#: it changes reserves above it only.
+_MAX_RESERVE: Final = 1e6
+
+
+def weights(count: int, position: Array) -> Array:
+    """Return the weights of cubic Lagrange interpolation on uniform nodes.
+
+    Parameters
+    ----------
+    count : int
+        Number of nodes; below four, the polynomial has as many nodes as there are.
+    position : array
+        Positions in units of the distance of two nodes, from the first node, (n,). Positions beyond the nodes are
+        replaced by the last node.
+
+    Returns
+    -------
+    array
+        Weights, (n, count).
+    """
+    t = np.clip(np.atleast_1d(position), 0.0, count - 1.0)
+    order = min(count, 4)
+    first = np.clip(t.astype(int) - 1, 0, count - order)
+    matrix = np.zeros((t.size, count))
+    for node in range(order):
+        others = [k for k in range(order) if k != node]
         product = (
             np.prod([(t - first - k) / (node - k) for k in others], axis=0)
             if others
             else np.ones(t.size)
         )
-        found[np.arange(t.size), first + node] = product
-    return found
+        matrix[np.arange(t.size), first + node] = product
+    return matrix
 
 
 @attrs.frozen(eq=False)
 class Axis:
-    """Nodes of a quantity, even in its logarithm or in itself."""
+    """Nodes of a quantity, uniform in its logarithm or in itself."""
 
     nodes: Array
     logarithmic: bool
 
-    def place(self, value: Array | float) -> Array:
-        """Return where values lie, in steps from the first node."""
+    def position(self, value: Array | float) -> Array:
+        """Return the positions of values along the axis, in units of the distance of two nodes."""
         if self.nodes.size == 1:
             return np.zeros(np.shape(value))
         low = self.nodes[0]
         high = self.nodes[-1]
-        at = np.maximum(value, low)
+        bounded = np.maximum(value, low)
         fraction = (
-            np.log(at / low) / math.log(high / low)
+            np.log(bounded / low) / math.log(high / low)
             if self.logarithmic
-            else (at - low) / (high - low)
+            else (bounded - low) / (high - low)
         )
         return np.asarray(fraction * (self.nodes.size - 1))
 
     def weights(self, value: Array | float) -> Array:
         """Return the weights of the nodes at values, (values, nodes)."""
-        return weights(self.nodes.size, self.place(np.atleast_1d(np.asarray(value, dtype=float))))
+        return weights(
+            self.nodes.size, self.position(np.atleast_1d(np.asarray(value, dtype=float)))
+        )
 
 
 @attrs.frozen(eq=False)
-class Steady:
-    """Where a bearing runs: cage slip, torques that drive both rings [N m], losses [W], reserve of drag.
+class SteadyState:
+    """Steady states of a bearing: cage slip, torques that drive both rings [N m], losses [W], drag reserve; (n,) each.
 
-    NaN where the drags are more than the rollers carry.
+    All except the reserve are NaN where the drags exceed what the rollers carry.
     """
 
     cage_slip: Array
@@ -97,74 +153,104 @@ class Steady:
 
 @attrs.frozen(eq=False)
 class Tables:
-    """The tables of a surrogate, and the numbers of its bearing."""
+    """The tables of a surrogate, and the numbers of its bearing.
 
-    axes: Mapping[str, Axis]  # temperature, radial_load, cage_ratio, rolling_speed
-    sliding_small: float  # a of asinh(V/(a u))
-    sliding_step: float  # of its nodes
-    friction: Array  # (ring, temperature, load, cage ratio, rolling speed, slide-roll ratio)
-    largest: Array  # without the last
-    resistance: Array  # likewise [N]
-    force: Array  # likewise [N]
-    drags: Mapping[
-        str, Array
-    ]  # inner, outer [N m s] over temperature; cage [N m s2] over rolling, rest [N m] over cage speed too
-    cage_top: float  # last cage speed of rest [rad/s]
-    numbers: Mapping[str, float]  # of the bearing, by name
+    Attributes
+    ----------
+    axes : mapping
+        Axes by name: temperature, radial_load, cage_ratio, rolling_speed.
+    sliding_small : float
+        The a of asinh(V/(a u)), the coordinate of the slide-roll ratio.
+    sliding_step : float
+        Distance of its nodes in this coordinate.
+    friction : array
+        Effective friction, (ring, temperature, load, cage ratio, rolling speed, slide-roll ratio).
+    largest : array
+        Largest friction over the slide-roll ratio, without the last axis.
+    resistance, force : array
+        Rolling resistance and normal force of all rollers [N], likewise.
+    drags : mapping
+        Drags on the cage: inner, outer [N m s] over temperature; cage [N m s2] over rolling speed too; rest [N m] over
+        temperature and cage speed.
+    cage_top : float
+        Last cage speed of the remainder [rad/s].
+    numbers : mapping
+        Radii, masses and inertias of the bearing, by name.
+    """
+
+    axes: Mapping[str, Axis]
+    sliding_small: float
+    sliding_step: float
+    friction: Array
+    largest: Array
+    resistance: Array
+    force: Array
+    drags: Mapping[str, Array]
+    cage_top: float
+    numbers: Mapping[str, float]
 
     @classmethod
-    def of(cls, found: "xr.Dataset") -> "Tables":
-        """Return those of a dataset of campaign surrogate."""
+    def from_dataset(cls, result: "xr.Dataset") -> "Tables":
+        """Return the tables in a result of campaign surrogate."""
         axes = {
-            name: Axis(found[name].to_numpy(), logarithmic)
+            name: Axis(result[name].to_numpy(), logarithmic)
             for name, logarithmic in (
                 ("temperature", False), ("radial_load", True), ("cage_ratio", True), ("rolling_speed", True)
             )
         }  # fmt: skip
-        ratio = found["slide_roll"].to_numpy()
-        small = float(found.attrs["sliding_small"])
+        ratio = result["slide_roll"].to_numpy()
+        small = float(result.attrs["sliding_small"])
         return cls(
             axes=axes,
             sliding_small=small,
             sliding_step=math.asinh(float(ratio[-1]) / small) / (ratio.size - 1),
-            friction=found["mean_friction"].to_numpy(),
-            largest=found["largest_friction"].to_numpy(),
-            resistance=found["ring_resistance"].to_numpy(),
-            force=found["ring_force"].to_numpy(),
+            friction=result["mean_friction"].to_numpy(),
+            largest=result["largest_friction"].to_numpy(),
+            resistance=result["ring_resistance"].to_numpy(),
+            force=result["ring_force"].to_numpy(),
             drags={
-                name: found[f"drag_{name}"].to_numpy()
+                name: result[f"drag_{name}"].to_numpy()
                 for name in ("inner", "outer", "cage", "rest")
             },
-            cage_top=float(found["cage_speed"][-1]),
+            cage_top=float(result["cage_speed"][-1]),
             numbers={
-                str(name): float(value) for name, value in found.data_vars.items() if not value.dims
+                str(name): float(value)
+                for name, value in result.data_vars.items()
+                if not value.dims
             },
         )
 
-    def at(self, temperature: float, load: float) -> "Folded":
-        """Return what the tables are at a temperature [K] and under a load [N]."""
+    def interpolate(self, temperature: float, load: float) -> "OperationTables":
+        """Return the tables at one temperature and load.
+
+        Parameters
+        ----------
+        temperature : float
+            Temperature [K].
+        load : float
+            Radial load [N].
+        """
         t = self.axes["temperature"].weights(temperature)[0]
         w = self.axes["radial_load"].weights(load)[0]
 
-        def folded(table: Array) -> Array:
+        def contract(table: Array) -> Array:
             return np.asarray(np.einsum("t,w,rtw...->r...", t, w, table))
 
-        drags = {name: np.tensordot(t, value, axes=1) for name, value in self.drags.items()}
-        return Folded(
+        return OperationTables(
             self,
-            folded(self.friction),
-            folded(self.largest),
-            folded(self.resistance),
-            folded(self.force),
-            drags,
+            contract(self.friction),
+            contract(self.largest),
+            contract(self.resistance),
+            contract(self.force),
+            {name: np.tensordot(t, value, axes=1) for name, value in self.drags.items()},
         )
 
 
 @attrs.frozen(eq=False)
-class Folded:
-    """The tables under one load and at one temperature."""
+class OperationTables:
+    """Tables of a surrogate at one temperature and load."""
 
-    of: Tables
+    tables: Tables
     friction: Array
     largest: Array
     resistance: Array
@@ -172,124 +258,171 @@ class Folded:
     drags: Mapping[str, Array]
 
     def _weights(self, w: Array, u: Array) -> tuple[Array, Array]:
-        """Weights of the nodes of cage ratio and of rolling speed."""
-        axes = self.of.axes
+        """Return the weights of the nodes of cage ratio and of rolling speed, (n, nodes) each."""
+        axes = self.tables.axes
         film = np.hypot(u, REST)
-        ratio = self.of.numbers["outer_radius"] * np.abs(w) / film
+        ratio = self.tables.numbers["outer_radius"] * np.abs(w) / film
         return axes["cage_ratio"].weights(ratio), axes["rolling_speed"].weights(film)
 
-    def pull(self, ring: int, w: Array, V: Array, u: Array) -> tuple[Array, Array]:
-        """Traction and rolling resistance of all rollers on a ring [N] at cage, sliding and rolling speed, (n,)."""
+    def ring_forces(self, ring: int, w: Array, V: Array, u: Array) -> tuple[Array, Array]:
+        """Return traction and rolling resistance of all rollers on a ring [N], (n,) each.
+
+        Parameters
+        ----------
+        ring : int
+            0 for the inner, 1 for the outer ring.
+        w, V, u : array
+            Speed of the cage [rad/s], sliding and rolling speed [m/s], (n,).
+        """
         by_cage, by_speed = self._weights(w, u)
         film = np.hypot(u, REST)
-        x = np.arcsinh(np.abs(V) / (self.of.sliding_small * film)) / self.of.sliding_step
+        x = np.arcsinh(np.abs(V) / (self.tables.sliding_small * film)) / self.tables.sliding_step
         by_ratio = weights(self.friction.shape[-1], x)
         friction = 0.0
         force = 0.0
-        rolls = 0.0
+        resistance = 0.0
         for c, weight in enumerate(by_cage.T):
             friction = friction + weight * ((by_speed @ self.friction[ring, c]) * by_ratio).sum(
                 axis=1
             )
             force = force + weight * (by_speed @ self.force[ring, c])
-            rolls = rolls + weight * (by_speed @ self.resistance[ring, c])
-        return np.asarray(np.sign(V) * friction * force), np.asarray(rolls * u / film)
+            resistance = resistance + weight * (by_speed @ self.resistance[ring, c])
+        return np.asarray(np.sign(V) * friction * force), np.asarray(resistance * u / film)
 
     def drag(self, w: Array, inner: Array | float, outer: float) -> Array:
-        """Torque of the drags on the cage [N m]."""
+        """Return the torque of the drags on the cage [N m], (n,).
+
+        Parameters
+        ----------
+        w : array
+            Speed of the cage [rad/s], (n,).
+        inner, outer : array or float
+            Speeds of the rings [rad/s].
+        """
         d = self.drags
-        rest = self.drags["rest"]
-        n = self.of.numbers
-        step = math.asinh(self.of.cage_top / CAGE_SMALL) / (rest.size - 1)
-        left = weights(rest.size, np.arcsinh(np.abs(w) / CAGE_SMALL) / step) @ rest
+        rest = d["rest"]
+        n = self.tables.numbers
+        step = math.asinh(self.tables.cage_top / CAGE_SMALL) / (rest.size - 1)
+        remainder = weights(rest.size, np.arcsinh(np.abs(w) / CAGE_SMALL) / step) @ rest
         u = np.abs(inner - outer) / (1.0 / n["inner_radius"] + 1.0 / n["outer_radius"])
-        square = self.of.axes["rolling_speed"].weights(np.broadcast_to(u, np.shape(w))) @ d["cage"]
+        square = (
+            self.tables.axes["rolling_speed"].weights(np.broadcast_to(u, np.shape(w))) @ d["cage"]
+        )
         return np.asarray(
             d["inner"] * (inner - w)
             + d["outer"] * (outer - w)
             - square * np.abs(w) * w
-            + np.sign(w) * left
+            + np.sign(w) * remainder
         )
 
-    def steady(self, inner: Array, outer: float) -> Steady:
-        """Return where the bearing runs at constant speeds of the rings [rad/s]: at the least slip with a balance."""
-        n = self.of.numbers
+    def steady_state(self, inner: Array, outer: float) -> SteadyState:
+        """Return the steady state at constant speeds of the rings: that of the smallest slip with a balance.
+
+        Parameters
+        ----------
+        inner : array
+            Speeds of the inner ring [rad/s], (n,).
+        outer : float
+            Speed of the outer ring [rad/s].
+
+        Returns
+        -------
+        SteadyState
+            Slip, torques and losses are NaN where the rollers do not carry the drags at any slip, or where the cage
+            does not turn without slip; the reserve is then at most 1.
+        """
+        n = self.tables.numbers
         Ri = n["inner_radius"]
         Ro = n["outer_radius"]
         free = (Ri * inner + Ro * outer) / (Ri + Ro)
-        slips = np.concatenate(
-            (-np.geomspace(1.0, 1e-4, 9), [0.0], np.geomspace(1e-4, 1.0, _SLIPS))
-        )
-        grid = np.broadcast_to(slips, (inner.size, slips.size))
-        found = np.ones(inner.size, dtype=bool)
-        for turn in range(_ROUNDS):
-            left = (
-                np.sign(free)[:, None]
-                * self._balance(free[:, None] * (1.0 - grid), inner[:, None], outer)[0]
-            )
-            passes = (left[:, :-1] <= 0.0) & (left[:, 1:] > 0.0)
-            at = passes.argmax(axis=1)
-            found &= passes.any(axis=1) | (turn > 0)
-            low, high = (np.take_along_axis(grid, (at + k)[:, None], axis=1) for k in (0, 1))
-            grid = low + (high - low) * np.linspace(0.0, 1.0, _FINER)
-        slip = np.where(found & (free != 0.0), 0.5 * (low + high)[:, 0], np.nan)
+        slip = self._steady_slip(free, inner, outer)
         w = free * (1.0 - np.where(np.isnan(slip), 0.0, slip))
         _, on_inner, on_outer = (
-            one[:, 0] for one in self._balance(w[:, None], inner[:, None], outer)
+            torque[:, 0] for torque in self._balance(w[:, None], inner[:, None], outer)
         )
         torque = on_inner + float(self.drags["inner"]) * (inner - w)
         outer_torque = on_outer + float(self.drags["outer"]) * (outer - w)
-        known = np.where(np.isnan(slip), np.nan, 1.0)
+        mask = np.where(np.isnan(slip), np.nan, 1.0)
         reserve = self._reserve(w, inner, outer)
         reserve = np.where(np.isnan(slip), np.minimum(reserve, 1.0), reserve)
         loss = torque * inner + outer_torque * outer
-        return Steady(slip, known * torque, known * outer_torque, known * loss, reserve)
+        return SteadyState(slip, mask * torque, mask * outer_torque, mask * loss, reserve)
+
+    def _steady_slip(self, free: Array, inner: Array, outer: float) -> Array:
+        """Return the smallest cage slip at which the torque on the cage changes sign; NaN where there is none."""
+        slips = np.concatenate(
+            (
+                -np.geomspace(1.0, 1e-4, _SEARCH.negative),
+                [0.0],
+                np.geomspace(1e-4, 1.0, _SEARCH.positive),
+            )
+        )
+        grid = np.broadcast_to(slips, (inner.size, slips.size))
+        found = np.ones(inner.size, dtype=bool)
+        for iteration in range(_SEARCH.rounds):
+            torque = (
+                np.sign(free)[:, None]
+                * self._balance(free[:, None] * (1.0 - grid), inner[:, None], outer)[0]
+            )
+            changes_sign = (torque[:, :-1] <= 0.0) & (torque[:, 1:] > 0.0)
+            interval = changes_sign.argmax(axis=1)
+            found &= changes_sign.any(axis=1) | (iteration > 0)
+            low, high = (np.take_along_axis(grid, (interval + k)[:, None], axis=1) for k in (0, 1))
+            grid = low + (high - low) * np.linspace(0.0, 1.0, _SEARCH.nodes)
+        return np.where(found & (free != 0.0), 0.5 * (low + high)[:, 0], np.nan)
 
     def _balance(self, w: Array, inner: Array, outer: float) -> tuple[Array, Array, Array]:
-        """Torque that is left on the cage, and those of both rings, with rollers in balance; of one shape."""
-        n = self.of.numbers
+        """Return the net torque on the cage, and those of both rings [N m], with the spin of rollers in balance."""
+        n = self.tables.numbers
         shape = np.broadcast_shapes(w.shape, inner.shape)
-        w, inner = (np.broadcast_to(one, shape).ravel() for one in (w, inner))
+        w, inner = (np.broadcast_to(speed, shape).ravel() for speed in (w, inner))
         Ri = n["inner_radius"]
         Ro = n["outer_radius"]
-        # a roller turns at a speed between those of both rings
+        # the surface of a roller has a speed between those of both rings
         a = Ri * (inner - w)
         b = Ro * (w - outer)
-        margin = 0.05 * (np.abs(a) + np.abs(b))  # resistances may slow it further
+        margin = _SEARCH.spin_margin * (np.abs(a) + np.abs(b))
         low = np.minimum(a, b) - margin
         high = np.maximum(a, b) + margin
-        for _ in range(_HALVINGS):
+        for _ in range(_SEARCH.bisections):
             middle = 0.5 * (low + high)
             (Fi, Si), (Fo, So) = self._forces(w, a, b, middle)
-            ahead = Fi - Si - Fo - So > 0.0
-            low = np.where(ahead, middle, low)
-            high = np.where(ahead, high, middle)
+            accelerates = Fi - Si - Fo - So > 0.0
+            low = np.where(accelerates, middle, low)
+            high = np.where(accelerates, high, middle)
         (Fi, Si), (Fo, So) = self._forces(w, a, b, 0.5 * (low + high))
         on_inner = Ri * (Fo + 2.0 * Si + So)  # F_i of a roller in balance
         on_outer = Ro * (Fo - So)
-        left = on_inner + on_outer + self.drag(w, inner, outer)
-        return left.reshape(shape), on_inner.reshape(shape), on_outer.reshape(shape)
+        net = on_inner + on_outer + self.drag(w, inner, outer)
+        return net.reshape(shape), on_inner.reshape(shape), on_outer.reshape(shape)
 
     def _forces(
         self, w: Array, a: Array, b: Array, c: Array
     ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Traction and resistance of inner and outer ring, at speeds a, b of the rings and c of the roller."""
-        return self.pull(0, w, a - c, 0.5 * (a + c)), self.pull(1, w, c - b, 0.5 * (b + c))
+        """Return traction and resistance of inner and outer ring, at speeds a, b of the rings and c of the roller."""
+        on_inner = self.ring_forces(0, w, a - c, 0.5 * (a + c))
+        return on_inner, self.ring_forces(1, w, c - b, 0.5 * (b + c))
 
     def _reserve(self, w: Array, inner: Array, outer: float) -> Array:
-        """Largest torque of the rollers on the cage over its drag."""
-        n = self.of.numbers
+        """Return the largest torque of the rollers on the cage over its drag."""
+        n = self.tables.numbers
         u = 0.5 * np.abs(n["inner_radius"] * (inner - w) + n["outer_radius"] * (w - outer))
         by_cage, by_speed = self._weights(w, u)
 
-        def told(table: Array, ring: int) -> Array:
+        def interpolate(table: Array, ring: int) -> Array:
             return np.asarray(np.einsum("nc,nu,cu->n", by_cage, by_speed, table[ring]))
 
-        most = [told(self.largest, ring) * told(self.force, ring) for ring in (0, 1)]
-        own = [told(self.resistance, ring) for ring in (0, 1)]
-        on_outer = np.minimum(most[1], most[0] - own[0] - own[1])
-        torque = n["inner_radius"] * (on_outer + 2.0 * own[0] + own[1]) + n["outer_radius"] * (
-            on_outer - own[1]
-        )
+        limits = [
+            interpolate(self.largest, ring) * interpolate(self.force, ring) for ring in (0, 1)
+        ]
+        resistances = [interpolate(self.resistance, ring) for ring in (0, 1)]
+        on_outer = np.minimum(limits[1], limits[0] - resistances[0] - resistances[1])
+        torque = n["inner_radius"] * (on_outer + 2.0 * resistances[0] + resistances[1]) + n[
+            "outer_radius"
+        ] * (on_outer - resistances[1])
         drag = np.abs(self.drag(w, inner, outer))
-        return np.where(drag > 0.0, np.minimum(torque / np.where(drag > 0.0, drag, 1.0), 1e6), 1e6)
+        return np.where(
+            drag > 0.0,
+            np.minimum(torque / np.where(drag > 0.0, drag, 1.0), _MAX_RESERVE),
+            _MAX_RESERVE,
+        )

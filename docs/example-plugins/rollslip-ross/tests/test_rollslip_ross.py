@@ -41,7 +41,7 @@ def test_elements_go_over_speeds_forwards_and_tell_what_they_leave_out() -> None
 
 def test_rings_that_yield_and_results_without_tables_are_refused() -> None:
     with pytest.raises(SceneError, match="rings that yield have no stiffness"):
-        Ross("ross").of(TABLES.assign(stiffness_along=TABLES["stiffness_along"] * math.nan))
+        Ross("ross").render(TABLES.assign(stiffness_along=TABLES["stiffness_along"] * math.nan))
     with pytest.raises(SceneError, match="format ross: is written of tables"):
         Ross("ross").write({}, None)
 
@@ -54,7 +54,7 @@ def test_the_ending_of_a_file_says_the_format() -> None:
 def test_ross_reads_the_elements_and_puts_them_under_a_rotor(tmp_path: Path) -> None:
     ross = pytest.importorskip("ross", reason="elements are read by ROSS, which is not installed: ross-rotordynamics")
     path = tmp_path / "b.ross.json"
-    path.write_text(str(Ross("ross").of(TABLES).text), encoding="utf-8")
+    path.write_text(str(Ross("ross").render(TABLES).text), encoding="utf-8")
     told = json.loads(path.read_text(encoding="utf-8"))
     for tag in told["rollslip"]["beside"]:
         written = told[f"BearingElement_{tag}"]

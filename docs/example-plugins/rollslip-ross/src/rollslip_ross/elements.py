@@ -29,7 +29,7 @@ class Ross(TablesFormat):
 
     endings: ClassVar[tuple[str, ...]] = (".ross.json",)
 
-    def of(self, result: "xr.Dataset") -> Written:
+    def render(self, result: "xr.Dataset") -> Written:
         """Return what ``ross.BearingElement.load`` reads: x along the load, y across it; friction torques beside."""
         speeds = result["inner_speed"].to_numpy()
         used = np.flatnonzero(speeds >= 0.0) if (speeds > 0.0).any() else np.arange(speeds.size)
