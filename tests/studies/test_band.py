@@ -15,7 +15,7 @@ from rollslip.cli.main import cli
 from rollslip.results.accounts import account_of
 from rollslip.scene.reading import load_scene
 from rollslip_studies.steady_slip import band
-from rollslip_studies.steady_slip.band import Band, Moved, bands, with_bands
+from rollslip_studies.steady_slip.band import Band, QuantityEffect, bands, with_bands
 from scattered import constant, uncertain
 
 SCENE = rollslip.evolve(
@@ -81,7 +81,7 @@ def test_no_end_of_a_band_is_a_slip_beyond_all_slips(monkeypatch):
     dataset = rollslip.run(SCENE, "steady-slip").pipe(
         lambda own: own.assign(steady_slip=own.steady_slip * 0.0 + 0.5)
     )
-    moved = (Moved("lubricant.viscosity_factor", "1", (0.9, 1.1), (3.0, 0.5)),)
+    moved = (QuantityEffect("lubricant.viscosity_factor", "1", (0.9, 1.1), (3.0, 0.5)),)
     monkeypatch.setattr(
         band, "bands", lambda *_: {"steady_slip": Band(0.5, 3.0, moved[0].key, moved)}
     )

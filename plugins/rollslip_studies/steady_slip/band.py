@@ -1,14 +1,31 @@
-"""Bands of a steady slip and a least load at what a run can afford: one uncertain quantity at a time, with few slices.
+"""Uncertainty bands of a steady slip and a minimum load, and the effect of exceeded validity ranges on a result.
 
-- Each quantity is put to where 5 and 95 % of its distribution lie below, all others staying. The slip that is then
-  steady, and the load that then keeps the acceptable one, are found anew by secants on the balance of torques.
-- Logarithms of what that changes add in squares, up and down apart: exact for independent lognormal scatter of a
-  product of powers, else an estimate. Samples (`rollslip uncertainty`) tell more, and what interacts.
-- What leaving the range of a law does is found likewise: the law that the bound names instead takes its place. One
-  without compiled form is evaluated once, on a few slices of each ring as they move at the steady slip; its friction
-  over that of the law that was left, by load, is then a factor. What has no other law, or one that takes minutes
-  (`Validity.instead` names none), is not evaluated.
-- Only ratios are taken of few slices and rollers without inertia; the run gives the values.
+The band of a value lies between its 5 and 95 % quantiles where the data of a scene scatter. A run cannot afford
+samples, so the band comes from a one-at-a-time sensitivity analysis with a root sum of squares, on a coarse model:
+
+1. Read the distributions of the uncertain quantities of the scene, by default those of `with_scatter`.
+2. Assemble the bearing with at most 12 slices and one position of the rollers, and as often again with one quantity at
+   its 5 or 95 % quantile, all others at their nominal values.
+3. At each of these bearings find the steady slip by secants on the torque balance, in the logarithm of the slip, from
+   the nominal slip and with the nominal slope. Where secants fail or the slope is that of an unstable slip, search the
+   whole loading branch. A cage that skids has an infinite slip.
+4. Find likewise the load at which the acceptable slip is steady, in the logarithm of the load.
+5. Take the changes of the logarithm. Add their squares, increases and decreases separately; the roots are the
+   logarithms of the factors from the value to the bounds of its band.
+6. Multiply the value of the run by these factors: only ratios come from the coarse model.
+
+The sum of squares is exact for a product of powers of independent lognormal quantities, else an estimate without
+interactions. Samples (`rollslip uncertainty`) have them.
+
+The effect of an exceeded validity range is found on the same coarse model: the law that the range names in its place
+(`Validity.instead`) replaces the law, and the steady slip, the reserve and the friction torque are evaluated once more.
+A law without compiled form is evaluated once, on a few slices of each ring in the motion at the steady slip; the ratio
+of both frictions, interpolated over the load, is then a factor on the friction. A range without such a law is not
+evaluated.
+
+References
+----------
+JCGM 100:2008, "Guide to the expression of uncertainty in measurement" (GUM), section 5.1: the root sum of squares.
 """
 
 import json
@@ -34,7 +51,7 @@ from rollslip.search import secants
 from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import TorqueBalance, rollers
+from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, rollers
 from rollslip_studies.steady_slip.evaluated import evaluated_slices
 from rollslip_studies.steady_slip.losses import acceptable_reserve
 from rollslip_studies.variation.distributions import read_uncertainty
@@ -44,246 +61,318 @@ from rollslip_studies.variation.scatter import with_scatter
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ENDS", "Band", "bands", "with_bands"]
+__all__ = ["QUANTILES", "Band", "QuantityEffect", "bands", "with_bands"]
 
-#: Shares of each distribution at which a quantity is put.
-ENDS: Final = (0.05, 0.95)
-#: Slices and positions of a pitch, and the largest slip that is looked at.
-_SLICES = 12
-_INSTANTS = 1
-_LAST = 0.95
-#: Accuracy of a logarithm, and longest step of secants.
-_FOUND = 0.03
-_LONGEST = 1.0
-#: Step of a logarithm from which secants begin.
-_FIRST: Final = 0.05
-#: Slip that counts as none, and one from which on it is looked first whether there is more.
-_NONE = 1e-5
-_LITTLE = 1e-3
+#: Probabilities of the quantiles at which a quantity is put; the band has the same. Both tails of 10 % instead of 5 %
+#: would narrow a band of normal quantities by a fifth. 5 and 95 % are those of `rollslip uncertainty`.
+QUANTILES: Final = (0.05, 0.95)
 
 
 @attrs.frozen
-class Moved:
-    """A quantity put to 5 and 95 % of its distribution: its SI values there, and the factors on what is looked at."""
+class _CoarseModel:
+    """Settings of the model from which the factors of a band come; the factors are ratios, so its errors cancel.
 
-    key: str
-    unit: str
-    ends: tuple[float, ...]
-    factors: tuple[float, ...]
+    ``tests/studies/test_band.py`` compares bands with samples of the whole model: the logarithms agree within a fifth.
+    """
+
+    #: Slices of a roller, at most. Twice as many take twice the time; the factors then follow the slices of the run
+    #: more closely. Chosen, so that bands take a fraction of a second.
+    max_slices: int = 12
+    #: Positions of the rollers within a pitch. Two take twice the time; chosen, as the mean over an orbit of 56 and
+    #: more positions (`rollers`) hardly depends on it.
+    n_positions: int = 1
+
+
+@attrs.frozen
+class _SecantSettings:
+    """Settings of the secants over the logarithm of a slip or a load."""
+
+    #: Step of the logarithm at which the search ends; what is left is far less, because secants converge faster than
+    #: linearly. Twice as much saves about one evaluation of each quantity. Chosen.
+    tolerance: float = 0.03
+    #: Largest step of the logarithm: a factor of e. With twice as much secants overshoot a maximum of the torque and
+    #: leave the stable slips, after which the loading branch is searched. Chosen.
+    max_step: float = 1.0
+    #: Step by which the first slope is differentiated. It is above the rounding of the torque and below the width of
+    #: its maximum, so that half or twice as much changes the number of evaluations only. Chosen.
+    first_step: float = 0.05
+
+
+_COARSE: Final = _CoarseModel()
+_SECANTS: Final = _SecantSettings()
+#: Slip that stands for that of a cage which rolls or is driven, so that it has a logarithm. Half or twice as much moves
+#: bounds below 0.1 %, which are not printed (`percent`).
+_SLIP_FLOOR: Final = 1e-5
+#: Slip below which the torque at the floor is evaluated first, because a cage that hardly slips may be driven at the
+#: quantile of a quantity. Twice as much costs one more evaluation of some bearings. Chosen: 0.1 %, as printed.
+_SMALL_SLIP: Final = 1e-3
+
+
+@attrs.frozen
+class QuantityEffect:
+    """Effect of one uncertain quantity on a value: quantiles of the quantity, and factors on the value there."""
+
+    key: str  #: Key of the quantity in a scene.
+    unit: str  #: Its SI unit.
+    quantiles: tuple[float, ...]  #: The quantity at the `QUANTILES` [unit].
+    factors: tuple[
+        float, ...
+    ]  #: Value at these quantiles over the nominal value [-], infinite where the cage skids.
 
 
 @attrs.frozen
 class Band:
-    """Factors on a value down and up, 5 and 95 %; infinite where none is in the range. ``most`` moves it most."""
+    """Factors from a value to its 5 and 95 % quantiles."""
 
-    low: float
-    high: float
-    most: str
-    moved: tuple[Moved, ...] = ()
+    low: float  #: Factor to the 5 % quantile [-].
+    high: float  #: Factor to the 95 % quantile [-], infinite where the cage skids.
+    dominant: str  #: Key of the quantity with the largest effect.
+    effects: tuple[QuantityEffect, ...] = ()  #: Effects of all quantities, the largest first.
 
 
 def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -> "xr.Dataset":
-    """Return a result of steady slips with the bands of the least one and of the least load, in attribute ``band``.
+    """Return a result with the bands of its smallest steady slip and minimum load, as JSON in attributes.
 
-    Beside them stands what each quantity does on its own, what moves a value most first, and in ``consequences`` what
-    the laws that it left do. Without a steady slip it is the result as it was. ``slip`` is the variable that the slip
-    is in. A slip below 1e-5, as of a cage that is driven, counts as that.
+    Attribute ``band`` has by name of the value "low" and "high", "most", the key of the dominant quantity, and "moved",
+    the effects of all quantities. A bound is null where the cage skids. Attribute ``consequences`` has the effects of
+    exceeded validity ranges (see `consequences`). A result without a steady slip, or of a cage that is driven, is
+    returned unchanged.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene of the result.
+    dataset : Dataset
+        Result of a study with a steady slip.
+    slip : str
+        Name of the variable with the steady slip.
     """
     slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
-    if (
-        not slips.size or not np.isfinite(slips[0]) or slips[0] == 0.0 or slips[0] < -_LITTLE
-    ):  # without drag, or driven
+    if not slips.size or not np.isfinite(slips[0]):
+        return dataset
+    if slips[0] == 0.0 or slips[0] < -_SMALL_SLIP:  # without drag, or driven
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "minimum_load" in dataset else None
-    values = {"steady_slip": max(float(slips[0]), _NONE)}
+    values = {"steady_slip": max(float(slips[0]), _SLIP_FLOOR)}
     if acceptable is not None and Status.of(dataset["minimum_load_status"].item()) is Status.FOUND:
         values["minimum_load"] = float(dataset["minimum_load"])
     acceptable_slip = float(acceptable) if "minimum_load" in values else None  # type: ignore[arg-type]
-    found = bands(scene, values["steady_slip"], acceptable_slip)
-    told = {
-        name: {
-            "low": min(
-                values[name] * one.low,
-                float(dataset[slip if name == "steady_slip" else name].to_numpy().flat[0]),
-            ),
-            "high": _end(name, values[name] * one.high),
-            "most": one.most,
+    record = {}
+    for name, band in bands(scene, values["steady_slip"], acceptable_slip).items():
+        nominal = dataset[slip if name == "steady_slip" else name].to_numpy().flat[0]
+        record[name] = {
+            "low": min(values[name] * band.low, float(nominal)),
+            "high": _json_value(name, values[name] * band.high),
+            "most": band.dominant,
             "moved": [
-                attrs.asdict(by, filter=attrs.filters.exclude("factors"))
-                | {"values": [_end(name, values[name] * factor) for factor in by.factors]}
-                for by in one.moved
+                {
+                    "key": effect.key,
+                    "unit": effect.unit,
+                    "ends": effect.quantiles,
+                    "values": [_json_value(name, values[name] * f) for f in effect.factors],
+                }
+                for effect in band.effects
             ],
         }
-        for name, one in found.items()
-    }
-    plain = attrs.evolve(scene, sweep=None, uncertainty=None)
-    left = consequences(plain, _few(plain), dataset, values["steady_slip"])
+    single = attrs.evolve(scene, sweep=None, uncertainty=None)
+    rows = consequences(single, _coarse_assembly(single), dataset, values["steady_slip"])
     return dataset.assign_attrs(
-        {"band": json.dumps(told)} if told else {}, consequences=json.dumps(left)
+        {"band": json.dumps(record)} if record else {}, consequences=json.dumps(rows)
     )
 
 
-def _end(name: str, value: float) -> float | None:
-    """A value by factors, as JSON has it: where they lead a slip beyond all slips, the cage skids."""
+def _json_value(name: str, value: float) -> float | None:
+    """Return a value for JSON; None where it is infinite, or a slip of 1 or more, at which the cage skids."""
     return or_none(math.inf if name in ("steady_slip", SLIP) and value >= 1.0 else value)
 
 
 def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[str, Band]:
-    """Return the bands of the steady slip, and of the least load of an acceptable slip, where they can be told."""
+    """Return the bands of the steady slip and of the minimum load, by name; empty without uncertain quantities.
+
+    A band is left out where a value at a quantile is not known.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    slip : float
+        Its steady cage slip [-], positive.
+    acceptable : float or None
+        Acceptable cage slip [-] of the minimum load; None for no band of that.
+    """
     try:
-        given, _ = with_scatter(scene)
+        uncertain, _ = with_scatter(scene)
     except SceneError:
         return {}
     scene = attrs.evolve(scene, sweep=None, uncertainty=None)
-    nominal = _few(scene)
+    nominal = _coarse_assembly(scene)
     problems = list[str]()
     known = quantities(nominal, {})
-    table = read_uncertainty(given.uncertainty or {}, Location({}), known, problems)
-    ends = {key: one.quantile(np.array(ENDS)).tolist() for key, one in table.distributions.items()}
-    if problems or not ends:
-        return {}
-    moved = {
-        (key, k): _few(evolve(scene, {key: end}), nominal)
-        for key, of in ends.items()
-        for k, end in enumerate(of)
+    table = read_uncertainty(uncertain.uncertainty or {}, Location({}), known, problems)
+    quantiles = {
+        key: distribution.quantile(np.array(QUANTILES)).tolist()
+        for key, distribution in table.distributions.items()
     }
-    found = {"steady_slip": _band(_slips(nominal, moved, slip), ends, known)}
+    if problems or not quantiles:
+        return {}
+    changed = {
+        (key, k): _coarse_assembly(evolve(scene, {key: value}), nominal)
+        for key, values in quantiles.items()
+        for k, value in enumerate(values)
+    }
+    found = {"steady_slip": _combine(_log_slips(nominal, changed, slip), quantiles, known)}
     if acceptable is not None:
-        found["minimum_load"] = _band(_loads(nominal, moved, acceptable), ends, known)
+        found["minimum_load"] = _combine(_log_loads(nominal, changed, acceptable), quantiles, known)
     return {name: band for name, band in found.items() if band is not None}
 
 
-def _few(scene: Scene, like: Assembly | None = None) -> Assembly:
-    if like is not None:
-        return assemble(scene, like.resolution, like=like)
-    made = assemble(scene)
-    return made.at(
-        attrs.evolve(made.resolution, slices=min(_SLICES, made.slices), quadrature="equal")
-    )
+def _coarse_assembly(scene: Scene, nominal: Assembly | None = None) -> Assembly:
+    """Return the bearing of a scene with few slices of equal width, those of the nominal bearing if it is given."""
+    if nominal is not None:
+        return assemble(scene, nominal.resolution, like=nominal)
+    whole = assemble(scene)
+    slices = min(_COARSE.max_slices, whole.slices)
+    return whole.at(attrs.evolve(whole.resolution, slices=slices, quadrature="equal"))
 
 
-_Moved = Mapping[tuple[str, int], Assembly]
+#: Bearings by key and number of the quantile of the quantity that differs from the nominal bearing.
+_Changed = Mapping[tuple[str, int], Assembly]
+#: Logarithm of a value at the nominal bearing, and by the same keys at the others.
 _Logs = tuple[float, dict[tuple[str, int], float]]
 
 
-def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
-    """Logarithms of the steady slip as it is and with each quantity moved; infinite where there is none."""
+def _log_slips(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
+    """Return the logarithms of the steady slip; infinite where the cage skids, NaN where the slip is not known."""
     slope: float | None = None
-    beside: TorqueBalance | None = None
+    shared: TorqueBalance | None = None
 
-    def of(assembly: Assembly, near: float) -> float:
-        nonlocal slope, beside
-        balance = rollers(assembly, _INSTANTS, inertia=False, beside=beside)
-        beside = beside or balance
-        found, rises = _steady(balance, near, slope)
-        slope = slope or rises
+    def log_slip(assembly: Assembly, near: float) -> float:
+        nonlocal slope, shared
+        balance = rollers(assembly, _COARSE.n_positions, inertia=False, beside=shared)
+        shared = shared or balance
+        found, own_slope = _log_steady_slip(balance, near, slope)
+        slope = slope or own_slope
         return found
 
-    begin = of(nominal, math.log(slip))
-    return begin, {which: of(one, begin) for which, one in moved.items()} if math.isfinite(
-        begin
-    ) else {}
+    start = log_slip(nominal, math.log(slip))
+    if not math.isfinite(start):
+        return start, {}
+    return start, {key: log_slip(assembly, start) for key, assembly in changed.items()}
 
 
-def steady_near(balance: TorqueBalance, slip: float) -> float:
-    """Return the steady slip near one, as bands find it: infinite where the cage skids, NaN where it is not known."""
-    return math.exp(_steady(balance, math.log(slip), None)[0])
+def steady_slip_near(balance: TorqueBalance, slip: float) -> float:
+    """Return the steady slip near another; infinite where the cage skids, NaN where the slip is not known."""
+    return math.exp(_log_steady_slip(balance, math.log(slip), None)[0])
 
 
-def _steady(balance: TorqueBalance, near: float, slope: float | None) -> tuple[float, float | None]:
-    """Logarithm of a steady slip near another, and the slope of the excess there if secants led to it."""
-    if near < math.log(_LITTLE) and balance.excess(_NONE) >= 0.0:
-        return math.log(_NONE), None
-    found, rises = _root(
-        lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST), slope
+def _log_steady_slip(
+    balance: TorqueBalance, near: float, slope: float | None
+) -> tuple[float, float | None]:
+    """Return the logarithm of a steady slip near another, and the slope of the excess torque if secants found it."""
+    if near < math.log(_SMALL_SLIP) and balance.excess(_SLIP_FLOOR) >= 0.0:
+        return math.log(_SLIP_FLOOR), None
+    found, own_slope = _root_by_secants(
+        lambda log: balance.excess(min(math.exp(log), RANGE)), near, math.log(RANGE), slope
     )
-    if rises > 0.0:
-        return found, rises
-    way = balance.way(_LAST)  # beyond a fold, or there is none: who is the first to hold the cage
-    steady = next(iter(way.steady(balance.drag)), None)
+    if own_slope > 0.0:
+        return found, own_slope
+    # beyond a fold, or without a root: the smallest stable slip of the loading branch, if there is one
+    branch = balance.way(RANGE)
+    steady = next(iter(branch.steady(balance.drag)), None)
     if steady is not None:
-        return math.log(max(steady.slip, _NONE)), None
-    if way.at_rest + balance.drag(0.0) > 0.0:  # what acts on the cage drives it
-        return math.log(_NONE), None
-    return math.nan if way.refusal else math.inf, None
+        return math.log(max(steady.slip, _SLIP_FLOOR)), None
+    if branch.at_rest + balance.drag(0.0) > 0.0:  # the drags drive the cage
+        return math.log(_SLIP_FLOOR), None
+    return math.nan if branch.refusal else math.inf, None
 
 
-def _loads(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
-    """Logarithms of the load at which the steady slip is a given one, likewise."""
+def _log_loads(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
+    """Return the logarithms of the load [N] at which a slip is steady; NaN where secants do not find a stable one."""
     slope: float | None = None
-    beside = rollers(nominal, _INSTANTS, inertia=False)
+    shared = rollers(nominal, _COARSE.n_positions, inertia=False)
 
-    def of(assembly: Assembly) -> Callable[[float], float]:
-        def excess(log: float) -> float:
-            return rollers(
-                assembly.at_load(math.exp(log)), _INSTANTS, inertia=False, beside=beside
-            ).excess(slip)
-
-        return excess
-
-    def found(assembly: Assembly, near: float) -> float:
+    def log_load(assembly: Assembly, near: float) -> float:
         nonlocal slope
-        at, rises = _root(of(assembly), near, math.inf, slope)
-        slope = slope or rises
-        return at if rises > 0.0 else math.nan
 
-    begin = found(nominal, math.log(nominal.scene.operation.radial_load))
-    return begin, {which: found(one, begin) for which, one in moved.items()} if math.isfinite(
-        begin
-    ) else {}
+        def excess(log: float) -> float:
+            bearing = assembly.at_load(math.exp(log))
+            return rollers(bearing, _COARSE.n_positions, inertia=False, beside=shared).excess(slip)
+
+        found, own_slope = _root_by_secants(excess, near, math.inf, slope)
+        slope = slope or own_slope
+        return found if own_slope > 0.0 else math.nan
+
+    start = log_load(nominal, math.log(nominal.scene.operation.radial_load))
+    if not math.isfinite(start):
+        return start, {}
+    return start, {key: log_load(assembly, start) for key, assembly in changed.items()}
 
 
-def _root(
-    excess: Callable[[float], float], begin: float, last: float, slope: float | None = None
+def _root_by_secants(
+    excess: Callable[[float], float], start: float, upper: float, slope: float | None = None
 ) -> tuple[float, float]:
-    """Where an excess passes zero near a logarithm, by secants, and its slope there; NaN and 0 where they fail.
+    """Return the root of an excess torque near a logarithm, and the slope there; NaN and 0 where secants fail.
 
-    The first step goes by a slope that is known, such as that of a bearing nearly alike.
+    The first step takes the slope that is known, of a bearing which is nearly the same.
     """
     try:
-        slope = slope or (excess(begin) - excess(begin - _FIRST)) / _FIRST
+        slope = slope or (excess(start) - excess(start - _SECANTS.first_step)) / _SECANTS.first_step
         found = secants(
-            excess, begin, slope, tolerance=_FOUND, within=(-math.inf, last), longest=_LONGEST
+            excess,
+            start,
+            slope,
+            tolerance=_SECANTS.tolerance,
+            within=(-math.inf, upper),
+            longest=_SECANTS.max_step,
         )
     except (DomainError, ConvergenceError, OverflowError):
         return math.nan, 0.0
     return found or (math.nan, 0.0)
 
 
-def _band(
-    logs: _Logs, ends: Mapping[str, list[float]], known: Mapping[str, Quantity]
+def _combine(
+    logs: _Logs, quantiles: Mapping[str, list[float]], known: Mapping[str, Quantity]
 ) -> Band | None:
-    """Add what each quantity changes, in squares, up and down apart; None where one of it is not known."""
-    begin, moved = logs
-    changes = {key: [moved[key, k] - begin for k in range(len(ENDS))] for key, _ in moved}
-    if not changes or any(math.isnan(one) for both in changes.values() for one in both):
+    """Return the band by the root sum of squares of the changes of the logarithm; None where a change is not known.
+
+    Increases and decreases are added separately, of each quantity the larger of its two.
+    """
+    start, by_key = logs
+    changes = {key: [by_key[key, k] - start for k in range(len(QUANTILES))] for key, _ in by_key}
+    if not changes or any(math.isnan(change) for both in changes.values() for change in both):
         return None
     down, up = (
-        math.sqrt(sum(max(*(sign * one for one in both), 0.0) ** 2 for both in changes.values()))
+        math.sqrt(
+            sum(max(*(sign * change for change in both), 0.0) ** 2 for both in changes.values())
+        )
         for sign in (-1, 1)
     )
     order = sorted(changes, key=lambda key: -max(map(abs, changes[key])))
-    alone = (
-        Moved(key, known[key].unit or "", tuple(ends[key]), tuple(map(math.exp, changes[key])))
+    effects = (
+        QuantityEffect(
+            key, known[key].unit or "", tuple(quantiles[key]), tuple(map(math.exp, changes[key]))
+        )
         for key in order
     )
-    return Band(math.exp(-down), math.exp(up), order[0], tuple(alone))
+    return Band(math.exp(-down), math.exp(up), order[0], tuple(effects))
 
 
-# Laws outside their range ---------------------------------------------------------------------------------------------
+# Effects of exceeded validity ranges ----------------------------------------------------------------------------------
 
-#: Shares of the force of a ring at whose slices a law without compiled form is evaluated.
-_AT: Final = (0.05, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
-#: Names of what is looked at.
+#: Quantiles of the force of a ring, over the load of its slices, at which a law without compiled form is evaluated.
+#: Twice as many take twice the evaluations, each of up to a second; chosen, as the ratio of two laws is smooth in load.
+_FORCE_QUANTILES: Final = (0.05, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
+#: Names of the values that two laws are compared by.
 SLIP = "slip"
 RESERVE = "reserve to slipping"
 TORQUE = "friction torque"
 
 
 @attrs.frozen(eq=False)
-class _Factor(SliceModel):
-    """Friction times a factor by load, of each ring, which its contacts are told by: their radius [m]."""
+class _FrictionFactor(SliceModel):
+    """Friction times a factor over the load, by ring; the radius [m] of a contact identifies its ring."""
 
+    #: Radius [m] -> loads of slices [N/m] and factors [-].
     rings: Mapping[float, tuple[Array, Array]]
 
     name: ClassVar[str] = "factor"
@@ -298,82 +387,112 @@ class _Factor(SliceModel):
 
 
 def consequences(
-    scene: Scene, few: Assembly, dataset: "xr.Dataset", slip: float
+    scene: Scene, coarse: Assembly, dataset: "xr.Dataset", slip: float
 ) -> list[dict[str, Any]]:
-    """Return what each bound that a result left does to it, as plain values; ``few`` is the bearing of few slices.
+    """Return the effect of each validity range that a result exceeds, as rows of values for JSON.
 
-    Of each its ``code``, the other law as ``instead``, and under ``moved`` by what is looked at its value and the one
-    by the other law; None where there is none. Where nothing was evaluated there is no ``moved``.
+    A row has the "code" of the range and as "instead" the name of the other law, empty if the range names none. "moved"
+    has by `SLIP`, `RESERVE` and `TORQUE` the value and the value by the other law, None where the cage skids; it is
+    missing where nothing was evaluated. "refused" says why the other law could not be evaluated.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    coarse : Assembly
+        Its bearing with few slices.
+    dataset : Dataset
+        The result.
+    slip : float
+        Its steady cage slip [-].
     """
-    told = json.loads(dataset.attrs.get("validity", "{}")).get("told", ())
-    codes = {one["code"]: one["made_for"] for one in told if one.get("code")}
+    exceeded = json.loads(dataset.attrs.get("validity", "{}")).get("told", ())
+    codes = {bound["code"]: bound["made_for"] for bound in exceeded if bound.get("code")}
     acceptable = float(dataset.attrs.get("acceptable_slip", math.nan))
     try:
-        balance = rollers(few, 1, inertia=False)
-        begin = _values(balance, slip, acceptable)
-        if math.isnan(begin[SLIP]):
+        balance = rollers(coarse, _COARSE.n_positions, inertia=False)
+        before = _compared_values(balance, slip, acceptable)
+        if math.isnan(before[SLIP]):
             return []
     except RollslipError:
         return []
-    values = {SLIP: slip, RESERVE: float(dataset.get("acceptable_reserve", math.nan)),
-              TORQUE: float(np.ravel(dataset.get("friction_torque", math.nan))[0])}  # fmt: skip
+    values = {
+        SLIP: slip,
+        RESERVE: float(dataset.get("acceptable_reserve", math.nan)),
+        TORQUE: float(np.ravel(dataset.get("friction_torque", math.nan))[0]),
+    }
     rows = []
     for code, reference in codes.items():
         row: dict[str, Any] = {"code": code, "instead": ""}
-        for key, model, instead in _left(few, code, reference):
+        for key, model, instead in _exceeded_laws(coarse, code, reference):
             row["instead"] = instead.partition(".")[0]
             try:
-                other = _replaced(scene, few, key, model, instead)
-                if (law := other.models.get(key.split(".")[1])) is not None and _runs_python(law):
-                    other = _corrected(few, other, balance, begin[SLIP])
-                end = _values(
-                    rollers(other, 1, inertia=False, beside=balance), begin[SLIP], acceptable
-                )
+                other = _with_other_law(scene, coarse, key, model, instead)
+                law = other.models.get(key.split(".")[1])
+                if law is not None and _runs_python(law):
+                    other = _with_friction_factor(coarse, other, balance, before[SLIP])
+                changed = rollers(other, _COARSE.n_positions, inertia=False, beside=balance)
+                after = _compared_values(changed, before[SLIP], acceptable)
             except RollslipError as refusal:
                 row["refused"] = str(refusal)
                 continue
-            moved = {name: (values[name], values[name] * end[name] / begin[name]) for name in values
-                     if begin[name] and not math.isnan(values[name])}  # fmt: skip
-            row["moved"] = {name: [_end(name, one) for one in both] for name, both in moved.items()}
+            row["moved"] = {
+                name: [
+                    _json_value(name, value),
+                    _json_value(name, value * after[name] / before[name]),
+                ]
+                for name, value in values.items()
+                if before[name] and not math.isnan(value)
+            }
         rows.append(row)
     return rows
 
 
-def _values(balance: TorqueBalance, near: float, acceptable: float) -> dict[str, float]:
-    """Return the steady slip near one, the reserve to the acceptable one, and the friction torque; infinite, NaN."""
-    slip = steady_near(balance, near)
-    o = balance.assembly.scene.operation
-    found = {SLIP: slip, RESERVE: math.nan, TORQUE: math.nan}
+def _compared_values(balance: TorqueBalance, near: float, acceptable: float) -> dict[str, float]:
+    """Return the steady slip near another, the reserve to the acceptable slip, and the friction torque [N m].
+
+    The slip is infinite where the cage skids; what is not known is NaN.
+    """
+    slip = steady_slip_near(balance, near)
+    operation = balance.assembly.scene.operation
+    values = {SLIP: slip, RESERVE: math.nan, TORQUE: math.nan}
     if not math.isnan(acceptable):
-        found[RESERVE] = acceptable_reserve(balance, acceptable)[0]
+        values[RESERVE] = acceptable_reserve(balance, acceptable)[0]
     if math.isfinite(slip):
-        lost = power_balance(balance, balance.orbit(slip))
-        found[TORQUE] = sum(loss.power for loss in lost.losses) / abs(o.inner_speed - o.outer_speed)
-    return found
+        power = sum(loss.power for loss in power_balance(balance, balance.orbit(slip)).losses)
+        values[TORQUE] = power / abs(operation.inner_speed - operation.outer_speed)
+    return values
 
 
-def _left(assembly: Assembly, code: str, reference: str) -> Iterator[tuple[str, SliceModel, str]]:
-    """Yield the key, the model and the other law of what has a bound of a code."""
+def _exceeded_laws(
+    assembly: Assembly, code: str, reference: str
+) -> Iterator[tuple[str, SliceModel, str]]:
+    """Yield key, model and name of the other law for each law of a bearing that has a validity range with a code."""
     laws = [
-        one for kind, model in assembly.models.items() for one in _laws(f"models.{kind}", model)
+        law
+        for kind, model in assembly.models.items()
+        for law in _nested_laws(f"models.{kind}", model)
     ]
     laws += [("lubricant.pressure_viscosity_law", assembly.lubricant.pressure_viscosity_law)]
     for key, model in laws:
         if code == APPROXIMATION and getattr(model, "solved_by", None) == reference:
             yield key, model, reference
-        elif instead := next((one.instead for one in model.validity if one.code == code), ""):
+        elif instead := next((v.instead for v in model.validity if v.code == code), ""):
             yield key, model, instead
 
 
-def _laws(key: str, model: SliceModel) -> Iterator[tuple[str, SliceModel]]:
+def _nested_laws(key: str, model: SliceModel) -> Iterator[tuple[str, SliceModel]]:
+    """Yield a law and the laws among its parameters, with their keys in a scene."""
     yield key, model
     for a in attrs.fields(type(model)) if attrs.has(type(model)) else ():  # type: ignore[arg-type]
         if isinstance(child := getattr(model, a.name), SliceModel):
-            yield from _laws(f"{key}.{a.name}", child)
+            yield from _nested_laws(f"{key}.{a.name}", child)
 
 
-def _replaced(scene: Scene, few: Assembly, key: str, model: SliceModel, instead: str) -> Assembly:
-    """Return the bearing with the other law at a key: around the law that was, or with its parameters."""
+def _with_other_law(
+    scene: Scene, coarse: Assembly, key: str, model: SliceModel, instead: str
+) -> Assembly:
+    """Return the bearing with another law at a key: around the former law, or with the parameters that both have."""
     name, _, inner = instead.partition(".")
     _, kind, *_ = key.split(".")
     known: Any = scene.tables
@@ -382,37 +501,50 @@ def _replaced(scene: Scene, few: Assembly, key: str, model: SliceModel, instead:
     own: dict[str, Any] = thawed(known) if isinstance(known, Mapping) else {}
     if inner:
         own = {inner: {"model": model.name} | own}
-    elif kind in few.models:
-        own = {
-            one: own[one] for one in own.keys() & attrs.fields_dict(get_class(kind, name)).keys()
-        }
-    return assemble(evolve(scene, {key: {"model": name, **own} if own else name}), few.resolution)
+    elif kind in coarse.models:
+        shared = own.keys() & attrs.fields_dict(get_class(kind, name)).keys()
+        own = {parameter: own[parameter] for parameter in shared}
+    return assemble(
+        evolve(scene, {key: {"model": name, **own} if own else name}), coarse.resolution
+    )
 
 
 def _runs_python(model: SliceModel) -> bool:
-    return any(one.kernel() is None for _, one in _laws("", model))
+    """Whether a law or a law among its parameters has no compiled form."""
+    return any(law.kernel() is None for _, law in _nested_laws("", model))
 
 
-def _corrected(few: Assembly, other: Assembly, balance: TorqueBalance, slip: float) -> Assembly:
-    """Return the bearing with its friction times what another law makes of it, at the motion of a steady slip."""
+def _with_friction_factor(
+    coarse: Assembly, other: Assembly, balance: TorqueBalance, slip: float
+) -> Assembly:
+    """Return the bearing with its friction times the ratio of another bearing's to its own, in the motion at a slip."""
     rings = {}
-    for one in evaluated_slices(balance, [balance.orbit(slip)]):
-        own, its = (next(r for r in each.raceways if r.ring == one.ring) for each in (few, other))
-        order = np.argsort(one.load)
-        below = np.cumsum(one.force[order])
-        at = order[np.unique(np.searchsorted(below, np.array(_AT) * below[-1]))]
-        speeds = [np.broadcast_to(part, one.load.shape)[at] for part in (one.rolling, one.sliding)]
-        places = {name: of[at] for name, of in one.places.items()}
+    for loaded in evaluated_slices(balance, [balance.orbit(slip)]):
+        own, its = (
+            next(raceway for raceway in bearing.raceways if raceway.ring == loaded.ring)
+            for bearing in (coarse, other)
+        )
+        order = np.argsort(loaded.load)
+        below = np.cumsum(loaded.force[order])
+        at = order[np.unique(np.searchsorted(below, np.array(_FORCE_QUANTILES) * below[-1]))]
+        speeds = [
+            np.broadcast_to(speed, loaded.load.shape)[at]
+            for speed in (loaded.rolling, loaded.sliding)
+        ]
+        places = {name: column[at] for name, column in loaded.places.items()}
         frictions = [
-            np.abs(r.evaluate(one.load[at], *speeds, **places).friction) for r in (its, own)
+            np.abs(raceway.evaluate(loaded.load[at], *speeds, **places).friction)
+            for raceway in (its, own)
         ]
         with np.errstate(all="ignore"):
             factor = np.nan_to_num(frictions[0] / frictions[1], nan=1.0, posinf=1.0)
-        rings[own.conditions.radius] = one.load[at], factor
-    chain = Chain(*few.inner.chain.models, _Factor(rings), compiled=few.resolution.compiled)
+        rings[own.conditions.radius] = loaded.load[at], factor
+    chain = Chain(
+        *coarse.inner.chain.models, _FrictionFactor(rings), compiled=coarse.resolution.compiled
+    )
     return attrs.evolve(
-        few,
-        inner=attrs.evolve(few.inner, chain=chain),
-        outer=attrs.evolve(few.outer, chain=chain),
+        coarse,
+        inner=attrs.evolve(coarse.inner, chain=chain),
+        outer=attrs.evolve(coarse.outer, chain=chain),
         known_maps={},
     )
