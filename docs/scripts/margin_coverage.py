@@ -21,7 +21,7 @@ from scipy.stats import cauchy, norm
 
 from rollslip_campaigns.sweep.sampling import REPLICATES, probabilities
 from rollslip_campaigns.uncertainty.estimators import quantile
-from rollslip_campaigns.uncertainty.margin import ENDING
+from rollslip_campaigns.uncertainty.margin import STOPPING_CONFIDENCE
 
 SEEDS = 1000
 SAMPLES = (256, 512, 1024, 2048, 4096)
@@ -102,7 +102,7 @@ if __name__ == "__main__":
             ours = [[quantile(v[:n], p, replicates=REPLICATES) for v in several] for n in SAMPLES]
             plain = [[quantile(v[:n], p) for v in single] for n in SAMPLES]
             wider = [
-                [quantile(v[:n], p, replicates=REPLICATES, confidence=ENDING) for v in several]
+                [quantile(v[:n], p, replicates=REPLICATES, confidence=STOPPING_CONFIDENCE) for v in several]
                 for n in SAMPLES
             ]
             for found, batches in ((ours, wider), (plain, plain)):

@@ -9,7 +9,13 @@ from hypothesis import strategies as st
 from scipy import optimize, stats
 
 from rollslip_campaigns.sweep.sampling import REPLICATES, probabilities
-from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, fraction, indices, quantile
+from rollslip_campaigns.uncertainty.estimators import (
+    Estimate,
+    fraction,
+    indices,
+    min_samples,
+    quantile,
+)
 
 
 @pytest.mark.parametrize("n", [40, 500, 1777])
@@ -195,7 +201,7 @@ def test_replicates_of_one_value_have_no_width_and_those_beyond_a_range_keep_the
 @pytest.mark.parametrize("p", [0.01, 0.05, 0.1, 0.3, 0.9, 0.99])
 @pytest.mark.parametrize("confidence", [0.95, 0.975])
 def test_from_the_fewest_samples_on_an_interval_has_two_ends(p, confidence):
-    n = fewest(p, REPLICATES, confidence)
+    n = min_samples(p, REPLICATES, confidence)
     low = p < 0.5
     for count, told in ((n, True), (n - REPLICATES, False)):
         values = np.sort(probabilities("replicated-sobol", count, 1, 0)[:, 0])

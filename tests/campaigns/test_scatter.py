@@ -22,7 +22,11 @@ from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
 from rollslip_campaigns.uncertainty import UncertaintySettings, findings
-from rollslip_campaigns.uncertainty.samples import fractions_of, minimum_loads, of_friction
+from rollslip_campaigns.uncertainty.samples import (
+    classify_reserves,
+    friction_samples,
+    minimum_loads,
+)
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
@@ -349,12 +353,12 @@ def points(statuses):
 )
 def test_every_sample_is_counted_once(statuses):
     found = points(statuses)
-    fractions = fractions_of(found)
+    fractions = classify_reserves(found)
     known = sum(text == "found" for text in statuses)
     assert known + sum(int(fractions[name].sum()) for name in ("skids", "bound", "unknown")) == len(
         statuses
     )
-    slips = of_friction(found)["steady slip"]
+    slips = friction_samples(found)["steady slip"]
     assert np.array_equal(np.isinf(slips), fractions["skids"]), "what skids is beyond every slip"
     assert not np.isnan(slips).any(), "what is driven slips by nothing"
 

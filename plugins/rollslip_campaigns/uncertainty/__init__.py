@@ -1,4 +1,4 @@
-"""What scattered input does to the slip that is allowed."""
+"""Campaign ``uncertainty``: how scattering data change drag reserve, steady slip, minimum load and allowable slip."""
 
 import json
 import shlex
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class UncertaintySettings(OfPoints):
-    """Tell the reserve of drag, the steady slip and the least load of SCENE where its data scatter.
+    """Estimate drag reserve, steady slip and minimum load of SCENE where its data scatter.
 
-    What scatters is in the scene's table [uncertainty]; without one it is what its oil, its bearing and its
-    models say of themselves. What the scene states, or --set, does not scatter.
+    The scene's table [uncertainty] lists the data that scatter; without one, these are the data of its oil, bearing
+    and models with a declared scatter. Values that the scene states, or --set, do not scatter.
 
     Returns
     -------
@@ -53,11 +53,13 @@ class UncertaintySettings(OfPoints):
         "Samples of reserve and slips.  [default: 1024]", of=int, least=2, metavar="N"
     )
     until: float | None = setting(
-        "Double samples until the interval's half width is H, a slip.", of=float, metavar="H",
+        "Double samples until the interval's half width is H, a slip.",
+        of=float,
+        metavar="H",
         more="Samples are then 16384 at most.",
-    )  # fmt: skip
+    )
     probability: float = setting(
-        "Of what is told.", of=float, default=0.99, metavar="P", shown=True
+        "Probability of the reported bounds.", of=float, default=0.99, metavar="P", shown=True
     )
     loads: int | None = setting(
         "Samples of the minimum load.  [default: 64]", of=int, least=0, metavar="N"
@@ -66,7 +68,7 @@ class UncertaintySettings(OfPoints):
     seed: int = setting("Seed of the samples.", of=int, default=0, least=0, metavar="N")
 
     def plan(self) -> "Margin":
-        """Check what is asked for and lay out its samples."""
+        """Check the settings and plan the sweeps over the samples."""
         from rollslip_campaigns.uncertainty.margin import plan_margin
 
         return plan_margin(self)
@@ -74,21 +76,19 @@ class UncertaintySettings(OfPoints):
     def run(
         self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
     ) -> "xr.Dataset":
-        """Compute the distributions in a folder."""
+        """Compute the samples in a folder and estimate the distributions."""
         from rollslip_campaigns.uncertainty.margin import run_margin
 
         return run_margin(made, folder, said=said, report=lambda now: show(*now.told))
 
     def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
-        """Return what computes points without a result again."""
-        from rollslip_campaigns.uncertainty.findings import failed
-
+        """Return commands that compute the points without a result again, None if all points have one."""
         counts = json.loads(dataset.attrs["points"])
-        names = (
-            [name for name, of in counts.items() if of.keys() - {"ok"}] if failed(dataset) else []
-        )
-        retry = (
+        commands = [
             shlex.join(["rollslip", "sweep", "retry", str(folder / name), "--failed"])
-            for name in names
-        )
-        return [f"compute points without a result again by: {one}, then" for one in retry] or None
+            for name, status_counts in counts.items()
+            if status_counts.keys() - {"ok"}
+        ]
+        return [
+            f"compute points without a result again by: {command}, then" for command in commands
+        ] or None

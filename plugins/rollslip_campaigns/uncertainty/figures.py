@@ -1,8 +1,8 @@
-"""Figures of scattering data: reserve of drag, steady slip and its margin, what decides them, and convergence.
+"""Figures of scattering data: drag reserve, steady slip and its margin, sensitivities, and convergence.
 
-Style, sizes and files are those of `rollslip.results.style`. The margin is drawn as shares of samples, not as
-densities: every sample is in the picture, no width of bins decides what is seen, and where both curves overlap there is
-no margin.
+Style, sizes and files are those of `rollslip.results.style`. The margin is drawn as empirical distribution functions,
+not as densities: every sample is in the figure, no width of bins changes the picture, and where both curves overlap
+there is no margin.
 """
 
 import textwrap
@@ -17,9 +17,9 @@ from rollslip_campaigns.uncertainty.findings import (
     RESERVE,
     SKIDDING,
     STEADY,
-    allowable,
-    margin,
-    reserve,
+    describe_allowable_slip,
+    describe_margin,
+    describe_reserve,
 )
 
 if TYPE_CHECKING:
@@ -30,11 +30,15 @@ __all__ = ["uncertainty_figures"]
 
 
 def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the figures; give name, caption and figure."""
+    """Draw the figures; yield name, caption and figure of each."""
     if RESERVE in dataset["quantity"].to_numpy():
-        yield "uncertainty-reserve", f"Drag reserve: {reserve(dataset)}.", _reserve(dataset)
-    said = margin(dataset) if "margin" in dataset else allowable(dataset)
-    yield "uncertainty", f"Margin of cage slip: {said}.", _margin(dataset)
+        yield (
+            "uncertainty-reserve",
+            f"Drag reserve: {describe_reserve(dataset)}.",
+            _reserve(dataset),
+        )
+    sentence = describe_margin(dataset) if "margin" in dataset else describe_allowable_slip(dataset)
+    yield "uncertainty", f"Margin of cage slip: {sentence}.", _margin(dataset)
     if np.isfinite(dataset["rank_correlation"].to_numpy()).any():
         caption = "Rank correlations of each uncertain quantity with what is acted on, the strongest first."
         yield "uncertainty-ranks", caption, _ranks(dataset)
@@ -47,14 +51,14 @@ def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figu
 
 
 def _reserve(dataset: "xr.Dataset") -> "Figure":
-    """Share of the samples with less than a reserve; the quantile that is told, and where a cage skids."""
+    """Empirical distribution of the drag reserve, its reported quantile, and the limit below which the cage skids."""
     sheet = Sheet()
     axes = sheet.axes
-    one = dataset.sel(quantity=RESERVE)
+    reserves = dataset.sel(quantity=RESERVE)
     p = float(dataset.attrs["probability"])
-    n = int(one["samples"])
-    unknown = int(one["unknown"])
-    known = np.sort(one["value"].to_numpy()[:n])[: n - unknown]  # NaN is sorted last
+    n = int(reserves["samples"])
+    unknown = int(reserves["unknown"])
+    known = np.sort(reserves["value"].to_numpy()[:n])[: n - unknown]  # NaN is sorted last
     drawn = np.isfinite(known) & (known > 0.0)
     if drawn.any():
         shown = known[drawn]
@@ -63,17 +67,22 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
         axes.plot(shown, 100 * below, color=MODEL_COLOURS[0], drawstyle="steps-post", label=label)
         if unknown:
             axes.fill_between(
-                shown, 100 * below, 100 * (below + unknown / n), step="post", color=MODEL_COLOURS[0], alpha=0.25,
+                shown,
+                100 * below,
+                100 * (below + unknown / n),
+                step="post",
+                color=MODEL_COLOURS[0],
+                alpha=0.25,
                 linewidth=0,
-            )  # fmt: skip
+            )
         plain_decades(axes.xaxis)
-    least = float(one["quantile_value"].sel(probability=round(1.0 - p, 12)))
-    if np.isfinite(least):
+    lower_bound = float(reserves["quantile_value"].sel(probability=round(1.0 - p, 12)))
+    if np.isfinite(lower_bound):
         axes.axvline(
-            least,
+            lower_bound,
             color="black",
             linewidth=0.9,
-            label=f"at least, with probability {p:g}: {least:.3g}",
+            label=f"at least, with probability {p:g}: {lower_bound:.3g}",
         )
     axes.axvline(1.0, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="below 1 the cage skids")
     axes.set_ylim(0.0, 103.0)
@@ -82,33 +91,33 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
 
 
 def _ranks(dataset: "xr.Dataset") -> "Figure":
-    """Rank correlations as bars, a panel for each of what is acted on, in the order of the first."""
+    """Rank correlations as bars, a panel for each result; inputs are in the order of their largest correlation."""
     known = dataset["rank_correlation"].transpose("acted", "input").dropna("acted", how="all")
     ranks = known.to_numpy()
     order = np.argsort(np.nan_to_num(np.abs(ranks)).max(axis=0))
 
-    def bars(axes: Any, places: Any, k: int) -> None:
-        axes.barh(places, np.nan_to_num(ranks[k][order]), 0.6, color=MODEL_COLOURS[0])
+    def draw_bars(axes: Any, positions: Any, k: int) -> None:
+        axes.barh(positions, np.nan_to_num(ranks[k][order]), 0.6, color=MODEL_COLOURS[0])
         axes.set_xlim(-1.0, 1.0)
 
-    return _of_inputs(
-        dataset, order, 6, known["acted"].to_numpy(), "Rank correlation [–]", bars
+    return _draw_input_panels(
+        dataset, order, 6, known["acted"].to_numpy(), "Rank correlation [–]", draw_bars
     ).figure
 
 
-def _of_inputs(
-    dataset: "xr.Dataset", order: Any, each: float, names: Any, label: str, bars: Any
+def _draw_input_panels(
+    dataset: "xr.Dataset", order: Any, row_height: float, names: Any, label: str, draw_bars: Any
 ) -> Sheet:
-    """Draw a panel for each name, whose rows are what scatters, `each` so high [mm]; `bars` draws into one."""
+    """Draw a panel for each name with a row for each input, of a height [mm]; `draw_bars` draws into one panel."""
     keys = [short_label(str(key)) for key in dataset["input"].to_numpy()[order]]
-    places = np.arange(order.size)
-    size = 2 * SINGLE_COLUMN[0], (24 + each * len(keys)) * MM
+    positions = np.arange(order.size)
+    size = 2 * SINGLE_COLUMN[0], (24 + row_height * len(keys)) * MM
     sheet = Sheet(size, 1, len(names), sharex=True, sharey=True, squeeze=False)
     for k, (axes, name) in enumerate(zip(sheet.axes[0], names, strict=True)):
-        bars(axes, places, k)
+        draw_bars(axes, positions, k)
         axes.set(
             title=textwrap.fill(str(name), 72 // len(names)),
-            yticks=places,
+            yticks=positions,
             yticklabels=keys,
             xlabel=label,
         )
@@ -119,45 +128,46 @@ def _of_inputs(
 
 
 def _margin(dataset: "xr.Dataset") -> "Figure":
+    """Empirical distributions of the steady slip and of the slip at which skidding begins, with the allowable slip."""
     sheet = Sheet()
     axes = sheet.axes
     shown: dict[str, tuple[str, str, Any]] = {SKIDDING: ("below", MODEL_COLOURS[0], DASHES[0])}
     if "margin" in dataset:
         shown = {STEADY: ("above", MODEL_COLOURS[1], DASHES[1])} | shown
-    ends = list[float]()
+    limits = list[float]()
     for name, (side, colour, dashes) in shown.items():
-        one = dataset.sel(quantity=name)
-        n = int(one["samples"])
-        values = one["value"].to_numpy()[:n]
+        slips = dataset.sel(quantity=name)
+        n = int(slips["samples"])
+        values = slips["value"].to_numpy()[:n]
         known = np.sort(values[np.isfinite(values)])
-        unknown = int(one["unknown"])
+        unknown = int(slips["unknown"])
         if not known.size:
             where = "beyond the range, or failed"
-            if n in (unknown, int(one["beyond"])):
+            if n in (unknown, int(slips["beyond"])):
                 where = "failed" if unknown else "beyond the range or without end"
             axes.plot([], [], color=colour, label=f"{name}: all {n} samples {where}")
             continue
-        known = np.append(known[0], known)  # from no sample on
-        ends += [float(known[0]), float(known[-1])]
+        known = np.append(known[0], known)  # the curve starts at a fraction of zero
+        limits += [float(known[0]), float(known[-1])]
         below = np.arange(known.size) / n
-        least, most = (
+        lower, upper = (
             (below, below + unknown / n)
             if side == "below"
             else (1 - below - unknown / n, 1 - below)
         )
         label = f"{name}: share of {n} samples {side}"
-        fractions: dict[str, Any] = {
+        style: dict[str, Any] = {
             "drawstyle": "steps-post",
             "color": colour,
             "linestyle": dashes,
             "label": label,
         }
-        axes.plot(100 * known, 100 * (least if side == "below" else most), **fractions)
+        axes.plot(100 * known, 100 * (lower if side == "below" else upper), **style)
         if unknown:
             axes.fill_between(
                 100 * known,
-                100 * least,
-                100 * most,
+                100 * lower,
+                100 * upper,
                 step="post",
                 color=colour,
                 alpha=0.25,
@@ -177,10 +187,10 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         axes.axvline(
             100 * float(acceptable), color="0.4", linewidth=0.9, linestyle=DASHES[2], label=label
         )
-    if ends and min(ends) > 0.0:
+    if limits and min(limits) > 0.0:
         plain_decades(axes.xaxis)
-        axes.set_xlim(100 * min(ends) / 1.5, min(100.0, 150 * max(ends)))
-    if not ends:  # an axis from 0 to 1 % would say that there is nothing there alone
+        axes.set_xlim(100 * min(limits) / 1.5, min(100.0, 150 * max(limits)))
+    if not limits:  # the default axis from 0 to 1 % would suggest that only this part is empty
         axes.set_xlim(0.0, 100.0)
     axes.set_ylim(0.0, 103.0)
     sheet.handles = axes.get_legend_handles_labels()[0]
@@ -188,31 +198,39 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
 
 
 def _indices(dataset: "xr.Dataset") -> "Figure":
+    """Sobol indices as bars with their intervals, a panel for each result."""
     names = dataset["indexed"].to_numpy()
     order = np.argsort(dataset["total_order"].sel(indexed=names[0]).to_numpy())
 
-    def bars(axes: Any, places: Any, k: int) -> None:
-        one = dataset.sel(indexed=names[k])
-        for shift, which, colour in (
+    def draw_bars(axes: Any, positions: Any, k: int) -> None:
+        result = dataset.sel(indexed=names[k])
+        for shift, order_name, colour in (
             (0.19, "first_order", "0.65"),
             (-0.19, "total_order", MODEL_COLOURS[0]),
         ):
             value, low, high = (
-                one[f"{which}{end}"].to_numpy()[order] for end in ("", "_low", "_high")
+                result[f"{order_name}{suffix}"].to_numpy()[order]
+                for suffix in ("", "_low", "_high")
             )
             spread = [np.maximum(value - low, 0.0), np.maximum(high - value, 0.0)]
             axes.barh(
-                places + shift, value, 0.36, color=colour, label=which.replace("_", " "), error_kw={"elinewidth": 0.7},
+                positions + shift,
+                value,
+                0.36,
+                color=colour,
+                label=order_name.replace("_", " "),
+                error_kw={"elinewidth": 0.7},
                 xerr=spread,
-            )  # fmt: skip
+            )
 
-    sheet = _of_inputs(dataset, order, 9, names, "Share of the variance [–]", bars)
+    sheet = _draw_input_panels(dataset, order, 9, names, "Share of the variance [–]", draw_bars)
     handles = sheet.axes[0][0].get_legend_handles_labels()[0]
     sheet.figure.legend(handles=handles, loc="outside lower left", ncols=2)
     return sheet.figure
 
 
 def _convergence(dataset: "xr.Dataset") -> "Figure":
+    """Allowable slip with its interval over the number of samples; open markers where a bound is infinite."""
     sheet = Sheet()
     axes = sheet.axes
     known = dataset.isel(batch=np.isfinite(dataset["batch_allowable"].to_numpy()))
@@ -222,9 +240,15 @@ def _convergence(dataset: "xr.Dataset") -> "Figure":
     finite = np.isfinite(low) & np.isfinite(high)
     axes.set_xscale("log", base=2)
     axes.errorbar(
-        count[finite], 100 * value[finite], yerr=100 * np.array([(value - low)[finite], (high - value)[finite]]),
-        color=MODEL_COLOURS[0], marker="o", markersize=3.5, capsize=2, elinewidth=0.8,
-    )  # fmt: skip
+        count[finite],
+        100 * value[finite],
+        yerr=100 * np.array([(value - low)[finite], (high - value)[finite]]),
+        color=MODEL_COLOURS[0],
+        marker="o",
+        markersize=3.5,
+        capsize=2,
+        elinewidth=0.8,
+    )
     if (~finite).any():
         axes.plot(
             count[~finite],
@@ -235,6 +259,6 @@ def _convergence(dataset: "xr.Dataset") -> "Figure":
             mfc="white",
             ls="",
         )
-    axes.set_xticks(count, [str(one) for one in count])
+    axes.set_xticks(count, [str(samples) for samples in count])
     axes.minorticks_off()
     return sheet.done("Samples", f"Allowable slip at {float(dataset.attrs['probability']):g} [%]")

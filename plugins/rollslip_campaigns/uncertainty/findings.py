@@ -1,4 +1,4 @@
-"""What scattering data do to reserve, slips and loads, in sentences and plain values."""
+"""Report the results of scattering data: drag reserve, slips and loads as sentences, tables and plain values."""
 
 import json
 import math
@@ -18,20 +18,23 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["UncertaintyAccount", "allowable", "failed", "margin", "reserve"]
+__all__ = ["UncertaintyAccount", "describe_allowable_slip", "describe_margin", "describe_reserve"]
 
-#: What people act on, and what margin and allowable slip are of.
+#: Names of the quantities, values of the coordinate "quantity"; users act on the first three.
 RESERVE: Final = "drag reserve"
 STEADY: Final = "steady slip"
 LOAD: Final = "minimum load"
-#: How heads of columns of inputs begin.
-RANKED: Final = "rank correlation with "
+#: Quantity of which the allowable slip is a quantile.
 SKIDDING: Final = "slip at which skidding begins"
 DRAG: Final = "limit drag torque"
-#: How well samples know a band: best.
-_KNOWN: Final = 3
-#: Rank correlation of slip and drag of running away below which the caveat is told.
-_AGAINST: Final = -0.3
+#: Prefix of the column heads in the sheet of inputs.
+RANKED: Final = "rank correlation with "
+#: Rank (`rollslip.results.answer.Row.known`) of a band that comes from samples: of several results about one quantity
+#: the answer shows the one with the highest rank. Only the order of ranks matters.
+_ANSWER_RANK: Final = 3
+#: Rank correlation of skidding slip and limit drag below which a caveat is added to the allowable slip: closer to zero
+#: adds it for weak correlations, -0.6 only for strong ones. Chosen: of 64 samples -0.3 is significant.
+_CAVEAT_CORRELATION: Final = -0.3
 
 
 _NO_INDICES = (
@@ -40,168 +43,213 @@ _NO_INDICES = (
 )
 
 
-def failed(dataset: "xr.Dataset") -> int:
-    """Return how many points have no result."""
-    points = json.loads(dataset.attrs["points"])
-    return sum(
-        count for counts in points.values() for status, count in counts.items() if status != "ok"
-    )
-
-
 class UncertaintyAccount(Account):
-    """How slips of scattering data are told."""
+    """Report of the campaign ``uncertainty``."""
 
     units: ClassVar[Mapping[str, str]] = {"probability": "1", "reserve_is_a_lower_bound_in": "1"}
     drawn = ".figures:uncertainty_figures"
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return slip, reserve and load of the samples; of a scene without a cage, where it would run away."""
-        every = dataset["quantity"].to_numpy()
+        """Return slip, reserve and load of the samples; for a scene without a cage, where skidding would begin."""
+        quantities = dataset["quantity"].to_numpy()
         p = float(dataset.attrs["probability"])
-        if RESERVE not in every:
+        if RESERVE not in quantities:
             return Answer(
                 rows=(
                     Row(
                         key="skidding",
                         label="limit drag torque",
                         text="",
-                        note=_describe_skidding(dataset),
+                        note=_describe_skidding_onset(dataset),
                     ),
                 )
             )
         low, slip, high = (_quantile(dataset, STEADY, q)[0] for q in (0.05, 0.5, 0.95))
-        sure = _quantile(dataset, RESERVE, round(1.0 - p, 12))[0]
+        lower_reserve = _quantile(dataset, RESERVE, round(1.0 - p, 12))[0]
         n = int(dataset["samples"].sel(quantity=STEADY))
         skids = float(dataset["skidding"])
         rows = [
-            Row(key="cage_slip", label="cage slip", value=slip, band=(low, high), known=_KNOWN, within=math.inf,
+            Row(
+                key="cage_slip",
+                label="cage slip",
+                value=slip,
+                band=(low, high),
+                known=_ANSWER_RANK,
+                within=math.inf,
                 text=percent(slip) if math.isfinite(slip) else "skidding",
-                note=f"{format_slip_band(low, high)}; median of {n} samples")
+                note=f"{format_slip_band(low, high)}; median of {n} samples",
+            )
             if not math.isnan(slip)
-            else Row(key="cage_slip", label="cage slip", text="not found", note=_steady(dataset)),
-            Row(key="drag_reserve", label="reserve to skidding", value=sure, band=(sure, math.inf), known=_KNOWN,
-                within=math.inf, text="not found" if math.isnan(sure) else f"at least {two_digits(sure)}",
-                note=f"with probability {p:g}; {percent(skids) if skids > 0.0 else 'none'} of the samples skid"),
-        ]  # fmt: skip
-        if LOAD in every and math.isfinite(load := _quantile(dataset, LOAD, p)[0]):
+            else Row(
+                key="cage_slip",
+                label="cage slip",
+                text="not found",
+                note=_describe_steady_slip(dataset),
+            ),
+            Row(
+                key="drag_reserve",
+                label="reserve to skidding",
+                value=lower_reserve,
+                band=(lower_reserve, math.inf),
+                known=_ANSWER_RANK,
+                within=math.inf,
+                text="not found"
+                if math.isnan(lower_reserve)
+                else f"at least {two_digits(lower_reserve)}",
+                note=f"with probability {p:g}; {percent(skids) if skids > 0.0 else 'none'} of the samples skid",
+            ),
+        ]
+        if LOAD in quantities and math.isfinite(load := _quantile(dataset, LOAD, p)[0]):
             below = f"for a slip below {format_plain(100.0 * float(dataset.attrs['acceptable_slip']))} %"
-            rows.append(Row(key="minimum_load", label="minimum load", value=load, unit="N", text=format_force(load, load),
-                            note=f"{below}, with probability {p:g}", within=math.inf))  # fmt: skip
+            rows.append(
+                Row(
+                    key="minimum_load",
+                    label="minimum load",
+                    value=load,
+                    unit="N",
+                    text=format_force(load, load),
+                    note=f"{below}, with probability {p:g}",
+                    within=math.inf,
+                )
+            )
         return Answer(rows=tuple(rows))
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Return what was found, by what it is about, what people act on first; `sheets` has every quantity."""
-        every = list(map(str, dataset["quantity"].to_numpy()))
-        found = dict[str, list[str]]()
-        if RESERVE in every:
-            found |= {RESERVE: [reserve(dataset)], STEADY: [_steady(dataset)]}
-        if LOAD in every:
-            found[LOAD] = [_load(dataset)]
-        found |= {
-            "skidding": [_describe_skidding(dataset)],
-            "allowable slip": [allowable(dataset), *_caveat(dataset)],
+        """Return sentences by topic; the quantities that users act on come first. `sheets` has every quantity."""
+        quantities = list(map(str, dataset["quantity"].to_numpy()))
+        topics = dict[str, list[str]]()
+        if RESERVE in quantities:
+            topics |= {
+                RESERVE: [describe_reserve(dataset)],
+                STEADY: [_describe_steady_slip(dataset)],
+            }
+        if LOAD in quantities:
+            topics[LOAD] = [_describe_minimum_load(dataset)]
+        topics |= {
+            "skidding": [_describe_skidding_onset(dataset)],
+            "allowable slip": [describe_allowable_slip(dataset), *_caveat(dataset)],
         }
         if "margin" in dataset:
-            found["margin"] = [margin(dataset)]
-        if rests_on := dataset.attrs.get("curves_with"):
-            found["critical slip"] = [f"slips at largest traction are {rests_on}"]
+            topics["margin"] = [describe_margin(dataset)]
+        if closure := dataset.attrs.get("curves_with"):
+            topics["critical slip"] = [f"slips at largest traction are {closure}"]
         if "indexed" in dataset.coords:
-            of = dataset["indexed"].to_numpy()
-            found["indices"] = [_shares(dataset.sel(indexed=name)) for name in of] or [_NO_INDICES]
-        return found
+            topics["indices"] = [
+                _describe_indices(dataset.sel(indexed=name))
+                for name in dataset["indexed"].to_numpy()
+            ] or [_NO_INDICES]
+        return topics
 
     @staticmethod
     def sheets(dataset: "xr.Dataset") -> dict[str, Sheet]:
-        """Return a row for each quantity, with its median, its band and what is sure, and one for each input.
+        """Return a row for each quantity, with its median, its band and its bound, and a row for each input.
 
-        Sure is what slip and load do not pass, and all else does, with the probability that was asked for. Inputs are
-        in the order of how much they decide about the first quantity, by rank correlation.
+        The bound holds with the requested probability: slip and load are at most their bound, every other quantity is
+        at least its bound. Inputs are ordered by the size of their rank correlation with the first quantity.
         """
         p = float(dataset.attrs["probability"])
         units = json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
-        head = ["quantity", "unit", "median", "5 %", "95 %", "bound", f"with probability {p:g}", "95 % interval from",
-                "95 % interval to", "samples", "beyond the range", "without a value"]  # fmt: skip
+        head = [
+            "quantity",
+            "unit",
+            "median",
+            "5 %",
+            "95 %",
+            "bound",
+            f"with probability {p:g}",
+            "95 % interval from",
+            "95 % interval to",
+            "samples",
+            "beyond the range",
+            "without a value",
+        ]
         rows = list[list[Any]]()
         for name in map(str, dataset["quantity"].to_numpy()):
-            most = name in (STEADY, LOAD)
-            sure = _quantile(dataset, name, p if most else round(1.0 - p, 12))
+            is_upper = name in (STEADY, LOAD)
+            bound = _quantile(dataset, name, p if is_upper else round(1.0 - p, 12))
             values = (
                 *(_quantile(dataset, name, fraction)[0] for fraction in (0.5, 0.05, 0.95)),
-                *sure,
+                *bound,
             )
             unit, shown = in_people_s_unit(name, values, units.get(name, "1"))
             counts = [
-                int(dataset[word].sel(quantity=name)) for word in ("samples", "beyond", "unknown")
+                int(dataset[variable].sel(quantity=name))
+                for variable in ("samples", "beyond", "unknown")
             ]
             rows.append(
-                [name, unit, *shown[:3], "at most" if most else "at least", *shown[3:], *counts]
+                [name, unit, *shown[:3], "at most" if is_upper else "at least", *shown[3:], *counts]
             )
         ranks = dataset["rank_correlation"]
         order = np.argsort(-np.abs(np.nan_to_num(ranks.to_numpy()[:, 0])), kind="stable")
-        of = [[str(ranks["input"][k].item()), *map(or_none, ranks[k].to_numpy())] for k in order]
-        return {
-            "": (head, rows),
-            "-inputs": (["input", *(f"{RANKED}{name}" for name in dataset["acted"].values)], of),
-        }
+        inputs = [
+            [str(ranks["input"][k].item()), *map(or_none, ranks[k].to_numpy())] for k in order
+        ]
+        inputs_head = ["input", *(f"{RANKED}{name}" for name in dataset["acted"].values)]
+        return {"": (head, rows), "-inputs": (inputs_head, inputs)}
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
-        """Return a row for each quantity, those that people act on first, and one for each input."""
+        """Return a table of the quantities, those that users act on first, and a table of the inputs."""
 
-        def told(*values: float | None) -> str:
+        def format_band(*values: float | None) -> str:
             return " to ".join("-" if value is None else two_digits(value) for value in values)
 
         (head, rows), (inputs, ranks) = self.sheets(dataset).values()
         shown = [
             [
                 f"{name} [{unit}]" if unit else name,
-                told(middle),
-                told(low, high),
-                f"{sure} {told(bound)}",
-                told(*ends),
+                format_band(median),
+                format_band(low, high),
+                f"{side} {format_band(bound)}",
+                format_band(*interval),
             ]
-            for name, unit, middle, low, high, sure, bound, *ends, _, _, _ in rows
-            if any(value is not None for value in (middle, low, high, bound, *ends))
+            for name, unit, median, low, high, side, bound, *interval, _, _, _ in rows
+            if any(value is not None for value in (median, low, high, bound, *interval))
         ]
-        decides = [
-            [name, *("-" if rank is None else f"{rank:+.2f}" for rank in of)] for name, *of in ranks
+        ranked_inputs = [
+            [name, *("-" if rank is None else f"{rank:+.2f}" for rank in row)]
+            for name, *row in ranks
         ]
-        of = [name.removeprefix(RANKED) for name in inputs]
+        ranks_head = [name.removeprefix(RANKED) for name in inputs]
         return [
             Table(
                 "quantities, - where one is beyond its range or not known",
                 ("quantity", "median", "5 to 95 %", head[6], "95 % interval of that"),
                 shown,
             ),
-            Table("what decides, by rank correlation with", tuple(of), decides),
+            Table("what decides, by rank correlation with", tuple(ranks_head), ranked_inputs),
         ]
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return what was found as plain values; what the samples cannot tell is null."""
+        """Return the results as plain values; None (null in JSON) where the samples give no value or bound."""
         units = json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
         inputs = dataset["input"].to_numpy().tolist()
         quantities = {
-            one["quantity"]: {
-                "unit": units.get(one["quantity"], "1"),
-                "samples": one["samples"],
-                "known": one["known"],
-                "beyond_the_range": one["beyond"],
-                "unknown": one["unknown"],
+            row["quantity"]: {
+                "unit": units.get(row["quantity"], "1"),
+                "samples": row["samples"],
+                "known": row["known"],
+                "beyond_the_range": row["beyond"],
+                "unknown": row["unknown"],
                 "quantiles": [
-                    {"probability": row["probability"]}
-                    | {end: or_none(row[f"quantile_{end}"]) for end in ("value", "low", "high")}
-                    for row in rows_along(dataset.isel(quantity=k), "probability")
+                    {"probability": quantile["probability"]}
+                    | {
+                        key: or_none(quantile[f"quantile_{key}"])
+                        for key in ("value", "low", "high")
+                    }
+                    for quantile in rows_along(dataset.isel(quantity=k), "probability")
                 ],
             }
-            for k, one in enumerate(rows_along(dataset, "quantity"))
+            for k, row in enumerate(rows_along(dataset, "quantity"))
         }
-        found: dict[str, Any] = {
+        results: dict[str, Any] = {
             "probability": float(dataset.attrs["probability"]),
-            "allowable_slip": _ends(dataset, "allowable", "_slip") | {"status": allowable(dataset)},
-            "margin": _ends(dataset, "margin") if "margin" in dataset else None,
-            "skidding": _ends(dataset, "skidding") if "skidding" in dataset else None,
+            "allowable_slip": _bounds_of(dataset, "allowable", "_slip")
+            | {"status": describe_allowable_slip(dataset)},
+            "margin": _bounds_of(dataset, "margin") if "margin" in dataset else None,
+            "skidding": _bounds_of(dataset, "skidding") if "skidding" in dataset else None,
             "reserve_is_a_lower_bound_in": int(dataset["bounded"])
             if "bounded" in dataset
             else None,
@@ -215,40 +263,42 @@ class UncertaintyAccount(Account):
             "quantities": quantities,
         }
         if "indexed" in dataset.coords:
-            found["indices"] = {
+            results["indices"] = {
                 str(name): {
                     key: {
-                        order: _ends(dataset.sel(indexed=name, input=key), order)
+                        order: _bounds_of(dataset.sel(indexed=name, input=key), order)
                         for order in ("first_order", "total_order")
                     }
                     for key in inputs
                 }
                 for name in dataset["indexed"].to_numpy()
             }
-        return found
+        return results
 
 
-def _ends(dataset: "xr.Dataset", name: str, suffix: str = "") -> dict[str, float | None]:
-    names = {"value": f"{name}{suffix}", "low": f"{name}_low", "high": f"{name}_high"}
-    return {what: or_none(dataset[variable]) for what, variable in names.items()}
+def _bounds_of(dataset: "xr.Dataset", name: str, suffix: str = "") -> dict[str, float | None]:
+    """An estimate and its bounds, from three variables, of which that of the value has a suffix."""
+    variables = {"value": f"{name}{suffix}", "low": f"{name}_low", "high": f"{name}_high"}
+    return {key: or_none(dataset[variable]) for key, variable in variables.items()}
 
 
 def _quantile(dataset: "xr.Dataset", name: str, probability: float) -> tuple[float, float, float]:
-    """A quantile of what people act on, and the ends of its interval."""
-    one = dataset.sel(quantity=name, probability=probability)
-    value, low, high = (float(one[f"quantile_{end}"]) for end in ("value", "low", "high"))
+    """A quantile of a quantity, and the bounds of its interval."""
+    quantile = dataset.sel(quantity=name, probability=probability)
+    value, low, high = (float(quantile[f"quantile_{key}"]) for key in ("value", "low", "high"))
     return value, low, high
 
 
-def _told(dataset: "xr.Dataset", name: str, shown: Callable[[float], str]) -> str:
-    """Median and band of what people act on, in words."""
-    low, middle, high = (_quantile(dataset, name, p)[0] for p in (0.05, 0.5, 0.95))
-    return f"median {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}"
+def _describe_band(dataset: "xr.Dataset", name: str, shown: Callable[[float], str]) -> str:
+    """Median and 5 to 95 % band of a quantity, formatted by `shown`."""
+    low, median, high = (_quantile(dataset, name, p)[0] for p in (0.05, 0.5, 0.95))
+    return f"median {shown(median)}, 5 to 95 %: {shown(low)} to {shown(high)}"
 
 
-def _interval(
+def _describe_interval(
     dataset: "xr.Dataset", low: float, high: float, shown: Callable[[float], str], name: str
 ) -> str:
+    """Confidence interval of a quantile, formatted by `shown`, or why it has no lower bound."""
     n = int(dataset["samples"].sel(quantity=name))
     if math.isinf(low) and low < 0.0:
         return f"{n} samples are too few to tell how much less it may be"
@@ -257,62 +307,69 @@ def _interval(
     return f"95 % interval: {shown(low)} to {shown(high)}, {n} samples"
 
 
-def reserve(dataset: "xr.Dataset") -> str:
-    """Say how many times the drags of the scene the rollers carry at least, and how many samples skid."""
+def describe_reserve(dataset: "xr.Dataset") -> str:
+    """Return a sentence on the drag reserve: the factor that the rollers carry, and the fraction that skids."""
     p = float(dataset.attrs["probability"])
     n = int(dataset["samples"].sel(quantity=RESERVE))
     value, low, high = _quantile(dataset, RESERVE, round(1.0 - p, 12))
     if math.isnan(value):
         return f"the drag reserve is not known: none of {n} samples has one"
-    said = (
-        f"the rollers carry at least {_times(value)} the drag of the scene, with probability {p:g}"
-    )
-    said += (
-        f" ({_interval(dataset, low, high, _times, RESERVE)}); {_told(dataset, RESERVE, _times)}"
-    )
+    text = f"the rollers carry at least {_format_factor(value)} the drag of the scene, with probability {p:g}"
+    interval = _describe_interval(dataset, low, high, _format_factor, RESERVE)
+    text += f" ({interval}); {_describe_band(dataset, RESERVE, _format_factor)}"
     bounded = int(dataset["bounded"])
     if bounded:
-        said += f"; in {bounded} of {n} samples there is no skidding in the range, and the reserve is a lower bound"
-    skids, least, most = (float(dataset[f"skidding{end}"]) for end in ("", "_low", "_high"))
+        text += f"; in {bounded} of {n} samples there is no skidding in the range, and the reserve is a lower bound"
+    skids, skids_low, skids_high = (
+        float(dataset[f"skidding{suffix}"]) for suffix in ("", "_low", "_high")
+    )
     if not skids > 0.0:
-        return said
-    return f"{said}; in {_percent(skids)} of the samples the cage skids ({_percent(least)} to {_percent(most)})"
+        return text
+    skids_interval = f"{_format_percent(skids_low)} to {_format_percent(skids_high)}"
+    return f"{text}; in {_format_percent(skids)} of the samples the cage skids ({skids_interval})"
 
 
-def _steady(dataset: "xr.Dataset") -> str:
-    """Say how much the cage slips, and below what it stays."""
+def _describe_steady_slip(dataset: "xr.Dataset") -> str:
+    """Return a sentence on the steady slip: its band, and its bound with the requested probability."""
     p = float(dataset.attrs["probability"])
     value, low, high = _quantile(dataset, STEADY, p)
     if math.isnan(value):
         return "the steady slip is not known: no sample has one"
-    ends = _interval(dataset, low, high, _percent, STEADY)
-    most = f"below {_percent(value)}" if math.isfinite(value) else "not below any in the range"
-    said = f"the cage slips by {_told(dataset, STEADY, _percent)}; {most} with probability {p:g} ({ends})"
+    interval = _describe_interval(dataset, low, high, _format_percent, STEADY)
+    bound = (
+        f"below {_format_percent(value)}" if math.isfinite(value) else "not below any in the range"
+    )
+    band = _describe_band(dataset, STEADY, _format_percent)
+    text = f"the cage slips by {band}; {bound} with probability {p:g} ({interval})"
     acceptable = dataset.attrs.get("acceptable_slip", "")
     if acceptable == "":
-        return said
+        return text
     slips = dataset["value"].sel(quantity=STEADY).to_numpy()
     above = float(np.mean(np.abs(slips[~np.isnan(slips)]) > float(acceptable)))
-    return f"{said}; the acceptable {_percent(float(acceptable))} is passed in {_percent(above)} of the samples"
+    return (
+        f"{text}; the acceptable {_format_percent(float(acceptable))} is passed in {_format_percent(above)} of the "
+        "samples"
+    )
 
 
-def _load(dataset: "xr.Dataset") -> str:
-    """Say which radial load keeps the slip acceptable."""
+def _describe_minimum_load(dataset: "xr.Dataset") -> str:
+    """Return a sentence on the minimum load: the radial load with which the slip is acceptable."""
     p = float(dataset.attrs["probability"])
     value, low, high = _quantile(dataset, LOAD, p)
     if math.isnan(value):
         return "the minimum load is not known: no sample has one"
-    slip = _percent(float(dataset.attrs["acceptable_slip"]))
-    ends = _interval(dataset, low, high, _force, LOAD)
+    slip = _format_percent(float(dataset.attrs["acceptable_slip"]))
+    interval = _describe_interval(dataset, low, high, _format_force, LOAD)
     return (
-        f"a radial load of {_force(value)} keeps the slip below {slip} with probability {p:g} ({ends}); "
-        f"{_told(dataset, LOAD, _force)}"
+        f"a radial load of {_format_force(value)} keeps the slip below {slip} with probability {p:g} ({interval}); "
+        f"{_describe_band(dataset, LOAD, _format_force)}"
     )
 
 
 def _caveat(dataset: "xr.Dataset") -> list[str]:
+    """Warning where a small skidding slip comes with a large limit drag, so that the slip cannot rank oils."""
     rho = float(dataset["strength_correlation"]) if "strength_correlation" in dataset else math.nan
-    if not rho < _AGAINST:
+    if not rho < _CAVEAT_CORRELATION:
         return []
     return [
         "this slip ranks oils the wrong way round: where skidding begins at a small slip the limit drag torque is "
@@ -320,53 +377,61 @@ def _caveat(dataset: "xr.Dataset") -> list[str]:
     ]
 
 
-def _describe_skidding(dataset: "xr.Dataset") -> str:
-    """Say where the cage runs away: slip and drag, medians with their spread."""
-    low, middle, high = (_quantile(dataset, SKIDDING, p)[0] for p in (0.05, 0.5, 0.95))
-    if math.isnan(middle):
+def _describe_skidding_onset(dataset: "xr.Dataset") -> str:
+    """Return a sentence on the onset of skidding: slip and limit drag torque, medians with their bands."""
+    low, median, high = (_quantile(dataset, SKIDDING, p)[0] for p in (0.05, 0.5, 0.95))
+    if math.isnan(median):
         return "no sample says where skidding begins"
-    if math.isinf(middle):
+    if math.isinf(median):
         beyond = int(dataset["beyond"].sel(quantity=SKIDDING))
         n = int(dataset["samples"].sel(quantity=SKIDDING))
         return f"no skidding was found in {beyond} of {n} samples up to the end of the range"
-    least, mean, most = (_torque(_quantile(dataset, DRAG, p)[0]) for p in (0.05, 0.5, 0.95))
+    low_drag, median_drag, high_drag = (
+        _format_torque(_quantile(dataset, DRAG, p)[0]) for p in (0.05, 0.5, 0.95)
+    )
     return (
-        f"skidding begins at a cage slip of {_percent(middle)}, limit drag torque {mean} "
-        f"(medians; 5 to 95 %: {_percent(low)} to {_percent(high)}, {least} to {most})"
+        f"skidding begins at a cage slip of {_format_percent(median)}, limit drag torque {median_drag} "
+        f"(medians; 5 to 95 %: {_format_percent(low)} to {_format_percent(high)}, {low_drag} to {high_drag})"
     )
 
 
-def allowable(dataset: "xr.Dataset") -> str:
-    """Say up to which slip a cage does not skid, with the probability that was asked for."""
-    value, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
+def describe_allowable_slip(dataset: "xr.Dataset") -> str:
+    """Return a sentence on the allowable slip: up to it a cage does not skid, with the requested probability."""
+    value, low, high = (
+        float(dataset[f"allowable{suffix}"]) for suffix in ("_slip", "_low", "_high")
+    )
     p = float(dataset.attrs["probability"])
     n = int(dataset["samples"].sel(quantity=SKIDDING))
     if math.isnan(value):
         return f"the allowable slip is not known: none of {n} samples says where skidding begins"
-    few = (
+    insufficient = (
         f"{n} samples are too few to tell how much less it may be, which takes {dataset.attrs['min_samples']} and "
         "more where all points have a result"
     )
     if value == math.inf:
         end = (
-            f", {_percent(float(dataset.attrs['slip_range']))}"
+            f", {_format_percent(float(dataset.attrs['slip_range']))}"
             if "slip_range" in dataset.attrs
             else ""
         )
-        what = f"the allowable slip lies beyond the range of slips{end}: so does the {SKIDDING} with probability {p:g}"
-        sure = "beyond the range too" if low == math.inf else f"from {_percent(low)} on"
-        sure = f"; {few}" if low == -math.inf else f" (95 % interval: {sure}, {n} samples)"
-        return f"{what}{sure}{dataset.attrs.get('search_range_hint', '')}"
-    what = f"a cage that slips by at most {_percent(value)} does not skid, with probability {p:g}"
+        text = f"the allowable slip lies beyond the range of slips{end}: so does the {SKIDDING} with probability {p:g}"
+        interval = "beyond the range too" if low == math.inf else f"from {_format_percent(low)} on"
+        addition = (
+            f"; {insufficient}"
+            if low == -math.inf
+            else f" (95 % interval: {interval}, {n} samples)"
+        )
+        return f"{text}{addition}{dataset.attrs.get('search_range_hint', '')}"
+    text = f"a cage that slips by at most {_format_percent(value)} does not skid, with probability {p:g}"
     if low == -math.inf:
-        return f"{what}; {few}"
-    # a high end is infinite where samples beyond the range say so: failed ones leave the low end unknown first
-    return f"{what} (95 % interval of this slip: {_percent(low)} to {_percent(high)}, {n} samples)"
+        return f"{text}; {insufficient}"
+    # an infinite upper bound comes from samples beyond the range: failed points make the lower bound unknown first
+    return f"{text} (95 % interval of this slip: {_format_percent(low)} to {_format_percent(high)}, {n} samples)"
 
 
-def margin(dataset: "xr.Dataset") -> str:
+def describe_margin(dataset: "xr.Dataset") -> str:
     """Return the probability that the steady slip is below that at which skidding begins, in a sentence."""
-    value, low, high = (float(dataset[f"margin{end}"]) for end in ("", "_low", "_high"))
+    value, low, high = (float(dataset[f"margin{suffix}"]) for suffix in ("", "_low", "_high"))
     n = int(dataset["samples"].sel(quantity="steady slip"))
     if math.isnan(value):
         return f"none of {n} samples has both a steady slip and one at which skidding begins"
@@ -376,38 +441,39 @@ def margin(dataset: "xr.Dataset") -> str:
     )
 
 
-def _shares(one: "xr.Dataset") -> str:
-    inputs = rows_along(one, "input")
+def _describe_indices(indices: "xr.Dataset") -> str:
+    """Sentence with the total Sobol indices of one result, the largest first."""
+    inputs = rows_along(indices, "input")
     parts = [
         "{input} {total_order:.2f} ({total_order_low:.2f} to {total_order_high:.2f})".format(
             **inputs[k]
         )
-        for k in np.argsort(-one["total_order"].to_numpy())
+        for k in np.argsort(-indices["total_order"].to_numpy())
     ]
-    beyond = int(one["indexed_beyond"])
-    said = f"; {beyond} samples beyond the range count as at its end" if beyond else ""
-    used = int(one["indexed_rows"])
-    requested = int(one["indexed_requested"])
+    beyond = int(indices["indexed_beyond"])
+    additions = f"; {beyond} samples beyond the range count as at its end" if beyond else ""
+    used = int(indices["indexed_rows"])
+    requested = int(indices["indexed_requested"])
     if used < requested:
-        said += (
+        additions += (
             f"; made of {used} of {requested} rows, the largest power of two of those without a gap"
         )
-    return f"share of the variance of {one['indexed'].item()}, total Sobol index: {', '.join(parts)}{said}"
+    return f"share of the variance of {indices['indexed'].item()}, total Sobol index: {', '.join(parts)}{additions}"
 
 
-def _torque(value: float) -> str:
+def _format_torque(value: float) -> str:
     return format_quantity(value, "N m", 3) if math.isfinite(value) else "beyond the range"
 
 
-def _times(value: float) -> str:
+def _format_factor(value: float) -> str:
     return f"{value:.3g} times" if math.isfinite(value) else "without limit"
 
 
-def _force(value: float) -> str:
+def _format_force(value: float) -> str:
     return format_quantity(value, "N", 3) if math.isfinite(value) else "more than any"
 
 
-def _percent(fraction: float) -> str:
+def _format_percent(fraction: float) -> str:
     return f"{100 * fraction:.3g} %" if math.isfinite(fraction) else "more than the range"
 
 

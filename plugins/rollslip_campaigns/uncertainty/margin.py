@@ -16,9 +16,9 @@ Quantities:
 - The *drag reserve* is the limit drag torque of the rollers divided by the drags of the scene
   (`rollslip_studies.motion.loading_branch`). With probability p it is at least its quantile 1 - p. Where skidding does
   not begin in the range it is a lower bound; below 1 the cage skids.
-- The *steady slip* is the smallest slip at which rollers and drags are in balance. The *minimum load* is the radial load
-  at which the steady slip is the acceptable slip of the scene. Reserve, slips and skidding of a sample follow from one
-  loading branch.
+- The *steady slip* is the smallest slip at which rollers and drags are in balance. The *minimum load* is the radial
+  load at which the steady slip is the acceptable slip of the scene. Reserve, slips and skidding of a sample follow from
+  one loading branch.
 - Skidding begins at the slip where the balance of torques has its fold. The slip that is *allowable* with probability p
   is the quantile 1 - p of that slip. The *margin* is the probability that the steady slip is below the slip at which
   skidding begins, sample by sample. This slip does not rank oils: mostly a large limit drag torque makes it small.
@@ -91,12 +91,12 @@ STOPPING_CONFIDENCE: Final = 0.975
 #: Samples of the first batch; a batch ends at 256, 512, 1024, ... samples. Twice as many can make runs with ``until``
 #: compute up to 256 samples too many. Chosen: 32 samples of each of eight sequences, a power of two.
 _FIRST_BATCH = 256
-#: Maximum number of samples with ``until``; it bounds the time of a run whose interval never is as narrow. Twice as many
+#: Maximum number of samples with ``until``, which bounds the time of a run whose interval stays wider. Twice as many
 #: make the interval at the maximum narrower by about 1/sqrt(2), for twice the time. Chosen.
 _MAX_SAMPLES = 16384
-#: Default number of samples. Twice as many double the time and make intervals of a 1 % quantile narrower by about a
-#: third (docs/tables/margin_coverage.csv). 1024 is a power of two that gives this quantile two finite bounds
-#: (`rollslip_campaigns.uncertainty.estimators.min_samples`), which 512 does not always.
+#: Default number of samples. Twice as many double the time and make the intervals narrower by about 1/sqrt(2) or more.
+#: Chosen: a power of two, three times the 336 samples that a 1 % quantile needs for two finite bounds
+#: (`rollslip_campaigns.uncertainty.estimators.min_samples`).
 _DEFAULT_SAMPLES = 1024
 #: Default number of samples of the minimum load, for which a point is a search over loads. Twice as many double its
 #: time. Chosen: enough for median and 90 % band, not for the bounds of a 99 % quantile.
@@ -110,8 +110,13 @@ _REPORTED_PROBABILITIES: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
 _SAMPLE_KINDS: Final = (np.isfinite, np.isinf, np.isnan)
 #: Variables of study effective-friction that the samples need.
 _OUTPUTS: Final = (
-    "drag_reserve", "steady_cage_slip", "skidding_slip", "limit_drag", "critical_cage_slip", "critical_friction"
-)  # fmt: skip
+    "drag_reserve",
+    "steady_cage_slip",
+    "skidding_slip",
+    "limit_drag",
+    "critical_cage_slip",
+    "critical_friction",
+)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -183,46 +188,12 @@ class Margin:
 
 
 def plan_margin(requested: "UncertaintySettings") -> Margin:
-    """Check what is asked for and lay out its samples."""
-    scene = requested.given
-    probability = requested.probability
-    until = requested.until
-    indices = requested.indices
-    samples = (
-        requested.samples
-        if requested.samples is not None
-        else _DEFAULT_SAMPLES
-        if until is None
-        else _MAX_SAMPLES
-    )
-    stated = "acceptable_slip" in scene.study.get(SteadySlip.name, {})
-    loads = (
-        requested.loads
-        if requested.loads is not None
-        else min(_DEFAULT_LOADS, samples)
-        if stated
-        else 0
-    )
-    problems = []
-    if not 0.5 <= probability < 1.0:
-        problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
-    if until is not None and not until > 0.0:
-        problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
-    if loads > samples:
-        problems.append(
-            f"loads: the samples of the minimum load are the first of all {samples}, not {loads}"
-        )
-    if indices and (indices < 4 or indices & (indices - 1)):
-        problems.append(
-            f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}"
-        )
-    if not EffectiveFriction.from_scene(scene).skidding_range:
-        problems.append(
-            f"study.{EffectiveFriction.name}.skidding_range: a range is needed, such as 0.95, not 0"
-        )
+    """Check the settings and plan the sweeps over the samples."""
+    samples, loads = _sample_counts(requested)
+    problems = _faults(requested, samples, loads)
     if problems:
         raise SceneError(problems)
-    scene, scatter = with_scatter(scene)
+    scene, scatter = with_scatter(requested.given)
     shared: dict[str, Any] = {
         "seed": requested.seed,
         "engine": requested.engine,
@@ -277,7 +248,7 @@ def _faults(requested: "UncertaintySettings", samples: int, loads: int) -> list[
         problems.append(
             f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}"
         )
-    if not EffectiveFriction.of(requested.given).skidding_range:
+    if not EffectiveFriction.from_scene(requested.given).skidding_range:
         problems.append(
             f"study.{EffectiveFriction.name}.skidding_range: a range is needed, such as 0.95, not 0"
         )
@@ -363,10 +334,11 @@ def run_margin(
     # without `until` all samples are computed in one run, for which workers start once
     all_samples = compute_samples("critical", total) if plan.until is None else None
     while True:
-        if all_samples is None:
-            critical = compute_samples("critical", count)
-        else:
-            critical = all_samples.isel(sample=slice(count))
+        critical = (
+            compute_samples("critical", count)
+            if all_samples is None
+            else all_samples.isel(sample=slice(count))
+        )
         allowable = plan.quantile(friction_samples(critical)[SKIDDING], 1.0 - plan.probability)
         batches.append((count, allowable))
         said(f"{count} samples: {_describe_allowable(allowable)}")
@@ -597,7 +569,7 @@ def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     d = len(plan.critical.design.sampled)
     rows = list[Any]()
     names = list[str]()
-    study = EffectiveFriction.of(plan.critical.scene)
+    study = EffectiveFriction.from_scene(plan.critical.scene)
     seed = plan.critical.table.seed
     for name, values in friction_samples(points["indices"]).items():
         if name == DRAG or name.startswith(f"{CRITICAL_SLIP},"):
@@ -620,7 +592,7 @@ def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
         f"indexed_{suffix}": ("indexed", np.array([row[k] for row in rows]), about("1", long_name))
         for k, suffix, long_name in (
             (2, "rows", "rows of the design that are used"),
-            (3, "asked", "rows of the design"),
+            (3, "requested", "rows of the design"),
             (4, "beyond", "samples beyond the range"),
         )
     }
@@ -637,7 +609,7 @@ def _attributes(
 ) -> dict[str, Any]:
     """Attributes of the dataset: origin, warnings, and the settings that its sentences need."""
     sweep = plan.critical
-    study = EffectiveFriction.of(plan.critical.scene)
+    study = EffectiveFriction.from_scene(plan.critical.scene)
     warnings = [
         f"{name}: {count} of {sum(counts.values())} points are {status}; they count as the worst and as the best"
         for name, counts in status_counts.items()
@@ -662,7 +634,7 @@ def _attributes(
         curves_with=CLOSURES[study.closure],
         confidence=CONFIDENCE,
         min_samples=min_samples(plan.probability, REPLICATES, plan.confidence),
-        acceptable_slip=SteadySlip.of(sweep.scene).acceptable_slip or "",
+        acceptable_slip=SteadySlip.from_scene(sweep.scene).acceptable_slip or "",
         until=plan.until if plan.until is not None else "",
         points=status_counts,
     )

@@ -1,8 +1,9 @@
-"""What the points of samples say: one number of each, with where it lies if it is none.
+"""Read the samples of each quantity from the points of a sweep, with values for points without a number.
 
-- Infinite is beyond a range, on the side that the number has there; NaN is not known, and counts as worst and as best.
-- A cage that skids has no steady slip: its slip is beyond all. Its reserve of drag is below 1, and a number.
-- A reserve of which a lower bound is known is that bound: its low quantiles are bounds too.
+- A value beyond the range of its study is infinite, with the sign of the side; an unknown value is NaN, and counts as
+  the smallest and as the largest value (`rollslip_campaigns.uncertainty.estimators`).
+- A cage that skids has no steady slip: its slip is infinite. Its drag reserve is a number below 1.
+- A drag reserve of which only a lower bound is known has this bound as its value, so that low quantiles are bounds too.
 """
 
 from typing import TYPE_CHECKING, Any, Final
@@ -16,13 +17,14 @@ from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, SKIDDING, STE
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LOWEST", "classify_reserves", "friction_samples", "minimum_loads"]
+__all__ = ["CRITICAL_SLIP", "classify_reserves", "friction_samples", "minimum_loads"]
 
+#: Name of the smaller critical slip of both rings.
 CRITICAL_SLIP: Final = "critical slip"
 
 
 def friction_samples(points: "xr.Dataset") -> dict[str, Array]:
-    """Return the samples of study effective-friction by what they are, those that people act on first."""
+    """Return the samples of study effective-friction, (n,) each, by quantity; reserve and steady slip come first."""
     slips = _rings(points, "critical_cage_slip")
     frictions = _rings(points, "critical_friction")
     skidding_slips = _skidding(points)
@@ -48,7 +50,7 @@ def has_cage(points: "xr.Dataset") -> bool:
 
 
 def classify_reserves(points: "xr.Dataset") -> dict[str, Any]:
-    """Return in which samples the cage skids, of which the reserve is a lower bound, and whose reserve is not known."""
+    """Return masks (n,) of the samples: "skids"; "bound", the reserve is a lower bound; "unknown", it is not known."""
     skidding = _has_status(points, "reserve_status", Status.SKIDS)
     is_lower_bound = _has_status(points, "reserve_status", Status.AT_LEAST)
     return {
@@ -61,7 +63,7 @@ def classify_reserves(points: "xr.Dataset") -> dict[str, Any]:
 
 
 def minimum_loads(points: "xr.Dataset") -> Array:
-    """Return least radial loads, (n,): zero where any load serves, infinite where none does."""
+    """Return minimum radial loads [N], (n,): zero where any load suffices, infinite where none does, NaN if unknown."""
     loads = _scalar(points, "minimum_load")
     loads[_has_status(points, "minimum_load_status", Status.NO_LOAD_NEEDED, Status.ANY_LOAD)] = 0.0
     loads[_has_status(points, "minimum_load_status", Status.NO_LOAD)] = np.inf
@@ -69,7 +71,7 @@ def minimum_loads(points: "xr.Dataset") -> Array:
 
 
 def _rings(points: "xr.Dataset", name: str) -> Array:
-    """Critical slips or their friction, (2, n); a slip that is not in the range is beyond it, its friction unknown."""
+    """Critical slips or their friction, (2, n): a slip beyond the range is infinite and its friction NaN."""
     has_result = points["status"].to_numpy() == "ok"
     values = np.full((len(RINGS), has_result.size), np.nan)
     if name in points:
@@ -80,7 +82,7 @@ def _rings(points: "xr.Dataset", name: str) -> Array:
 
 
 def _skidding(points: "xr.Dataset") -> Array:
-    """Slip of running away, (n,): infinite beyond the range, NaN where it is not known or its point failed."""
+    """Slip at which skidding begins, (n,): infinite beyond the range, NaN where unknown or where the point failed."""
     slips = _scalar(points, "skidding_slip")
     slips[_has_status(points, "skidding_status", Status.NOT_DRIVEN)] = 0.0
     has_result = points["status"].to_numpy() == "ok"
@@ -90,7 +92,7 @@ def _skidding(points: "xr.Dataset") -> Array:
 
 
 def _steady(points: "xr.Dataset") -> Array:
-    """Slip at which the cage runs, (n,): infinite where there is none in the range, zero where the cage is driven."""
+    """Steady slip of the cage, (n,): infinite where the range has none, zero where the cage is driven."""
     slips = _scalar(points, "steady_cage_slip")
     slips[
         _has_status(points, "steady_status", Status.NO_STEADY_SLIP)
@@ -101,13 +103,13 @@ def _steady(points: "xr.Dataset") -> Array:
 
 
 def _scalar(points: "xr.Dataset", name: str) -> Array:
-    """A single value of each point, (n,), NaN where there is none."""
+    """Values of a scalar output at the points, (n,), NaN where there is none."""
     size = points["status"].size
     return points[name].to_numpy().astype(float) if name in points else np.full(size, np.nan)
 
 
 def _has_status(points: "xr.Dataset", name: str, *statuses: Status) -> Any:
-    """Whether a status of each point is one of some, (n,)."""
+    """Mask (n,) of the points whose status, the variable of that name, is one of the given ones."""
     texts = (
         points[name].to_numpy().astype(str)
         if name in points
