@@ -39,7 +39,7 @@ from rollslip_studies.steady_slip.figures import steady_figures
 from rollslip_studies.steady_slip.findings import SteadySlipAccount, _rows
 from rollslip_studies.steady_slip.losses import viscosity_ratio
 from rollslip_studies.steady_slip.minimum_load import RULES, static_rating
-from rollslip_studies.steady_slip.statuses import no_fold
+from rollslip_studies.steady_slip.statuses import describe_no_fold
 from rollslip_studies.steady_slip.study import SteadySlip
 
 SHIPPED = load_scene("1032930-50C")
@@ -630,7 +630,7 @@ def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followe
 
 def test_a_range_of_speeds_is_told_in_rpm():
     limits = quantity("5000 rpm", "rad/s"), quantity("7000 rpm", "rad/s")
-    assert "at 5000 rpm and none at 7000 rpm" in no_fold(
+    assert "at 5000 rpm and none at 7000 rpm" in describe_no_fold(
         "inner_speed", limits, [], "study.steady-slip", 0.9
     )
 

@@ -19,11 +19,11 @@ from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.results.words import LOWER_BOUNDS
 from rollslip.scene.interchange import read_foreign, write_foreign
-from rollslip.studies.error_estimate import AT_ONCE
+from rollslip.studies.error_estimate import JOINT_ORDER
 from rollslip.studies.surface_damage.model import Contacts
 from rollslip_plugins.damage.sliding import PassEnergy
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.steady_slip.evaluated import by_secant
+from rollslip_studies.steady_slip.evaluated import estimate_by_secant
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.surface_damage.figures import damage_figures
 from rollslip_studies.surface_damage.study import _worst_between
@@ -144,12 +144,12 @@ def test_slices_are_added_until_the_worst_is_within_the_tolerance(k):
 
 
 def test_a_worst_value_that_stays_off_is_told_with_the_number():
-    """Of 8 slices that the scene fixes; told is how far off 201 they are, or as much more as `AT_ONCE` makes it."""
+    """Of 8 slices that the scene fixes; told is how far off 201 they are, or as much more as `JOINT_ORDER` makes it."""
     found = run(coarse(41, **{"accuracy.slices": 8}), "surface-damage")
     exact = run(coarse(41, **{"accuracy.slices": 201}), "surface-damage")
     for n, name in enumerate(WORST):
         off = float(abs(found.worst[n] / exact.worst[n] - 1.0).max())
-        assert 1.0 <= accuracy_of(found)[name] / off <= 1.0 / (1.0 - 2.0**-AT_ONCE)
+        assert 1.0 <= accuracy_of(found)[name] / off <= 1.0 / (1.0 - 2.0**-JOINT_ORDER)
         (said,) = (text for text in json.loads(found.attrs["warnings"]) if text.startswith(name))
         told = float(re.search(r"off by about (\S+), more than the tolerance of 0.001", said)[1])
         assert told == pytest.approx(accuracy_of(found)[name], rel=0.05)
@@ -169,7 +169,7 @@ def test_a_steady_slip_that_is_off_is_judged_by_a_secant_and_damage_where_that_l
     exact = worst(balance.orbit_of(steady.motion))
     for fraction in (None, steady.motion.fraction[0]):
         for off in (0.004, -0.01):
-            found, at = by_secant(balance, (1.0 + off) * steady.slip, worst, fraction)
+            found, at = estimate_by_secant(balance, (1.0 + off) * steady.slip, worst, fraction)
             assert found == pytest.approx(abs(off), rel=0.03)
             assert at == pytest.approx(exact, rel=1e-3)
             assert abs(worst(balance.orbit((1.0 + off) * steady.slip)) / exact - 1.0) > 3e-3

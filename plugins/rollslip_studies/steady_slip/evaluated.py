@@ -1,4 +1,9 @@
-"""What other studies take of a steady slip: the resolution of its torques, and slices evaluated there."""
+"""Quantities at steady slips that several studies need: resolution, loaded slices, film regimes, and error estimates.
+
+An error is estimated by one step of the secant method on the torque balance of a finer bearing, from the steady slip of
+the coarser one: the step is the error of the slip, and any quantity that depends on the slip is extrapolated linearly
+over the same step.
+"""
 
 import math
 from collections.abc import Callable, Iterable
@@ -17,26 +22,51 @@ if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
     from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 
-#: Tolerance of the slip of the largest drag, where nothing depends on it.
-_ANY_SLIP: Final = 0.1
-#: Relative step of a slip by which an excess is differentiated, and how many of them to either side what goes with the
-#: slip is taken to be linear.
-STEP: Final = 1e-3
-_FAR: Final = 30.0
+#: Relative tolerance of the skidding slip in a choice of resolution by torques alone, where nothing depends on that
+#: slip. It only has to be too large to matter: half or twice as much changes no choice.
+_LOOSE_SLIP_TOLERANCE: Final = 0.1
+#: Relative step of a slip, or of a load, by which an excess torque is differentiated. Twice as much doubles the error
+#: of the slope by curvature, half as much its error by rounding; chosen between both.
+SECANT_STEP: Final = 1e-3
+#: Number of these steps up to which a quantity is extrapolated, 3 % of the slip. Twice as much trusts the linear
+#: extrapolation over 6 %; chosen, as larger errors of the slip exceed any tolerance without it.
+_MAX_EXTRAPOLATION: Final = 30.0
 
 
-def estimate_torques(study: Study, assembly: "Assembly", *, cheaper_laws: bool) -> ResolutionChoice:
-    """Choose slices, instants and laws by torques alone: at which slip the largest of them is does not matter."""
-    accuracy = attrs.evolve(assembly.scene.accuracy, critical_slip=_ANY_SLIP)
+def choose_by_torques(
+    study: Study, assembly: "Assembly", *, cheaper_laws: bool
+) -> ResolutionChoice:
+    """Choose slices, roller positions and laws by torques alone, whatever the error of the skidding slip.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    assembly : Assembly
+        The bearing.
+    cheaper_laws : bool
+        Whether a cheaper law may replace one that it approximates.
+    """
+    accuracy = attrs.evolve(assembly.scene.accuracy, critical_slip=_LOOSE_SLIP_TOLERANCE)
     there = attrs.evolve(assembly, scene=attrs.evolve(assembly.scene, accuracy=accuracy))
-    found = study.choose_resolution(there, cheaper_laws=cheaper_laws)
-    errors = {part: {of: error for of, error in some.items() if of != "critical_slip"} for part, some in
-              found.errors.items()}  # fmt: skip
-    return attrs.evolve(found, errors=errors)
+    choice = study.choose_resolution(there, cheaper_laws=cheaper_laws)
+    errors = {
+        part: {name: error for name, error in by_name.items() if name != "critical_slip"}
+        for part, by_name in choice.errors.items()
+    }
+    return attrs.evolve(choice, errors=errors)
 
 
 def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> list[LoadedSlices]:
-    """Return the loaded slices of both rings in some motions of the rollers."""
+    """Return the loaded slices of both rings in motions of the rollers.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Torque balance of the bearing.
+    orbits : iterable of Orbit
+        The motions.
+    """
     found = []
     for orbit in orbits:
         for ring, contacts in zip(RINGS, balance.evaluated(orbit), strict=True):
@@ -55,40 +85,63 @@ def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> lis
     return found
 
 
-def by_secant(
+def estimate_by_secant(
     balance: "TorqueBalance",
     slip: float,
-    of: "Callable[[Orbit], Array]",
+    quantities: "Callable[[Orbit], Array]",
     fraction: float | None = None,
 ) -> tuple[float, Array]:
-    """Return by how much a steady slip is off that of another balance, relative, and what goes with the slip there.
+    """Return the relative error of a steady slip by one secant step, and quantities extrapolated to the exact slip.
 
-    Both by one secant, from the motions on the way up or from that of a share of the slip at the first position.
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Torque balance of a finer bearing than the one that has the slip.
+    slip : float
+        Steady cage slip of the coarser bearing [-].
+    quantities : callable
+        Quantities, (n,), in a motion of the rollers.
+    fraction : float or None
+        Roller slip at the first position, normalised, from which the motion is found; None for the motion on the
+        loading branch.
     """
-    slips = slip * np.array([1.0, 1.0 + STEP])
+    slips = slip * np.array([1.0, 1.0 + SECANT_STEP])
     if fraction is None:
-        orbits = [balance.orbit(one) for one in slips.tolist()]
+        orbits = [balance.orbit(cage_slip) for cage_slip in slips.tolist()]
     else:
-        orbits = [
-            balance.orbit_of(each[0]) for each in balance.motions.at(slips, np.full(2, fraction))
-        ]
-    over, more = (orbit.torque + balance.drag(orbit.cage_slip) for orbit in orbits)
-    steps = over / (over - more) if more != over else math.inf
-    here, beside = (of(orbit) for orbit in orbits)
-    return STEP * abs(steps), here + min(max(steps, -_FAR), _FAR) * (beside - here)
+        found = balance.motions.at(slips, np.full(2, fraction))
+        orbits = [balance.orbit_of(motions[0]) for motions in found]
+    excess, next_excess = (orbit.torque + balance.drag(orbit.cage_slip) for orbit in orbits)
+    steps = excess / (excess - next_excess) if next_excess != excess else math.inf
+    here, beyond = (quantities(orbit) for orbit in orbits)
+    return SECANT_STEP * abs(steps), here + min(
+        max(steps, -_MAX_EXTRAPOLATION), _MAX_EXTRAPOLATION
+    ) * (beyond - here)
 
 
-def loaded(assembly: "Assembly") -> "Assembly":
-    """Refuse a bearing in which nothing drives the rollers; else the difference of two roundings would."""
+def require_driven(assembly: "Assembly") -> "Assembly":
+    """Return the bearing; raise `SceneError` if no load drives its rollers, because rounding errors would do so."""
     if not assembly.load_distribution(2).inner_force.any():
         raise unloaded(assembly.scene, "nothing drives the cage")
     return assembly
 
 
-def films(
+def film_variables(
     study: Study, balance: "TorqueBalance", states: "list[Orbit]", *, steady: bool
 ) -> dict[str, Any]:
-    """Film regimes of the contacts over the orbits, and their smallest film parameter."""
+    """Return film regimes of the contacts over the orbits, and where slips are steady the smallest film parameter.
+
+    Parameters
+    ----------
+    study : Study
+        The study, which has the outputs.
+    balance : TorqueBalance
+        Torque balance of the bearing.
+    states : list of Orbit
+        Motions of the rollers.
+    steady : bool
+        Whether the states are those at steady slips.
+    """
     n = len(states)
     fraction = np.zeros((2, 4))
     light = np.zeros(2)
@@ -107,7 +160,7 @@ def films(
             largest[i] = max(largest[i], M.max())
             light[i] += force[M < LIGHT].sum() / n
     where = ", at the steady slips" if steady else ", over the range of slips"
-    found = regime_variables(fraction, largest, light, where)
+    variables = regime_variables(fraction, largest, light, where)
     if steady:
-        found |= study.variables(film_parameter=thinnest)
-    return found
+        variables |= study.variables(film_parameter=thinnest)
+    return variables

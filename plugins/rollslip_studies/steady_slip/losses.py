@@ -15,11 +15,11 @@ from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
 from rollslip.results.words import Status
-from rollslip.studies.error_estimate import AT_ONCE, LEAST_OF_SOME
+from rollslip.studies.error_estimate import JOINT_ORDER, MINIMUM_ERROR_FACTOR
 from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
-from rollslip_studies.steady_slip.evaluated import STEP, by_secant
+from rollslip_studies.steady_slip.evaluated import SECANT_STEP, estimate_by_secant
 from rollslip_studies.steady_slip.minimum_load import largest_excess
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
 
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 _SMALL = 1e-3
 _PLENTY = 1e3
 #: What rollers that jump carry falls with the first order.
-_OF_JUMPS: Final = 2.0 * (1.0 - 2.0**-AT_ONCE)
+_OF_JUMPS: Final = 2.0 * (1.0 - 2.0**-JOINT_ORDER)
 
 
-def losses(
+def loss_variables(
     balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the losses at some states as variables, and their coordinates; NaN where none is steady.
@@ -92,7 +92,7 @@ def acceptable_reserve(balance: TorqueBalance, slip: float) -> tuple[float, str]
         return math.nan, str(error)
 
 
-def numbers_off(
+def estimate_answer_errors(
     balance: TorqueBalance, at_load: Callable[[float], TorqueBalance], dataset: "xr.Dataset"
 ) -> dict[str, float]:
     """Return what is off, relative, by its name; what an answer shows no digits of is left out.
@@ -138,9 +138,10 @@ def _off(
     if load > dataset.attrs.get("rollers_weight", 0.0):
         by = np.atleast_1d(dataset["minimum_load"].attrs["slips"]).tolist()
         over, more = (
-            largest_excess(at_load(one), by, acceptable)[1] for one in (load, (1.0 + STEP) * load)
+            largest_excess(at_load(one), by, acceptable)[1]
+            for one in (load, (1.0 + SECANT_STEP) * load)
         )
-        yield "minimum load", STEP * abs(over / (more - over)) if more != over else math.inf
+        yield "minimum load", SECANT_STEP * abs(over / (more - over)) if more != over else math.inf
 
 
 def _steady(balance: TorqueBalance, one: "xr.Dataset") -> Iterator[tuple[str, float]]:
@@ -159,7 +160,7 @@ def _steady(balance: TorqueBalance, one: "xr.Dataset") -> Iterator[tuple[str, fl
             [power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed), film]
         )
 
-    off, (torque, film) = by_secant(balance, slip, of, start)
+    off, (torque, film) = estimate_by_secant(balance, slip, of, start)
     yield "friction torque", _apart(float(one["friction_torque"]), torque)
     yield "film parameter", times * _apart(float(np.nanmin(one["film_parameter"])), film)
     if abs(slip) >= _SMALL:
@@ -171,7 +172,7 @@ def _thinnest(contacts: LoadedContacts) -> tuple[float, float]:
     at = int(contacts.slices.film_thickness.argmin())
     heaviest = contacts.load[contacts.owner == contacts.owner[at]].max()
     film = float(contacts.slices.film_thickness[at] / contacts.slices.conditions.roughness)
-    return film, 1.0 if contacts.load[at] == heaviest else LEAST_OF_SOME
+    return film, 1.0 if contacts.load[at] == heaviest else MINIMUM_ERROR_FACTOR
 
 
 def _largest(balance: TorqueBalance, dataset: "xr.Dataset") -> Iterator[tuple[str, float]]:

@@ -1,4 +1,4 @@
-"""Why a bearing has a steady slip or none, and why a range that was followed has no limit, in words."""
+"""Texts of statuses: whether a bearing has a steady slip, whether the slip is stable, and why it has no limit."""
 
 from typing import Final
 
@@ -12,35 +12,40 @@ from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_studies.steady_slip.branches import Branch
 from rollslip_studies.steady_slip.outputs import VARIED
 
-#: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
-_LEVEL: Final = 1e-3
-#: What a branch may miss of a range that it goes through, relative.
-_THROUGH = 1e-3
+#: Slope of the excess torque over slip at which a stable and an unstable slip count as one, a fold: relative to the
+#: largest torque of the loading branch. Twice as much calls twice as near slips a fold; chosen, above the error of a
+#: slope between points of the branch.
+_FOLD_SLOPE: Final = 1e-3
+#: Part of a range of parameters that a branch may leave out and still count as going through it. It covers the last
+#: step of the continuation, which ends inside the range; twice as much calls shorter branches complete. Chosen.
+_RANGE_TOLERANCE: Final = 1e-3
 
 
-def status_of(balance: TorqueBalance, way: LoadingBranch, slips: list[float]) -> str:
-    """Say whether there are steady slips on the way up, or why there are none."""
+def describe_steady_status(
+    balance: TorqueBalance, branch: LoadingBranch, slips: list[float]
+) -> str:
+    """Return `Status.FOUND` where there are steady slips on the loading branch, else why there are none."""
     if balance.rolls_freely:
         return f"{SWITCHED_OFF}, so the cage runs at its epicyclic speed"
     if slips:
         return Status.FOUND
-    if way.at_rest + balance.drag(0.0) > 0.0:
+    if branch.at_rest + balance.drag(0.0) > 0.0:
         faster = "it runs at more than twice its epicyclic speed"
-        return f"{Status.DRIVEN}: {faster}; no slip up to {way.end:g} is steady"
-    slip, torque = way.largest
+        return f"{Status.DRIVEN}: {faster}; no slip up to {branch.end:g} is steady"
+    slip, torque = branch.largest
     carried = (
-        f"the drag is larger than the cage can carry up to a cage slip of {way.end:g} "
+        f"the drag is larger than the cage can carry up to a cage slip of {branch.end:g} "
         f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of {slip:.3g}"
     )
-    if slip == way.end:
-        end = "slip leaves the range" if way.refusal else Status.SKIDS
+    if slip == branch.end:
+        end = "slip leaves the range" if branch.refusal else Status.SKIDS
         return f"{carried}, where it still rises): {end}"
     return f"{carried}): {Status.SKIDS}"
 
 
-def stability_of(way: LoadingBranch, state: Orbit, steady: Steady) -> str:
-    """Say whether the cage holds a slip: whether more slip leaves more torque to speed it up."""
-    if abs(steady.slope) <= _LEVEL * way.largest[1]:
+def describe_stability(branch: LoadingBranch, state: Orbit, steady: Steady) -> str:
+    """Return "stable" where more slip leaves more torque to speed the cage up, else why a steady slip is not stable."""
+    if abs(steady.slope) <= _FOLD_SLOPE * branch.largest[1]:
         return "a fold: a stable and an unstable slip meet"
     if steady.slope < 0.0:
         return "unstable: with more slip the rollers drive the cage less than the drag asks for"
@@ -49,20 +54,35 @@ def stability_of(way: LoadingBranch, state: Orbit, steady: Steady) -> str:
     )
 
 
-def no_fold(
+def describe_no_fold(
     name: str,
     limits: tuple[float, float],
     branches: list[Branch],
     table: str,
-    most: float,
+    max_cage_slip: float,
     *,
     free: bool = False,
 ) -> str:
-    """Say why the least steady slip has no fold: it goes through, leaves the range of slips, or is not there.
+    """Return why the smallest steady slip has no fold over a range of an operating condition.
+
+    Parameters
+    ----------
+    name : str
+        Name of the operating condition, a key of `VARIED`.
+    limits : tuple of float
+        Its smallest and largest value, in SI units.
+    branches : list of Branch
+        Steady slips over the condition, that of the smallest slip first.
+    table : str
+        Table of the scene with the settings of the study.
+    max_cage_slip : float
+        Largest cage slip of the branches [-].
+    free : bool
+        Whether nothing drags the cage.
 
     Examples
     --------
-    >>> no_fold("radial_load", (100.0, 200.0), [], "study.steady-slip", 0.9)
+    >>> describe_no_fold("radial_load", (100.0, 200.0), [], "study.steady-slip", 0.9)
     'no limit of the radial load is known: no steady slip at 100 N and none at 200 N; none was sought between them'
     """
     unit, what = VARIED[name]
@@ -76,12 +96,12 @@ def no_fold(
         )
     slip = branches[0].slip
     value = branches[0].parameter
-    if np.isclose(slip[[0, -1]], most).any():
+    if np.isclose(slip[[0, -1]], max_cage_slip).any():
         at = format_quantity(float(value[np.argmax(slip)]), unit, 4)
         key = f"{table}.max_cage_slip"
-        further = search_range_hint(key, most, MAX_CAGE_SLIP)
-        return f"{unknown}: at {at} the steady slip leaves the range, {most:g}{further}"
-    if np.ptp(value) < (1.0 - _THROUGH) * (limits[1] - limits[0]):
+        further = search_range_hint(key, max_cage_slip, MAX_CAGE_SLIP)
+        return f"{unknown}: at {at} the steady slip leaves the range, {max_cage_slip:g}{further}"
+    if np.ptp(value) < (1.0 - _RANGE_TOLERANCE) * (limits[1] - limits[0]):
         ends = " and ".join(format_quantity(float(end), unit, 4) for end in np.sort(value[[0, -1]]))
         return f"{unknown}: the least steady slip has no fold between {ends}, and ends there"
     return f"no limit of the {what}: the least steady slip has no fold between {low} and {high}"

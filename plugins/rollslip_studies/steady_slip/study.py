@@ -39,7 +39,7 @@ from rollslip.studies.answers import (
     ResolutionChoice,
     RunContext,
 )
-from rollslip.studies.error_estimate import by_curves
+from rollslip.studies.error_estimate import choose_by_curves
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.motion.loading_branch import LoadingBranch, Steady
 from rollslip_studies.motion.torque_balance import (
@@ -55,8 +55,12 @@ from rollslip_studies.motion.torque_balance import (
 from rollslip_studies.motion.train import slower_by_play
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
-from rollslip_studies.steady_slip.evaluated import evaluated_slices, films, loaded
-from rollslip_studies.steady_slip.losses import acceptable_reserve, losses, numbers_off
+from rollslip_studies.steady_slip.evaluated import evaluated_slices, film_variables, require_driven
+from rollslip_studies.steady_slip.losses import (
+    acceptable_reserve,
+    estimate_answer_errors,
+    loss_variables,
+)
 from rollslip_studies.steady_slip.minimum_load import (
     RULES,
     minimum_load,
@@ -65,7 +69,11 @@ from rollslip_studies.steady_slip.minimum_load import (
 )
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
 from rollslip_studies.steady_slip.slip_drag import slip_drag
-from rollslip_studies.steady_slip.statuses import no_fold, stability_of, status_of
+from rollslip_studies.steady_slip.statuses import (
+    describe_no_fold,
+    describe_stability,
+    describe_steady_status,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -161,10 +169,10 @@ class SteadySlip(Study):
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate."""
         loads = assembly.load_distribution(1)
-        loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
+        require_driven = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
         per_orbit = 10 * 2 * minimum_positions(assembly)
         followed = sum(bool(getattr(self, name)) for name in VARIED)
-        return int(loaded) * per_orbit * (3 * self.points + 60 + 350 * followed)
+        return int(require_driven) * per_orbit * (3 * self.points + 60 + 350 * followed)
 
     @property
     def slip_range(self) -> float:
@@ -185,7 +193,7 @@ class SteadySlip(Study):
         self, assembly: Assembly, *, cheaper_laws: bool = True
     ) -> ResolutionChoice:
         """Choose slices, instants and laws by the slip-drag curve."""
-        found = by_curves(self, assembly, fraction=_FRACTION, cheaper_laws=cheaper_laws)
+        found = choose_by_curves(self, assembly, fraction=_FRACTION, cheaper_laws=cheaper_laws)
         n_positions = max(found.resolution.n_positions or 0, minimum_positions(assembly))
         return attrs.evolve(
             found, resolution=attrs.evolve(found.resolution, n_positions=n_positions)
@@ -281,7 +289,7 @@ class SteadySlip(Study):
         ConvergenceError
             If doubling the positions does not settle it.
         """
-        assembly = loaded(assembly).with_resistance()
+        assembly = require_driven(assembly).with_resistance()
         balance, errors = self._converged(assembly)
         n_positions = balance.n_positions
         way = self._way(balance)
@@ -306,11 +314,13 @@ class SteadySlip(Study):
             angle,
             about("rad", "position from the line of load, in the sense of the orbit"),
         )
-        variables |= films(self, balance, states, steady=bool(slips))
-        lost, source = losses(balance, states, steady=bool(slips))
+        variables |= film_variables(self, balance, states, steady=bool(slips))
+        lost, source = loss_variables(balance, states, steady=bool(slips))
         variables = variables | lost
         coords = coords | source
-        variables |= self.variables(status=status_of(balance, way, slips)) | self._reserve(balance)
+        variables |= self.variables(
+            status=describe_steady_status(balance, way, slips)
+        ) | self._reserve(balance)
         for name in VARIED:
             if limits := getattr(self, name):
                 found = self._followed(assembly, n_positions, name, limits, slips)
@@ -318,7 +328,7 @@ class SteadySlip(Study):
                     name,
                     limits,
                     found,
-                    no_fold(
+                    describe_no_fold(
                         name,
                         limits,
                         found,
@@ -375,7 +385,7 @@ class SteadySlip(Study):
 
         A cage that nothing drags has slip 0, which nothing needs to hold.
         """
-        assembly = loaded(assembly).with_resistance()
+        assembly = require_driven(assembly).with_resistance()
         balance = (
             self._doubled(assembly)[0]
             if assembly.resolution.n_positions is None
@@ -386,7 +396,7 @@ class SteadySlip(Study):
             found = [Steady(0.0, 0.0, balance.motions.at(np.zeros(1))[0][0], lambda: np.inf)]
         else:
             found = way.steady(balance.drag)
-        return balance, found, status_of(balance, way, [one.slip for one in found])
+        return balance, found, describe_steady_status(balance, way, [one.slip for one in found])
 
     def balance(self, assembly: Assembly) -> TorqueBalance:
         """Return the balance of torques of a bearing at its instants, with resistance to rolling if it has some."""
@@ -467,7 +477,7 @@ class SteadySlip(Study):
         self, balance: TorqueBalance, way: LoadingBranch, states: list[Orbit], steady: list[Steady]
     ) -> dict[str, Any]:
         kinds = (
-            [stability_of(way, *one) for one in zip(states, steady, strict=True)]
+            [describe_stability(way, *one) for one in zip(states, steady, strict=True)]
             if steady
             else ["stable"]
         )
@@ -551,7 +561,7 @@ class SteadySlip(Study):
         """Return by how much numbers of the answer are off."""
         finer = finer.with_resistance()
         balance = self.balance(finer)
-        return numbers_off(
+        return estimate_answer_errors(
             balance, self._balances(finer, balance.n_positions, "radial_load"), dataset
         )
 
@@ -603,12 +613,12 @@ def _moved(before: Array, after: Array) -> float:
 
 
 def _branches(
-    name: str, limits: tuple[float, float], branches: list[Branch], no_fold: str
+    name: str, limits: tuple[float, float], branches: list[Branch], describe_no_fold: str
 ) -> dict[str, Any]:
     limit = branches[0].nearest_fold() if branches else None
     value = np.nan
     slip = np.nan
-    status = no_fold
+    status = describe_no_fold
     if limit is not None:
         status = str(Status.FOUND)
         value = float(branches[0].parameter[limit])

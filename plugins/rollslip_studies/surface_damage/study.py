@@ -42,7 +42,11 @@ from rollslip.studies.surface_damage.model import (
 )
 from rollslip.studies.timing import timed
 from rollslip_studies.motion.torque_balance import Orbit
-from rollslip_studies.steady_slip.evaluated import by_secant, estimate_torques, evaluated_slices
+from rollslip_studies.steady_slip.evaluated import (
+    choose_by_torques,
+    estimate_by_secant,
+    evaluated_slices,
+)
 from rollslip_studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:
@@ -116,14 +120,16 @@ class SurfaceDamage(Study):
     def _steady(self) -> SteadySlip:
         return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
 
-    def choose_resolution(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
+    def choose_resolution(
+        self, assembly: Assembly, *, cheaper_laws: bool = True
+    ) -> ResolutionChoice:
         """Choose slices, instants and laws as for the torques of a steady slip; nothing where nothing is measured.
 
         Nothing is left out of films and widths of contacts: measures see these where torques do not.
         """
         if not assembly.scene.models.damage:
             return ResolutionChoice(resolution=assembly.resolution)
-        found = estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
+        found = choose_by_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
         whole = attrs.evolve(found.resolution, inlet_heating=True, light_contacts=True)
         if (
             assembly.scene.accuracy.slices is None
@@ -191,7 +197,7 @@ class SurfaceDamage(Study):
         at = None
         try:
             if self.cage_slip is None and not balance.rolls_freely:
-                off["cage slip"], at = by_secant(balance, slip, worst)
+                off["cage slip"], at = estimate_by_secant(balance, slip, worst)
             else:
                 at = worst(balance.orbit(slip))
         except DomainError:

@@ -25,7 +25,7 @@ from rollslip.scene.changes import evolve
 from rollslip.search import secants
 from rollslip.studies.thermal_balance.model import PLACES, ThermalModel
 from rollslip_studies.motion.losses import PowerBalance, power_balance
-from rollslip_studies.steady_slip.evaluated import by_secant
+from rollslip_studies.steady_slip.evaluated import estimate_by_secant
 from rollslip_studies.steady_slip.study import SteadySlip
 
 __all__ = ["Balance", "Curve", "Heated", "State"]
@@ -189,7 +189,7 @@ class Heated:
         """
         changes = {} if temperatures is None else self.model.changes(temperatures, self.scene)
         balance = self._study.balance(self._bearing(changes))
-        off, own = by_secant(
+        off, own = estimate_by_secant(
             balance, slip, lambda orbit: np.array(power_balance(balance, orbit).total)
         )
         return off, abs(loss / float(own) - 1.0)

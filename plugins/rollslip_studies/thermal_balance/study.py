@@ -21,7 +21,7 @@ from rollslip.results.dataset import about
 from rollslip.studies.answers import ComparedValues, Output, ResolutionChoice, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel, from_bearing, thermal_model
-from rollslip_studies.steady_slip.evaluated import estimate_torques
+from rollslip_studies.steady_slip.evaluated import choose_by_torques
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 
@@ -166,9 +166,11 @@ class ThermalBalance(Study):
         named = thermal_model(assembly.scene)
         return (get_model("thermal", "given") if named is None else named).of(assembly)
 
-    def choose_resolution(self, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
+    def choose_resolution(
+        self, assembly: Assembly, *, cheaper_laws: bool = True
+    ) -> ResolutionChoice:
         """Choose slices, instants and laws as for the torques of a steady slip at the temperatures of the scene."""
-        return estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
+        return choose_by_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the thermal model."""
@@ -205,7 +207,9 @@ class ThermalBalance(Study):
         if outputs >= self.outputs.keys() - _OF_STATIONARY:
             return _Settled(**attrs.asdict(self) | {"duration": 0.0})
         return (
-            self.with_settings(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
+            self.with_settings(duration=0.0)
+            if outputs >= {"course_temperature", "course_slip"}
+            else self
         )
 
     def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
