@@ -1,4 +1,9 @@
-"""The slip-drag curve: torques on the way up, where the cage runs away, and where the slip jumps to."""
+"""The slip-drag curve: torques along the loading branch, the onset of skidding, and the slip after the jump.
+
+The points are those of the loading branch, with more at slips uniform in logit(slip) where the branch has fewer than
+requested. The interpolation error is estimated by leaving out each point in turn: its distance from the cubic through
+its four neighbours (Lagrange interpolation), over the order by which a cubic with the point is more exact.
+"""
 
 import math
 from collections.abc import Callable
@@ -16,72 +21,94 @@ from rollslip_studies.motion.spins import logit_slip, slip_of
 from rollslip_studies.motion.torque_balance import TorqueBalance, nowhere
 from rollslip_studies.steady_slip.outputs import OUTPUTS
 
-#: How many times as exact a cubic is between neighbours as with a point left out.
-_EXACTER: Final = 4.0
+#: Ratio of the error of a cubic at a point that was left out to its error between neighbours. For points at equal
+#: distances h the products of distances are 4 h^4 and 9/16 h^4, a ratio of 7; 4 allows for unequal distances. Twice as
+#: much halves the stated error of the curve.
+_LEFT_OUT_ERROR_RATIO: Final = 4.0
 
 
-def slip_drag(
+def slip_drag_variables(
     balance: TorqueBalance,
-    way: LoadingBranch,
+    branch: LoadingBranch,
     slips: list[float],
-    range_: float,
+    max_cage_slip: float,
     points: int,
     table: str,
 ) -> tuple[dict[str, Any], dict[str, Any], float]:
-    """Return variables of the curve and its maxima, coordinates, and what the points of the curve leave."""
-    away = way.describe_skidding
-    first = next(iter(way.jumps), None)
-    inside = max(slips or [math.inf]) <= range_ or (away is not None and away.slip <= range_)
-    slip, torque = _curve(way, min(range_, way.end) if inside else way.end, points)
-    most_slip, most = way.largest
-    errors = (balance.assembly.scene.accuracy.tolerance, 0.0 if away is None else away.error)
-    fraction = max(one for one in errors if math.isfinite(one))
-    low, high = (math.nan, math.nan) if away is None else away.around(fraction)
+    """Return variables of the slip-drag curve and of its maxima, their coordinates, and the error of the curve.
+
+    The error is that of interpolation between the points, relative to the largest torque. Numbers of maxima that were
+    not found are NaN, with their statuses.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Torque balance of the bearing.
+    branch : LoadingBranch
+        Its loading branch.
+    slips : list of float
+        Steady cage slips [-].
+    max_cage_slip : float
+        Slip to which the curve goes [-]; it goes to the end of the branch where the answer is beyond.
+    points : int
+        Number of points of the curve, at least.
+    table : str
+        Table of the scene with the settings of the study.
+    """
+    onset = branch.describe_skidding
+    first = next(iter(branch.jumps), None)
+    is_inside = max(slips or [math.inf]) <= max_cage_slip
+    if onset is not None and onset.slip <= max_cage_slip:
+        is_inside = True
+    slip, torque = _curve(
+        branch, min(max_cage_slip, branch.end) if is_inside else branch.end, points
+    )
+    largest_slip, largest = branch.largest
+    errors = (balance.assembly.scene.accuracy.tolerance, 0.0 if onset is None else onset.error)
+    fraction = max(error for error in errors if math.isfinite(error))
+    low, high = (math.nan, math.nan) if onset is None else onset.around(fraction)
     values = {
         "driving_torque": torque,
-        "drag_torque": np.array([-balance.drag(float(one)) for one in slip]),
-        "limit_drag": math.nan if away is None else away.drag,
-        "skidding_slip": math.nan if away is None else away.slip,
-        "limit_drag_error": math.nan if away is None else away.error,
+        "drag_torque": np.array([-balance.drag(cage_slip) for cage_slip in slip.tolist()]),
+        "limit_drag": math.nan if onset is None else onset.drag,
+        "skidding_slip": math.nan if onset is None else onset.slip,
+        "limit_drag_error": math.nan if onset is None else onset.error,
         "limit_drag_low": low,
         "limit_drag_high": high,
-        "skidding_status": Status.FOUND if away else nowhere(way, f"{table}.max_cage_slip"),
-        "jump_slip": math.nan if away is None else away.to,
-        "largest_torque": most,
-        "largest_torque_slip": most_slip,
-        "largest_torque_error": _or_unknown(lambda: way.largest_error),
+        "skidding_status": Status.FOUND if onset else nowhere(branch, f"{table}.max_cage_slip"),
+        "jump_slip": math.nan if onset is None else onset.to,
+        "largest_torque": largest,
+        "largest_torque_slip": largest_slip,
+        "largest_torque_error": _or_nan(lambda: branch.largest_error),
         "first_maximum_torque": math.nan if first is None else first.drag,
         "first_maximum_slip": math.nan if first is None else first.slip,
     }
-    away_status = str(values["skidding_status"])
-    carries = f"a larger drag is carried by no slip up to {way.end:.4g}"
-    values["jump_slip_status"] = away_status if away is None or away.to > 0.0 else carries
+    onset_status = str(values["skidding_status"])
+    carries = f"a larger drag is carried by no slip up to {branch.end:.4g}"
+    values["jump_slip_status"] = onset_status if onset is None or onset.to > 0.0 else carries
     coords = {
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
     }
     known = ~np.isnan(torque)
-    error = (
-        float(_left_out(slip[known], torque[known]).max() / (np.nanmax(np.abs(torque)) or 1.0))
-        / _EXACTER
-    )
+    left_out = _left_out_errors(slip[known], torque[known]).max()
+    error = float(left_out / (np.nanmax(np.abs(torque)) or 1.0)) / _LEFT_OUT_ERROR_RATIO
     variables = {name: OUTPUTS[name].variable(value) for name, value in values.items()}
-    variables["limit_drag_low"][2]["within"] = variables["limit_drag_high"][2]["within"] = fraction
+    for name in ("limit_drag_low", "limit_drag_high"):
+        variables[name][2]["within"] = fraction
     return variables, coords, error
 
 
-def _curve(way: LoadingBranch, end: float, points: int) -> tuple[Array, Array]:
-    """Slips of the way up to some slip and torques there [N m], more where there are fewer than are asked for."""
-    slip, torque = way.curve
+def _curve(branch: LoadingBranch, end: float, points: int) -> tuple[Array, Array]:
+    """Return slips of the loading branch up to an end and torques there [N m], at least a number of points, (n,)."""
+    slip, torque = branch.curve
     own = slip[slip <= end]
-    begin = logit_slip(own[1]) if own.size > 1 else logit_slip(0.5 * end)
-    more = (
-        [slip_of(place) for place in np.linspace(begin, logit_slip(end), points)]
-        if own.size < points
-        else [end]
-    )
-    if new := [one for one in more if one not in own]:
-        found = [_or_unknown(partial(_torque, way, one)) for one in new]
+    more = [end]
+    if own.size < points:
+        start = logit_slip(own[1]) if own.size > 1 else logit_slip(0.5 * end)
+        more = [slip_of(logit) for logit in np.linspace(start, logit_slip(end), points)]
+    if new := [cage_slip for cage_slip in more if cage_slip not in own]:
+        found = [_or_nan(partial(_torque, branch, cage_slip)) for cage_slip in new]
         slip = np.append(slip, new)
         torque = np.append(torque, found)
     order = np.argsort(slip)
@@ -89,20 +116,21 @@ def _curve(way: LoadingBranch, end: float, points: int) -> tuple[Array, Array]:
     return slip[inside], torque[inside]
 
 
-def _torque(way: LoadingBranch, slip: float) -> float:
-    return way.at([slip])[0].torque
+def _torque(branch: LoadingBranch, slip: float) -> float:
+    """Return the torque of the rollers on the cage at a slip [N m]."""
+    return branch.at([slip])[0].torque
 
 
-def _or_unknown(found: Callable[[], float]) -> float:
-    """What is found, or NaN: neither the end of the curve nor an error is a reason to lose the answer."""
+def _or_nan(compute: Callable[[], float]) -> float:
+    """Return a number, or NaN where it cannot be computed, because the other numbers are an answer without it."""
     try:
-        return found()
+        return compute()
     except (DomainError, ConvergenceError):
         return math.nan
 
 
-def _left_out(slip: Array, values: Array) -> Array:
-    """By how much each inner point differs from the cubic through the four nearest others, (n,)."""
+def _left_out_errors(slip: Array, values: Array) -> Array:
+    """Return by how much each inner point differs from the cubic through its four nearest neighbours, (n,)."""
     inner = np.arange(1, slip.size - 1)
     first = np.clip(inner - 2, 0, slip.size - 5)
     others = first[:, None] + np.arange(5)

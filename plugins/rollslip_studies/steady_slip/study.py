@@ -68,7 +68,7 @@ from rollslip_studies.steady_slip.minimum_load import (
     rollers_weight,
 )
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
-from rollslip_studies.steady_slip.slip_drag import slip_drag
+from rollslip_studies.steady_slip.slip_drag import slip_drag_variables
 from rollslip_studies.steady_slip.statuses import (
     describe_no_fold,
     describe_stability,
@@ -301,7 +301,7 @@ class SteadySlip(Study):
             states = [
                 balance.orbit(slip) for slip in slips or [fraction * end for fraction in _JUDGED]
             ]
-        variables, coords, error = slip_drag(
+        variables, coords, error = slip_drag_variables(
             balance, way, slips, self.max_cage_slip, self.points, self.table
         )
         positions = states[0].roller_slip.size
