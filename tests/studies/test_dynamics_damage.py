@@ -143,7 +143,7 @@ def test_forces_are_spread_along_tilted_rollers_as_the_motion_has_them():
     bearing = assemble(scene)
     motion = Dynamics.from_scene(scene).run(bearing)
     for k in (1, 2):
-        at = over_time.at_instant(bearing, motion, k)
+        at = over_time.bearing_at(bearing, motion, k)
         now = motion.isel(time=k)
         for i in range(len(RINGS)):
             ring = now.isel(ring=i)
@@ -199,7 +199,7 @@ def test_films_along_a_run_up_are_starved_as_at_the_speed_of_the_moment():
     scene = rollslip.evolve(rollslip.load_scene("gearbox"), changes | {"study.dynamics": dynamics})
     of = assemble(scene)
     found = Dynamics.from_scene(scene).run(of)
-    begin, end = (over_time.at_instant(of, found, k).models["film"].starvation for k in (0, -1))
+    begin, end = (over_time.bearing_at(of, found, k).models["film"].starvation for k in (0, -1))
     assert end == of.models["film"].starvation < 0.95
     assert begin == pytest.approx(end**0.2, rel=1e-12)
     (said,) = [

@@ -57,12 +57,12 @@ def watched(changes=None, **raw):
 
 def nowhere(study, assembly, history, times):
     unknown = np.full(times.size, np.nan)
-    return over_time.Along(unknown, unknown, unknown, "")
+    return over_time.SkiddingCourse(unknown, unknown, unknown, "")
 
 
 def ran(changes=None, **raw):
     """Run without the slips at which skidding would begin along the way, which take longer than the motion."""
-    with mock.patch.object(over_time, "along", nowhere):
+    with mock.patch.object(over_time, "skidding_along", nowhere):
         return watched(changes, **raw)
 
 
@@ -520,7 +520,7 @@ def test_the_slip_of_running_away_along_the_way_is_that_of_the_bearing_held_ther
         load = f"{float(dropped.radial_load[k])!r} N"
         held = assemble(scene({"operation.radial_load": load}))
         study = EffectiveFriction.of(held.scene)
-        away = over_time.away_of(study, study.loaded(held, over_time.N_POSITIONS))
+        away = over_time.onset_of(study, study.loaded(held, over_time.N_POSITIONS))
         assert float(dropped.skidding_slip_along[k]) == pytest.approx(away.slip, abs=2e-3)
         assert float(dropped.limit_drag_along[k]) == pytest.approx(away.drag, rel=2e-3)
 
@@ -685,8 +685,8 @@ def test_where_effective_friction_cannot_be_tabulated_along_a_history_friction_i
     monkeypatch,
 ):
     """As where rates jump between two speeds: here since intervals are not halved, which leaves them off by 3 %."""
-    monkeypatch.setattr(interpolated_rates, "_DEEPEST", 0)
-    monkeypatch.setattr(over_time, "along", nowhere)
+    monkeypatch.setattr(interpolated_rates, "_MAX_HALVINGS", 0)
+    monkeypatch.setattr(over_time, "skidding_along", nowhere)
     run_up = {"shape": "run-up", "from": "300 rpm", "within": "0.03 s"}
     small = {"bearing.rollers": 10, "accuracy.slices": 3, "study.dynamics.duration": "0.05 s"}
     runs = {}

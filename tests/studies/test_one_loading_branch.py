@@ -12,7 +12,7 @@ from rollslip import evolve, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import Status
-from rollslip_studies.dynamics.over_time import away_of
+from rollslip_studies.dynamics.over_time import onset_of
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import RANGE, rollers
@@ -74,7 +74,7 @@ def _asked_alike(bearing):
     simple = quick.run(bearing)
     whole = SteadySlip().run(bearing)
     heat = ThermalBalance().run(bearing)
-    away = away_of(quick, quick.loaded(bearing, 1))
+    away = onset_of(quick, quick.loaded(bearing, 1))
 
     def same(*values):
         np.testing.assert_array_equal(values, np.full(len(values), values[0]))

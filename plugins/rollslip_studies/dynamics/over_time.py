@@ -1,8 +1,9 @@
-"""A motion through an operation that changes: where the cage would run away at each moment, and what is stored of it.
+"""Motions with an operation that changes over time: onset of skidding at each moment, choices of a plan, stored values.
 
-- The slip of running away and the critical slip belong to a steady bearing. Along a history they are those of the
-  bearing held at the operation of the moment: worked out on a grid of operations, and multilinear between.
-- Where the rings all but stand slips refer to nothing. Such instants have none.
+- Skidding slip, limit drag and critical slip are properties of a steady state. Along a history they are those of a
+  steady state at the operation of the moment (quasi-steady): computed on a grid of operations, and interpolated
+  multilinearly between its points.
+- Slips refer to the epicyclic speed. While the rings are nearly at rest there is none, and slips are NaN.
 """
 
 import itertools
@@ -21,9 +22,10 @@ from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
+from rollslip.results.words import Status
 from rollslip.structure import Location
 from rollslip.studies.answers import Part, ResolutionChoice
-from rollslip.studies.error_estimate import slices_and_positions
+from rollslip.studies.error_estimate import choose_slices_and_positions
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history.interpolated_rates import describe_range, with_operation
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History, HistorySettings
@@ -43,24 +45,43 @@ from rollslip_studies.motion.torque_balance import SkiddingOnset
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Operations along each axis, by the number of axes.
-_GRID: Final = {0: 1, 1: 9, 2: 5, 3: 4, 4: 3}
-#: Instants between which the slip that is watched goes on a straight line.
-_INSTANTS: Final = 2001
-#: Instants at which a plan looks at the maps along a history, and bearings over an axis of speed from which on
-#: conventional friction takes far less time than effective friction.
-_LOOKS = 257
+#: Number of varying conditions -> steady operations along the axis of each; 81 at most are computed. Doubled, the
+#: onset of skidding takes two times (one condition) to 16 times (four) as long. Chosen.
+_GRID_POINTS: Final = {0: 1, 1: 9, 2: 5, 3: 4, 4: 3}
+#: Evenly spread times between which the watched slip is linear. Halved, a passage of the skidding slip may be reported
+#: up to a thousandth of the duration off. Chosen.
+_LIMIT_TIMES: Final = 2001
+#: Evenly spread times at which a plan evaluates the maps along a history. Halved, a map that only a short peak requires
+#: may be missed in the estimate of the cost. Chosen.
+_PLAN_TIMES = 257
+#: Bearings along an axis of speed from which on conventional friction is taken, because tables of effective friction at
+#: all of them would take far longer than they save. Doubled, plans and runs of long run-ups take up to twice as long.
+#: Chosen.
 _MAX_BEARINGS = 100
-#: Least value over the largest from which on steps of a grid are equal; below, they are in proportion.
-_EVEN: Final = 0.5
-#: Instants of a pitch for the slip of running away; more move it by less than an event is worth.
+#: Smallest over largest value of an axis below which its grid is geometric. Halved, the friction over a wide range of
+#: speed, about logarithmic, is resolved less well at low speeds. Chosen.
+_GEOMETRIC_RATIO: Final = 0.5
+#: Roller positions within a pitch for the skidding slip of a motion. Doubled, each operation takes twice as long, and
+#: the slip changes by less than matters for an event.
 N_POSITIONS: Final = 4
 
 
 def history_of(
     settings: HistorySettings | None, assembly: Assembly, duration: float, table_of: str
 ) -> History | None:
-    """Return the history of a run; None where nothing is to change."""
+    """Return the history of a run; None if the operation is constant.
+
+    Parameters
+    ----------
+    settings : HistorySettings or None
+        The table of the scene.
+    assembly : Assembly
+        The bearing.
+    duration : float
+        Duration of the run [s].
+    table_of : str
+        Table of the study, for messages.
+    """
     if settings is None:
         return None
     where = Location(assembly.scene.origins, (*table_of.split("."), "history"))
@@ -69,266 +90,414 @@ def history_of(
     )
 
 
-def left_open(
+def fixed_settings(
     history: History | None, named: Sequence[str], level: str
 ) -> tuple[dict[str, Any], list[str]]:
-    """Return what a history leaves no choice of, and the settings that are not to be chosen: those and the named."""
+    """Return settings that a history fixes, and the names of those that are not to be chosen: the fixed and the named.
+
+    Parameters
+    ----------
+    history : History or None
+        The history.
+    named : sequence of str
+        Settings that the scene names.
+    level : str
+        Level of detail of the study.
+    """
     if history is None:
         return {}, [*named]
     settings: dict[str, Any] = {"level": "cage-set"}
     if {"inner_speed", "outer_speed"} & {*history.varies}:
         settings["friction"] = "conventional"
     settings = {name: value for name, value in settings.items() if name not in named}
-    within = level != "cage-set" and "level" in named  # contacts, which set the step all the way
-    return settings, [*named, *settings, *([] if within else ["integrator"])]
+    has_contacts = level != "cage-set" and "level" in named  # they limit the step all the time
+    return settings, [*named, *settings, *([] if has_contacts else ["integrator"])]
 
 
-def reasons(
-    history: History | None, settings: Mapping[str, Any], level: str, given: Collection[str]
+def reasons_of_history(
+    history: History | None, settings: Mapping[str, Any], level: str, named: Collection[str]
 ) -> dict[str, str]:
-    """Say why a history leaves no choice."""
+    """Return the reasons why a history fixes settings, by their names.
+
+    Parameters
+    ----------
+    history : History or None
+        The history.
+    settings : mapping of str to any
+        The settings that it fixes, as of `fixed_settings`.
+    level : str
+        Level of detail of the study.
+    named : collection of str
+        Settings that the scene names.
+    """
     if history is None:
         return {}
-    known = {
+    texts = {
         "integrator": "the default: how fast a motion decays changes along a history, and is fastest where rings rest",
         "level": "a history is taken at this level",
         "friction": "the speeds of the rings change: effective friction is tabulated at one speed, and many tables "
         "would take longer than they save",
     }
-    fixed = settings.get("level", level) == "cage-set"
-    return {
-        name: known[name] for name in (*({"integrator"} - {*given} if fixed else ()), *settings)
-    }
+    names = [*settings]
+    if settings.get("level", level) == "cage-set" and "integrator" not in named:
+        names.insert(0, "integrator")
+    return {name: texts[name] for name in names}
 
 
 @attrs.frozen(eq=False)
-class Along:
-    """Slips and drag at which the cage would run away at some instants, NaN where that is not known."""
+class SkiddingCourse:
+    """Onset of skidding over time, of a bearing in a steady state at the operation of each moment."""
 
-    #: skidding_slip, limit_drag, critical_slip: At the instants; drag [N m].
-    skidding_slip: Array
-    limit_drag: Array
-    critical_slip: Array
-    status: str  # what they rest on, or why none is known
+    skidding_slip: Array  #: Cage slip at which skidding begins, (m,), NaN where it is not known.
+    limit_drag: Array  #: Limit drag torque [N m], (m,), NaN likewise.
+    critical_slip: (
+        Array  #: Cage slip at the largest friction of the inner ring, (m,), NaN likewise.
+    )
+    status: str  #: What the values are based on, or why none is known.
 
 
-def along(study: EffectiveFriction, assembly: Assembly, history: History, times: Array) -> Along:
-    """Return where the cage would run away, held at the operation of each instant."""
-    nothing = np.full(times.size, np.nan)
+def skidding_along(
+    study: EffectiveFriction, assembly: Assembly, history: History, times: Array
+) -> SkiddingCourse:
+    """Return the onset of skidding at the operation of each moment.
+
+    Multilinear interpolation between steady operations on a grid over the varying conditions, of which only those next
+    to the history are computed.
+
+    Parameters
+    ----------
+    study : EffectiveFriction
+        Settings of the effective friction.
+    assembly : Assembly
+        The bearing.
+    history : History
+        The operation over time.
+    times : ndarray
+        Times [s], (m,).
+
+    Returns
+    -------
+    SkiddingCourse
+        NaN while the rings are (nearly) at rest, and everywhere if the ratio of their speeds varies.
+    """
     if not history.speeds_in_proportion():
-        said = (
+        unknown = np.full(times.size, np.nan)
+        reason = (
             "not worked out where the speeds of both rings change, not in proportion to each other"
         )
-        return Along(
-            nothing, nothing, nothing, f"the slip at which skidding begins along the way is {said}"
+        return SkiddingCourse(
+            unknown,
+            unknown,
+            unknown,
+            f"the slip at which skidding begins along the way is {reason}",
         )
-    now = history.at(times)
-    spans = history.spans
-    values = list[Array]()
-    grids = list[Array]()
+    operation = history.at(times)
+    speed = np.abs(operation["inner_speed"] - operation["outer_speed"])
+    max_speed = speed.max(initial=0.0)
+    is_turning = speed > MIN_EPICYCLIC_FRACTION * max_speed
+    spans: dict[str, tuple[float, float]] = history.spans | {"speed": (MIN_EPICYCLIC_FRACTION * speed.max(), speed.max())}
+    coordinates = operation | {"speed": speed}
     names: list[str] = [name for name in history.conditions if name in history.varies]
-    apart = np.abs(now["inner_speed"] - now["outer_speed"])
-    fast = apart > MIN_EPICYCLIC_FRACTION * apart.max(initial=0.0)
     if {"inner_speed", "outer_speed"} & {*history.varies}:
         names.append("speed")
-    spans = spans | {"speed": (MIN_EPICYCLIC_FRACTION * apart.max(), apart.max())}
-    now = now | {"speed": apart}
     if (path := history.path) is not None:
         names.append(path.name)
-        spans[path.name], now[path.name] = (0.0, 1.0), path.coordinate.at(times)
-    for name in names:
-        low, high = spans[name]
-        values.append(now[name])
-        grids.append(_grid(low, high, _GRID[len(names)]))
-    ends = (*((name, spans[name]) for name in history.conditions), float(apart.max()))
-    key = (
-        repr(study),
-        assembly.resolution,
-        path,
-        ends,
-        *names,
-        *(float(one) for grid in grids for one in grid[[0, -1]]),
+        spans[path.name] = (0.0, 1.0)
+        coordinates[path.name] = path.coordinate.at(times)
+    axes = {name: _axis(*spans[name], _GRID_POINTS[len(names)]) for name in names}
+    fastest = int(np.argmax(speed))
+    grid = _OperationGrid(
+        study=study,
+        assembly=assembly,
+        path=path,
+        axes=axes,
+        constant={name: spans[name][0] for name in history.conditions if name not in names},
+        max_speed=float(speed[fastest]),
+        speed_ratios={
+            name: float(operation[name][fastest]) / (speed[fastest] or 1.0)
+            for name in ("inner_speed", "outer_speed")
+        },
+        key=(
+            repr(study),
+            assembly.resolution,
+            path,
+            *((name, spans[name]) for name in history.conditions),
+            float(speed.max()),
+            *names,
+            *(float(end) for axis in axes.values() for end in axis[[0, -1]]),
+        ),
     )
-    found: dict[tuple[int, ...], tuple[float, float, float]] = assembly.cached(
-        "held along", key, dict
-    )
-    statuses: set[str] = assembly.cached("statuses along", key, set)
-    top = int(np.argmax(apart))
-    speeds = {
-        name: float(now[name][top]) / (apart[top] or 1.0) for name in ("inner_speed", "outer_speed")
-    }
+    result = grid.interpolate([coordinates[name] for name in names], is_turning)
+    return SkiddingCourse(result[0], result[1], result[2], grid.describe())
 
-    held = {name: spans[name][0] for name in history.conditions if name not in names}
 
-    def at(place: tuple[int, ...]) -> tuple[float, float, float]:
-        if place not in found:
-            here = {name: float(grid[k]) for name, grid, k in zip(names, grids, place, strict=True)}
-            speed = here.pop("speed", float(apart[top]))
-            there = (
-                held | here | {name: float(fraction * speed) for name, fraction in speeds.items()}
-            )
+@attrs.frozen(eq=False, kw_only=True)
+class _OperationGrid:
+    """Grid of steady operations that contains a history, and the onset of skidding at the points that were needed."""
+
+    study: EffectiveFriction
+    assembly: Assembly
+    path: Any  # through temperatures that follow from losses; None without
+    axes: Mapping[str, Array]  # varying condition -> its values on the grid
+    constant: Mapping[str, float]  # value of each other condition
+    max_speed: float  # largest difference of the speeds of the rings [rad/s]
+    speed_ratios: Mapping[str, float]  # speed of each ring over that difference
+    key: tuple[Any, ...]  # of the cache
+
+    @property
+    def onsets(self) -> dict[tuple[int, ...], tuple[float, float, float]]:
+        """Indices of a point -> skidding slip, limit drag [N m] and critical slip; cached with the bearing."""
+        return self.assembly.cached("skidding along a history", self.key, dict)
+
+    @property
+    def problems(self) -> set[str]:
+        """Statuses of the points at which no onset was found; cached likewise."""
+        return self.assembly.cached("statuses of skidding along a history", self.key, set)
+
+    def onset(self, point: tuple[int, ...]) -> tuple[float, float, float]:
+        """Return skidding slip, limit drag [N m] and critical slip at a point of the grid, NaN where a law fails."""
+        onsets = self.onsets
+        if point not in onsets:
             try:
-                bearing = assembly if path is None else path.bearing(assembly, there.pop(path.name))
-                raceways = study.loaded(
-                    with_operation(bearing, there), assembly.resolution.n_positions or N_POSITIONS
-                )
-                away = away_of(study, raceways)
-                critical = critical_of(study, raceways)
+                onsets[point] = self._compute(point)
             except RollslipError as error:
-                statuses.add(str(error))
-                found[place] = math.nan, math.nan, math.nan
-            else:
-                statuses.update([] if away.status == "found" else [away.status])
-                found[place] = away.slip, away.drag, critical.slip
-        return found[place]
+                self.problems.add(str(error))
+                onsets[point] = math.nan, math.nan, math.nan
+        return onsets[point]
 
-    cells = list[Any]()
-    fractions = list[Array]()
-    for value, grid in zip(values, grids, strict=True):
-        k = np.clip(np.searchsorted(grid, value, side="right") - 1, 0, grid.size - 2)
-        cells.append(k)
-        fractions.append(np.clip((value - grid[k]) / (grid[k + 1] - grid[k]), 0.0, 1.0))
-    result = np.zeros((3, times.size))
-    for corner in itertools.product((0, 1), repeat=len(names)):
-        weight = np.ones(times.size)
-        for bit, fraction in zip(corner, fractions, strict=True):
-            weight = weight * (fraction if bit else 1.0 - fraction)
-        places = np.stack(
-            [cell + bit for bit, cell in zip(corner, cells, strict=True)]
-            or [np.zeros(times.size, int)]
+    def _compute(self, point: tuple[int, ...]) -> tuple[float, float, float]:
+        conditions = {
+            name: float(axis[k]) for (name, axis), k in zip(self.axes.items(), point, strict=True)
+        }
+        speed = conditions.pop("speed", self.max_speed)
+        speeds = {name: float(ratio * speed) for name, ratio in self.speed_ratios.items()}
+        operation = {**self.constant, **conditions, **speeds}
+        bearing = self.assembly
+        if self.path is not None:
+            bearing = self.path.bearing(bearing, operation.pop(self.path.name))
+        raceways = self.study.loaded(
+            with_operation(bearing, operation), self.assembly.resolution.n_positions or N_POSITIONS
         )
-        used = (weight > 0.0) & fast
-        for place in {tuple(row) for row in places[:, used].T.tolist()}:
-            here = used & (places == np.array(place)[:, None]).all(axis=0)
-            result[:, here] += weight[here] * np.array(at(place[: len(names)]))[:, None]
-    result[:, ~fast] = np.nan
-    said = f"of the bearing held at the operation of the moment, between {len(found)} operations that were worked out"
-    more = f"; at some of them: {min(statuses)}" if statuses else ""
-    return Along(result[0], result[1], result[2], said + more)
+        onset = onset_of(self.study, raceways)
+        critical = critical_of(self.study, raceways)
+        if onset.status != Status.FOUND:
+            self.problems.add(onset.status)
+        return onset.slip, onset.drag, critical.slip
+
+    def interpolate(self, coordinates: Sequence[Array], is_turning: Any) -> Array:
+        """Return skidding slip, limit drag [N m] and critical slip, (3, m), multilinear between the points.
+
+        Parameters
+        ----------
+        coordinates : sequence of ndarray
+            Values of the condition of each axis, (m,) each.
+        is_turning : ndarray
+            Where the rings turn, (m,); elsewhere the result is NaN.
+        """
+        cells = list[Any]()
+        fractions = list[Array]()
+        for value, axis in zip(coordinates, self.axes.values(), strict=True):
+            k = np.clip(np.searchsorted(axis, value, side="right") - 1, 0, axis.size - 2)
+            cells.append(k)
+            fractions.append(np.clip((value - axis[k]) / (axis[k + 1] - axis[k]), 0.0, 1.0))
+        result = np.zeros((3, is_turning.size))
+        for corner in itertools.product((0, 1), repeat=len(cells)):
+            weight = np.ones(is_turning.size)
+            for upper, fraction in zip(corner, fractions, strict=True):
+                weight = weight * (fraction if upper else 1.0 - fraction)
+            points = np.stack(
+                [cell + upper for upper, cell in zip(corner, cells, strict=True)]
+                or [np.zeros(is_turning.size, int)]
+            )
+            used = (weight > 0.0) & is_turning
+            for point in {tuple(row) for row in points[:, used].T.tolist()}:
+                here = used & (points == np.array(point)[:, None]).all(axis=0)
+                onset = np.array(self.onset(point[: len(cells)]))
+                result[:, here] += weight[here] * onset[:, None]
+        result[:, ~is_turning] = np.nan
+        return result
+
+    def describe(self) -> str:
+        """Describe what interpolated values are based on."""
+        text = (
+            "of the bearing held at the operation of the moment, between "
+            f"{len(self.onsets)} operations that were worked out"
+        )
+        return f"{text}; at some of them: {min(self.problems)}" if self.problems else text
 
 
-def _grid(low: float, high: float, count: int) -> Array:
-    if 0.0 < low < _EVEN * high:
+def _axis(low: float, high: float, count: int) -> Array:
+    """Return the values of an axis: geometric where they span a wide range, else evenly spread."""
+    if 0.0 < low < _GEOMETRIC_RATIO * high:
         return np.geomspace(low, high, count)
     return np.linspace(low, high, count)
 
 
-def limit_of(
+def watched_slip(
     study: EffectiveFriction, assembly: Assembly, history: History | None
 ) -> Course | None:
-    """Return the slip of running away as a course to be watched; None where none is known, or nothing changes."""
+    """Return the skidding slip over time, of which passages are events; None where none is known, or nothing changes.
+
+    Parameters
+    ----------
+    study : EffectiveFriction
+        Settings of the effective friction.
+    assembly : Assembly
+        The bearing.
+    history : History or None
+        The operation over time.
+    """
     if history is None:
         return None
     breaks = np.array(history.breaks)
-    before = breaks - 1e-9 * history.end
+    before = breaks - 1e-9 * history.end  # the values to the left of a jump
     times = np.unique(
-        np.concatenate((np.linspace(0.0, history.end, _INSTANTS), before[before > 0.0], breaks))
+        np.concatenate((np.linspace(0.0, history.end, _LIMIT_TIMES), before[before > 0.0], breaks))
     )
-    slip = along(study, assembly, history, times).skidding_slip
+    slip = skidding_along(study, assembly, history, times).skidding_slip
     return None if np.isnan(slip).all() else attrs.evolve(table(times, slip), breaks=())
 
 
-def away_of(study: EffectiveFriction, raceways: LoadedRaceways) -> SkiddingOnset:
-    """Where the cage runs away."""
+def onset_of(study: EffectiveFriction, raceways: LoadedRaceways) -> SkiddingOnset:
+    """Return the onset of skidding; NaN with a reason where it is not computed."""
     rings = raceways.assembly.rings
-    away = study.skidding_onset(raceways.assembly, raceways.distribution.psi.shape[0])
-    why = (
-        "a form turns with its ring"
-        if rings and rings.turning
-        else f"study.{study.name}.skidding_range is 0"
-    )
-    return (
-        SkiddingOnset(math.nan, math.nan, f"it was not looked where skidding begins: {why}")
-        if away is None
-        else away
-    )
+    onset = study.skidding_onset(raceways.assembly, raceways.distribution.psi.shape[0])
+    if onset is not None:
+        return onset
+    reason = f"study.{study.name}.skidding_range is 0"
+    if rings and rings.turning:
+        reason = "a form turns with its ring"
+    return SkiddingOnset(math.nan, math.nan, f"it was not looked where skidding begins: {reason}")
 
 
 def critical_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
-    """Cage slip of the largest effective friction on the inner ring."""
+    """Return the cage slip of the largest effective friction on the inner ring."""
     slip = slip_grid(study.max_cage_slip, study.points)
     return raceways.critical(slip, raceways.curve(slip))[0]
 
 
-def at_the_ends(
+def choose_over_history(
     study: EffectiveFriction, assembly: Assembly, history: History | None, fraction: float
 ) -> ResolutionChoice:
-    """Slices and instants as the operation needs them, and the least and the largest load and temperature."""
-    estimated, *_ = slices_and_positions(study, assembly, fraction)
+    """Choose slices and roller positions for the operation of the scene, and both extremes of load and temperature.
+
+    Parameters
+    ----------
+    study : EffectiveFriction
+        Settings of the effective friction.
+    assembly : Assembly
+        The bearing.
+    history : History or None
+        The operation over time.
+    fraction : float
+        Fraction of the tolerances that slices and roller positions may use.
+    """
+    estimated, *_ = choose_slices_and_positions(study, assembly, fraction)
     if history is None:
         return estimated
     for end in (0, 1):
-        spans = {name: history.spans[name][end] for name in history.conditions}
+        extremes = {name: history.spans[name][end] for name in history.conditions}
         try:
-            other, *_ = slices_and_positions(study, with_operation(assembly, spans), fraction)
-        except RollslipError:  # the motion tells what cannot be put together
+            other, *_ = choose_slices_and_positions(
+                study, with_operation(assembly, extremes), fraction
+            )
+        except RollslipError:  # the run reports which bearing cannot be assembled
             continue
         if (other.resolution.slices or 0) > (estimated.resolution.slices or 0):
             estimated = other
     return estimated
 
 
-def with_history(
+def history_variables(
     study: EffectiveFriction, moving: Any, times: Array, states: Array
 ) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Return what is stored of a history at instants: variables, and attributes; nothing of a motion without one."""
+    """Return variables and attributes of a result about its history; nothing of a motion without one.
+
+    Parameters
+    ----------
+    study : EffectiveFriction
+        Settings of the effective friction.
+    moving : MovingBearing
+        The equations of motion.
+    times : ndarray
+        Stored times [s], (m,).
+    states : ndarray
+        Stored states, (m, n).
+    """
     if not isinstance(moving, VaryingMotion):
         return {}, {}
     history = moving.history
-    way = along(study, moving.assembly, history, times)
-    now = history.at(times)
+    skidding = skidding_along(study, moving.assembly, history, times)
+    operation = history.at(times)
     stations = moving.stations
     works, distances = moving.sliding_work_and_distance(states[-1])
-    variables = {name: now[name] for name in history.prescribed} | {
-        "epicyclic_cage_speed": moving.direction * epicyclic_speeds(moving.assembly, history, times)[0],
-        "skidding_slip_along": way.skidding_slip,
-        "limit_drag_along": way.limit_drag,
-        "critical_slip_along": way.critical_slip,
+    variables = {name: operation[name] for name in history.prescribed} | {
+        "epicyclic_cage_speed": moving.direction
+        * epicyclic_speeds(moving.assembly, history, times)[0],
+        "skidding_slip_along": skidding.skidding_slip,
+        "limit_drag_along": skidding.limit_drag,
+        "critical_slip_along": skidding.critical_slip,
         "roller_sliding_distance": distances,
         "roller_frictional_work": works,
     }
     return variables, {
         "history": json.dumps(history.prescribed),
-        "history_status": way.status,
+        "history_status": skidding.status,
         "history_sha256": history.sha256,
         "history_varies": json.dumps(history.varies),
         "history_stations": len(moving.system.owner.stations),
         "history_error": stations.error,
         "slip_status": "known while the cage's epicyclic speed is more than "
         f"{100 * MIN_EPICYCLIC_FRACTION:g} % of its largest, to which slips refer",
-        "starvation": json.dumps(_starvation(moving, now)),
+        "starvation": json.dumps(_starvation(moving, operation)),
     }
 
 
-def _starvation(moving: VaryingMotion, now: Mapping[str, Array]) -> list[float]:
-    """Factors C_S by which the motion starves its inlets, and by which the least speed would; 1 where none does.
+def _starvation(moving: VaryingMotion, operation: Mapping[str, Array]) -> list[float]:
+    """Return the starvation factors C_S of the film in the motion, and at its lowest speed; 1 without starvation.
 
-    They are of one speed, the largest, unless friction is tabulated over speeds.
+    Friction is that of one speed, the largest, unless it is tabulated over speeds; then both factors are 1.
     """
-    at = moving.base.assembly
-    apart = np.abs(now["inner_speed"] - now["outer_speed"])
-    starved = any(
-        "starvation" in taken_from_scene(model) for model in (*at.models.values(), *at.cage.named)
-    )
+    bearing = moving.base.assembly
+    speed = np.abs(operation["inner_speed"] - operation["outer_speed"])
+    models = (*bearing.models.values(), *bearing.cage.named)
+    starved = any("starvation" in taken_from_scene(model) for model in models)
     if not (starved and moving.stations.speeds_vary) or "speed" in [
         axis.name for axis in moving.stations.axes
     ]:
         return [1.0, 1.0]
-    slow = int(np.argmin(np.where(apart > 0.0, apart, np.inf)))
-    least = with_operation(at, {name: float(now[name][slow]) for name in ("inner_speed", "outer_speed")})
+    slowest = int(np.argmin(np.where(speed > 0.0, speed, np.inf)))
+    slow_bearing = with_operation(
+        bearing, {name: float(operation[name][slowest]) for name in ("inner_speed", "outer_speed")}
+    )
     return [
-        float(str(scene_values(one.scene, one.kinematics, one.lubricant)["starvation"]))
-        for one in (at, least)
+        float(str(scene_values(case.scene, case.kinematics, case.lubricant)["starvation"]))
+        for case in (bearing, slow_bearing)
     ]
 
 
-def parts(
-    history: History | None, make: Callable[[], MovingBearing], study: str, costs: dict[str, float]
+def plan_parts(
+    history: History | None,
+    make_moving: Callable[[], MovingBearing],
+    study: str,
+    costs: dict[str, float],
 ) -> list[Part]:
-    """Return the line of the plan about a history: what changes, and what its maps cost."""
+    """Return the line of the plan about a history: what changes, and what its maps cost; nothing without a history.
+
+    Parameters
+    ----------
+    history : History or None
+        The operation over time.
+    make_moving : callable
+        Returns the equations of motion along the history.
+    study : str
+        Name of the study.
+    costs : dict of str to float
+        Processor times [s] by name, of which that of the history is removed.
+    """
     if history is None:
         return []
-    moving = make()
+    moving = make_moving()
     assert isinstance(moving, VaryingMotion)
     stations = moving.stations
     axes = "maps over " + "; ".join(map(describe_range, stations.axes))
@@ -347,28 +516,47 @@ def parts(
     ]
 
 
-def cost(
-    history: History | None, make: Callable[[], MovingBearing], study: EffectiveFriction
+def history_cost(
+    history: History | None, make_moving: Callable[[], MovingBearing], study: EffectiveFriction
 ) -> dict[str, float]:
-    """Return the time [s] that maps along a history, and the slips of running away along it, take in a run.
+    """Return the processor time [s] of maps and skidding slips along a history in a run, by name.
 
-    They are made for it, and kept: of them the run pays what finding them costs.
+    Both are computed here and cached, so that the run pays for the second use only, which is measured.
+
+    Parameters
+    ----------
+    history : History or None
+        The operation over time.
+    make_moving : callable
+        Returns the equations of motion along the history.
+    study : EffectiveFriction
+        Settings of the effective friction.
     """
     if history is None:
         return {}
-    times = np.linspace(0.0, history.end, _LOOKS)
-    _through(history, make())
-    along(study, make().assembly, history, times)
-    begin = time.process_time()
-    _through(history, make())
-    along(study, make().assembly, history, times)
-    return {"history": time.process_time() - begin}
+    times = np.linspace(0.0, history.end, _PLAN_TIMES)
+    _build_maps(history, make_moving())
+    skidding_along(study, make_moving().assembly, history, times)
+    start = time.process_time()
+    _build_maps(history, make_moving())
+    skidding_along(study, make_moving().assembly, history, times)
+    return {"history": time.process_time() - start}
 
 
-def without_tables(
-    history: History | None, friction: str, make: Callable[[], MovingBearing]
+def tabulation_problem(
+    history: History | None, friction: str, make_moving: Callable[[], MovingBearing]
 ) -> str:
-    """Return why effective friction cannot be tabulated along a history of speeds; empty if it can, or need not."""
+    """Return why effective friction cannot be tabulated along a history of speeds; empty if it can, or need not.
+
+    Parameters
+    ----------
+    history : History or None
+        The operation over time.
+    friction : str
+        Friction of the raceways.
+    make_moving : callable
+        Returns the equations of motion along the history.
+    """
     if (
         history is None
         or friction != "effective"
@@ -376,34 +564,37 @@ def without_tables(
     ):
         return ""
     try:
-        _through(history, make(), _MAX_BEARINGS)
+        _build_maps(history, make_moving(), _MAX_BEARINGS)
     except ConvergenceError as refused:
         return f"effective friction cannot be tabulated along the history, as {refused}"
     return ""
 
 
-def _through(history: History, moving: MovingBearing, most: float = math.inf) -> None:
-    """Put together what a motion asks for along a history, up to so many bearings an axis of speed."""
+def _build_maps(history: History, moving: MovingBearing, max_bearings: float = math.inf) -> None:
+    """Evaluate the rates along a history, which builds the maps that they need.
+
+    ``max_bearings`` counts for one axis, four times as many for each further one; more are a ConvergenceError.
+    """
     assert isinstance(moving, VaryingMotion)
     y = moving.initial()
-    most = most * 4 ** max(len(moving.stations.axes) - 1, 0)
-    for t in np.linspace(0.0, history.end, _LOOKS):
+    max_bearings = max_bearings * 4 ** max(len(moving.stations.axes) - 1, 0)
+    for t in np.linspace(0.0, history.end, _PLAN_TIMES):
         moving.system(float(t), y)
-        if moving.stations.bearings > most:
+        if moving.stations.bearings > max_bearings:
             raise ConvergenceError(
-                f"more than {most:g} bearings would have to be put together for it"
+                f"more than {max_bearings:g} bearings would have to be put together for it"
             )
 
 
-def told(dataset: "xr.Dataset") -> "xr.Dataset":
-    """Return a result with what is asked of a history as single values, which campaigns keep; none without one."""
+def with_single_values(dataset: "xr.Dataset") -> "xr.Dataset":
+    """Return a result with the single values of its history as attributes, which campaigns store; NaN without one."""
     if not history_findings.along(dataset):
-        none = dict.fromkeys(
+        unknown = dict.fromkeys(
             (name for name, output in OUTPUTS.items() if output.status == "history_status"),
             math.nan,
         )
         return dataset.assign_attrs(
-            none | {"history_status": "the operation does not change: there is no history"}
+            unknown | {"history_status": "the operation does not change: there is no history"}
         )
     values = history_findings.single_values(dataset)
     return dataset.assign_attrs(
@@ -411,8 +602,18 @@ def told(dataset: "xr.Dataset") -> "xr.Dataset":
     )
 
 
-def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float, str]:
-    """Return a steady slip and its status; none where the operation changed in the last three eighths of a run."""
+def steady_slip_along(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float, str]:
+    """Return a steady slip and its status; NaN if the operation changed in the last three eighths of a run.
+
+    Parameters
+    ----------
+    moving : MovingBearing
+        The equations of motion.
+    times : ndarray
+        Stored times [s], (m,).
+    status : tuple of float and str
+        Slip and status of the end of the motion, for an operation that does not change (`steady_slip_of`).
+    """
     if why := moving.assembly.cage.drags.in_time:
         return math.nan, why
     if not isinstance(moving, VaryingMotion):
@@ -420,10 +621,12 @@ def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float
     if math.isnan(moving.epicyclic_speeds(times)[0][-1]):
         return math.nan, "the rings all but stand at the end"
     last = times[times >= times[-1] - 0.375 * (times[-1] - times[0])]
-    now: Mapping[str, Array] = moving.history.at(last)
+    operation: Mapping[str, Array] = moving.history.at(last)
     path = moving.history.path
-    known_to = {} if path is None else dict.fromkeys(TEMPERATURES, path.error)
-    changing = [name for name, values in now.items() if np.ptp(values) > known_to.get(name, 0.0)]
+    errors = {} if path is None else dict.fromkeys(TEMPERATURES, path.error)
+    changing = [
+        name for name, values in operation.items() if np.ptp(values) > errors.get(name, 0.0)
+    ]
     if not changing:
         return status
     return (
@@ -432,28 +635,47 @@ def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float
     )
 
 
-def at_the_end(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
-    """Return the bearing at the operation of the last instant of a result; None where nothing rolls then."""
+def final_bearing(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
+    """Return the bearing at the operation at the end of a result; None if nothing rolls then.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing of the scene.
+    dataset : xarray.Dataset
+        The result.
+    """
     if not history_findings.along(dataset):
         return assembly
-    operation = assembly.scene.operation
-    now = {name: getattr(operation, name) for name in ("inner_speed", "outer_speed")}
-    now |= {name: float(dataset[name][-1]) for name in json.loads(dataset.attrs["history"])}
-    now.pop("load_direction", None)  # turns what it loads, and changes no contact at rest
+    given = assembly.scene.operation
+    operation = {name: getattr(given, name) for name in ("inner_speed", "outer_speed")}
+    operation |= {name: float(dataset[name][-1]) for name in json.loads(dataset.attrs["history"])}
+    operation.pop(
+        "load_direction", None
+    )  # it turns the loads with the rollers, and changes no contact
     if "radial_clearance" in dataset:
         assembly = with_changes(assembly, {CLEARANCE: float(dataset["radial_clearance"][-1])})
-    if now["inner_speed"] == now["outer_speed"]:
+    if operation["inner_speed"] == operation["outer_speed"]:
         return None
-    return with_operation(assembly, now)
+    return with_operation(assembly, operation)
 
 
-def at_instant(assembly: Assembly, dataset: "xr.Dataset", instant: int) -> Assembly:
-    """Return the bearing at the temperatures of a stored instant of a result, by its number, its inlets fed as then."""
+def bearing_at(assembly: Assembly, dataset: "xr.Dataset", index: int) -> Assembly:
+    """Return the bearing with the temperatures at a stored time of a result, and with the starvation of its speeds.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing of the scene.
+    dataset : xarray.Dataset
+        The result.
+    index : int
+        Index of the stored time.
+    """
     given = {
-        name: float(dataset[name][instant])
-        for name in json.loads(dataset.attrs.get("history", "[]"))
+        name: float(dataset[name][index]) for name in json.loads(dataset.attrs.get("history", "[]"))
     }
-    at = {name: value for name, value in given.items() if name in TEMPERATURES}
+    operation = {name: value for name, value in given.items() if name in TEMPERATURES}
     speeds = {
         name: given.get(name, getattr(assembly.scene.operation, name))
         for name in ("inner_speed", "outer_speed")
@@ -461,5 +683,5 @@ def at_instant(assembly: Assembly, dataset: "xr.Dataset", instant: int) -> Assem
     if speeds["inner_speed"] != speeds["outer_speed"] and any(
         "starvation" in taken_from_scene(model) for model in assembly.models.values()
     ):
-        at |= speeds
-    return with_operation(assembly, at)
+        operation |= speeds
+    return with_operation(assembly, operation)

@@ -236,7 +236,9 @@ class Dynamics(Study):
         averaged = self.curve_study(assembly)
         if assembly.scene.accuracy.exact:
             return self._with_choice(reference_choice(averaged, assembly), assembly)
-        estimated = over_time.at_the_ends(averaged, assembly, self.course(assembly), _FRACTION)
+        estimated = over_time.choose_over_history(
+            averaged, assembly, self.course(assembly), _FRACTION
+        )
         estimated = self._with_choice(with_table_tolerance(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
@@ -246,10 +248,10 @@ class Dynamics(Study):
         """Friction, level and integrator, where the scene does not name them."""
         given = [*assembly.scene.study.get(self.name, {})]
         history = self.course(assembly)
-        settings, named = over_time.left_open(history, given, self.level)
-        reasons = over_time.reasons(history, settings, self.level, given)
+        settings, named = over_time.fixed_settings(history, given, self.level)
+        reasons = over_time.reasons_of_history(history, settings, self.level, given)
         at = assembly.at(estimated.resolution)
-        if why := over_time.without_tables(
+        if why := over_time.tabulation_problem(
             history, self.with_settings(**settings).friction, lambda: self.moving(at)
         ):
             settings["friction"] = "conventional"
@@ -293,7 +295,7 @@ class Dynamics(Study):
         told = attrs.evolve(self.curve_study(assembly), map_points=0).cost(assembly.at(at))
         away = sum(told.values())
         history = self.course(assembly)
-        along_it = over_time.cost(
+        along_it = over_time.history_cost(
             history, lambda: self.moving(assembly), self.curve_study(assembly)
         )
         motion = costs_of(self, assembly)
@@ -334,7 +336,7 @@ class Dynamics(Study):
         )
         return [
             *([steps] if "steps" in errors else []),
-            *over_time.parts(
+            *over_time.plan_parts(
                 self.course(assembly), lambda: self.moving(assembly), self.name, costs
             ),
             *heating.part(self, assembly, costs),
@@ -401,7 +403,7 @@ class Dynamics(Study):
 
     def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
         """Return the slices of the rollers at the last stored instant."""
-        then = over_time.at_the_end(assembly, dataset)
+        then = over_time.final_bearing(assembly, dataset)
         return [] if then is None else last_slices(then, dataset)
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
@@ -427,11 +429,11 @@ class Dynamics(Study):
         DomainError, ConvergenceError
             If loads or friction cannot be tabulated.
         """
-        dataset = over_time.told(
+        dataset = over_time.with_single_values(
             self.at(assembly.resolution)._run(assembly, context or RunContext())
         )
         damage, measures = over_motion(
-            assembly, dataset, partial(over_time.at_instant, assembly, dataset)
+            assembly, dataset, partial(over_time.bearing_at, assembly, dataset)
         )
         return dataset.assign_coords(measures).assign(self.variables(**damage))
 
@@ -449,8 +451,8 @@ class Dynamics(Study):
             assembly, assembly.resolution.n_positions or over_time.N_POSITIONS
         )
         critical = over_time.critical_of(settings, raceways)
-        away = over_time.away_of(settings, raceways)
-        limit = over_time.limit_of(settings, assembly, history)
+        away = over_time.onset_of(settings, raceways)
+        limit = over_time.watched_slip(settings, assembly, history)
         moving = self.moving_along(history, assembly, critical_slip=away.slip, limit=limit)
         times = np.linspace(0.0, self.duration, self.points)
         watch = moving.system.watch
@@ -650,7 +652,7 @@ class Dynamics(Study):
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip = variables["cage_slip"][1]
         works = moving.works(found.y)
-        at_positions, of_history = over_time.with_history(
+        at_positions, of_history = over_time.history_variables(
             self.curve_study(assembly), moving, t, found.y
         )
         variables |= self.variables(**at_positions)
@@ -665,7 +667,7 @@ class Dynamics(Study):
             ),
             f"; store more with --set {self.table}.points={4 * self.points}",
         )
-        steady, steady_status = over_time.settled(moving, t, (steady, steady_status))
+        steady, steady_status = over_time.steady_slip_along(moving, t, (steady, steady_status))
         return xr.Dataset(
             variables,
             {
