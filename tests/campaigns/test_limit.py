@@ -20,13 +20,13 @@ from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.accounts import account_of
 from rollslip.results.table import sheet
-from rollslip.studies.error_estimate import AT_ONCE
+from rollslip.studies.error_estimate import JOINT_ORDER
 from rollslip_campaigns.limit import LimitSettings, findings
 from rollslip_campaigns.limit.limit import RESULT, of_the_worst, run_limit
 from rollslip_campaigns.limit.search import Requirement, next_places, passages, read_requirement
 from rollslip_campaigns.sweep import SweepSettings
-from rollslip_campaigns.sweep.definition import Resolutions, name_of
-from rollslip_campaigns.sweep.folder import taken_up
+from rollslip_campaigns.sweep.definition import Resolutions, combination_name
+from rollslip_campaigns.sweep.folder import open_or_create
 from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.run import run_sweep
@@ -217,7 +217,7 @@ def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_p
     whole = run_limit(made, tmp_path / "whole")
     (tmp_path / "part").mkdir()
     run_sweep(
-        attrs.evolve(made.sweep, only=made.first[:3]), taken_up(made.sweep, tmp_path / "part")
+        attrs.evolve(made.sweep, selected=made.first[:3]), open_or_create(made.sweep, tmp_path / "part")
     )
     again = run_limit(made, tmp_path / "part")
     assert again.drop_vars("seconds").identical(
@@ -409,7 +409,7 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
 def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told():
     """Eight slices, which torques need, are too few for the worst value of a crowned roller; a run takes more.
 
-    What is told is how far off it is, or as much more as an order of `AT_ONCE` in place of the second makes it.
+    What is told is how far off it is, or as much more as an order of `JOINT_ORDER` in place of the second makes it.
     """
     own = {
         "accuracy.tolerance": 1e-3,
@@ -448,7 +448,7 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
     told = re.match(
         rf"worst sliding power density is off by about (\S+) {words}: the limit is off by", said
     )
-    assert 1e-3 < off <= float(told[1]) <= off / (1.0 - 2.0**-AT_ONCE)
+    assert 1e-3 < off <= float(told[1]) <= off / (1.0 - 2.0**-JOINT_ORDER)
 
 
 def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, monkeypatch):
@@ -539,7 +539,7 @@ def test_a_motion_is_searched_as_the_plan_chooses_it():
     )
     assert chosen.integrator != "rodas5p", "what a motion takes that nobody planned"
     assert 0.0 < made.point_seconds < 60.0
-    other = Resolutions(chosen={name_of([]): attrs.evolve(chosen, integrator="no-such")})
+    other = Resolutions(chosen={combination_name([]): attrs.evolve(chosen, integrator="no-such")})
     work = attrs.evolve(made.sweep, resolutions=other).work
     (row,) = compute(work, ((0, made.sweep.design.changes(0)),)).rows
     assert "no-such" in row.message

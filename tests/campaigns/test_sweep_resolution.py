@@ -15,8 +15,8 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.outputs import evaluate, named_outputs
 from rollslip.studies.study import settings
-from rollslip_campaigns.sweep.point import compute, unpacked
-from rollslip_campaigns.sweep.result import apart_from_run
+from rollslip_campaigns.sweep.point import compute, unpack_values
+from rollslip_campaigns.sweep.result import deviations_from_run
 from rollslip_campaigns.sweep.sampling import probabilities
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -37,7 +37,7 @@ class TestTheResolutionOfASweep:
         for number in (90,):
             changes = made.design.changes(number)
             (row,) = compute(made.work, [(number, changes)]).rows
-            found = unpacked(json.loads(row.layout), row.numbers, row.texts)
+            found = unpack_values(json.loads(row.layout), row.numbers, row.texts)
             scene = evolve(load_scene("1032930-70C"), changes)
             study = settings(scene, "effective-friction")["effective-friction"]
             exact, *_ = evaluate(study, assemble(scene, reference_resolution(scene)), made.outputs)
@@ -71,7 +71,7 @@ def test_a_point_that_a_run_contradicts_is_told_of(tmp_path, monkeypatch):
     np.testing.assert_allclose(found["critical_friction"][1], own["critical_friction"], rtol=1e-3)
     wrong = found.copy(deep=True)
     wrong["critical_friction"][1] *= 1.03
-    (said,) = apart_from_run(plan_sweep("1032930-70C", over, **of), wrong)
+    (said,) = deviations_from_run(plan_sweep("1032930-70C", over, **of), wrong)
     assert said.startswith(
         "at operation.radial_load = 1 kN critical_friction is 3.0e-02 off a run of the scene, more than"
     )
@@ -81,7 +81,7 @@ def test_a_point_that_a_run_contradicts_is_told_of(tmp_path, monkeypatch):
         raise ZeroDivisionError("a law of somebody")
 
     monkeypatch.setattr("rollslip_campaigns.sweep.result.compute", broken)
-    (said,) = apart_from_run(plan_sweep("1032930-70C", over, **of), found)
+    (said,) = deviations_from_run(plan_sweep("1032930-70C", over, **of), found)
     assert said.startswith(
         "how far points are off could not be checked at operation.radial_load = 1 kN"
     )
@@ -90,7 +90,7 @@ def test_a_point_that_a_run_contradicts_is_told_of(tmp_path, monkeypatch):
 
 def test_motions_in_time_are_not_made_again():
     assert (
-        apart_from_run(SimpleNamespace(study="dynamics"), xr.Dataset({"status": ("point", ["ok"])}))
+        deviations_from_run(SimpleNamespace(study="dynamics"), xr.Dataset({"status": ("point", ["ok"])}))
         == []
     )
 

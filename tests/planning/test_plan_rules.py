@@ -25,7 +25,7 @@ from rollslip.studies.bounds import (
     InletHeating,
     LightContacts,
 )
-from rollslip.studies.error_estimate import Bound, difference
+from rollslip.studies.error_estimate import ErrorBound, sample_errors
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
 BASE = evolve(
@@ -164,7 +164,7 @@ def test_boundary_friction_is_taken_back_in_where_a_film_is_thin():
     assert honest.choices[STUDY].resolution.boundary
     left_out = (BoundaryFriction(1.5),)
     chosen = attrs.evolve(honest.choices[STUDY], left_out=left_out)
-    wrong = attrs.evolve(honest, estimated={STUDY: chosen}).at(
+    wrong = attrs.evolve(honest, choices={STUDY: chosen}).at(
         STUDY, attrs.evolve(chosen.resolution, boundary=False)
     )
     result = execute(wrong, STUDY)
@@ -202,7 +202,7 @@ def test_a_closed_form_serves_only_within_its_bounds():
     law = get_model("traction", "maxwell-eyring")
     most = {"strain_rate": 1e-9, "deborah": 1.0, "heating": 1e9}
     tight = attrs.evolve(made.choices[STUDY], left_out=(ExactLaw(law, most),))
-    again = execute(attrs.evolve(made, estimated={STUDY: tight}).at(STUDY, resolution), STUDY)
+    again = execute(attrs.evolve(made, choices={STUDY: tight}).at(STUDY, resolution), STUDY)
     assert np.array_equal(again.effective_friction, exact.effective_friction)
     assert "a strain rate of" in json.loads(again.attrs["reinstated"])[0]
 
@@ -309,17 +309,17 @@ def test_what_cannot_be_estimated_is_left_to_the_run():
 
 
 def test_a_bound_is_that_of_the_largest_error():
-    bound = Bound.over((2, 4), [{"friction": 1e-2}, {"friction": 5e-3}], 8)
+    bound = ErrorBound.from_errors((2, 4), [{"friction": 1e-2}, {"friction": 5e-3}], 8)
     assert bound.constants["friction"] == pytest.approx(
         max(4e-2 / (1 - 1 / 16), 8e-2 / (1 - 1 / 4))
     )
-    assert bound.needed({"friction": 1e-4}) == pytest.approx(
+    assert bound.required_points({"friction": 1e-4}) == pytest.approx(
         (bound.constants["friction"] / 1e-4) ** 0.5
     )
     one = (np.array([[1.0, 2.0]]), np.array([0.1]))
     two = (np.array([[1.0, 2.2]]), np.array([np.nan]))
-    assert difference(one, one) == {"friction": 0.0, "critical_slip": 0.0}
-    assert difference(two, one) == {"friction": pytest.approx(0.1), "critical_slip": np.inf}
+    assert sample_errors(one, one) == {"friction": 0.0, "critical_slip": 0.0}
+    assert sample_errors(two, one) == {"friction": pytest.approx(0.1), "critical_slip": np.inf}
 
 
 @pytest.mark.slow
@@ -417,7 +417,7 @@ def test_what_was_left_out_is_taken_back_in_beyond_its_bound(name, bound, said):
     honest = plan(fast, STUDY)
     chosen = attrs.evolve(honest.choices[STUDY], left_out=(bound,))
     less = attrs.evolve(chosen.resolution, **{name: False})
-    wrong = attrs.evolve(honest, estimated={STUDY: chosen}).at(STUDY, less)
+    wrong = attrs.evolve(honest, choices={STUDY: chosen}).at(STUDY, less)
     result = execute(wrong, STUDY)
     assert np.array_equal(result.effective_friction, execute(honest, STUDY).effective_friction)
     (told,) = json.loads(result.attrs["reinstated"])

@@ -19,7 +19,8 @@ from rollslip.bearing.resolution import BoundBrokenError, Resolution
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import error_warnings, verify
-from rollslip.studies.error_estimate import WHERE_JUMPED, ErrorEstimate, errors_between, refined
+from rollslip.studies.error_estimate import ErrorEstimate, errors_between, refine_resolution
+from rollslip_studies.effective_friction.study import FILM_AT_JUMPS
 from tabled import REFERENCES, TABLES, rows_of
 
 #: Few large rollers on smooth raceways: each has two balances from a slip of 0.25 to 0.75, and jumps at its own slip.
@@ -118,12 +119,14 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     epicyclic = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
     free = plan(JUMPS, STUDY)
 
-    def then(made, errors, orders, at_once=None, **changes):
+    def then(made, errors, orders, joint_errors=None, **changes):
         estimated = attrs.evolve(made.choices[STUDY], **changes)
         assembly = made.assembly.at(attrs.evolve(estimated.resolution, n_positions=10))
         estimated = attrs.evolve(estimated, resolution=assembly.resolution)
-        error = ErrorEstimate(errors={"n_positions": errors}, orders=orders, at_once=at_once or {})
-        return refined(made.studies[STUDY], assembly, estimated, error)
+        error = ErrorEstimate(
+            errors={"n_positions": errors}, orders=orders, joint_errors=joint_errors or {}
+        )
+        return refine_resolution(made.studies[STUDY], assembly, estimated, error)
 
     held = attrs.evolve(epicyclic.scene, accuracy=attrs.evolve(epicyclic.scene.accuracy, slices=7))
     fixed = assemble(
@@ -138,10 +141,10 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
         left = {"slices": {"friction": 5e-4}, "n_positions": {"friction": 2e-3}}
         seen = ErrorEstimate(
             errors=left,
-            at_once={"friction": 3e-3},
-            alone={"slices": alone, "n_positions": left["n_positions"]},
+            joint_errors={"friction": 3e-3},
+            separate_errors={"slices": alone, "n_positions": left["n_positions"]},
         )
-        assert (refined(study, fixed, of, seen) is not None) == made
+        assert (refine_resolution(study, fixed, of, seen) is not None) == made
     off = {"friction": 4e-3}
     assert then(epicyclic, {"friction": 9e-4}, {}) is None
     second = then(epicyclic, off, {"friction": 2.0})
@@ -156,7 +159,7 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     assert (
         then(free, off, {"friction": 0.1}).resolution.n_positions == 40
     )  # jumps fall with the first order
-    assert then(free, off, {"friction": 0.1}, seen="once").resolution.n_positions == 40
+    assert then(free, off, {"friction": 0.1}, refinement_reason="once").resolution.n_positions == 40
     orbit = JUMPS.bearing.rollers * epicyclic.choices[STUDY].resolution.slices * 40
     for most, made in ((orbit, True), (orbit - 1, False)):
         with monkeypatch.context() as patched:
@@ -249,7 +252,7 @@ def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
     result = execute(plan(_hidden(557), STUDY), STUDY)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
     actual = _film_off(result, _finer(557, result))
-    bound = rows[f"film parameter{WHERE_JUMPED}"]
+    bound = rows[FILM_AT_JUMPS]
     assert actual > 1e-3
     assert actual < bound < 10.0 * actual
     said = f"film parameter, where rollers jump, is off by {bound:.1e} at most: it is that just"
@@ -361,7 +364,8 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
 def test_what_slices_and_instants_hide_from_each_other_is_told():
     made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
     error = ErrorEstimate(
-        errors={"n_positions": {"friction": 2e-4}}, at_once={"friction": 1.3e-3, "cage slip": 3e-3}
+        errors={"n_positions": {"friction": 2e-4}},
+        joint_errors={"friction": 1.3e-3, "cage slip": 3e-3},
     )
     assert error.total == {"friction": 1.3e-3, "cage slip": 3e-3}
     friction, slip = error_warnings(made, STUDY, error)
@@ -382,8 +386,10 @@ def test_what_both_move_is_made_good_by_the_part_that_leaves_it():
     def numbers(slices, n_positions):
         alone = {"slices": {"friction": slices}, "n_positions": {"friction": n_positions}}
         small = {part: {"friction": 1e-4} for part in alone}
-        error = ErrorEstimate(errors=small, at_once={"friction": slices + n_positions}, alone=alone)
-        finer = refined(made.studies[STUDY], assembly, estimated, error)
+        error = ErrorEstimate(
+            errors=small, joint_errors={"friction": slices + n_positions}, separate_errors=alone
+        )
+        finer = refine_resolution(made.studies[STUDY], assembly, estimated, error)
         return finer.resolution.slices, finer.resolution.n_positions
 
     assert numbers(2e-3, 1e-4) == (math.ceil(20 * math.sqrt(2.0 / 0.6)), 10)

@@ -20,12 +20,12 @@ from rollslip.studies.answers import Part
 from rollslip.studies.bounds import LightContacts
 from rollslip.studies.error_estimate import (
     ErrorEstimate,
-    _growth,
-    _order,
-    _Run,
-    by_seen_order,
-    error_fraction,
-    refined,
+    _joint_factors,
+    _observed_order,
+    _ReferenceComparison,
+    refine_resolution,
+    richardson_factor,
+    with_observed_slice_order,
 )
 from rollslip.studies.study import settings
 
@@ -45,27 +45,29 @@ def plan():
 def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p, monkeypatch):
     """Of a curve that is off by m^-p on m positions: four, and half as many, are compared with nine."""
     monkeypatch.setattr(
-        _Run, "solution", lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0))
+        _ReferenceComparison,
+        "solution",
+        lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0)),
     )
-    study = SimpleNamespace(followed=False)
+    study = SimpleNamespace(uses_continuation=False)
     bearing = SimpleNamespace(resolution=Resolution(n_positions=4))
     orders = {}
-    run = _Run(
+    run = _ReferenceComparison(
         study=study,
-        curved=study,
+        curve_study=study,
         assembly=bearing,
-        few=bearing,
+        coarse=bearing,
         dataset=None,
         accuracy=SCENE.accuracy,
-        complete={},
+        complete_parts={},
     )
-    errors = run.of_positions(bearing, orders)
+    errors = run.position_errors(bearing, orders)
     order = math.log((2**-p - 9**-p) / (4**-p - 9**-p)) / math.log(2.0)
     assert orders["friction"] == pytest.approx(order)
     change = (4**-p - 9**-p) / (1.0 + 9**-p)
     assert errors["friction"] == pytest.approx(change / (1.0 - (4 / 9) ** min(order, 2.0)))
-    assert _order(4, 8, 4**-p, 8**-p) == pytest.approx(p)
-    assert (4**-p - 9**-p) / error_fraction(4, 9, p) == pytest.approx(4**-p)
+    assert _observed_order(4, 8, 4**-p, 8**-p) == pytest.approx(p)
+    assert (4**-p - 9**-p) / richardson_factor(4, 9, p) == pytest.approx(4**-p)
 
 
 def test_the_order_of_slices_is_that_seen_from_run_to_run():
@@ -74,13 +76,14 @@ def test_the_order_of_slices_is_that_seen_from_run_to_run():
         ErrorEstimate(errors={"slices": {"friction": error}, "n_positions": {}}, slices=slices)
         for error, slices in ((4e-4, 25), (2e-4, 100))
     )
-    found = by_seen_order(many, few).errors["slices"]["friction"]
+    found = with_observed_slice_order(many, few).errors["slices"]["friction"]
     assert found == pytest.approx(2e-4 * (1 - 1 / 16) / (1 - 1 / 2))
     assert (
-        by_seen_order(many, attrs.evolve(few, errors={"slices": {"friction": 3.2e-3}})) == many
+        with_observed_slice_order(many, attrs.evolve(few, errors={"slices": {"friction": 3.2e-3}}))
+        == many
     )  # of order 2
-    assert by_seen_order(many, attrs.evolve(few, slices=100)) is many
-    assert by_seen_order(many, None) is many
+    assert with_observed_slice_order(many, attrs.evolve(few, slices=100)) is many
+    assert with_observed_slice_order(many, None) is many
 
 
 def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan):
@@ -94,24 +97,27 @@ def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan
     assembly = plan.assembly.at(resolution)
     for moved, back in ((2e-3, True), (1e-4, False)):
         alone = {"slices": {"friction": 2e-3}, "left out": {"friction": moved}}
-        off = ErrorEstimate(errors={"slices": {}}, at_once={"friction": 3e-3}, alone=alone)
-        made = refined(study, assembly, left, off)
+        off = ErrorEstimate(
+            errors={"slices": {}}, joint_errors={"friction": 3e-3}, separate_errors=alone
+        )
+        made = refine_resolution(study, assembly, left, off)
         assert made.resolution.light_contacts == back
         assert (made.left_out == ()) == back
         assert ("light_contacts" in made.errors) != back
         assert (
-            "what was left out of a contact was seen to leave friction off by 3.0e-03" in made.seen
+            "what was left out of a contact was seen to leave friction off by 3.0e-03"
+            in made.refinement_reason
         ) == back
         assert (made.resolution.slices > resolution.slices) != back
 
 
 def test_what_both_move_at_once_counts_where_it_is_more():
     parts = {"slices": {"friction": 1e-3}, "n_positions": {"friction": 5e-4, "critical_slip": 1e-3}}
-    assert ErrorEstimate(errors=parts, at_once={"friction": 3e-3}).total == {
+    assert ErrorEstimate(errors=parts, joint_errors={"friction": 3e-3}).total == {
         "friction": 3e-3,
         "critical_slip": 1e-3,
     }
-    assert ErrorEstimate(errors=parts, at_once={"friction": 1e-3}).total[
+    assert ErrorEstimate(errors=parts, joint_errors={"friction": 1e-3}).total[
         "friction"
     ] == pytest.approx(1.5e-3)
 
@@ -119,8 +125,9 @@ def test_what_both_move_at_once_counts_where_it_is_more():
 def test_more_of_a_part_is_asked_for_by_what_the_others_leave_of_the_aim():
     """0.7 of the tolerance is aimed at for both: of 0.7e-3 less 0.1e-3 slices have 2e-3, that fall with the square."""
     alone = {"slices": {"friction": 2e-3}, "n_positions": {"friction": 1e-4}}
-    found = _growth(
-        ErrorEstimate(errors={"slices": {}, "n_positions": {}}, alone=alone), {"friction": 1e-3}
+    found = _joint_factors(
+        ErrorEstimate(errors={"slices": {}, "n_positions": {}}, separate_errors=alone),
+        {"friction": 1e-3},
     )
     assert found["slices"] == pytest.approx(math.sqrt(2e-3 / 6e-4))
     assert found["n_positions"] < 1.0
@@ -132,11 +139,11 @@ def test_a_run_that_is_off_is_made_again_finer(plan):
     before = estimated.resolution.slices
     # 4 times 0.35 of the tolerance: twice as many slices, whose error falls with the square
     off = ErrorEstimate(errors={"slices": {"friction": 1.4e-3}, "n_positions": {"friction": 0.0}})
-    made = refined(study, plan.assembly.at(estimated.resolution), estimated, off)
+    made = refine_resolution(study, plan.assembly.at(estimated.resolution), estimated, off)
     assert made.resolution.slices == 2 * before
     assert made.resolution.n_positions == estimated.resolution.n_positions
     kept = ErrorEstimate(errors={"slices": {"friction": 0.9e-3}, "n_positions": {"friction": 0.0}})
-    assert refined(study, plan.assembly.at(estimated.resolution), estimated, kept) is None
+    assert refine_resolution(study, plan.assembly.at(estimated.resolution), estimated, kept) is None
 
 
 def test_an_error_beyond_its_tolerance_is_told_with_what_to_type(plan):
@@ -150,14 +157,14 @@ def test_an_error_beyond_its_tolerance_is_told_with_what_to_type(plan):
 
 
 def test_slips_that_are_followed_are_to_be_more():
-    [followed] = settings(
+    [continued] = settings(
         evolve(SCENE, {"study.effective-friction": {"points": 9, "closure": "free-roller"}}),
         "effective-friction",
     ).values()
-    assert followed.followed
+    assert continued.uses_continuation
     fake = SimpleNamespace(
-        scene=evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), studies={"effective-friction": followed},
-        estimated={"effective-friction": SimpleNamespace(resolution=SimpleNamespace(slices=1, n_positions=1))},
+        scene=evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), studies={"effective-friction": continued},
+        choices={"effective-friction": SimpleNamespace(resolution=SimpleNamespace(slices=1, n_positions=1))},
     )  # fmt: skip
     (said,) = error_warnings(
         fake, "effective-friction", ErrorEstimate(errors={"slices": {"critical_slip": 4e-3}})
@@ -180,8 +187,8 @@ def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(plan, monke
     class Fine:
         outputs = MappingProxyType({})
         controlled_outputs = MappingProxyType({})
-        without = at = lambda self, _: self
-        run = finer = lambda self, *_: (None, "against the finest")
+        without_outputs = at = lambda self, _: self
+        run = verification_resolution = lambda self, *_: (None, "against the finest")
 
     found = {"friction": 2e-3, "critical_slip": math.inf}
     monkeypatch.setattr(verification, "errors_between", lambda *_: found)

@@ -44,7 +44,7 @@ def bearing():
 
 @pytest.fixture(scope="module")
 def motion(bearing):
-    return Dynamics.of(SCENE).run(bearing)
+    return Dynamics.from_scene(SCENE).run(bearing)
 
 
 def test_heat_on_all_slices_is_that_of_the_tractions_of_the_motion(bearing, motion):
@@ -213,7 +213,7 @@ def test_films_along_a_run_up_are_starved_as_at_the_speed_of_the_moment():
 @pytest.mark.slow
 def test_a_settled_motion_has_the_damage_of_its_steady_slip():
     long = rollslip.evolve(SCENE, {"study.dynamics.duration": "3 s", "study.dynamics.points": 201})
-    motion = Dynamics.of(long).run(assemble(long))
+    motion = Dynamics.from_scene(long).run(assemble(long))
     at = {"study.surface-damage.cage_slip": float(motion["cage_slip"][-1])}
     steady = rollslip.run(rollslip.evolve(long, at), "surface-damage")["worst"].to_numpy()
     late = motion["worst_over_time"].to_numpy()[:, :, -20:]
@@ -235,7 +235,7 @@ def test_warm_instants_are_measured_at_their_temperatures():
         },
     )
     found = (
-        Dynamics.of(warm)
+        Dynamics.from_scene(warm)
         .run(assemble(warm))
         .sel(measure="contact-temperature")["worst_over_time"]
         .to_numpy()

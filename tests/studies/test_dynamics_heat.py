@@ -55,11 +55,11 @@ def scene(capacity, changes=None, **parameters):
 
 
 def ran(of):
-    return Dynamics.of(of).run(assemble(of))
+    return Dynamics.from_scene(of).run(assemble(of))
 
 
 def heated(of):
-    return heating.heated(Dynamics.of(of), assemble(of))
+    return heating.solve_temperatures(Dynamics.from_scene(of), assemble(of))
 
 
 def test_parts_of_endless_capacity_leave_the_bits_of_the_motion_at_given_temperatures():
@@ -132,7 +132,7 @@ def test_heat_of_rolling_and_of_a_land_on_a_turning_ring_is_made_where_the_balan
 @pytest.mark.slow
 def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeypatch):
     bearing = assemble(scene(2.0, {"study.dynamics.duration": "0.3 s"}))
-    study = Dynamics.of(bearing.scene)
+    study = Dynamics.from_scene(bearing.scene)
     store = Checkpoints(tmp_path, "of the scene", "dynamics")
     looks = []
     whole = study.run(bearing)
@@ -214,7 +214,7 @@ def test_the_clearance_goes_with_the_temperatures_of_parts_that_expand():
         - b.inner_raceway_diameter * inner
         - 2.0 * b.roller_diameter * rollers
     )
-    allowed = heating.allowed(assemble(SCENE))  # of the last pass
+    allowed = heating.temperature_tolerance(assemble(SCENE))  # of the last pass
     clearance = float(result["radial_clearance"][-1]) - b.radial_clearance
     assert clearance == pytest.approx(
         grown, abs=2.0 * expansion * b.outer_raceway_diameter * allowed
@@ -309,7 +309,7 @@ def test_temperatures_that_are_given_and_follow_are_refused():
 
 
 def test_temperatures_beyond_the_data_of_the_oil_are_refused_in_words(monkeypatch):
-    monkeypatch.setattr(heating, "_HALVINGS", 1)
+    monkeypatch.setattr(heating, "RELAXATION", heating.WaveformRelaxation(max_halvings=1))
     hot = scene(2.0, oil_inlet_temperature="900 degC")
     with pytest.raises(
         ConvergenceError, match=r"after pass \d it fails: .*temperature.*models.thermal=given"
@@ -336,7 +336,7 @@ def test_losses_of_cold_oil_that_lead_beyond_its_data_are_approached_by_halves()
 
 
 def test_passes_that_do_not_settle_are_refused_in_words(monkeypatch):
-    monkeypatch.setattr(heating, "_MOST", 1)
+    monkeypatch.setattr(heating, "RELAXATION", heating.WaveformRelaxation(max_passes=1))
     with pytest.raises(ConvergenceError, match=r"after 1 passes .* they still change by"):
         heated(scene(2.0))
 

@@ -52,7 +52,7 @@ def scene(changes=None, **raw):
 def watched(changes=None, **raw):
     """Run at exactly the settings of the scene, without a plan."""
     bearing = assemble(scene(changes, **raw))
-    return Dynamics.of(bearing.scene).run(bearing)
+    return Dynamics.from_scene(bearing.scene).run(bearing)
 
 
 def nowhere(study, assembly, history, times):
@@ -318,7 +318,7 @@ def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeyp
     bearing = assemble(
         scene(radial_load={"shape": "ramp", "to": "900 N", "at": "0.1 s", "within": "0.2 s"})
     )
-    study = Dynamics.of(bearing.scene)
+    study = Dynamics.from_scene(bearing.scene)
     whole = study.run(bearing)
     store = Checkpoints(tmp_path, "of the scene", "dynamics")
     looks = []
@@ -346,9 +346,9 @@ def test_a_run_does_not_go_on_through_another_file(tmp_path):
     for end in (900, 900, 800):
         file.write_text(f"time [s],radial_load [N]\n0,1037\n4,{end}\n")
         bearing = assemble(scene(file=str(file)))
-        digests.append(Dynamics.of(bearing.scene).digest(bearing))
+        digests.append(Dynamics.from_scene(bearing.scene).digest(bearing))
     assert digests[0] == digests[1] != digests[2]
-    assert Dynamics.of(SCENE).digest(assemble(SCENE)) == ""
+    assert Dynamics.from_scene(SCENE).digest(assemble(SCENE)) == ""
     assert all(digests)
 
 
@@ -427,11 +427,11 @@ def test_after_a_jump_rollers_in_their_pockets_go_on_as_under_the_new_operation_
     to = "400 N"
     name = "radial_load"
     bearing = assemble(scene(WITHIN[level], **{name: {"shape": "step", "to": to, "at": at}}))
-    moving = Dynamics.of(bearing.scene).moving(bearing)
-    held = Dynamics.of(
+    moving = Dynamics.from_scene(bearing.scene).moving(bearing)
+    held = Dynamics.from_scene(
         scene(WITHIN[level], **{name: {"shape": "step", "from": to, "to": "1037 N", "at": 3 * at}})
     )
-    before = Dynamics.of(scene(WITHIN[level])).moving(bearing)
+    before = Dynamics.from_scene(scene(WITHIN[level])).moving(bearing)
     after = held.moving(assemble(scene(WITHIN[level] | {"operation.radial_load": to})))
     run = get_model("integrator", integrator)
 
@@ -519,7 +519,7 @@ def test_the_slip_of_running_away_along_the_way_is_that_of_the_bearing_held_ther
     for k in (0, 33, 100):
         load = f"{float(dropped.radial_load[k])!r} N"
         held = assemble(scene({"operation.radial_load": load}))
-        study = EffectiveFriction.of(held.scene)
+        study = EffectiveFriction.from_scene(held.scene)
         away = over_time.onset_of(study, study.loaded(held, over_time.N_POSITIONS))
         assert float(dropped.skidding_slip_along[k]) == pytest.approx(away.slip, abs=2e-3)
         assert float(dropped.limit_drag_along[k]) == pytest.approx(away.drag, rel=2e-3)
@@ -659,11 +659,11 @@ def test_a_parameter_of_a_history_can_be_varied():
 
     of = scene(radial_load={"shape": "ramp", "to": "900 N", "within": "0.5 s"})
     bearing = assemble(of)
-    known = quantities(bearing, {"dynamics": Dynamics.of(of)})
+    known = quantities(bearing, {"dynamics": Dynamics.from_scene(of)})
     one = known[f"{HISTORY}.radial_load.to"]
     assert (one.value, one.unit) == (900.0, "N")
     assert one.read("1.2 kN") == 1200.0
-    changed = Dynamics.of(rollslip.evolve(of, {one.key: "800 N"}))
+    changed = Dynamics.from_scene(rollslip.evolve(of, {one.key: "800 N"}))
     assert changed.history.radial_load.to == 800.0
 
 

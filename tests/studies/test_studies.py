@@ -14,7 +14,7 @@ from rollslip.bearing.resolution import reference_resolution
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.curves import Curves, curve_labels
 from rollslip.scene.values import Accuracy
-from rollslip.studies.error_estimate import COARSE_SLICES, by_doubling
+from rollslip.studies.error_estimate import COARSE_SLICES, choose_by_doubling
 from rollslip.studies.study import AXES, Study, settings, study_class
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 from without_bands import run
@@ -120,7 +120,7 @@ def test_what_no_doubling_settles_says_what_moves_and_which_keys_to_raise():
         load_scene("1032930-70C"), {"accuracy.friction": 1e-9, "accuracy.slices": "auto"}
     )
     with pytest.raises(ConvergenceError) as refused:
-        by_doubling(_Unsettled().run, _Unsettled.controlled_outputs, _Unsettled.affected_by, assemble(scene))
+        choose_by_doubling(_Unsettled().run, _Unsettled.controlled_outputs, _Unsettled.affected_by, assemble(scene))
     assert re.fullmatch(
         r"the last doubling up to \d+ slices still changes friction by \S+ and whether critical slip has a value; "
         "raise accuracy.friction and accuracy.critical_slip",

@@ -247,7 +247,7 @@ def balances(k):
 
     def heat(at):
         there = assemble(given(at), resolution)
-        losses = study.of(there.scene).run(there)
+        losses = study.from_scene(there.scene).run(there)
         into = dict.fromkeys(nodes, 0.0)
         if np.isnan(losses.given_slip):
             raise DomainError(losses.given_status.item())
@@ -266,7 +266,7 @@ def balances(k):
 
     at = model.start(scene)
     for _ in range(2):  # once more with what a run takes where it settled
-        own = estimate(study.of(scene), assemble(given(at))).resolution
+        own = estimate(study.from_scene(scene), assemble(given(at))).resolution
         resolution = attrs.evolve(
             own, traction="named", boundary=True, inlet_heating=True, light_contacts=True
         )

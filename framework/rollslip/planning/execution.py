@@ -24,7 +24,7 @@ from rollslip.scene.values import Scene
 from rollslip.structure import scene_hash
 from rollslip.studies import validity
 from rollslip.studies.answers import RunContext, Store
-from rollslip.studies.error_estimate import ErrorEstimate, estimate_error, refined
+from rollslip.studies.error_estimate import ErrorEstimate, estimate_error, refine_resolution
 from rollslip.studies.law_outputs import law_outputs
 
 if TYPE_CHECKING:
@@ -153,7 +153,10 @@ def compute(
         estimated = plan.choices[study]
         unwatched = plan.assembly.at(estimated.resolution)
         error = estimate_error(running, unwatched, estimated, dataset, first)
-        if fixed_resolution or (finer := refined(running, unwatched, estimated, error)) is None:
+        if (
+            fixed_resolution
+            or (finer := refine_resolution(running, unwatched, estimated, error)) is None
+        ):
             break
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)
         first = first or error

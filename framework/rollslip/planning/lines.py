@@ -90,7 +90,7 @@ def how_finely(resolution: Resolution) -> str:
     """Return of how many slices and positions something is evaluated."""
     slices = resolution.slices
     positions = resolution.n_positions or 1
-    fine = f"{slices} slice{'e' * (slices != 1)} of a roller"
+    fine = f"{slices} slice{'s' * (slices != 1)} of a roller"
     return fine + f", {positions} roller positions within a pitch" * (positions > 1)
 
 

@@ -10,14 +10,13 @@ from rollslip.bearing.resolution import reference_resolution
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT, Accuracy
 from rollslip.studies.error_estimate import (
-    DENSER,
     MAX_ORDER,
     MIN_ORDER,
-    WHERE_JUMPED,
+    REFERENCE_SLIP_FACTOR,
     ErrorEstimate,
     errors_between,
     exceeding,
-    numbers_of,
+    resolution_numbers,
 )
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
         # "exact" is the finest, whatever it leaves; slices that the scene fixes have a warning of their own
         if accuracy.of(result) == EXACT or of_slices.get(result, 0.0) > accuracy.of(result):
             continue
-        if result.endswith(WHERE_JUMPED):
+        if result in plan.studies[study].irreducible_errors:
             warnings.append(
                 f"{result} is off by {size:.1e} at most: it is that just before one jumps, between two positions"
             )
@@ -70,9 +69,9 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
     running = plan.studies[study]
     tolerance = accuracy.of(result)
     key = result if hasattr(accuracy, result) else "tolerance"
-    numbers = numbers_of(plan.choices[study].resolution)
-    most = numbers_of(reference_resolution(plan.scene))
-    if accuracy.slices is not None and result in error.at_once:  # which slices may leave, too
+    numbers = resolution_numbers(plan.choices[study].resolution)
+    most = resolution_numbers(reference_resolution(plan.scene))
+    if accuracy.slices is not None and result in error.joint_errors:  # which slices may leave, too
         remedy = "raise accuracy.slices, or let a plan choose by --set accuracy.slices=auto"
     elif all(numbers[part] >= most[part] for part in error.errors):
         remedy = f"raise accuracy.{key}; this is the finest that a plan takes"
@@ -90,7 +89,7 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
         and running.uses_continuation
         and (points := getattr(running, "points", 0))
     ):
-        remedy += f", or go along more slips by --set {running.table}.points={DENSER * points - 2}"
+        remedy += f", or go along more slips by --set {running.table}.points={REFERENCE_SLIP_FACTOR * points - 2}"
     return remedy
 
 

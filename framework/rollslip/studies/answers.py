@@ -58,22 +58,22 @@ class ResolutionChoice:
     reasons: Mapping[str, str] = attrs.field(factory=dict)
     failed: str = ""  #: Why there are no estimates; empty if there are.
     #: What a run with fewer slices and instants was seen to leave, after which these were chosen; empty if none was.
-    seen: str = ""
+    refinement_reason: str = ""
     #: Whether it was looked for laws that are not needed, or that cheaper ones could replace.
-    laws_tried: bool = False
+    compared_laws: bool = False
 
     @property
     def total(self) -> Errors:
         """Sum of the errors of all parts, result by result."""
-        return combined(self.errors.values(), sum)
+        return combine_errors(self.errors.values(), sum)
 
     @property
-    def complete(self) -> Resolution:
+    def complete_resolution(self) -> Resolution:
         """The resolution with all that is left out under a bound taken back in."""
         return reduce(lambda made, bound: bound.reinstated(made), self.left_out, self.resolution)
 
 
-def combined(errors: Iterable[Errors], by: Callable[[list[float]], float]) -> Errors:
+def combine_errors(errors: Iterable[Errors], by: Callable[[list[float]], float]) -> Errors:
     """Return the sum of several errors, result by result, or the largest of them; 0 where one has no such result."""
     parts = [*errors]
     names = dict.fromkeys(name for part in parts for name in part)

@@ -16,8 +16,8 @@ def describe_fraction(assembly: Assembly, estimated: ResolutionChoice) -> str:
     """Say why slices and instants are as many as they are."""
     if estimated.failed:
         return f"there are no estimates: {estimated.failed}"
-    if estimated.seen:
-        return f"{estimated.seen}, so it was run again"
+    if estimated.refinement_reason:
+        return f"{estimated.refinement_reason}, so it was run again"
     accuracy = assembly.scene.accuracy
     fraction = " and ".join(
         f"{accuracy.of(result):g} ({result.replace('_', ' ')})" for result in estimated.total
@@ -90,7 +90,7 @@ def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
         said = "whether all films are full was not looked at"
         if not resolution.boundary:
             said = "it is watched at every evaluation, and boundary friction taken back in where one falls below it"
-        elif estimated.laws_tried:
+        elif estimated.compared_laws:
             said = "at the ends of the slips a film parameter is below it"
         found.append(
             Part(

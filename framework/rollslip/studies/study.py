@@ -36,7 +36,12 @@ from rollslip.studies.answers import (
     ResolutionChoice,
     RunContext,
 )
-from rollslip.studies.error_estimate import COARSE_SLICES, DiscretisedStudy, by_curves, by_doubling
+from rollslip.studies.error_estimate import (
+    COARSE_SLICES,
+    DiscretisedStudy,
+    choose_by_curves,
+    choose_by_doubling,
+)
 from rollslip.studies.timing import timed
 from rollslip.studies.validity import rolling_slices
 from rollslip.units import as_written
@@ -210,8 +215,8 @@ class Study(DiscretisedStudy, abc.ABC):
         """
         curve_study = self.curve_study(assembly)
         if curve_study is None:
-            return by_doubling(self.run, self.controlled_outputs, self.affected_by, assembly)
-        return by_curves(curve_study, assembly, cheaper_laws=cheaper_laws)
+            return choose_by_doubling(self.run, self.controlled_outputs, self.affected_by, assembly)
+        return choose_by_curves(curve_study, assembly, cheaper_laws=cheaper_laws)
 
     def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return the resolution that a result is verified against, and how that is said."""

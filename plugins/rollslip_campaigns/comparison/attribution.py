@@ -1,12 +1,15 @@
-"""Where models differ and what they cost: every combination on the slices of one run, the reference's.
+"""Attribute the differences between models to regimes, and measure what the models cost.
 
-- Slices are sorted into bins by what the reference says of them: film regime, film parameter, and what its law of the
-  full film states to be sorted by (`TractionModel.regimes`); if that states nothing, by what the first compared law
-  states, of the reference's slices. Over the bins of a grouping the differences are sums, so their contributions add up
-  to the whole.
-- The correlation ratio (variance between the bins over the whole variance, weighted by the reference's friction force)
-  says how much of a difference's variation a grouping explains.
-- Cost is the time of the bound chains, in turns within one process, of each part the least of a few rounds.
+1. Take the slices that the run of the reference evaluates, and evaluate them by each combination of models.
+2. Sort the slices into bins by the values of the reference: film regime, film parameter, and the criteria that its law
+   of the full film states (`TractionModel.regimes`). If that law states none, take the first compared law that does, at
+   the slices of the reference.
+3. In each bin sum the force on the slices and the difference of friction forces. Within a grouping the bins partition
+   the slices, so that their contributions add up to the whole difference.
+4. The correlation ratio (variance between the bins over the whole variance, weighted by the friction force of the
+   reference) is the fraction of the variation of the difference that a grouping explains.
+5. The cost is the time of the bound chains of laws. Combinations take turns within one process, and of each part of the
+   slices the smallest time of some rounds counts, because other processes only add to it.
 """
 
 import itertools
@@ -29,53 +32,74 @@ from rollslip_kernels.slices import Slices
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Takes from an evaluated table what is to be kept of it.
-Keep = Callable[[Slices], Mapping[str, Array]]
-#: Limits between little, some and much of what a law states to be sorted by.
+#: Function that extracts columns from an evaluated table.
+Extract = Callable[[Slices], Mapping[str, Array]]
+#: Limits between little, some and much of a criterion, relative to the value 1 at which a law changes its regime.
+#: Doubling both moves slices to lower bins; the sum of all bins stays.
 LIMITS: Final = (0.1, 1.0)
-#: Rounds of timing at most, and the time [s] that is enough for one chain.
-_ROUNDS = 20
-_ENOUGH = 1.0
-#: Slices that are enough to time.
-_TIMED = 50_000
-#: Standard deviation of a relative difference below which it is the same everywhere.
+
+
+@attrs.frozen
+class _Timing:
+    """How the time of a chain of laws is measured.
+
+    Attributes
+    ----------
+    max_rounds : int
+        Rounds over the timed parts at most. Doubling it lowers the smallest times a little further and doubles the
+        time for cheap laws. Chosen.
+    max_seconds : float
+        Time [s] after which a chain is not timed again. Chosen; doubling it doubles the time for costly laws.
+    slices : int
+        Slices that are timed; of more work, every n-th part is taken. Doubling it leaves time for fewer rounds. Chosen.
+    part_size : int
+        Largest number of slices in a part: so small that some rounds of it run undisturbed by other processes, so
+        large that the time of the call does not count. Chosen.
+    """
+
+    max_rounds: int = 20
+    max_seconds: float = 1.0
+    slices: int = 50_000
+    part_size: int = 4096
+
+
+_TIMING: Final = _Timing()
+#: Standard deviation of a relative difference that is rounding error: below it the difference is constant and no
+#: grouping explains it. Chosen far above rounding of double precision and far below differences of models.
 _ROUNDING = 1e-9
-#: Slices of a part at most: so short that some of its rounds run undisturbed, so long that calls do not count.
-_PART = 4096
 
 
 @attrs.frozen(eq=False)
 class EvaluatedSlices:
-    """The slices that a run evaluates for its curves."""
+    """The slices that a run evaluates for its curves, in parts."""
 
     parts: list[LoadedSlices]
 
     @classmethod
-    def of(cls, plan: Plan, study: str, result: "xr.Dataset") -> "EvaluatedSlices":
-        """Return the slices of a plan's study, with its result; those of one curve in parts of some size."""
+    def from_result(cls, plan: Plan, study: str, result: "xr.Dataset") -> "EvaluatedSlices":
+        """Return the slices of a planned study with its result; slices of one curve are joined up to the part size."""
         parts = list[LoadedSlices]()
-        some = list[LoadedSlices]()
-        for one in plan.studies[study].loaded_slices(plan.assemblies[study], result):
-            if some and (
-                one.curve != some[0].curve
-                or sum(each.load.size for each in some) + one.load.size > _PART
-            ):
-                parts.append(_joined(some))
-                some = []
-            some.append(one)
-        return cls([*parts, _joined(some)])
+        pending = list[LoadedSlices]()
+        for loaded in plan.studies[study].loaded_slices(plan.assemblies[study], result):
+            size = sum(part.load.size for part in pending) + loaded.load.size
+            if pending and (loaded.curve != pending[0].curve or size > _TIMING.part_size):
+                parts.append(_join(pending))
+                pending = []
+            pending.append(loaded)
+        return cls([*parts, _join(pending)])
 
     @property
     def slices(self) -> int:
-        """Number of slices."""
+        """The number of slices."""
         return sum(part.load.size for part in self.parts)
 
     @property
     def force(self) -> list[Array]:
-        """Force on each slice, for each curve."""
+        """The force on each slice [N], for each curve."""
         return self._by_curve([part.force for part in self.parts])
 
     def _by_curve(self, values: Sequence[Array]) -> list[Array]:
+        """Return the values of all parts of each curve in one array."""
         pairs = list(zip(self.parts, values, strict=True))
         curves = range(1 + max(part.curve for part in self.parts))
         return [
@@ -83,109 +107,150 @@ class EvaluatedSlices:
             for curve in curves
         ]
 
-    def evaluate(
-        self, made: Plan, keep: Callable[[Slices], Mapping[str, Array]]
-    ) -> tuple[dict[str, list[Array]], Array]:
-        """Return what is to be kept of a combination's tables, for each curve, and the times [s] of its chain."""
-        kept = list[Mapping[str, Array]]()
+    def evaluate(self, plan: Plan, extract: Extract) -> tuple[dict[str, list[Array]], Array]:
+        """Return columns of the slices by a combination of models, for each curve, and the times of its chain.
+
+        Parameters
+        ----------
+        plan : Plan
+            Plan of the combination.
+        extract : callable
+            Returns the columns of an evaluated table by name; the table itself is reused.
+
+        Returns
+        -------
+        tuple
+            For each name a list over curves of arrays (slices,), and the time [s] of each part, (parts,).
+        """
+        columns = list[Mapping[str, Array]]()
         seconds = np.zeros(len(self.parts))
         for k, part in enumerate(self.parts):
-            raceway = getattr(made.assembly, part.ring)
-            columns = {
+            raceway = getattr(plan.assembly, part.ring)
+            inputs = {
                 "load": part.load,
                 "rolling_speed": part.rolling,
                 "sliding_speed": part.sliding,
             }
-            table = Slices(part.load.size, raceway.conditions, **columns, **part.places)
-            begin = time.perf_counter()
+            table = Slices(part.load.size, raceway.conditions, **inputs, **part.places)
+            start = time.perf_counter()
             raceway.chain(table)
-            seconds[k] = time.perf_counter() - begin
-            kept.append(keep(table))
-        return {name: self._by_curve([one[name] for one in kept]) for name in kept[0]}, seconds
+            seconds[k] = time.perf_counter() - start
+            columns.append(extract(table))
+        names = columns[0]
+        return {name: self._by_curve([part[name] for part in columns]) for name in names}, seconds
 
 
-def _joined(some: Sequence[LoadedSlices]) -> LoadedSlices:
+def _join(parts: Sequence[LoadedSlices]) -> LoadedSlices:
     """Return several parts of one curve as one."""
-    if len(some) == 1:
-        return some[0]
+    if len(parts) == 1:
+        return parts[0]
 
-    def joined(values: Sequence[Any]) -> Array:
+    def concatenate(values: Sequence[Any]) -> Array:
         return np.concatenate(
-            [np.broadcast_to(of, one.load.shape) for of, one in zip(values, some, strict=True)]
+            [
+                np.broadcast_to(value, part.load.shape)
+                for value, part in zip(values, parts, strict=True)
+            ]
         )
 
     columns: dict[str, Any] = {
-        name: joined([getattr(one, name) for one in some])
+        name: concatenate([getattr(part, name) for part in parts])
         for name in ("load", "rolling", "sliding", "force")
     }
-    places = {name: joined([one.places[name] for one in some]) for name in some[0].places}
-    return attrs.evolve(some[0], **columns, places=places)
+    places = {name: concatenate([part.places[name] for part in parts]) for name in parts[0].places}
+    return attrs.evolve(parts[0], **columns, places=places)
 
 
-def keep_friction(table: Slices) -> dict[str, Array]:
-    """Keep the friction of a table, and not the table."""
+def extract_friction(table: Slices) -> dict[str, Array]:
+    """Return a copy of the friction in a table."""
     return {"friction": table.friction.copy()}
 
 
-def law_to_sort_by(tractions: Sequence[TractionModel]) -> TractionModel | None:
-    """Return the first law of the full film that states what to sort slices by; None if none does."""
+def law_with_regimes(tractions: Sequence[TractionModel]) -> TractionModel | None:
+    """Return the first law of the full film that states criteria of its regimes; None if none does."""
     return next((traction.full_film for traction in tractions if traction.full_film.regimes), None)
 
 
-def keep_criteria(law: TractionModel | None) -> Keep:
-    """Keep friction and what slices are sorted by: film, and what a law states of them; nan where data are missing."""
+def extract_criteria(law: TractionModel | None) -> Extract:
+    """Return a function that extracts friction, film and the criteria of a law; NaN where data are missing."""
 
-    def keep(s: Slices) -> dict[str, Array]:
-        with np.errstate(all="ignore"):
-            stated = (
-                {}
-                if law is None
-                else {name: quantity(law, of, s) for name, (of, _) in law.regimes.items()}
-            )
-        return keep_friction(s) | {
+    def extract(s: Slices) -> dict[str, Array]:
+        stated: dict[str, Array] = {}
+        if law is not None:
+            with np.errstate(all="ignore"):
+                stated = {name: quantity(law, of, s) for name, (of, _) in law.regimes.items()}
+        return extract_friction(s) | {
             "film regime": film_by_regime(*groups(s))[1],
             "film parameter": s.film_thickness / s.conditions.roughness,
             **{name: np.abs(values) for name, values in stated.items()},
         }
 
-    return keep
+    return extract
 
 
 def seconds_per_slice(
-    work: EvaluatedSlices, made: Mapping[str, Plan], first: Mapping[str, Array]
+    work: EvaluatedSlices, plans: Mapping[str, Plan], times: Mapping[str, Array]
 ) -> dict[str, float]:
-    """Return the time [s] of each combination's chain: of each part the least of the first and of further rounds.
+    """Return the time of the chain of each combination per slice [s].
 
-    Of much work parts all over the curves are taken, so few that there is time for many rounds.
+    Parameters
+    ----------
+    work : EvaluatedSlices
+        Slices of the reference.
+    plans : mapping
+        Plan of each combination, by label.
+    times : mapping
+        Times [s] of the first round for each part, by label.
+
+    Returns
+    -------
+    dict
+        Sum over the timed parts of the smallest time of all rounds, over their slices, by label.
     """
-    every = slice(
-        None, None, work.slices // _TIMED | 1
-    )  # odd, since the parts of two rings alternate
-    some = EvaluatedSlices(work.parts[every])
-    least = {label: times[every] for label, times in first.items()}
-    spent = {label: float(times.sum()) for label, times in least.items()}
-    for _ in range(_ROUNDS):
-        for label in least:
-            if spent[label] < _ENOUGH:
-                _, times = some.evaluate(made[label], lambda table: {})
-                least[label], spent[label] = (
-                    np.minimum(least[label], times),
-                    spent[label] + float(times.sum()),
-                )
-    return {label: float(times.sum()) / some.slices for label, times in least.items()}
+    stride = work.slices // _TIMING.slices | 1  # odd, since the parts of two rings alternate
+    timed = EvaluatedSlices(work.parts[::stride])
+    smallest = {label: first[::stride] for label, first in times.items()}
+    spent = {label: float(first.sum()) for label, first in smallest.items()}
+    for _ in range(_TIMING.max_rounds):
+        for label in smallest:
+            if spent[label] < _TIMING.max_seconds:
+                _, seconds = timed.evaluate(plans[label], lambda table: {})
+                smallest[label] = np.minimum(smallest[label], seconds)
+                spent[label] += float(seconds.sum())
+    return {label: float(seconds.sum()) / timed.slices for label, seconds in smallest.items()}
 
 
 @attrs.frozen(eq=False)
 class Bins:
-    """Groupings with their bins in words, and for each curve the number of every slice's bin, grouping by grouping."""
+    """Bins of the slices of the reference.
+
+    Attributes
+    ----------
+    names : mapping
+        Descriptions of the bins of each grouping.
+    codes : list
+        For each curve and grouping the number of the bin of each slice, (slices,).
+    """
 
     names: Mapping[str, tuple[str, ...]]
     codes: list[list[Any]]
 
     @classmethod
-    def of(cls, made: Plan, found: Mapping[str, list[Array]], law: TractionModel | None) -> "Bins":
-        """Sort slices by their criteria, as far as the oil, the traction and the law that states some give them."""
-        traction = made.assembly.traction
+    def from_criteria(
+        cls, plan: Plan, criteria: Mapping[str, list[Array]], law: TractionModel | None
+    ) -> "Bins":
+        """Return the bins of slices by their criteria, except those whose limits or data are missing.
+
+        Parameters
+        ----------
+        plan : Plan
+            Plan of the reference, whose traction states the limits of the film parameter.
+        criteria : mapping
+            Friction and criteria by name, for each curve (slices,).
+        law : TractionModel or None
+            The law that states criteria of its regimes.
+        """
+        traction = plan.assembly.traction
         bins: dict[str, tuple[str, ...]] = {
             "film regime": tuple(f"in the {LONG_NAMES[name]} regime" for name in NAMES)
         }
@@ -197,22 +262,26 @@ class Bins:
                 _ranges("Lambda", limits["film parameter"]),
                 strict=True,
             )
-            bins["film parameter"] = tuple(f"in {film} film, {words}" for film, words in films)
-        for grouping, (_, symbol) in () if law is None else law.regimes.items():
-            if not any(np.isnan(values).any() for values in found[grouping]):
+            bins["film parameter"] = tuple(
+                f"in {film} film, {interval}" for film, interval in films
+            )
+        regimes = {} if law is None else law.regimes
+        for grouping, (_, symbol) in regimes.items():
+            if not any(np.isnan(values).any() for values in criteria[grouping]):
                 limits[grouping] = LIMITS
-                bins[grouping] = tuple(f"where {words}" for words in _ranges(symbol, LIMITS))
-        curves = range(len(found["friction"]))
+                bins[grouping] = tuple(f"where {interval}" for interval in _ranges(symbol, LIMITS))
+        curves = range(len(criteria["friction"]))
         return cls(
             bins,
             [
-                [np.digitize(found[name][k], limits[name], right=True) for name in bins]
+                [np.digitize(criteria[name][k], limits[name], right=True) for name in bins]
                 for k in curves
             ],
         )
 
 
 def _ranges(symbol: str, limits: tuple[float, ...]) -> list[str]:
+    """Return the intervals that limits make of a quantity, as inequalities."""
     between = [f"{low:g} < {symbol} <= {high:g}" for low, high in itertools.pairwise(limits)]
     return [f"{symbol} <= {limits[0]:g}", *between, f"{symbol} > {limits[-1]:g}"]
 
@@ -222,52 +291,74 @@ def attribute_differences(
     curve: str,
     reference: str,
     work: EvaluatedSlices,
-    found: Mapping[str, list[Array]],
-    by: Bins,
+    friction: Mapping[str, list[Array]],
+    bins: Bins,
 ) -> "xr.Dataset":
-    """Add to a comparison what each bin holds of the force and of the difference."""
+    """Add to a comparison the force and the difference of friction of each bin.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The comparison.
+    curve : str
+        Dimension of its curves.
+    reference : str
+        Label of the reference.
+    work : EvaluatedSlices
+        Slices of the reference.
+    friction : mapping
+        Friction coefficients of each combination, for each curve (slices,).
+    bins : Bins
+        Bins of the slices.
+
+    Returns
+    -------
+    xarray.Dataset
+        The comparison with the differences; NaN for combinations without friction, and in bins without friction force.
+    """
     labels = dataset["combination"].to_numpy().tolist()
-    sizes = [len(bins) for bins in by.names.values()]
-    each = (len(labels), dataset.sizes[curve])
-    begins = np.cumsum([0, *sizes[:-1]])
-    mean = np.full(each, np.nan)
-    explained = np.full((*each, len(sizes)), np.nan)
-    difference, contribution = np.full((2, *each, sum(sizes)), np.nan)
+    sizes = [len(names) for names in bins.names.values()]
+    shape = (len(labels), dataset.sizes[curve])
+    first_bins = np.cumsum([0, *sizes[:-1]])
+    mean = np.full(shape, np.nan)
+    explained = np.full((*shape, len(sizes)), np.nan)
+    difference, contribution = np.full((2, *shape, sum(sizes)), np.nan)
     fraction = np.full((dataset.sizes[curve], sum(sizes)), np.nan)
     for j, (force, standard, codes) in enumerate(
-        zip(work.force, found[reference], by.codes, strict=True)
+        zip(work.force, friction[reference], bins.codes, strict=True)
     ):
 
-        def summed(values: Array, codes: list[Any] = codes) -> Array:
+        def sum_in_bins(values: Array, codes: list[Any] = codes) -> Array:
             return np.concatenate(
                 [np.bincount(code, values, size) for code, size in zip(codes, sizes, strict=True)]
             )
 
-        fraction[j] = summed(force) / force.sum()
+        fraction[j] = sum_in_bins(force) / force.sum()
         weight = force * np.abs(standard)
-        weights = summed(weight)
+        weights = sum_in_bins(weight)
         whole = weight.sum()
-        held = weight > 0.0
+        positive = weight > 0.0
         if not whole > 0.0:
             continue
-        for label, values in found.items():
+        for label, values in friction.items():
             gap = force * np.sign(standard) * (values[j] - standard)
             at = (labels.index(label), j)
-            gaps = summed(gap)
+            gaps = sum_in_bins(gap)
             mean[at] = gap.sum() / whole
             contribution[at] = gaps / whole
             with np.errstate(invalid="ignore"):
                 difference[at] = gaps / weights
-            spread = (weight[held] * (gap[held] / weight[held] - mean[at]) ** 2).sum()
+            deviation = gap[positive] / weight[positive] - mean[at]
+            variance = (weight[positive] * deviation**2).sum()
             between = np.nan_to_num(weights * (difference[at] - mean[at]) ** 2)
-            explained[at] = (
-                np.add.reduceat(between, begins) / spread if spread > _ROUNDING**2 * whole else 0.0
-            )
-    of = ("combination", curve)
+            explained[at] = 0.0
+            if variance > _ROUNDING**2 * whole:
+                explained[at] = np.add.reduceat(between, first_bins) / variance
+    dims = ("combination", curve)
     what = f"relative difference from {reference}"
     return dataset.assign(
         mean_difference=(
-            of,
+            dims,
             mean,
             about("1", f"{what} of the friction force summed over the slices of the curve"),
         ),
@@ -276,27 +367,27 @@ def attribute_differences(
             fraction,
             about("1", "share of the contact force over the curve"),
         ),
-        bin_difference=((*of, "bin"), difference, about("1", f"{what} within the bin")),
+        bin_difference=((*dims, "bin"), difference, about("1", f"{what} within the bin")),
         bin_contribution=(
-            (*of, "bin"),
+            (*dims, "bin"),
             contribution,
             about("1", "what the bin adds to mean_difference"),
         ),
         explained=(
-            (*of, "grouping"),
+            (*dims, "grouping"),
             explained,
             about("1", "share of the difference's variance between the bins"),
         ),
     ).assign_coords(
         bin=(
             "bin",
-            np.concatenate(list(by.names.values())),
+            np.concatenate(list(bins.names.values())),
             about("1", "slices of the reference"),
         ),
         bin_grouping=(
             "bin",
-            np.repeat(list(by.names), sizes),
+            np.repeat(list(bins.names), sizes),
             about("1", "what they are sorted by"),
         ),
-        grouping=("grouping", np.array(list(by.names)), about("1", "what slices are sorted by")),
+        grouping=("grouping", np.array(list(bins.names)), about("1", "what slices are sorted by")),
     )

@@ -1,23 +1,23 @@
-"""Compare models on one scene: combinations of them, what differs from a reference, and what each costs.
+"""Compare models on one scene: combinations of them, their differences from a reference, and their costs.
 
-- A combination is the scene with other models in it and runs as ``rollslip run`` would run it, on the same slips,
-  loads, instants and slices as all others (a contact model has its own loads): nothing differs but the models.
-- A named model takes the place of the scene's model of its kind. Where that is composed, of a child ``hydrodynamic``
-  (a blend) or ``film`` (a correction of films), and the named one is not, it takes the place of that child: laws of the
-  full film are compared inside the same blend. Results call it "muraki in lambda-blend".
-- Names and parameters are checked before anything runs. What fails after that is listed with its error and stops no
-  other combination.
+- A combination is the scene with other models. It runs as ``rollslip run`` would run it, at the same slips, loads,
+  roller positions and slices as all others (a contact model has its own loads), so that only the models differ.
+- A named model takes the place of the scene's model of its kind. If the scene's model is composed, of a child
+  ``hydrodynamic`` (a blend) or ``film`` (a correction of films), and the named model is not, it takes the place of that
+  child: laws of the full film are compared inside the same blend. Results call it "muraki in lambda-blend".
+- Names and parameters are checked before anything runs. A combination that fails later is listed with its error, and
+  the others go on.
 """
 
 import itertools
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import attrs
 import numpy as np
 
-from rollslip.bearing.raceway import RINGS
+from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import available
 from rollslip.errors import (
@@ -35,8 +35,7 @@ from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import origin, together
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import about
-from rollslip.results.words import collect_warnings as of_consequence
-from rollslip.results.words import describe_more_bounds, duration_range
+from rollslip.results.words import collect_warnings, describe_more_bounds, duration_range
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import resolved, scene_hash
@@ -45,9 +44,9 @@ from rollslip_campaigns.comparison.attribution import (
     Bins,
     EvaluatedSlices,
     attribute_differences,
-    keep_criteria,
-    keep_friction,
-    law_to_sort_by,
+    extract_criteria,
+    extract_friction,
+    law_with_regimes,
     seconds_per_slice,
 )
 from rollslip_campaigns.comparison.choices import (
@@ -68,7 +67,7 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class Combination:
-    """A choice for each kind, and the plan of the scene with them, or the error that keeps it from having one."""
+    """A choice for each kind, and the plan of the scene with them, or the error that prevents a plan."""
 
     choices: Mapping[str, Choice]
     plan: Plan | None
@@ -77,7 +76,21 @@ class Combination:
 
 @attrs.frozen(eq=False, kw_only=True)
 class Comparison:
-    """What will be compared: the combinations by their labels, and which of them is the reference."""
+    """Combinations that will be compared.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene that is changed.
+    study : str
+        Name of the study that gives the curves.
+    combinations : mapping
+        Combinations by label.
+    reference : str
+        Label of the reference.
+    named : bool
+        Whether the user named a reference, so that differences are errors.
+    """
 
     scene: Scene
     study: str
@@ -94,23 +107,27 @@ class Comparison:
 
     @property
     def plans(self) -> dict[str, Plan]:
-        """The combinations that can run."""
-        return {label: one.plan for label, one in self.combinations.items() if one.plan is not None}
+        """The plans of the combinations that can run, by label."""
+        return {
+            label: combination.plan
+            for label, combination in self.combinations.items()
+            if combination.plan is not None
+        }
 
     @property
     def seconds(self) -> float:
-        """Estimated time [s]: all are run, checked in about as long, and evaluated again on the slices of one run."""
+        """The estimated time [s]: runs, checks of about half their time, and the slices of one run again."""
         return 1.5 * sum(plan.seconds for plan in self.plans.values())
 
     @property
     def told(self) -> list[str]:
-        """What will run, with its size and cost as far as they can be told."""
+        """Lines that describe the combinations, the number of slices and the estimated time."""
         from rollslip.cli.console import headline_of
 
-        chosen = [one.choices for one in self.combinations.values()]
+        chosen = [combination.choices for combination in self.combinations.values()]
         plans = self.plans.values()
         models = dict.fromkeys(
-            (kind, c[kind].name, c[kind].full) for kind in chosen[0] for c in chosen
+            (kind, c[kind].name, c[kind].full_label) for kind in chosen[0] for c in chosen
         )
         several = (
             f"{self.study} of {len(self.combinations)} combinations: {', '.join(self.combinations)}"
@@ -121,13 +138,13 @@ class Comparison:
 
     @property
     def exchanged(self) -> str:
-        """Say what models take the place of, where it is not all of the scene's model; empty if it always is."""
+        """A sentence on which parts of composed models are exchanged; empty if whole models are."""
         return "; ".join(
             f"{kind} models take the place of the {child} model of the scene's {getattr(self.scene.models, kind).name}"
             for kind, child in CHILD.items()
             if any(
-                one.choices[kind].full != one.choices[kind].label
-                for one in self.combinations.values()
+                combination.choices[kind].full_label != combination.choices[kind].label
+                for combination in self.combinations.values()
             )
         )
 
@@ -136,7 +153,7 @@ class Comparison:
 
 
 def plan_comparison(requested: "ComparisonSettings") -> Comparison:
-    """Check all names and plan every combination."""
+    """Return the comparison of all combinations, after a check of names and parameters."""
     scene = requested.given
     study = _study(scene, requested.study)
     problems = list[str]()
@@ -148,24 +165,27 @@ def plan_comparison(requested: "ComparisonSettings") -> Comparison:
         ]
         for kind in KINDS
     }
-    wanted = {} if requested.reference is None else _by_kind(requested.reference, problems, unknown)
+    reference = (
+        {} if requested.reference is None else _by_kind(requested.reference, problems, unknown)
+    )
     named = {
-        kind: read_choice(scene, kind, model, problems, unknown) for kind, model in wanted.items()
+        kind: read_choice(scene, kind, model, problems, unknown)
+        for kind, model in reference.items()
     }
     refuse(problems, unknown)
     products = [
-        dict(zip(KINDS, each, strict=True)) for each in itertools.product(*choices.values())
+        dict(zip(KINDS, models, strict=True)) for models in itertools.product(*choices.values())
     ]
     products.append({kind: named.get(kind, choices[kind][0]) for kind in KINDS})
-    shown = [kind for kind in KINDS if len({product[kind].label for product in products}) > 1]
-    if not shown:
+    varying = [kind for kind in KINDS if len({product[kind].label for product in products}) > 1]
+    if not varying:
         raise SceneError(
             [
                 "there is nothing to compare: name two models of a kind, as by --film A,B,"
                 " or one and another --reference"
             ]
         )
-    labels = [" + ".join(product[kind].label for kind in shown) for product in products]
+    labels = [" + ".join(product[kind].label for kind in varying) for product in products]
     combinations = {
         label: _combination(scene, study, product)
         for label, product in dict(zip(labels, products, strict=True)).items()
@@ -173,13 +193,14 @@ def plan_comparison(requested: "ComparisonSettings") -> Comparison:
     return Comparison(
         scene=scene,
         study=study,
-        combinations=_at_one_resolution(study, combinations),
+        combinations=_with_equal_resolution(study, combinations),
         reference=labels[-1],
         named=requested.reference is not None,
     )
 
 
 def _study(scene: Scene, study: str | None) -> str:
+    """Return the study that is compared, by default the first of the scene that gives curves."""
     if study is None:
         study = next(
             (name for name in scene.study if study_class(name, scene).curves_of is not None),
@@ -198,7 +219,7 @@ def _study(scene: Scene, study: str | None) -> str:
 def _by_kind(
     reference: Model | Mapping[str, Model], problems: list[str], unknown: list[PluginError]
 ) -> dict[str, Model]:
-    """Return the models of the reference by kind; a name tells its kind, a table or a model is a traction."""
+    """Return the models of the reference by kind; the kind of a name is looked up, a table or a model is a traction."""
     if isinstance(reference, Mapping) and "model" not in reference:
         problems += [
             f"reference: there is no {kind!r}, only {', '.join(KINDS)}"
@@ -223,13 +244,13 @@ def _by_kind(
 
 
 def _combination(scene: Scene, study: str, choices: Mapping[str, Choice]) -> Combination:
+    """Return the plan of a scene with other models, without outputs of more dimensions than a curve."""
     changes: dict[str, object] = {
         f"models.{kind}": choice.table for kind, choice in choices.items()
     }
     outputs = study_class(study).outputs.items()
-    larger = [
-        name for name, output in outputs if len(output.dims.split()) > 2
-    ]  # than a curve, and compared by nobody
+    # outputs of more dimensions than a curve are not compared
+    larger = [name for name, output in outputs if len(output.dims.split()) > 2]
     try:
         return Combination(
             choices, plan(evolve(scene, changes), study, cheaper_laws=False, without=larger), None
@@ -238,29 +259,32 @@ def _combination(scene: Scene, study: str, choices: Mapping[str, Choice]) -> Com
         return Combination(choices, None, error)
 
 
-def _at_one_resolution(
+def _with_equal_resolution(
     study: str, combinations: Mapping[str, Combination]
 ) -> dict[str, Combination]:
-    """Return the combinations with the slices and instants of the one that needs most, so that all have the same."""
-    chosen = [
-        one.plan.choices[study].resolution for one in combinations.values() if one.plan is not None
+    """Return the combinations with the slices and roller positions of the one that needs the largest number of each."""
+    resolutions = [
+        combination.plan.choices[study].resolution
+        for combination in combinations.values()
+        if combination.plan is not None
     ]
-    planned = [one for one in chosen if one.n_positions is not None]
+    planned = [resolution for resolution in resolutions if resolution.n_positions is not None]
     if not planned:
         return dict(combinations)
-    most = Resolution.maximum_of(planned)
-
-    def alike(plan: Plan) -> Plan:
-        own = plan.choices[study].resolution
-        same = attrs.evolve(
-            own, slices=most.slices, quadrature=most.quadrature, n_positions=most.n_positions
-        )
-        return plan.at(study, same)
-
-    return {
-        label: one if one.plan is None else attrs.evolve(one, plan=alike(one.plan))
-        for label, one in combinations.items()
-    }
+    maximum = Resolution.maximum_of(planned)
+    refined = dict[str, Combination]()
+    for label, combination in combinations.items():
+        refined[label] = combination
+        if combination.plan is not None:
+            resolution = attrs.evolve(
+                combination.plan.choices[study].resolution,
+                slices=maximum.slices,
+                quadrature=maximum.quadrature,
+                n_positions=maximum.n_positions,
+            )
+            plan = combination.plan.at(study, resolution)
+            refined[label] = attrs.evolve(combination, plan=plan)
+    return refined
 
 
 # Running ------------------------------------------------------------------------------------------------------------
@@ -269,71 +293,91 @@ def _at_one_resolution(
 def run_comparison(
     comparison: Comparison, progress: Callable[[str, float], None] = lambda text, fraction: None
 ) -> "xr.Dataset":
-    """Run all combinations that can run; see `compare`."""
-    begin = time.perf_counter()
+    """Run all combinations, evaluate their models on the slices of the reference, and return the differences.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The combinations.
+    progress : callable
+        Is called with the label of a combination and the fraction that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        The result of `compare`; values of a combination that failed are NaN, and its ``status`` is the error.
+
+    Raises
+    ------
+    RollslipError
+        If all combinations fail.
+    """
+    start = time.perf_counter()
     plans = comparison.plans
+    reference = comparison.reference
     errors = {
-        label: one.error for label, one in comparison.combinations.items() if one.error is not None
+        label: combination.error
+        for label, combination in comparison.combinations.items()
+        if combination.error is not None
     }
-
-    def tried(labels: Collection[str], begun: float, make: Callable[[str], Any]) -> dict[str, Any]:
-        """What can be had of combinations; if nothing can, all errors are raised as one."""
-        found = {}
-        for k, label in enumerate(labels):
-            progress(label, begun + 0.5 * k / len(labels))
-            try:
-                found[label] = make(label)
-            except Exception as error:  # somebody's model may raise anything
-                errors[label] = error
-        return found or _raise_all(errors)
-
-    # a combination is run, and then evaluated at the slices of another
-    done: dict[str, xr.Dataset] = tried(
-        plans, 0.0, lambda label: execute(plans[label], comparison.study)
-    )
-    # without the reference the slices of another serve to measure the cost
-    standard = comparison.reference if comparison.reference in done else next(iter(done))
-    work = EvaluatedSlices.of(plans[standard], comparison.study, done[standard])
-    law = law_to_sort_by([plans[label].assembly.traction for label in (standard, *done)])
-    keep = {comparison.reference: keep_criteria(law)}
-    evaluated = tried(
-        done, 0.5, lambda label: work.evaluate(plans[label], keep.get(label, keep_friction))
-    )
-    found, first = ({label: both[k] for label, both in evaluated.items()} for k in (0, 1))
-    done = {label: done[label] for label in evaluated}
+    done: dict[str, xr.Dataset] = {}
+    for k, label in enumerate(plans):
+        progress(label, 0.5 * k / len(plans))
+        try:
+            done[label] = execute(plans[label], comparison.study)
+        except Exception as error:  # a third-party model may raise anything
+            errors[label] = error
+    if not done:
+        _raise_all(errors)
+    # without the reference the slices of another combination serve to measure the cost
+    standard = reference if reference in done else next(iter(done))
+    work = EvaluatedSlices.from_result(plans[standard], comparison.study, done[standard])
+    law = law_with_regimes([plans[label].assembly.traction for label in (standard, *done)])
+    columns = dict[str, dict[str, list[Array]]]()
+    times = dict[str, Array]()
+    for k, label in enumerate(done):
+        progress(label, 0.5 + 0.5 * k / len(done))
+        extract = extract_criteria(law) if label == reference else extract_friction
+        try:
+            columns[label], times[label] = work.evaluate(plans[label], extract)
+        except Exception as error:
+            errors[label] = error
+    if not columns:
+        _raise_all(errors)
+    done = {label: done[label] for label in columns}
     failed = {label: f"failed: {_text(error)}" for label, error in errors.items()}
     dataset = _merged(comparison, done, failed)
-    dataset = dataset.assign(_costs(comparison, done, seconds_per_slice(work, plans, first)))
+    dataset = dataset.assign(_costs(comparison, done, seconds_per_slice(work, plans, times)))
     dataset = dataset.assign(_errors(comparison, dataset))
-    if comparison.reference in found:
-        by = Bins.of(plans[comparison.reference], found[comparison.reference], law)
-        friction = {label: kept["friction"] for label, kept in found.items()}
+    if reference in columns:
+        bins = Bins.from_criteria(plans[reference], columns[reference], law)
+        friction = {label: values["friction"] for label, values in columns.items()}
         dataset = attribute_differences(
-            dataset, comparison.curves.over, comparison.reference, work, friction, by
+            dataset, comparison.curves.over, reference, work, friction, bins
         )
-        own = law is not None and law is plans[comparison.reference].assembly.traction.full_film
+        own = law is not None and law is plans[reference].assembly.traction.full_film
         dataset = dataset.assign_attrs(
             sorted_by="" if law is None else law.name, sorted_by_own=int(own)
         )
-    return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - begin))
+    return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - start))
 
 
 def _raise_all(errors: Mapping[str, Exception]) -> NoReturn:
-    """Raise one error for all, of the first one's class."""
+    """Raise one error with the texts of all, of the class of the first one."""
     first = next(iter(errors.values()))
     texts = {label: _text(error) for label, error in errors.items()}
     same = len(set(texts.values())) == 1
-    lines = (
-        list(texts.values())[:1] if same else [f"{label}: {text}" for label, text in texts.items()]
-    )
+    lines = [f"{label}: {text}" for label, text in texts.items()]
+    if same:
+        lines = list(texts.values())[:1]
     if isinstance(first, SceneError):
         raise SceneError(lines)
-    raise (type(first) if isinstance(first, RollslipError) else PluginError)(
-        "\n".join(lines)
-    ) from first
+    error_class = type(first) if isinstance(first, RollslipError) else PluginError
+    raise error_class("\n".join(lines)) from first
 
 
 def _text(error: Exception) -> str:
+    """Return the message of an error, with its class if it is not one of rollslip."""
     return str(error) if isinstance(error, RollslipError) else describe_error(error)
 
 
@@ -343,32 +387,32 @@ def _text(error: Exception) -> str:
 def _merged(
     comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Mapping[str, str]
 ) -> "xr.Dataset":
-    """Return the curves of all combinations in one dataset, nan where one failed."""
+    """Return the curves of all combinations in one dataset, NaN where a combination failed."""
     import xarray as xr
 
     labels = list(comparison.combinations)
-    chosen = [one.choices for one in comparison.combinations.values()]
+    chosen = [combination.choices for combination in comparison.combinations.values()]
     results = list(done.values())
-    words = {
+    texts = {
         str(name): "" for name, values in results[0].variables.items() if values.dtype.kind in "OU"
     }
     dataset = (
         xr.concat(results, "combination", data_vars="all", coords="minimal", compat="override", join="override",
                   combine_attrs="override")
         .assign_coords(combination=list(done))
-        .reindex(combination=labels, fill_value={"regime": -1, **words})
+        .reindex(combination=labels, fill_value={"regime": -1, **texts})
     )  # fmt: skip
     if "film_thickness" in dataset:
         dataset["film_thickness"].attrs["long_name"] = "film thickness, the one of film_location"
     critical = dataset["critical_status"]
-    texts = [
+    statuses = [
         [failed[label]] * row.size if label in failed else row.tolist()
         for label, row in zip(labels, critical.to_numpy(), strict=True)
     ]
-    dataset["critical_status"] = (critical.dims, np.array(texts), critical.attrs)
+    dataset["critical_status"] = (critical.dims, np.array(statuses), critical.attrs)
     status = np.array([failed.get(label, "done") for label in labels])
     dataset["status"] = ("combination", status, about("1", "what became of the combination"))
-    names = {kind: np.array([choices[kind].full for choices in chosen]) for kind in KINDS}
+    names = {kind: np.array([choices[kind].full_label for choices in chosen]) for kind in KINDS}
     return dataset.assign_coords(
         {
             kind: ("combination", values, about("1", f"{kind} model"))
@@ -387,7 +431,7 @@ def _merged(
 def _costs(
     comparison: Comparison, done: "Mapping[str, xr.Dataset]", cost: Mapping[str, float]
 ) -> dict[str, Any]:
-    """Return film and cost of every combination."""
+    """Return the smallest film and the cost of each combination."""
     curve = comparison.curves.over
     slip = comparison.curves.slip
     labels = list(comparison.combinations)
@@ -408,26 +452,26 @@ def _costs(
     location = [
         comparison.plans[label].assembly.film.location if label in done else "" for label in labels
     ]
-    each = "combination"
+    dim = "combination"
     return {
-        "smallest_film": ((each, curve), films, about("m", "smallest film thickness without slip")),
+        "smallest_film": ((dim, curve), films, about("m", "smallest film thickness without slip")),
         "smallest_film_parameter": (
-            (each, curve),
+            (dim, curve),
             parameters,
             about("1", "smallest film parameter Lambda without slip"),
         ),
         "film_location": (
-            each,
+            dim,
             np.array(location),
             about("1", "which film thickness the film model returns"),
         ),
-        "seconds_per_slice": (each, seconds, about("s", "time of the chain per slice")),
+        "seconds_per_slice": (dim, seconds, about("s", "time of the chain per slice")),
         "cost": (
-            each,
+            dim,
             seconds / cost[cheapest],
             about("1", f"time of the chain over that of {cheapest}"),
         ),
-        "evaluations": (each, evaluations, about("1", "slices evaluated by the study")),
+        "evaluations": (dim, evaluations, about("1", "slices evaluated by the study")),
     }
 
 
@@ -441,12 +485,12 @@ def _errors(comparison: Comparison, dataset: "xr.Dataset") -> "dict[str, xr.Data
         with np.errstate(divide="ignore", invalid="ignore"):
             return (dataset[name] / standard - 1.0).where(standard != 0.0)
 
-    found = relative(curves.variable)
+    difference = relative(curves.variable)
     errors: dict[str, tuple[Any, str]] = {
-        "difference": (found, "relative {}"),
-        "max_error": (abs(found).max(curves.slip), "largest relative {} over the curve"),
+        "difference": (difference, "relative {}"),
+        "max_error": (abs(difference).max(curves.slip), "largest relative {} over the curve"),
         "rms_error": (
-            np.sqrt((found**2).mean(curves.slip)),
+            np.sqrt((difference**2).mean(curves.slip)),
             "relative {}, root mean square over the points of the curve",
         ),
         "critical_slip_error": (
@@ -467,22 +511,20 @@ def _origin(
     failed: Mapping[str, str],
     wall_time: float,
 ) -> dict[str, Any]:
-    """Return the attributes of the comparison: those of its runs put together, about the scene as it was given."""
+    """Return the attributes of the comparison: those of its runs together, and the scene as it was given."""
     runs = {label: result.attrs for label, result in done.items()}
     scene = comparison.scene
     first = next(iter(runs.values()))
 
     warned: dict[str, list[str]] = {}
     for label, result in done.items():
-        told, more = of_consequence([result])
-        for warning in (
-            *told,
-            *(
-                [f"{describe_more_bounds(more)}; rollslip run of the scene tells of each"]
-                if more
-                else []
-            ),
-        ):
+        warnings, more = collect_warnings([result])
+        if more:
+            warnings = [
+                *warnings,
+                f"{describe_more_bounds(more)}; rollslip run of the scene tells of each",
+            ]
+        for warning in warnings:
             warned.setdefault(warning, []).append(label)
     largest = [
         key
@@ -498,16 +540,16 @@ def _origin(
         reference_named=int(comparison.named),
         exchanged=comparison.exchanged,
         combinations={
-            label: {kind: choice.table for kind, choice in one.choices.items()}
-            for label, one in comparison.combinations.items()
+            label: {kind: choice.table for kind, choice in combination.choices.items()}
+            for label, combination in comparison.combinations.items()
         },
         scene_resolved=resolved(scene),
         scene_hash=scene_hash(scene),
         **together(runs.values(), "plan"),
         warnings=[f"{label} {text}" for label, text in failed.items()]
         + [
-            text if len(who) == len(done) else f"{', '.join(who)}: {text}"
-            for text, who in warned.items()
+            text if len(labels) == len(done) else f"{', '.join(labels)}: {text}"
+            for text, labels in warned.items()
         ],
         evaluations=sum(int(attributes["evaluations"]) for attributes in runs.values()),
         wall_time=wall_time,

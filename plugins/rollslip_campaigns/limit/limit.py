@@ -46,10 +46,10 @@ from rollslip_campaigns.limit.search import (
     read_requirement,
     refuse_text_output,
 )
-from rollslip_campaigns.sweep.definition import Resolutions, Sweep, name_of
+from rollslip_campaigns.sweep.definition import Resolutions, Sweep, combination_name
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
-from rollslip_campaigns.sweep.point import values_of
+from rollslip_campaigns.sweep.point import row_values
 from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import (
     Axis,
@@ -58,7 +58,7 @@ from rollslip_campaigns.sweep.sampling import (
     read_fraction,
     read_overs,
 )
-from rollslip_campaigns.sweep.sweep import assembled, plan_sweep, study_with
+from rollslip_campaigns.sweep.sweep import assemble_varied, plan_sweep, study_with_outputs
 from rollslip_studies.variation.quantities import quantities
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     over = read_overs(requested.over)
     within = read_fraction(requested.within)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
-    name = study_with(base, requested.study, outputs_of(requested.keep))
+    name = study_with_outputs(base, requested.study, outputs_of(requested.keep))
     requirement = read_requirement(requested.keep, study_class(name, base), named_damage(base))
     if not 1e-6 <= within <= 0.5:
         raise SceneError(
@@ -168,7 +168,7 @@ def plan_limit(requested: "LimitSettings") -> Limit:
             ]
         )
     ((key, text),) = over.items()
-    base, assembly = assembled(base, over)
+    base, assembly = assemble_varied(base, over)
     known = quantities(assembly, settings(base, name))
     if key not in known:
         raise SceneError([f"{key}: {unknown(key, known)}"])
@@ -188,9 +188,13 @@ def plan_limit(requested: "LimitSettings") -> Limit:
         raise SceneError([f"{key}: {getattr(error, 'reason', error)}"]) from error
     ending = ":log" if logarithmic else ""
     rough = plan_sweep(
-        base, {key: f"{span}:{count}{ending}"}, study=name, output=[requirement.output],
-        engine=requested.engine, time_limit=requested.time_limit,
-    )  # fmt: skip
+        base,
+        {key: f"{span}:{count}{ending}"},
+        study=name,
+        output=[requirement.output],
+        engine=requested.engine,
+        time_limit=requested.time_limit,
+    )
     requested_engine(rough)  # refused before a folder is made
     values = rough.design.axes[0].values
     width = (
@@ -207,13 +211,13 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     resolution, seconds, off = _resolution(base, name, requirement.output, ends)
     axis = read_axis(quantity, f"{span}:{size}{ending}", sampled=False)
     assert isinstance(axis, Axis)
-    axis = attrs.evolve(axis, told_in=axis.given)
+    axis = attrs.evolve(axis, display_unit=axis.given)
     sweep = attrs.evolve(
         rough,
         design=attrs.evolve(rough.design, axes=(axis,)),
         resolutions=Resolutions()
         if resolution is None
-        else Resolutions(chosen={name_of([]): resolution}),
+        else Resolutions(chosen={combination_name([]): resolution}),
         table=attrs.evolve(rough.table, over=FrozenTable({key: f"{span}:{size}{ending}"})),
         given=given,
     )
@@ -303,7 +307,7 @@ def run_limit(
     made: Limit,
     folder: Path,
     *,
-    said: Callable[[str], None] = lambda text: None,
+    print_line: Callable[[str], None] = lambda text: None,
     report: Callable[[Progress], None] = lambda progress: None,
 ) -> "xr.Dataset":
     """Compute what a search needs, or what is left of it, in its folder, and write the result there.
@@ -312,7 +316,7 @@ def run_limit(
     """
     from rollslip.catalogue.registry import get_model
 
-    points = Points.of(made.sweep, folder, said, report)
+    points = Points.in_folder(made.sweep, folder, print_line, report)
     slacks, failed, longest = _known(made, folder)
     requested = sorted({*made.first, *failed})
     again: tuple[str, ...] = FAILED
@@ -325,13 +329,13 @@ def run_limit(
         points.compute(
             requested,
             engine=alone if len(requested) == 1 and longest <= _SOON else None,
-            again=again,
+            retry_statuses=again,
         )
         slacks, failed, longest = _known(made, folder)
         requested = next_places(slacks, failed, made.spacing)
         again = ()
-        points = attrs.evolve(points, said=lambda text: None)
-        said(
+        points = attrs.evolve(points, print_line=lambda text: None)
+        print_line(
             f"{len(slacks) + len(failed)} values computed{_so_far(made, slacks) if requested else ''}"
         )
     dataset = _dataset(made, points, slacks, failed)
@@ -347,7 +351,7 @@ def _known(made: Limit, folder: Path) -> tuple[dict[int, float], set[int], float
     for row in records(folder):
         longest = max(longest, row.seconds)
         if row.status == "ok":
-            slacks[row.number] = made.requirement.slack(_result(made, values_of(row)))
+            slacks[row.number] = made.requirement.slack(_result(made, row_values(row)))
             failed.discard(row.number)
         elif row.number not in slacks:
             failed.add(row.number)
@@ -401,7 +405,7 @@ def _dataset(
     import xarray as xr
 
     places = sorted({*slacks, *failed})
-    whole = points.collected(places)
+    whole = points.collect(places)
     at = whole.isel({made.sweep.names[made.axis.key]: places})
     quantity = made.axis.quantity
     requested = made.requirement
@@ -425,21 +429,46 @@ def _dataset(
     edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in passages(slacks)]
     lost = [any(min(edge) < place < max(edge) for place in failed) for edge in edges]
     variables: dict[str, Any] = {
-        "searched": ("point", values[places],
-                     about(unit, quantity.doc) | {"key": made.axis.key, "given": made.axis.given}),
-        "result": ("point", np.array([requested.worst(row.tolist()) for row in rows]),
-                   about(requested.unit, output.meaning) | {"key": requested.output, "given": requested.given}),
-        "keeps": ("point", np.array([slacks.get(k, math.nan) >= 0.0 for k in places], dtype=float),
-                  about("1", "1 where the limit is kept")),
+        "searched": (
+            "point",
+            values[places],
+            about(unit, quantity.doc) | {"key": made.axis.key, "given": made.axis.given},
+        ),
+        "result": (
+            "point",
+            np.array([requested.worst(row.tolist()) for row in rows]),
+            about(requested.unit, output.meaning)
+            | {"key": requested.output, "given": requested.given},
+        ),
+        "keeps": (
+            "point",
+            np.array([slacks.get(k, math.nan) >= 0.0 for k in places], dtype=float),
+            about("1", "1 where the limit is kept"),
+        ),
         "status": ("point", at["status"].to_numpy(), about("1", "how the point ended")),
         "message": ("point", at["message"].to_numpy(), about("1", "why it is not ok")),
-        "result_status": ("point", np.array([of_the_worst(requested, *one) for one in zip(rows, words, strict=True)]),
-                          about("1", "what the study says of the result")),
+        "result_status": (
+            "point",
+            np.array([of_the_worst(requested, *one) for one in zip(rows, words, strict=True)]),
+            about("1", "what the study says of the result"),
+        ),
         "seconds": ("point", at["seconds"].to_numpy(), about("s", "time that the point took")),
-        "edge_kept": ("edge", values[[kept for kept, _ in edges]], about(unit, "value at the limit that keeps it")),
-        "edge_passed": ("edge", values[[beyond for _, beyond in edges]], about(unit, "its neighbour, which does not")),
-        "edge_unknown": ("edge", np.array(lost, dtype=float), about("1", "1 where a point between the two failed")),
-    }  # fmt: skip
+        "edge_kept": (
+            "edge",
+            values[[kept for kept, _ in edges]],
+            about(unit, "value at the limit that keeps it"),
+        ),
+        "edge_passed": (
+            "edge",
+            values[[beyond for _, beyond in edges]],
+            about(unit, "its neighbour, which does not"),
+        ),
+        "edge_unknown": (
+            "edge",
+            np.array(lost, dtype=float),
+            about("1", "1 where a point between the two failed"),
+        ),
+    }
     told = {
         name: value
         for name, value in whole.attrs.items()
@@ -448,7 +477,8 @@ def _dataset(
     told["left"] = json.dumps([*_inexact(made), *json.loads(told.get("left", "[]"))])
     return xr.Dataset(
         variables,
-        attrs=told | {
+        attrs=told
+        | {
             "study": "limit",
             "searched_key": made.axis.key,
             "searched_given": made.axis.given or "",
@@ -460,6 +490,8 @@ def _dataset(
             "limit": requested.limit,
             "limit_given": requested.given,
             "requirement": requested.told,
-            "range": json.dumps([format_quantity(float(one), unit, 4, made.axis.given) for one in values[[0, -1]]]),
+            "range": json.dumps(
+                [format_quantity(float(one), unit, 4, made.axis.given) for one in values[[0, -1]]]
+            ),
         },
-    )  # fmt: skip
+    )

@@ -29,7 +29,7 @@ from rollslip.planning.provenance import models_origin, origin, run_origin, toge
 from rollslip.results.dataset import about
 from rollslip.structure import scene_hash
 from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family
-from rollslip_campaigns.sweep.journal import Kept
+from rollslip_campaigns.sweep.journal import StoredValues
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,7 +84,7 @@ class Record:
 def run_family(family: Family, folder: Path, show: "Shown") -> "xr.Dataset":
     """Run all choices of a family, or what is left of them in a folder."""
     begin = time.perf_counter()
-    with Kept(folder, _digest(family)) as kept:
+    with StoredValues(folder, _digest(family)) as kept:
         records = [Record(**kept.known.get(k, {})) for k in range(len(family.choices))]
         resumed = bool(kept.known)
         for (

@@ -34,15 +34,15 @@ from rollslip.studies import validity
 from rollslip.studies.error_estimate import errors_between
 from rollslip.studies.study import settings, study_class
 from rollslip.units import unit_given
-from rollslip_campaigns.sweep.definition import OF_POINTS, Sweep
+from rollslip_campaigns.sweep.definition import POINT_VARIABLES, Sweep
 from rollslip_campaigns.sweep.journal import STATUSES, check_owner, layouts, records
-from rollslip_campaigns.sweep.point import unpacked
-from rollslip_campaigns.sweep.sampling import Axis, Design, spread_points
+from rollslip_campaigns.sweep.point import unpack_values
+from rollslip_campaigns.sweep.sampling import Axis, Design, farthest_points
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["apart_from_run", "collect", "origin_of_points"]
+__all__ = ["deviations_from_run", "collect", "origin_of_points"]
 
 #: Points at which laws are judged beside the one in the middle, and those among which they are looked for.
 _CORNERS: Final = 8
@@ -75,7 +75,7 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
             fields.fill(row.number, parsed(row.layout), row.numbers, row.texts)
     dims = sweep.dims
     names = sweep.names
-    called = {name: f"study_{name}" if name in OF_POINTS else name for name in fields.arrays}
+    called = {name: f"study_{name}" if name in POINT_VARIABLES else name for name in fields.arrays}
     known = settings(sweep.scene, sweep.study)[sweep.study].outputs
     told = {name: called.get(one.status) for name, one in known.items()}
     variables = {
@@ -100,7 +100,7 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
     return xr.Dataset(variables, coords | fields.coords, _attributes(sweep, status))
 
 
-def apart_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
+def deviations_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
     """Return by how much the point in the middle differs from a run of its scene, where that is too much."""
     done = np.flatnonzero(dataset["status"].to_numpy().ravel() == "ok")
     cls = study_class(sweep.study)
@@ -214,7 +214,7 @@ def _corners(design: Design, done: "np.ndarray[Any, Any]") -> list[int]:
     )
     return [
         int(some[k])
-        for k in dict.fromkeys([int(np.argmin(middle)), *spread_points(rows, _CORNERS)])
+        for k in dict.fromkeys([int(np.argmin(middle)), *farthest_points(rows, _CORNERS)])
     ]
 
 
@@ -262,7 +262,7 @@ def _told(sweep: Sweep, number: int) -> list[validity.Told]:
     """Return what laws are outside of at a point, with its values, where the study expects it to be."""
     changes = sweep.design.changes(number)
     scene = evolve(sweep.scene, changes)
-    assembly = assemble(scene, sweep.resolutions.of(changes))
+    assembly = assemble(scene, sweep.resolutions.lookup(changes))
     study = settings(scene, sweep.study)[sweep.study]
     bearing = assembly.with_resistance() if study.with_cage else assembly
     state, contacts = study.expected_slices(bearing)
@@ -340,7 +340,7 @@ class _Fields:
 
     def fill(self, number: int, layout: Mapping[str, Any], numbers: bytes, texts: str) -> None:
         """Set the values of a point."""
-        values = unpacked(layout, numbers, texts)
+        values = unpack_values(layout, numbers, texts)
         dims = _dims(layout)
         for dim in self.own.keys() & dims:
             values[dim] = (

@@ -1,16 +1,22 @@
-"""Runs the points of a sweep on an engine, and loses none of them.
+"""Run the points of a sweep on an engine, so that no result is lost and no point ends without a status.
 
-- Results are written to the journal as they come, and only a few tasks are handed out at a time: neither the points nor
-  their results are ever held together. Of a point that waits or is done one byte is held.
-- A task takes as many points as fill the time that is worth a task to the engine, by the pace so far.
-- Where a worker has died, every point that was handed out is computed again on its own: the others give their results,
-  and the one whose worker dies again has killed it. A worker that somebody else has killed costs nothing but time.
-- What cannot be a point's fault (a lost scheduler) is tried again a few times, and then ends the run in words. It never
-  ends a point.
-- Interrupted once, the points that are being computed are finished; interrupted twice, they are given up. Both leave
-  what a later run goes on with.
-- Cheap points stay in this process. Which are cheap is measured on the first ones, unless it is plain: motions in
-  time are not, and a sweep that died in this process before is not run in it again.
+Steps of a run:
+
+1. Read from the journals which points are done; the others, and those to be retried, are pending.
+2. Choose the engine, unless one is requested: compute some points in this process and measure their time. Points that
+   are cheap stay in this process; the others go to a pool of processes. Some cases need no measurement: transient
+   studies take long, and a sweep that died in this process before is not run in it again.
+3. Submit tasks, at most two per worker. A task has as many points as fill the time for which a task pays on that
+   engine, by the mean time per point so far.
+4. Commit the rows of a task to the journal as soon as it returns.
+5. If a worker dies, compute every point that was submitted again on its own. The others give their results, and the
+   point whose worker dies again gets the status "crashed". A worker that was killed from outside costs only time.
+6. A failure that cannot be caused by a point, such as a lost scheduler, restarts the engine. After a few such failures
+   in a row the run ends with an error; no point does.
+7. At a first interrupt (Ctrl-C) the points that are being computed are finished; at a second one they are abandoned.
+   Either way a later run continues from the journal.
+
+Neither the points nor their results are in memory together: a pending or finished point takes one byte.
 """
 
 import logging
@@ -44,73 +50,92 @@ from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, SceneError, describe_error
 from rollslip.structure import Location
 from rollslip.studies.study import settings
-from rollslip_campaigns.sweep.definition import Sweep, here
+from rollslip_campaigns.sweep.definition import Sweep, installed_versions
 from rollslip_campaigns.sweep.journal import (
     STATUSES,
     Journal,
     Row,
     check_owner,
-    died,
+    has_died,
     only_writer,
-    states,
+    point_states,
 )
-from rollslip_campaigns.sweep.point import Done, compute
+from rollslip_campaigns.sweep.point import TaskResult, compute
 
-__all__ = ["Progress", "Report", "Settled", "described", "requested_engine", "run_sweep"]
+__all__ = [
+    "Progress",
+    "Report",
+    "SweepOutcome",
+    "describe_outcome",
+    "requested_engine",
+    "run_sweep",
+]
 
-_log = logging.getLogger(
-    "rollslip.campaigns.sweep.run"
-)  # below that of rollslip, which `--log` sets
+#: Logger of this module, a child of that of rollslip, whose level `--log` sets.
+_log = logging.getLogger("rollslip.campaigns.sweep.run")
 
-#: Losses of an engine, one after the other without a result between them, before a run gives up.
-_PATIENCE: Final = 3
-#: Start of a pool of processes [s], with all imports, and with what points share, which each of them makes anew; and
-#: how many times that they have to save.
-_START = 1.5
-_WORTH = 2.0
-#: A point of more than this is worth a process without measuring, and how long a slice takes [s].
-_DEAR = 0.25
-_SLICE = 1e-8
+#: Maximum number of losses of an engine in a row, without a result in between, before a run ends with an error. Twice
+#: as many wait longer for a scheduler that does not come back. Chosen.
+_MAX_LOSSES: Final = 3
+#: Time [s] to start a pool of processes, with all imports and with the data that points share, which each process
+#: computes anew. A larger value keeps more points in this process. Measured: 0.4 to 0.7 s on the machine of
+#: docs/tables/engine_cost.csv (column "start"); chosen larger, for slower disks.
+_POOL_START = 1.5
+#: Time that a pool of processes has to save, in multiples of `_POOL_START`, before it is started. Twice the value keeps
+#: sweeps of up to 6 s in this process; chosen so that an error of the measured time by a factor of two does no harm.
+_MIN_SAVING = 2.0
+#: Time of a point [s] above which a pool is started without measuring further points; a batch that is measured takes no
+#: longer either. Twice the value computes more points in this process before the choice. Chosen: a short wait compared
+#: with the start of a pool.
+_EXPENSIVE_POINT = 0.25
+#: Estimate of the time of one slice [s], for that decision only. Chosen: ten nanoseconds, the order of magnitude of a
+#: friction law in the kernels.
+_SECONDS_PER_SLICE = 1e-8
+#: Maximum number of points of a task. More make progress and interrupts coarser, fewer make overhead; only tasks of very
+#: cheap points reach it. Chosen.
 _MAX_IN_TASK: Final = 1000
-#: Points by which the pace of cheap ones is measured.
-_SOME: Final = 16
-_TICK: Final = 0.2  # s, how often the loop looks round
-_GRACE: Final = (
-    10.0  # s, beyond twice the time limit, before a worker that does not answer is ended
-)
+#: Maximum number of points that are measured together. Points that share tables are faster together than alone, so that
+#: the time of a single one would be too long. Chosen: half of the points that are evaluated together (`.point`).
+_MEASURED_BATCH: Final = 16
+#: Time [s] after which the loop checks for interrupts and lost workers when no task returns. Chosen: an interrupt is
+#: answered without a noticeable delay.
+_POLL_INTERVAL: Final = 0.2
+#: Time [s], in addition to twice the time limit of its points, after which a worker that does not answer is ended. A
+#: shorter one could end workers that are only slow. Chosen.
+_GRACE_PERIOD: Final = 10.0
 
 Report = Callable[["Progress"], None]
 
 
 @attrs.frozen(eq=False)
 class Progress:
-    """How far a sweep has come.
+    """Progress of a sweep.
 
     Attributes
     ----------
     total : int
-        Points of the sweep, or those of them that are asked for.
+        Number of points of the sweep, or of those that are requested.
     counts : mapping
-        Points that are done, by status.
-    here : int
-        Those of them that this run has computed.
+        Status -> number of points that are done.
+    computed : int
+        Number of points that this run has computed.
     seconds : float
-        Time of this run [s].
+        Time since the start of this run [s].
     """
 
     total: int
     counts: Mapping[str, int]
-    here: int
+    computed: int
     seconds: float
 
     @property
     def done(self) -> int:
-        """Points that are done."""
+        """Number of points that are done."""
         return sum(self.counts.values())
 
     @property
-    def told(self) -> tuple[str, float, float]:
-        """How far it is in words, the share that is done, and the time left [s]; NaN where it is not known."""
+    def summary(self) -> tuple[str, float, float]:
+        """Progress as text, fraction of points that are done, and time left [s]; NaN where not known."""
         failed = f", {self.failed} failed" if self.failed else ""
         text = f"{self.done} of {self.total} points{failed}"
         return (
@@ -121,18 +146,30 @@ class Progress:
 
     @property
     def failed(self) -> int:
-        """Points that are done without a result."""
+        """Number of points that are done without a result."""
         return self.done - self.counts.get("ok", 0)
 
     @property
     def left(self) -> float | None:
-        """Time to the end at this run's pace [s], None before there is one."""
-        return self.seconds / self.here * (self.total - self.done) if self.here else None
+        """Time left [s] by the mean time per point of this run, None before its first result."""
+        return self.seconds / self.computed * (self.total - self.done) if self.computed else None
 
 
 @attrs.frozen(eq=False)
-class Settled:
-    """How a run of a sweep ended: what is done of it, on which engine and why that, and whether it was interrupted."""
+class SweepOutcome:
+    """Outcome of a run of a sweep.
+
+    Attributes
+    ----------
+    progress : Progress
+        Points that are done.
+    engine : str
+        Name of the engine; empty if all points were done before.
+    why : str
+        Reason for the choice of this engine.
+    interrupted : bool
+        Whether the run was interrupted before all points were done.
+    """
 
     progress: Progress
     engine: str
@@ -145,54 +182,78 @@ def run_sweep(
     folder: Path,
     *,
     engine: Engine | None = None,
-    again: tuple[str, ...] = (),
-    said: Callable[[str], None] = lambda text: None,
+    retry_statuses: tuple[str, ...] = (),
+    print_line: Callable[[str], None] = lambda text: None,
     report: Report = lambda progress: None,
-) -> Settled:
-    """Compute the points of a sweep that are not done yet."""
+) -> SweepOutcome:
+    """Compute the points of a sweep that are not done yet.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep; `Sweep.selected` limits the points.
+    folder : Path
+        Folder of the sweep, which exists; the journal is written there.
+    engine : Engine, optional
+        Engine in place of that of the sweep.
+    retry_statuses : tuple of str
+        Points that ended with one of these statuses are computed again.
+    print_line : callable
+        Takes a line of text on the choice of the engine.
+    report : callable
+        Takes the `Progress` after each task.
+
+    Returns
+    -------
+    SweepOutcome
+        Points that are done, the engine, and whether the run was interrupted once. A second interrupt raises
+        KeyboardInterrupt.
+    """
     with only_writer(folder):
         check_owner(folder, sweep.hash)
-        state = states(folder, sweep.design.size)
-        redo = {STATUSES.index(status) + 1 for status in again}
+        point_codes = point_states(folder, sweep.design.size)
+        redo = {STATUSES.index(status) + 1 for status in retry_statuses}
         numbers = sweep.numbers
-        pending = _Pending(numbers, state, redo | {0})
-        before = Counter(
-            STATUSES[state[n] - 1] for n in numbers if state[n] and state[n] not in redo
+        pending = _Pending(numbers, point_codes, redo | {0})
+        done_before = Counter(
+            STATUSES[point_codes[n] - 1]
+            for n in numbers
+            if point_codes[n] and point_codes[n] not in redo
         )
-        run = _Run(sweep, len(numbers), before, report)
-        _log.info("%d of %d points are in %s already", before.total(), len(numbers), folder)
+        run = _Run(sweep, len(numbers), done_before, report)
+        _log.info("%d of %d points are in %s already", done_before.total(), len(numbers), folder)
         chosen = engine if engine is not None else requested_engine(sweep)
         why = "asked for"
         if not pending:
-            said("all points are done")
-            return Settled(run.progress(), "", "all points are done", False)
-        with _interruptible() as requested:
+            print_line("all points are done")
+            return SweepOutcome(run.progress(), "", "all points are done", False)
+        with _interruptible() as interrupts:
             if chosen is not None:
                 _check(sweep, chosen)
             else:
-                chosen, why = _plain_case(sweep, folder)
-            about = {"sweep": sweep.hash, "host": platform.node(), "process": str(os.getpid())}
-            ended = "interrupted"
-            run.journal = Journal(folder, about | {"engine": chosen.name if chosen else "serial"})
+                chosen, why = _engine_without_measuring(sweep, folder)
+            writer = {"sweep": sweep.hash, "host": platform.node(), "process": str(os.getpid())}
+            ending = "interrupted"
+            run.journal = Journal(folder, writer | {"engine": chosen.name if chosen else "serial"})
             try:
                 if chosen is None:
-                    chosen, why = run.measured(pending, requested)
-                if pending and not requested.times:
-                    said(f"engine {chosen.name}: {why}")
+                    chosen, why = run.choose_engine(pending, interrupts)
+                if pending and not interrupts.count:
+                    print_line(f"engine {chosen.name}: {why}")
                     _log.info("engine %s: %s", chosen.name, why)
                     run.journal.note({"engine": chosen.name})
-                    run.compute(chosen, pending, requested)
-                ended = "interrupted" if requested.times else "complete"
+                    run.compute(chosen, pending, interrupts)
+                ending = "interrupted" if interrupts.count else "complete"
             except (EngineError, OutputError) as error:
-                ended = describe_error(error)
+                ending = describe_error(error)
                 raise
             finally:
-                run.journal.close(ended)
-        return Settled(
+                run.journal.close(ending)
+        return SweepOutcome(
             run.progress(),
             chosen.name,
             why,
-            bool(requested.times) and run.progress().done < run.total,
+            bool(interrupts.count) and run.progress().done < run.total,
         )
 
 
@@ -200,7 +261,7 @@ def run_sweep(
 
 
 def requested_engine(sweep: Sweep) -> Engine | None:
-    """Return the engine that a sweep asks for, None if it leaves the choice."""
+    """Return the engine that a sweep requests, None if it requests none; an unusable one raises an error."""
     if sweep.table.engine is None:
         return None
     problems: list[str] = []
@@ -214,6 +275,7 @@ def requested_engine(sweep: Sweep) -> Engine | None:
 
 
 def _check(sweep: Sweep, engine: Engine) -> None:
+    """Refuse an engine with separate processes for models that are registered in this process only."""
     if engine.separate and sweep.local:
         raise EngineError(
             f"engine {engine.name!r} computes in other processes, which do not have what is registered in this one "
@@ -221,48 +283,50 @@ def _check(sweep: Sweep, engine: Engine) -> None:
         )
 
 
-def _plain_case(sweep: Sweep, folder: Path) -> tuple[Engine | None, str]:
-    """Return the engine where it needs no measuring, and why."""
+def _engine_without_measuring(sweep: Sweep, folder: Path) -> tuple[Engine | None, str]:
+    """Return the engine, and the reason, where no measurement is needed; else None."""
     if sweep.local:
         return get_model(
             "engine", "threads"
         ), f"{', '.join(sweep.local)} is registered in this process only"
-    if died(folder):
+    if has_died(folder):
         return get_model("engine", "processes"), "an earlier run died in its own process"
     study = settings(sweep.scene, sweep.study)[sweep.study]
     if study.is_transient:
         return get_model("engine", "processes"), "motions in time take long"
     assembly = assemble(sweep.scene)
     slices = study.evaluations(assembly)
-    if slices * _SLICE > _DEAR:
+    if slices * _SECONDS_PER_SLICE > _EXPENSIVE_POINT:
         return get_model("engine", "processes"), f"a point evaluates about {slices:.1e} slices"
     return None, ""
 
 
 class _Interrupts:
-    """How often the run was interrupted."""
+    """Number of interrupts of the run."""
 
-    times = 0
+    count = 0
 
 
 @contextmanager
 def _interruptible() -> Iterator[_Interrupts]:
-    """Count Ctrl-C and requests to end; the second one raises. Only the main thread is told of them."""
+    """Count SIGINT (Ctrl-C) and SIGTERM; the second one raises KeyboardInterrupt. Only the main thread gets signals."""
     interrupts = _Interrupts()
     if threading.current_thread() is not threading.main_thread():
         yield interrupts
         return
 
-    def noted(*_: object) -> None:
-        interrupts.times += 1
-        if interrupts.times > 1:
+    def count_interrupt(*_: object) -> None:
+        interrupts.count += 1
+        if interrupts.count > 1:
             raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, noted) for number in (signal.SIGINT, signal.SIGTERM)}
+    previous_handlers = {
+        number: signal.signal(number, count_interrupt) for number in (signal.SIGINT, signal.SIGTERM)
+    }
     try:
         yield interrupts
     finally:
-        for number, handler in before.items():
+        for number, handler in previous_handlers.items():
             signal.signal(number, handler)
 
 
@@ -270,7 +334,7 @@ def _interruptible() -> Iterator[_Interrupts]:
 
 
 class _Pending:
-    """Numbers of the points that are still to be computed, in order; those that were put back come first."""
+    """Queue of the numbers of points that are not done, in order; returned ones come first."""
 
     def __init__(self, numbers: Sequence[int], state: bytearray, wanted: Set[int]) -> None:
         self._returned = deque[int]()
@@ -281,120 +345,131 @@ class _Pending:
         return len(self._returned) + self._left
 
     def take(self, count: int) -> tuple[int, ...]:
-        """Return the next numbers, fewer if there are no more."""
+        """Remove and return the next `count` numbers, or all if there are fewer."""
         first = tuple(self._returned.popleft() for _ in range(min(count, len(self._returned))))
         others = tuple(islice(self._open, count - len(first)))
         self._left -= len(others)
         return first + others
 
     def put_back(self, numbers: Sequence[int]) -> None:
-        """Have numbers that were taken computed before the others."""
+        """Put numbers that were taken at the head of the queue."""
         self._returned.extendleft(reversed(numbers))
 
 
 class _Run:
-    """One run: what it has handed out, and what has come of it."""
+    """State of a run: tasks that are in flight, and counts and times of the points that are done."""
 
     journal: Journal
 
-    def __init__(self, sweep: Sweep, total: int, before: Counter[str], report: Report) -> None:
+    def __init__(self, sweep: Sweep, total: int, done_before: Counter[str], report: Report) -> None:
         self.sweep = sweep
         self.work = sweep.work
         self.total = total
         self.report = report
-        self.packages = here(sweep.packages)
-        self.counts = Counter(before)
-        self.here = 0
-        self.spent = 0.0
-        self.begin = time.monotonic()
-        self.flying: dict[Future[Done], tuple[int, ...]] = {}
-        self.moved = time.monotonic()  # when something came back, or could first be expected to
+        self.packages = installed_versions(sweep.packages)
+        self.counts = Counter(done_before)
+        self.computed = 0
+        self.compute_seconds = 0.0
+        self.start_time = time.monotonic()
+        self.in_flight: dict[Future[TaskResult], tuple[int, ...]] = {}
+        self.last_activity = (
+            time.monotonic()
+        )  # last return of a task, or submission of the first one
         self.losses = 0
-        self.workers = 1  # that compute at once
+        self.workers = 1  # number of tasks that are computed at the same time
 
     def progress(self) -> Progress:
-        seconds = time.monotonic() - self.begin
-        return Progress(self.total, dict(self.counts), self.here, seconds)
+        """Return the progress of the run."""
+        seconds = time.monotonic() - self.start_time
+        return Progress(self.total, dict(self.counts), self.computed, seconds)
 
-    def measured(self, pending: _Pending, requested: _Interrupts) -> tuple[Engine, str]:
-        """Compute some points in this process, and return the engine that is the fastest for the others.
+    def choose_engine(self, pending: _Pending, interrupts: _Interrupts) -> tuple[Engine, str]:
+        """Compute some points in this process, and return the fastest engine for the others, with the reason.
 
-        Two points; and where they are not dear, some together at a time, as long as processes seem to be worth their
-        start and no more time is spent here than that takes: points make what they share, and the next ones have it.
+        1. Compute two points, one at a time.
+        2. If they are cheap, compute batches of up to 16. Points share data, so that later ones are faster.
+        3. Stop as soon as a batch shows that a pool of processes does not pay, or when the time spent here reaches the
+           time to start a pool.
         """
-        times = list[float]()
-        begin = time.monotonic()
+        point_seconds = list[float]()
+        start_time = time.monotonic()
         count = cores()
         engine: Engine | None = None
-        said = ""
-        while pending and not (times and requested.times):
-            some = 1 if len(times) < 2 else min(_SOME, int(_DEAR / min(times)))
-            if not some or (some > 1 and len(pending) < 4 * _SOME):
+        why = ""
+        while pending and not (point_seconds and interrupts.count):
+            batch_size = (
+                1
+                if len(point_seconds) < 2
+                else min(_MEASURED_BATCH, int(_EXPENSIVE_POINT / min(point_seconds)))
+            )
+            if not batch_size or (batch_size > 1 and len(pending) < 4 * _MEASURED_BATCH):
                 break
-            done = compute(self.work, self._points(pending.take(some)))
-            self._take(done)
-            times.append(sum(row.seconds for row in done.rows) / len(done.rows))
-            if len(times) > 2:
-                engine, said = self._fastest(times[-1], len(pending), count)
-                if not engine.separate or time.monotonic() - begin > _START:
+            done = compute(self.work, self._points(pending.take(batch_size)))
+            self._commit(done)
+            point_seconds.append(sum(row.seconds for row in done.rows) / len(done.rows))
+            if len(point_seconds) > 2:
+                engine, why = self._fastest_engine(point_seconds[-1], len(pending), count)
+                if not engine.separate or time.monotonic() - start_time > _POOL_START:
                     break
         return (
-            (engine, said) if engine is not None else self._fastest(min(times), len(pending), count)
+            (engine, why)
+            if engine is not None
+            else self._fastest_engine(min(point_seconds), len(pending), count)
         )
 
-    def _fastest(self, point: float, left: int, count: int) -> tuple[Engine, str]:
-        """Return the engine that is the fastest on some cores for what is left, by the time [s] of a point, and why.
+    def _fastest_engine(self, point_seconds: float, left: int, count: int) -> tuple[Engine, str]:
+        """Return the fastest engine for the points that are left on `count` cores, and the reason.
 
-        Threads are none: what of a point is Python, half of it and more, makes them wait for each other.
+        Threads are never the fastest: half of the time of a point and more is Python, which holds the interpreter lock.
         """
-        said = f"a point takes {point * 1e3:.3g} ms"
+        text = f"a point takes {point_seconds * 1e3:.3g} ms"
+        name = "serial"
         if count == 1 or not left:
-            return get_model(
-                "engine", "serial"
-            ), f"{said}, and there is {'one core' if left else 'nothing left'}"
-        if point * left * (1.0 - 1.0 / count) <= _WORTH * _START:
-            return get_model(
-                "engine", "serial"
-            ), f"{said}; {left} still to do, not worth the start of processes"
-        return get_model(
-            "engine", "processes"
-        ), f"{said}: {left} of them are worth the start of {count} processes"
+            why = f"{text}, and there is {'one core' if left else 'nothing left'}"
+        elif point_seconds * left * (1.0 - 1.0 / count) <= _MIN_SAVING * _POOL_START:
+            why = f"{text}; {left} still to do, not worth the start of processes"
+        else:
+            name = "processes"
+            why = f"{text}: {left} of them are worth the start of {count} processes"
+        return get_model("engine", name), why
 
-    def compute(self, engine: Engine, pending: _Pending, requested: _Interrupts) -> None:
-        """Compute all points, until there are none, or the run is interrupted."""
+    def compute(self, engine: Engine, pending: _Pending, interrupts: _Interrupts) -> None:
+        """Compute pending points until none are left or the run is interrupted."""
         executor = self._start(engine, engine.executor)
         at_once = True
         try:
-            while (pending and not requested.times) or self.flying:
-                if requested.times:
-                    self._take_back()
+            while (pending and not interrupts.count) or self.in_flight:
+                if interrupts.count:
+                    self._cancel_queued()
                 else:
-                    self._hand_out(engine, executor, pending)
-                lost = self._gather()
+                    self._submit_tasks(engine, executor, pending)
+                lost = self._collect_results()
                 if lost is None:
                     continue
                 error, numbers = lost
                 if engine.killed(error) and not isinstance(error, BrokenExecutor):
-                    self._one_by_one(engine, numbers, requested)
+                    self._compute_alone(engine, numbers, interrupts)
                     continue
-                numbers = (*numbers, *(n for task in self._give_up() for n in task))
+                numbers = (*numbers, *(n for task in self._abandon_tasks() for n in task))
                 engine.end(executor, at_once=True)
                 if engine.killed(error):
-                    self._one_by_one(engine, numbers, requested)
+                    self._compute_alone(engine, numbers, interrupts)
                 else:
                     pending.put_back(numbers)
                     self._count_loss(engine, error)
-                if pending and not requested.times:
+                if pending and not interrupts.count:
                     executor = self._start(engine, engine.executor)
             at_once = False
         finally:
             engine.end(executor, at_once=at_once)
 
     def _start(self, engine: Engine, make: Callable[[], Executor]) -> Executor:
-        """Return a new executor whose workers have what is here."""
+        """Return a new executor, whose workers have the same versions of packages as this process."""
         executor = make()
         try:
-            self._compare(executor.submit(here, self.sweep.packages).result(timeout=120.0))
+            self._compare(
+                executor.submit(installed_versions, self.sweep.packages).result(timeout=120.0)
+            )
         except EngineError:
             engine.end(executor, at_once=True)
             raise
@@ -405,10 +480,11 @@ class _Run:
                 "script of your own, call it below "
                 "if __name__ == '__main__'"
             ) from error
-        self.moved = time.monotonic()
+        self.last_activity = time.monotonic()
         return executor
 
     def _compare(self, packages: tuple[tuple[str, str], ...]) -> None:
+        """Raise EngineError if a worker has other versions of packages than this process."""
         if packages != self.packages:
             other = [
                 f"{name} {theirs} instead of {ours}"
@@ -420,18 +496,22 @@ class _Run:
             )
 
     def _points(self, numbers: tuple[int, ...]) -> list[tuple[int, dict[str, object]]]:
+        """Numbers and changes of the scene of some points, as `compute` takes them."""
         return [(number, self.sweep.design.changes(number)) for number in numbers]
 
-    def _hand_out(self, engine: Engine, executor: Executor, pending: _Pending) -> None:
+    def _submit_tasks(self, engine: Engine, executor: Executor, pending: _Pending) -> None:
+        """Submit tasks of pending points until two per worker are in flight."""
         self.workers = workers = engine.workers(executor)
-        while pending and len(self.flying) < (2 * workers if workers > 1 or engine.separate else 1):
+        while pending and len(self.in_flight) < (
+            2 * workers if workers > 1 or engine.separate else 1
+        ):
             count = 1
-            if self.here:
+            if self.computed:
                 fair = -(-len(pending) // (2 * workers))
                 count = max(
                     1,
                     min(
-                        int(engine.task_seconds * self.here / max(self.spent, 1e-9)),
+                        int(engine.task_seconds * self.computed / max(self.compute_seconds, 1e-9)),
                         fair,
                         _MAX_IN_TASK,
                     ),
@@ -439,79 +519,84 @@ class _Run:
             numbers = pending.take(count)
             try:
                 future = executor.submit(compute, self.work, self._points(numbers))
-            except Exception as error:  # a pool that has broken says so here
+            except Exception as error:  # a broken pool raises here; `_collect_results` handles it
                 future = Future()
                 future.set_exception(error)
-            if not self.flying:
-                self.moved = time.monotonic()
-            self.flying[future] = numbers
+            if not self.in_flight:
+                self.last_activity = time.monotonic()
+            self.in_flight[future] = numbers
 
-    def _gather(self) -> tuple[BaseException, tuple[int, ...]] | None:
-        """Take what has come; return the first task that was lost, with its error."""
-        ready, _ = wait(self.flying, timeout=_TICK, return_when=FIRST_COMPLETED)
+    def _collect_results(self) -> tuple[BaseException, tuple[int, ...]] | None:
+        """Commit the tasks that have returned; return the first task that was lost, with its error, else None."""
+        ready, _ = wait(self.in_flight, timeout=_POLL_INTERVAL, return_when=FIRST_COMPLETED)
         for future in ready:
-            numbers = self.flying.pop(future)
+            numbers = self.in_flight.pop(future)
             try:
                 done = future.result(timeout=0)
             except (Exception, CancelledError) as error:
                 return error, numbers
-            self._take(done)
-        if not ready and self.flying and self.work.time_limit is not None:
-            longest = max(map(len, self.flying.values())) * 2 * self.work.time_limit + _GRACE
-            if time.monotonic() - self.moved > longest:
+            self._commit(done)
+        if not ready and self.in_flight and self.work.time_limit is not None:
+            longest = (
+                max(map(len, self.in_flight.values())) * 2 * self.work.time_limit + _GRACE_PERIOD
+            )
+            if time.monotonic() - self.last_activity > longest:
                 return BrokenExecutor("a worker does not answer"), ()
         return None
 
-    def _take(self, done: Done) -> None:
-        """Commit rows to the journal; only then they count."""
+    def _commit(self, done: TaskResult) -> None:
+        """Commit the rows of a task to the journal, then count them."""
         self._compare(done.packages)
         self.journal.write(done.rows)
         self.counts.update(row.status for row in done.rows)
-        self.here += len(done.rows)
-        self.spent += sum(row.seconds for row in done.rows)
-        self.moved = time.monotonic()
+        self.computed += len(done.rows)
+        self.compute_seconds += sum(row.seconds for row in done.rows)
+        self.last_activity = time.monotonic()
         self.losses = 0
         self.report(self.progress())
 
-    def _take_back(self) -> None:
-        """Call back the tasks that have not begun; the oldest have, even where their futures cannot tell."""
-        for future in [*self.flying][self.workers :]:
+    def _cancel_queued(self) -> None:
+        """Cancel the tasks that have not started; the oldest ones have, one for each worker."""
+        for future in [*self.in_flight][self.workers :]:
             if future.cancel():
-                del self.flying[future]
+                del self.in_flight[future]
 
-    def _give_up(self) -> list[tuple[int, ...]]:
-        """Return the numbers of all tasks that are out; those that have come back meanwhile are taken."""
-        wait(self.flying, timeout=1.0)
-        given = []
-        for future, numbers in self.flying.items():
+    def _abandon_tasks(self) -> list[tuple[int, ...]]:
+        """Commit the tasks that have returned meanwhile, and return the numbers of all others."""
+        wait(self.in_flight, timeout=1.0)
+        abandoned = []
+        for future, numbers in self.in_flight.items():
             try:
-                self._take(future.result(timeout=0))
+                self._commit(future.result(timeout=0))
             except (Exception, CancelledError) as error:
                 if isinstance(error, EngineError | OutputError):
                     raise
-                given.append(numbers)
-        self.flying.clear()
-        return given
+                abandoned.append(numbers)
+        self.in_flight.clear()
+        return abandoned
 
     def _count_loss(self, engine: Engine, error: BaseException) -> None:
+        """Count a loss of the engine; raise EngineError after too many in a row."""
         self.losses += 1
         _log.warning("engine %s was lost: %s", engine.name, describe_error(error))
-        if self.losses > _PATIENCE:
+        if self.losses > _MAX_LOSSES:
             raise EngineError(
                 f"engine {engine.name!r} was lost {self.losses} times in a row ({describe_error(error)})"
             )
 
-    def _one_by_one(self, engine: Engine, numbers: tuple[int, ...], requested: _Interrupts) -> None:
-        """Compute points alone, so that one that kills its worker is known."""
+    def _compute_alone(
+        self, engine: Engine, numbers: tuple[int, ...], interrupts: _Interrupts
+    ) -> None:
+        """Compute points one at a time, so that the point that kills its worker is identified."""
         executor: Executor | None = None
         waiting = deque(sorted(numbers))
-        limit = None if self.work.time_limit is None else 2 * self.work.time_limit + _GRACE
+        limit = None if self.work.time_limit is None else 2 * self.work.time_limit + _GRACE_PERIOD
         try:
-            while waiting and not requested.times:
+            while waiting and not interrupts.count:
                 if executor is None:
                     executor = self._start(engine, engine.alone)
                 number = waiting.popleft()
-                begin = time.monotonic()
+                start_time = time.monotonic()
                 try:
                     done = executor.submit(compute, self.work, self._points((number,))).result(
                         timeout=limit
@@ -521,32 +606,36 @@ class _Run:
                 except (Exception, CancelledError) as error:
                     engine.end(executor, at_once=True)
                     executor = None
-                    seconds = time.monotonic() - begin
+                    seconds = time.monotonic() - start_time
                     if isinstance(error, FutureTimeout):
                         text = f"took longer than the time limit of {self.work.time_limit:g} s, and did not stop; "
                         text += "retry with a longer --time-limit"
-                        done = Done((Row(number, "", "timed-out", text, seconds),), self.packages)
+                        done = TaskResult(
+                            (Row(number, "", "timed-out", text, seconds),), self.packages
+                        )
                     elif engine.killed(error):
                         text = "its process died, and died again when it was computed alone"
-                        done = Done((Row(number, "", "crashed", text, seconds),), self.packages)
+                        done = TaskResult(
+                            (Row(number, "", "crashed", text, seconds),), self.packages
+                        )
                     else:
                         waiting.appendleft(number)
                         self._count_loss(engine, error)
                         continue
-                self._take(done)
+                self._commit(done)
         finally:
             if executor is not None:
                 engine.end(executor, at_once=bool(waiting))
 
 
-def described(settled: Settled) -> dict[str, Any]:
-    """Return how a run ended, as plain values."""
+def describe_outcome(outcome: SweepOutcome) -> dict[str, Any]:
+    """Return the outcome of a run as plain values."""
     return {
-        "points": settled.progress.total,
-        "counts": dict(settled.progress.counts),
-        "computed": settled.progress.here,
-        "seconds": settled.progress.seconds,
-        "engine": settled.engine,
-        "why": settled.why,
-        "interrupted": settled.interrupted,
+        "points": outcome.progress.total,
+        "counts": dict(outcome.progress.counts),
+        "computed": outcome.progress.computed,
+        "seconds": outcome.progress.seconds,
+        "engine": outcome.engine,
+        "why": outcome.why,
+        "interrupted": outcome.interrupted,
     }

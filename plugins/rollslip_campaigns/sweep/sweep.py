@@ -40,26 +40,26 @@ from rollslip.structure import FrozenTable, Location, resolved, structure
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written, format_quantity
-from rollslip_campaigns.sweep.definition import Resolutions, Sweep, SweepTable, name_of
-from rollslip_campaigns.sweep.journal import died, journals
+from rollslip_campaigns.sweep.definition import Resolutions, Sweep, SweepTable, combination_name
+from rollslip_campaigns.sweep.journal import has_died, journal_files
 from rollslip_campaigns.sweep.sampling import (
     Axis,
     Design,
     probabilities,
     read_axis,
     read_overs,
-    spread_points,
+    farthest_points,
 )
 from rollslip_studies.variation.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip_studies.variation.quantities import quantities
 
 __all__ = [
     "FILE",
-    "assembled",
+    "assemble_varied",
     "open_sweep",
     "plan_sweep",
     "store_sweep",
-    "study_with",
+    "study_with_outputs",
     "with_engine",
 ]
 
@@ -90,7 +90,7 @@ def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Swe
         {"output": outputs} if outputs else {}
     )
     table, place = _table(given, requested, problems)
-    name = study_with(base, table.study, table.output)
+    name = study_with_outputs(base, table.study, table.output)
     cls = study_class(name, base)
     names: tuple[str, ...] = ()
     try:
@@ -99,7 +99,7 @@ def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Swe
         problems += error.problems
     stated = [*_leaves(table.over, "", place.at("over"))]
     varying = {key: value for key, value, _ in stated} | over
-    base, assembly = assembled(base, varying)
+    base, assembly = assemble_varied(base, varying)
     studies = settings(base, name)
     require_memory(studies, assembly)
     known = quantities(assembly, studies)
@@ -165,7 +165,7 @@ def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Swe
     )
 
 
-def study_with(scene: Scene, named: str | None, outputs: Sequence[str]) -> str:
+def study_with_outputs(scene: Scene, named: str | None, outputs: Sequence[str]) -> str:
     """Return the study that is named, else the first of the scene that has some outputs, or the first of all.
 
     By other names of theirs, such as "slip", one that has a cage goes first, as in a run of several.
@@ -174,10 +174,14 @@ def study_with(scene: Scene, named: str | None, outputs: Sequence[str]) -> str:
     classes = {one: study_class(one, scene) for one in own} if outputs else {}
     having = [one for one, of in classes.items() if of.outputs.keys() >= set(outputs)]
     having += sorted(
-        (one for one, of in classes.items()
-         if {name for key, output in of.outputs.items() for name in (key, *output.also)} >= set(outputs)),
+        (
+            one
+            for one, of in classes.items()
+            if {name for key, output in of.outputs.items() for name in (key, *output.also)}
+            >= set(outputs)
+        ),
         key=lambda one: not classes[one].with_cage,
-    )  # fmt: skip
+    )
     return named or next(iter(having), own[0])
 
 
@@ -242,7 +246,7 @@ def _without_tables(scene: Scene) -> Scene:
     return attrs.evolve(scene, sweep=None, uncertainty=None, raw=FrozenTable(raw))
 
 
-def assembled(scene: Scene, over: Mapping[str, object]) -> tuple[Scene, Assembly]:
+def assemble_varied(scene: Scene, over: Mapping[str, object]) -> tuple[Scene, Assembly]:
     """Assemble the scene; where it cannot be, with the first of the values that take the place of its own."""
     try:
         return scene, assemble(scene)
@@ -404,7 +408,7 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
             if one is not None
         ]
         if chosen:
-            resolutions[name_of(list(values.values()))] = Resolution.maximum_of(chosen)
+            resolutions[combination_name(list(values.values()))] = Resolution.maximum_of(chosen)
     return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
 
 
@@ -430,7 +434,7 @@ def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int6
         [v for v in design.changes(int(number)).values() if isinstance(v, int | float)]
         for number in some
     ]
-    return [int(some[k]) for k in spread_points(np.array(rows, dtype=float), _SPREAD)]
+    return [int(some[k]) for k in farthest_points(np.array(rows, dtype=float), _SPREAD)]
 
 
 # Folders -------------------------------------------------------------------------------------------------------------
@@ -456,7 +460,7 @@ def open_sweep(folder: Path) -> Sweep:
     """Return the sweep that a folder belongs to."""
     path = folder / FILE
     if not path.is_file():
-        inner = f"; {_AGAIN.format(folder)}" if journals(folder) else ""
+        inner = f"; {_AGAIN.format(folder)}" if journal_files(folder) else ""
         raise OutputError(f"{folder}: holds no sweep, there is no {FILE}{inner}")
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
@@ -478,7 +482,7 @@ def open_sweep(folder: Path) -> Sweep:
     over = table.pop("over", {})
     if "samples" not in table:
         table.pop("sampling", None)
-    if died(folder):
+    if has_died(folder):
         table.pop("engine", None)  # chosen anew, since that one did not survive
     sweep = plan_sweep(scene, over, **table)
     _refuse_changes(folder, _differences(facts, sweep.facts))

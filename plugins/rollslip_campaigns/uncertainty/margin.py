@@ -292,7 +292,7 @@ def run_margin(
     plan: Margin,
     folder: Path,
     *,
-    said: Callable[[str], None] = lambda text: None,
+    print_line: Callable[[str], None] = lambda text: None,
     report: Callable[[Progress], None] = lambda progress: None,
 ) -> "xr.Dataset":
     """Compute the samples that the folder does not have yet, estimate the distributions and save them in the folder.
@@ -317,8 +317,8 @@ def run_margin(
 
     folder.mkdir(parents=True, exist_ok=True)
     points_of = {
-        name: Points.of(
-            sweep, folder / name, lambda text, name=name: said(f"{name}: {text}"), report
+        name: Points.in_folder(
+            sweep, folder / name, lambda text, name=name: print_line(f"{name}: {text}"), report
         )  # type: ignore[misc]
         for name, sweep in plan.sweeps.items()
     }
@@ -326,7 +326,7 @@ def run_margin(
     def compute_samples(name: str, count: int | None = None) -> "xr.Dataset":
         numbers = None if count is None else range(count)
         points_of[name].compute(numbers)
-        return points_of[name].collected(numbers).isel(sample=slice(count))
+        return points_of[name].collect(numbers).isel(sample=slice(count))
 
     batches = list[tuple[int, Estimate]]()
     total = len(plan.critical.design.samples)
@@ -341,7 +341,7 @@ def run_margin(
         )
         allowable = plan.quantile(friction_samples(critical)[SKIDDING], 1.0 - plan.probability)
         batches.append((count, allowable))
-        said(f"{count} samples: {_describe_allowable(allowable)}")
+        print_line(f"{count} samples: {_describe_allowable(allowable)}")
         # a bound beyond the range stays there, however many samples there are
         if count == total or (
             plan.until is not None

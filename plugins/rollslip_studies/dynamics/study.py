@@ -223,7 +223,7 @@ class Dynamics(Study):
 
     def curve_study(self, assembly: Assembly) -> EffectiveFriction:
         """Return how the raceways' contacts are averaged, as the scene has it."""
-        found = EffectiveFriction.of(assembly.scene)
+        found = EffectiveFriction.from_scene(assembly.scene)
         rings = assembly.rings
         return (
             attrs.evolve(found, skidding_range=0.0) if rings and rings.turning else found
@@ -303,7 +303,7 @@ class Dynamics(Study):
             "skidding": away,
             **along_it,
             **motion,
-            **heating.cost(self, assembly, motion["motion"]),
+            **heating.heating_cost(self, assembly, motion["motion"]),
         }
 
     def extra_parts(
@@ -339,7 +339,7 @@ class Dynamics(Study):
             *over_time.plan_parts(
                 self.course(assembly), lambda: self.moving(assembly), self.name, costs
             ),
-            *heating.part(self, assembly, costs),
+            *heating.plan_parts(self, assembly, costs),
             *parts(assembly.scene),
             Part(
                 part="friction of the raceways",
@@ -441,7 +441,7 @@ class Dynamics(Study):
         integrator = self.method(assembly)
         if self.level == "planar":
             self._of_planar(assembly)
-        heat = heating.heated(self, assembly, kept.progress)
+        heat = heating.solve_temperatures(self, assembly, kept.progress)
         assembly, history = (
             (assembly, self.course(assembly)) if heat is None else (heat.assembly, heat.history)
         )
@@ -467,7 +467,8 @@ class Dynamics(Study):
             if kept.progress is not None:
                 t = trajectory.last_t
                 kept.progress(
-                    f"{t:.4g} of {self.duration:.4g} s", heating.fraction(heat, t / self.duration)
+                    f"{t:.4g} of {self.duration:.4g} s",
+                    heating.run_fraction(heat, t / self.duration),
                 )
 
         found = integrate(
@@ -500,7 +501,7 @@ class Dynamics(Study):
         regimes, found = regimes_of(
             raceways, np.clip(np.nan_to_num(slip), 0.0, settings.max_cage_slip), found
         )
-        warmed, warmth = heating.told(heat, found.t)
+        warmed, warmth = heating.temperature_variables(heat, found.t)
         nodes = (
             {}
             if heat is None

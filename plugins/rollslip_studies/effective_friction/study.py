@@ -30,7 +30,7 @@ from rollslip.fields import at_least, choice_of, in_range, parameter
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import LoadedSlices, Measurable, Output, PartialResult, RunContext
-from rollslip.studies.error_estimate import LEAST_OF_SOME, WHERE_JUMPED
+from rollslip.studies.error_estimate import MINIMUM_ERROR_FACTOR
 from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
 from rollslip.studies.timing import N_POSITIONS, POINTS, onwards, timed
 from rollslip_studies.effective_friction.raceways import (
@@ -68,6 +68,9 @@ _MANY: Final = 128
 _MAP: Final = (3, 6)
 #: Evaluations in the search for the critical slips of both rings, each of one ring.
 _SEARCH: Final = 40
+#: Error of the smallest film parameter just before a roller jumps to another balance of forces. It is a bound; it falls
+#: only with the number of roller positions, because the jump lies between two of them.
+FILM_AT_JUMPS: Final = "film parameter, where rollers jump,"
 #: Closure -> what the rollers do, as it is told of a critical slip.
 CLOSURES: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -176,6 +179,7 @@ class EffectiveFriction(Study):
     controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"friction": "effective_friction", "critical_slip": "critical_cage_slip"}
     )
+    irreducible_errors: ClassVar[frozenset[str]] = frozenset({FILM_AT_JUMPS})
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     curves_of: ClassVar[Curves] = Curves(
         variable="effective_friction", over="ring", slip="cage_slip", critical="critical_cage_slip"
@@ -429,7 +433,7 @@ class EffectiveFriction(Study):
             over = along / (least := along[1:-1].min()) - 1.0
             if not (np.isfinite(here[ring]) and 0.0 < least < np.inf):
                 continue
-            off = max(off, LEAST_OF_SOME * abs(here[ring] / least - 1.0))
+            off = max(off, MINIMUM_ERROR_FACTOR * abs(here[ring] / least - 1.0))
             # rollers that all run alike jump nowhere, and other slices see the jump of the run
             for step in (
                 (1, -1) if np.ndim(u) and n_positions > dataset.attrs["n_positions"] else ()
@@ -455,7 +459,7 @@ class EffectiveFriction(Study):
                 jumped = max(jumped, float((least / bounds - 1.0).max()))
         return {
             "film parameter": float(off),
-            **({f"film parameter{WHERE_JUMPED}": float(jumped)} if jumped else {}),
+            **({FILM_AT_JUMPS: float(jumped)} if jumped else {}),
         }
 
     def at_positions(self, assembly: Assembly, n_positions: int) -> "xr.Dataset":
