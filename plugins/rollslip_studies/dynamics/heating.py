@@ -1,14 +1,23 @@
-"""Temperatures that follow from the losses of a motion, by a thermal model, and the motion at these temperatures.
+"""Solve for the temperatures that follow from the losses of a motion, and for the motion at these temperatures.
 
-- Heat moves temperatures within seconds to hours, a motion moves within milliseconds, and tables over the temperatures
-  of all parts would be too large. So the two are solved in turn, each over the whole time (waveform relaxation): the
-  motion along temperatures that are known gives its losses over time, and these give the thermal model its temperatures
-  over time. It is done when these no longer change. A pass starts from all before it (Anderson 1965, three of them),
-  since what warms a bearing also thins its oil and lets it lose less, by which passes alone would swing.
-- Losses are those of the motion's own ledger, which its integrator carries, by the place where they make heat. Between
-  two instants the power is constant, and the thermal model is solved there by the matrix exponential of its linear
-  part: exactly if it is linear, as a network is, and with all heat stored or carried away, whatever it is.
-- A motion that nothing warms is the isothermal one, to the last bit.
+Temperatures change within seconds to hours and a motion within milliseconds, and tables over the temperatures of all
+parts would be too large. Therefore both problems are solved in turn, each over the whole time (waveform relaxation):
+
+1. Start with constant temperatures, those of the scene.
+2. Integrate the motion along the temperatures of this pass. Its energy ledger has the losses over time, by place.
+3. Solve the thermal model with these losses. The power is constant between two samples; the model is linearised there
+   and solved by the matrix exponential (exponential Euler method): exactly if it is linear, as a thermal network is.
+   All heat is stored or carried away, whatever the model.
+4. Stop if no temperature differs from those of step 2 by more than its tolerance.
+5. Choose the temperatures of the next pass by Anderson acceleration over the last passes (D. G. Anderson, J. ACM 12,
+   1965, 547-560). Plain passes oscillate, because heat thins the oil and so reduces the losses.
+6. If a motion fails, for example because the losses of cold oil lead to temperatures outside of its data, halve the
+   step from the last temperatures at which it did not, and repeat from step 2.
+
+A motion without losses is the isothermal motion, bit by bit.
+
+Source of waveform relaxation: E. Lelarasmee, A. E. Ruehli, A. L. Sangiovanni-Vincentelli, IEEE Trans. CAD 1, 1982,
+131-145; of the exponential Euler method: M. Hochbruck, A. Ostermann, Acta Numerica 19, 2010, 209-286.
 """
 
 import itertools
@@ -39,30 +48,62 @@ from rollslip_studies.motion.torque_balance import TorqueBalance
 
 #: Single values of a motion that heats its bearing.
 VALUES: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
-#: Instants at which temperatures are known, beside the jumps and kinks of a history.
-_INSTANTS: Final = 257
-#: Relative change of rates with a kelvin, at most: viscosities of oils change by 2 to 9 % there.
-_PER_KELVIN: Final = 0.1
-#: Passes at most, and passes before from which one starts.
-_MOST = 25
-_BEFORE = 3
-#: Halvings of the way to temperatures at which a motion fails: the losses of cold oil may lead beyond the data of it.
-_HALVINGS: Final = 6
-#: What a plan expects: passes, bearings put together for each, and by how much rates between them take longer.
-_USUAL = 4
-_BEARINGS = 30
-_ALONG = 5
-#: Step of temperature by which the thermal model is made linear, and to a bearing whose price is measured [K].
-_STEP: Final = 1.0
-#: Difference of two linear parts that is rounding.
-_SAME: Final = 1e-9
-#: Instants of an orbit, and cage slips, for what the rings share of the resistance to rolling.
-_ORBIT = 4
-_SLIPS = (0.0, 0.05, 0.15, 0.3, 0.6, 0.9)
 
 
-class Warming(MotionStudy, Protocol):
-    """A study that sets a bearing in motion along a history: what is asked of it here."""
+@attrs.frozen(kw_only=True)
+class WaveformRelaxation:
+    """Settings of the passes through motion and thermal model."""
+
+    #: Evenly spread samples of losses and temperatures, beside the breaks of a history. Halved, the power is constant
+    #: over a 128th of the duration, and temperatures that change faster are smoothed. Chosen.
+    samples: int = 257
+    #: Upper bound of the relative change of speeds per kelvin; the tolerance of temperatures is that of the cage speed
+    #: over it. Viscosities of oils change by 2 to 9 % per kelvin. Doubled, temperatures
+    #: have half the error, usually by one more pass.
+    relative_change_per_kelvin: float = 0.1
+    #: Largest number of passes. Doubled, a motion that does not converge takes twice as long to fail. Chosen: plans
+    #: expect 4 passes.
+    max_passes: int = 25
+    #: Earlier passes that Anderson acceleration uses. Doubled, older passes, at distant temperatures, count as well;
+    #: with none, passes oscillate. Chosen.
+    depth: int = 3
+    #: Halvings of a step to temperatures at which the motion fails. Doubled, steps down to a 4096th are tried. Chosen.
+    max_halvings: int = 6
+
+
+@attrs.frozen(kw_only=True)
+class CostOfHeating:
+    """What a plan expects of a run with temperatures that follow from losses.
+
+    The time of a run is passes times (slowdown times the time of a motion, and bearings times that of assembling one).
+    """
+
+    #: Passes. Typical of the scenes of the tests; doubled, the estimated time doubles.
+    passes: int = 4
+    #: Bearings that are assembled for the maps of a pass. Chosen, likewise.
+    bearings: int = 30
+    #: Time of the rates interpolated between bearings over that of one bearing. Chosen, likewise.
+    slowdown: int = 5
+
+
+RELAXATION: Final = WaveformRelaxation()
+COST: Final = CostOfHeating()
+#: Step of temperature [K] for the difference quotients that linearise the thermal model, and to the bearing whose
+#: assembly a plan measures. Doubled, the linear part of a non-linear model is that over 2 K; a linear one is not
+#: affected. Chosen.
+_TEMPERATURE_STEP: Final = 1.0
+#: Relative difference of two linear parts that is rounding: the matrix exponential is then not computed again. Doubled,
+#: nothing changes but time; at 1e-4 the temperatures of a non-linear model would drift.
+_ROUNDING: Final = 1e-9
+#: Roller positions of the torque balance that gives the inner ring's fraction of the heat of rolling resistance, where
+#: the resolution names none. Doubled, the balance takes twice as long. Chosen: the fraction is near a half.
+_ROLLING_POSITIONS = 4
+#: Cage slips at which that fraction is computed, linear between them. Chosen: dense at the small slips of most motions.
+_ROLLING_SLIPS = (0.0, 0.05, 0.15, 0.3, 0.6, 0.9)
+
+
+class HistoryStudy(MotionStudy, Protocol):
+    """What the heating of a bearing requires of a study that integrates motions along a history."""
 
     name: ClassVar[str]
 
@@ -75,24 +116,34 @@ class Warming(MotionStudy, Protocol):
 
 @attrs.frozen(eq=False, kw_only=True)
 class Heating:
-    """What a motion does to temperatures, and at which it was computed."""
+    """Temperatures that follow from the losses of a motion, and those at which the motion was computed."""
 
-    assembly: Assembly  # the bearing at the temperatures from which it starts
+    assembly: Assembly  # the bearing at the temperatures of the start
     #: Its operation with the temperatures at which the motion was computed; None if nothing changes.
     history: History | None
-    model: ThermalModel  # with all that it takes from the bearing
+    model: ThermalModel  # with all data of the bearing
     times: Array  # [s], (m,)
-    temperatures: Array  # that the losses of the motion give the nodes [K], (m, n)
-    heat: Mapping[str, Array]  # heat made since the start by place [J], (m,)
+    temperatures: Array  # of the nodes, by the losses of the motion [K], (m, n)
+    heat: Mapping[str, Array]  # place -> heat generated since the start [J], (m,)
     carried: Array  # heat carried away since the start [J], (m,)
-    passes: int  # motions that were computed
+    passes: int  # number of motions that were computed
     change: (
         float  # largest difference of `temperatures` to those at which the motion was computed [K]
     )
 
 
-def told(heating: Heating | None, times: Array) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return what is stored of temperatures at instants [s]: variables, and single values up to the last of them."""
+def temperature_variables(
+    heating: Heating | None, times: Array
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return variables and attributes of a result about temperatures.
+
+    Parameters
+    ----------
+    heating : Heating or None
+        The temperatures; None where they are given, and values are NaN.
+    times : ndarray
+        Stored times [s], (m,). Single values are those up to the last one.
+    """
     if heating is None:
         return {}, dict.fromkeys(VALUES, math.nan) | {
             "thermal_status": "no model lets temperatures follow from losses"
@@ -101,16 +152,17 @@ def told(heating: Heating | None, times: Array) -> tuple[dict[str, Any], dict[st
     history = heating.history
     k = int(np.searchsorted(heating.times, times[-1], side="right")) - 1
     until = heating.temperatures[: k + 1]
-    rows = [np.interp(times, heating.times, one) for one in heating.temperatures.T]
+    rows = [np.interp(times, heating.times, node) for node in heating.temperatures.T]
     variables = {"course_temperature": np.array(rows).T}
     if history is not None and history.path is not None and history.path.unit == "m":
         variables["radial_clearance"] = history.path.courses[CLEARANCE].at(times)
     values = (
         float(until.max()),
-        sum(float(one[k]) for one in heating.heat.values()),
+        sum(float(heat[k]) for heat in heating.heat.values()),
         float(model.capacities() @ (until[-1] - until[0])),
         float(heating.carried[k]),
     )
+    passes = "one pass" if heating.passes == 1 else f"{heating.passes} passes"
     return variables, {
         **dict(zip(VALUES, values, strict=True)),
         "hottest_node": model.nodes[int(np.argmax(until.max(axis=0)))],
@@ -118,27 +170,42 @@ def told(heating: Heating | None, times: Array) -> tuple[dict[str, Any], dict[st
         "thermal_model": repr(model),
         "taken_from_bearing": json.dumps(from_bearing(heating.assembly.scene, model)),
         "thermal_passes": heating.passes,
-        "thermal_status": "found in "
-        + ("one pass" if heating.passes == 1 else f"{heating.passes} passes")
-        + f"; the last one moved no temperature by more than {heating.change:.2g} K",
+        "thermal_status": f"found in {passes}; the last one moved no temperature by more than {heating.change:.2g} K",
     }
 
 
 def model_of(assembly: Assembly) -> ThermalModel | None:
-    """Return the thermal model of a scene, with what it takes from its bearing; None where temperatures are given."""
+    """Return the thermal model of a scene, with the data of its bearing; None where temperatures are given."""
     named = thermal_model(assembly.scene)
     return named.of(assembly) if named is not None and named.nodes else None
 
 
-def allowed(assembly: Assembly) -> float:
-    """Return what temperatures may still change in the last pass [K]."""
-    return assembly.scene.accuracy.of("cage_speed") / _PER_KELVIN
+def temperature_tolerance(assembly: Assembly) -> float:
+    """Return the largest change of a temperature in the last pass [K]."""
+    return assembly.scene.accuracy.of("cage_speed") / RELAXATION.relative_change_per_kelvin
 
 
-def heated(
-    study: Warming, assembly: Assembly, progress: Callable[[str, float], None] | None = None
+def solve_temperatures(
+    study: HistoryStudy, assembly: Assembly, progress: Callable[[str, float], None] | None = None
 ) -> Heating | None:
-    """Return the temperatures that a motion leads to; None where they are given."""
+    """Return the temperatures that the losses of a motion lead to; None where temperatures are given.
+
+    Parameters
+    ----------
+    study : HistoryStudy
+        The study.
+    assembly : Assembly
+        The bearing of the scene.
+    progress : callable, optional
+        Takes a text and the fraction of the work that is done.
+
+    Raises
+    ------
+    SceneError
+        If a history gives temperatures as well.
+    ConvergenceError
+        If a motion fails, or the temperatures do not converge.
+    """
     model = model_of(assembly)
     if model is None:
         return None
@@ -152,214 +219,247 @@ def heated(
                 "temperatures follow from losses; leave one of both out"
             ]
         )
-    times = np.linspace(0.0, study.duration, _INSTANTS)
+    times = np.linspace(0.0, study.duration, RELAXATION.samples)
     if given is not None:
         times = np.union1d(times, given.breaks)
-    rolling = _rolling_shares(bearing)
-    most = allowed(assembly)
-    at = np.tile(start, (times.size, 1))
-    tried = list[Array]()
-    moved = list[Array]()
-    halved = 0
-    for count in range(1, _MOST + 1):
-        history = _history(study, assembly, bearing, model, given, times, at, most)
+    rolling = _inner_rolling_fractions(bearing)
+    tolerance = temperature_tolerance(assembly)
+    current = np.tile(start, (times.size, 1))
+    guesses = list[Array]()
+    changes = list[Array]()
+    halvings = 0
+    for count in range(1, RELAXATION.max_passes + 1):
+        history = _history(study, assembly, bearing, model, given, times, current, tolerance)
         if progress is not None:
-            progress(f"temperatures, pass {count}", (count - 1) / max(_USUAL + 1, count + 1))
+            progress(f"temperatures, pass {count}", (count - 1) / max(COST.passes + 1, count + 1))
         try:
-            moving, found = _moved(study, bearing, history, times, count)
+            moving, found = _motion(study, bearing, history, times, count)
         except ConvergenceError:
-            if not tried or (halved := halved + 1) > _HALVINGS:
+            halvings += 1
+            if not guesses or halvings > RELAXATION.max_halvings:
                 raise
-            at = 0.5 * (tried[-1] + at)
+            current = 0.5 * (guesses[-1] + current)
             continue
-        heat = _heat(moving, found, rolling)
+        heat = _heat_by_place(moving, found, rolling)
         temperatures, carried = _temperatures(model, start, times, heat)
-        step = temperatures - at
-        if (change := float(np.abs(step).max())) <= most:
+        change = temperatures - current
+        max_change = float(np.abs(change).max())
+        if max_change <= tolerance:
             return Heating(
-                assembly=bearing, history=history, model=model, times=times, temperatures=temperatures, heat=heat,
-                carried=carried, passes=count, change=change,
-            )  # fmt: skip
-        tried = [*tried[-_BEFORE:], at]
-        moved = [*moved[-_BEFORE:], step]
-        at = _accelerated(tried, moved)
+                assembly=bearing,
+                history=history,
+                model=model,
+                times=times,
+                temperatures=temperatures,
+                heat=heat,
+                carried=carried,
+                passes=count,
+                change=max_change,
+            )
+        guesses = [*guesses[-RELAXATION.depth :], current]
+        changes = [*changes[-RELAXATION.depth :], change]
+        current = _anderson_step(guesses, changes)
     raise ConvergenceError(
-        f"temperatures do not settle: after {_MOST} passes through the motion they still change by {change:.3g} K, "
-        f"more than {most:.2g} K; shorten study.{study.name}.duration, raise accuracy.tolerance, or hold "
-        "temperatures with --set models.thermal=given"
+        f"temperatures do not settle: after {RELAXATION.max_passes} passes through the motion they still change by "
+        f"{max_change:.3g} K, more than {tolerance:.2g} K; shorten study.{study.name}.duration, raise "
+        "accuracy.tolerance, or hold temperatures with --set models.thermal=given"
     )
 
 
-def fraction(heating: Heating | None, done: float) -> float:
-    """Return what of a run is done, with passes before it, where of its motion that share is."""
+def run_fraction(heating: Heating | None, motion_fraction: float) -> float:
+    """Return the fraction of a run that is done, with its earlier passes, from that of its last motion.
+
+    Parameters
+    ----------
+    heating : Heating or None
+        The temperatures, with the number of passes; None without any.
+    motion_fraction : float
+        Fraction of the last motion that is done.
+    """
     before = 0 if heating is None else heating.passes
-    return (before + done) / (before + 1)
+    return (before + motion_fraction) / (before + 1)
 
 
-def _accelerated(tried: list[Array], moved: list[Array]) -> Array:
-    """Temperatures of the next pass by Anderson's acceleration, from those tried and how a pass moved each."""
-    new = tried[-1] + moved[-1]
-    if len(tried) < 2:
+def _anderson_step(guesses: list[Array], changes: list[Array]) -> Array:
+    """Return the temperatures of the next pass by Anderson acceleration, from earlier ones and their changes."""
+    new = guesses[-1] + changes[-1]
+    if len(guesses) < 2:
         return new
-    steps = np.array([(b - a).ravel() for a, b in itertools.pairwise(moved)]).T
-    ends = np.array([(b - a).ravel() for a, b in itertools.pairwise(tried)]).T + steps
-    weights = np.linalg.lstsq(steps, moved[-1].ravel(), rcond=1e-6)[0]
-    return np.asarray(new - (ends @ weights).reshape(new.shape))
+    residuals = np.array([(b - a).ravel() for a, b in itertools.pairwise(changes)]).T
+    steps = np.array([(b - a).ravel() for a, b in itertools.pairwise(guesses)]).T + residuals
+    weights = np.linalg.lstsq(residuals, changes[-1].ravel(), rcond=1e-6)[0]
+    return np.asarray(new - (steps @ weights).reshape(new.shape))
 
 
 def _history(
-    study: Warming,
-    written: Assembly,
+    study: HistoryStudy,
+    original: Assembly,
     assembly: Assembly,
     model: ThermalModel,
     given: History | None,
     times: Array,
-    at: Array,
+    temperatures: Array,
     error: float,
 ) -> History | None:
-    """The operation with temperatures of the nodes (m, n) at times; as it is given where they stay."""
-    if not np.ptp(at, axis=0).any():
+    """Return the operation with temperatures of the nodes (m, n) [K]; as it is given if these are constant.
+
+    Changes refer to the original bearing of the scene, so that none counts twice.
+    """
+    if not np.ptp(temperatures, axis=0).any():
         return given
-    rows = [
-        model.changes(row, written.scene) for row in at
-    ]  # of the scene as it is written: no change comes twice
+    rows = [model.changes(row, original.scene) for row in temperatures]
     values = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     path = ThermalPath.from_samples(times, values, error)
-    own = {
-        key.removeprefix("operation."): course
-        for key, course in path.courses.items()
-        if key != CLEARANCE
-    }
-    known: dict[str, Any] = {name: own[name] for name in TEMPERATURES if name in own}
+    courses = {key.removeprefix("operation."): course for key, course in path.courses.items()}
+    known: dict[str, Any] = {name: courses[name] for name in TEMPERATURES if name in courses}
     operation = assembly.scene.operation
     if given is None:
-        named = ("inner_speed", "outer_speed", "radial_load")
-        courses = {name: constant(getattr(operation, name)) for name in named} | {
-            "load_direction": constant(0.0)
-        }
-        given = History(courses=courses, given=(), end=study.duration)
+        names = ("inner_speed", "outer_speed", "radial_load")
+        constants = {name: constant(getattr(operation, name)) for name in names}
+        constants["load_direction"] = constant(0.0)
+        given = History(courses=constants, prescribed=(), end=study.duration)
     return attrs.evolve(
         given, courses={**given.courses, **known}, prescribed=(*given.prescribed, *known), path=path
     )
 
 
-def _moved(
-    study: Warming, assembly: Assembly, history: History | None, times: Array, count: int
+def _motion(
+    study: HistoryStudy, assembly: Assembly, history: History | None, times: Array, count: int
 ) -> tuple[MovingBearing, Trajectory]:
-    """The motion along a history."""
+    """Return the motion along a history in the pass of a number; a failure is a ConvergenceError."""
     try:
         moving = study.moving_along(history, assembly)
         found = explained(study.trial_motion(moving, times, study.relative_tolerance), moving)
     except (SceneError, DomainError) as error:
-        raise _failed(count, str(error)) from error
+        raise _motion_error(count, str(error)) from error
     if found.outcome != "finished":
-        raise _failed(count, found.message) from found.error
+        raise _motion_error(count, found.message) from found.error
     return moving, found
 
 
-def _failed(count: int, message: str) -> ConvergenceError:
-    at = (
-        "the temperatures of the start"
-        if count == 1
-        else f"the temperatures after pass {count - 1}"
-    )
+def _motion_error(count: int, message: str) -> ConvergenceError:
+    """Return the error of a motion that fails in the pass of a number."""
+    origin = "of the start" if count == 1 else f"after pass {count - 1}"
     return ConvergenceError(
-        f"temperatures over the motion are not known: at {at} it fails: {message}; look at it with temperatures held, "
-        "by --set models.thermal=given, or cool the bearing more"
+        f"temperatures over the motion are not known: at the temperatures {origin} it fails: {message}; look at it with "
+        "temperatures held, by --set models.thermal=given, or cool the bearing more"
     )
 
 
-def _heat(
+def _heat_by_place(
     moving: MovingBearing, found: Trajectory, rolling: tuple[Array, Array]
 ) -> dict[str, Array]:
-    """Heat made since the start by place [J], (m,), from the ledger.
+    """Return place -> heat generated since the start [J], (m,), from the energy ledger of a motion.
 
-    A torque T on the cage makes the heat -int T (w_c - w_b) dt with the body b that bears its reaction; the ledger has
-    int T w_c dt and int T dt, and w_b is that of the middle of an interval.
+    A torque T on the cage generates the heat -int T (w_c - w_b) dt, where the body b bears its reaction; the ledger has
+    int T w_c dt and int T dt, and w_b is that in the middle of an interval. ``rolling`` has cage slips, and the inner
+    ring's fraction of the heat of rolling resistance at these.
     """
-    of = moving.split(found.y)
+    state = moving.split(found.y)
     t = found.t
-    with np.errstate(divide="ignore", invalid="ignore"):  # a cage whose epicyclic speed is none
-        slip = np.nan_to_num(1.0 - of["cage_speed"] / moving.epicyclic_speeds(t)[0])
-    inner = np.interp(0.5 * (slip[1:] + slip[:-1]), *rolling) * np.diff(of["lost_rolling"])
-    rolled = np.concatenate(([0.0], np.cumsum(inner)))
+    with np.errstate(divide="ignore", invalid="ignore"):  # the epicyclic speed of the cage may be 0
+        slip = np.nan_to_num(1.0 - state["cage_speed"] / moving.epicyclic_speeds(t)[0])
+    fraction = np.interp(0.5 * (slip[1:] + slip[:-1]), *rolling)
+    inner_rolling = _cumulative(fraction * np.diff(state["lost_rolling"]))
     heat = {
-        f"{ring} contact": of[f"lost_{ring}"] + resisted + 0.5 * of.get("lost_damping", 0.0)
-        for ring, resisted in zip(RINGS, (rolled, of["lost_rolling"] - rolled), strict=True)
+        f"{ring} contact": state[f"lost_{ring}"] + resisted + 0.5 * state.get("lost_damping", 0.0)
+        for ring, resisted in zip(
+            RINGS, (inner_rolling, state["lost_rolling"] - inner_rolling), strict=True
+        )
     }
-    heat["pocket"] = of["lost_pockets"]
+    heat["pocket"] = state["lost_pockets"]
     cage = moving.assembly.cage
     torques = cage.drags.torques
-    if "lost_land" in of:  # the land itself moves there, and no torque stands for it
-        heat["oil" if cage.guidance not in RINGS else f"{cage.guidance} land"] = of["lost_land"]
+    if "lost_land" in state:  # the force on the land is a part of the motion, in place of a torque
+        heat[_place(cage.guidance)] = state["lost_land"]
         torques = tuple(torque for torque in torques if torque.against not in RINGS)
-    work = np.diff(of["work_drag"])
-    turned = np.diff(of["impulse_drag"])
-    now = moving.ring_speeds(t)
-    for torque, fraction in zip(
-        torques, _shares(moving, torques, t, of["cage_speed"], now), strict=True
-    ):
-        against = torque.against
-        place, body = (
-            ("oil", 0.0) if against not in RINGS else (f"{against} land", now[RINGS.index(against)])
-        )
-        middle = body if isinstance(body, float) else 0.5 * (body[1:] + body[:-1])
-        made = fraction * (middle * turned - work)
-        heat[place] = heat.get(place, 0.0) + np.concatenate(([0.0], np.cumsum(made)))
+    work = np.diff(state["work_drag"])
+    impulse = np.diff(state["impulse_drag"])
+    speeds = moving.ring_speeds(t)
+    fractions = _torque_fractions(moving, torques, t, state["cage_speed"], speeds)
+    for torque, fraction in zip(torques, fractions, strict=True):
+        place = _place(torque.against)
+        middle = 0.0
+        if torque.against in RINGS:
+            speed = speeds[RINGS.index(torque.against)]
+            middle = 0.5 * (speed[1:] + speed[:-1])
+        generated = fraction * (middle * impulse - work)
+        heat[place] = heat.get(place, 0.0) + _cumulative(generated)
     return heat
 
 
-def _shares(
+def _place(against: str) -> str:
+    """Return where a torque on the cage makes heat, by what bears its reaction: the land of a ring, or the oil."""
+    return f"{against} land" if against in RINGS else "oil"
+
+
+def _cumulative(increments: Array) -> Array:
+    """Return the sums of increments up to each sample, (m + 1,), from 0 on."""
+    return np.concatenate(([0.0], np.cumsum(increments)))
+
+
+def _torque_fractions(
     moving: MovingBearing, torques: Any, times: Array, cage: Array, rings: Array
 ) -> list[Any]:
-    """What of the torque on the cage each drag gives over every interval, at the temperatures of one station."""
+    """Return the fraction of the torque on the cage that each drag has in every interval, at constant temperature."""
     if len(torques) < 2:
         return [1.0] * len(torques)
     sign = moving.direction
+    samples = [*zip(times, cage, *rings, strict=True)]
     values = np.array(
         [
             [
-                one.torque(sign * c, sign * i, sign * o, *([t] if one.varies_in_time else ()))
-                for t, c, i, o in zip(times, cage, *rings, strict=True)
+                torque.torque(
+                    sign * cage_speed,
+                    sign * inner,
+                    sign * outer,
+                    *([t] if torque.varies_in_time else ()),
+                )
+                for t, cage_speed, inner, outer in samples
             ]
-            for one in torques
+            for torque in torques
         ]
     )
     values = 0.5 * (values[:, 1:] + values[:, :-1])
-    whole = values.sum(axis=0)
-    return list(
-        np.divide(values, whole, out=np.full(values.shape, 1.0 / len(torques)), where=whole != 0.0)
-    )
+    total = values.sum(axis=0)
+    equal = np.full(values.shape, 1.0 / len(torques))
+    return list(np.divide(values, total, out=equal, where=total != 0.0))
 
 
-def _rolling_shares(assembly: Assembly) -> tuple[Array, Array]:
-    """Cage slips, and what of the heat of resistance to rolling is made at the inner ring there."""
+def _inner_rolling_fractions(assembly: Assembly) -> tuple[Array, Array]:
+    """Return cage slips, and the fraction of the heat of rolling resistance at the inner ring there."""
     if assembly.cage.drags.resistance is None:
         return np.zeros(1), np.full(1, 0.5)
-    there = assembly.with_resistance()
+    resisted = assembly.with_resistance()
     balance = TorqueBalance(
-        there, there.cage.drags, n_positions=assembly.resolution.n_positions or _ORBIT
+        resisted,
+        resisted.cage.drags,
+        n_positions=assembly.resolution.n_positions or _ROLLING_POSITIONS,
     )
-    found = dict[float, float]()
-    for slip in _SLIPS:
-        with suppress(DomainError, ConvergenceError):  # a slip that the motion need not come to
+    fractions = dict[float, float]()
+    for slip in _ROLLING_SLIPS:
+        with suppress(DomainError, ConvergenceError):  # the motion may never have this slip
             losses = power_balance(balance, balance.orbit(slip)).losses
             inner, outer = (
                 sum(
-                    one.power
-                    for one in losses
-                    if one.place == f"{ring} contact" and "sliding" not in one.source
+                    loss.power
+                    for loss in losses
+                    if loss.place == f"{ring} contact" and "sliding" not in loss.source
                 )
                 for ring in RINGS
             )
-            found[slip] = inner / (inner + outer) if inner + outer > 0.0 else 0.5
-    return np.array([*found] or [0.0]), np.array([*found.values()] or [0.5])
+            fractions[slip] = inner / (inner + outer) if inner + outer > 0.0 else 0.5
+    return np.array([*fractions] or [0.0]), np.array([*fractions.values()] or [0.5])
 
 
 def _temperatures(
     model: ThermalModel, start: Array, times: Array, heat: Mapping[str, Array]
 ) -> tuple[Array, Array]:
-    """Temperatures of the nodes [K], (m, n), and heat carried away since the start [J], (m,), with heat by place."""
+    """Return temperatures of the nodes [K], (m, n), and heat carried away since the start [J], (m,), by heat by place.
+
+    One step of the exponential Euler method between two times: with the rates f of temperatures and carried heat, and
+    their Jacobian J, the step is h phi_1(h J) f, where phi_1 is a block of the exponential of an augmented matrix.
+    """
     from scipy.linalg import expm
 
     capacities = model.capacities()
@@ -367,34 +467,47 @@ def _temperatures(
     rows = [start]
     carried = [0.0]
     known: tuple[Array, Array] | None = None
-    for k, lasts in enumerate(np.diff(times)):
-        T = rows[-1]
-        power = {place: float(of[k + 1] - of[k]) / lasts for place, of in heat.items()}
-
-        def flows(
-            at: Array, power: Mapping[str, float] = power
-        ) -> Array:  # into the nodes, and out of the bearing
-            return np.append(
-                model.inflows(at, power) / capacities, sum(model.carried_away(at).values())
-            )
-
-        now = flows(T)
-        linear = np.zeros((2 * n + 2, 2 * n + 2))
+    for k, duration in enumerate(np.diff(times)):
+        current = rows[-1]
+        power = {
+            place: float(joules[k + 1] - joules[k]) / duration for place, joules in heat.items()
+        }
+        rates = _rates(model, current, power, capacities)
+        augmented = np.zeros((2 * n + 2, 2 * n + 2))
         for j in range(n):
-            linear[: n + 1, j] = lasts * (flows(T + _STEP * (np.arange(n) == j)) - now) / _STEP
-        linear[: n + 1, n + 1 :] = lasts * np.eye(n + 1)
-        if known is None or not np.allclose(
-            linear, known[0], rtol=_SAME, atol=_SAME * float(np.abs(linear).max())
-        ):
-            known = linear, expm(linear)[: n + 1, n + 1 :]
-        moved = known[1] @ now
-        rows.append(T + moved[:n])
-        carried.append(carried[-1] + float(moved[n]))
+            warmer = current + _TEMPERATURE_STEP * (np.arange(n) == j)
+            difference = _rates(model, warmer, power, capacities) - rates
+            augmented[: n + 1, j] = duration * difference / _TEMPERATURE_STEP
+        augmented[: n + 1, n + 1 :] = duration * np.eye(n + 1)
+        rounding = _ROUNDING * float(np.abs(augmented).max())
+        if known is None or not np.allclose(augmented, known[0], rtol=_ROUNDING, atol=rounding):
+            known = augmented, expm(augmented)[: n + 1, n + 1 :]
+        step = known[1] @ rates
+        rows.append(current + step[:n])
+        carried.append(carried[-1] + float(step[n]))
     return np.array(rows), np.array(carried)
 
 
-def part(study: Warming, assembly: Assembly, costs: dict[str, float]) -> list[Part]:
-    """Return the line of the plan about temperatures that follow from losses; none where they are given."""
+def _rates(
+    model: ThermalModel, temperatures: Array, power: Mapping[str, float], capacities: Array
+) -> Array:
+    """Return the rates of the temperatures [K/s] and the heat flow out of the bearing [W], (n + 1,)."""
+    inflows = model.inflows(temperatures, power) / capacities
+    return np.append(inflows, sum(model.carried_away(temperatures).values()))
+
+
+def plan_parts(study: HistoryStudy, assembly: Assembly, costs: dict[str, float]) -> list[Part]:
+    """Return the line of the plan about temperatures that follow from losses; nothing where they are given.
+
+    Parameters
+    ----------
+    study : HistoryStudy
+        The study.
+    assembly : Assembly
+        The bearing.
+    costs : dict of str to float
+        Processor times [s] by name, of which that of the temperatures is removed.
+    """
     model = model_of(assembly)
     if model is None:
         return []
@@ -402,7 +515,8 @@ def part(study: Warming, assembly: Assembly, costs: dict[str, float]) -> list[Pa
         Part(
             part="temperatures",
             choice=f"{model.name}: {', '.join(model.nodes)}",
-            resolution=f"passes through the motion until they change by at most {allowed(assembly):.2g} K",
+            resolution="passes through the motion until they change by at most "
+            f"{temperature_tolerance(assembly):.2g} K",
             reason="models.thermal names it; all else is chosen at the temperatures that it starts from",
             study=study.name,
             seconds=costs.pop("temperatures", None),
@@ -410,13 +524,26 @@ def part(study: Warming, assembly: Assembly, costs: dict[str, float]) -> list[Pa
     ]
 
 
-def cost(study: Warming, assembly: Assembly, motion: float) -> dict[str, float]:
-    """Return the time [s] that passes take, from that of a motion and of one more bearing at another temperature."""
+def heating_cost(
+    study: HistoryStudy, assembly: Assembly, motion_seconds: float
+) -> dict[str, float]:
+    """Return the processor time [s] of the passes, by name, from that of a motion and of assembling one more bearing.
+
+    Parameters
+    ----------
+    study : HistoryStudy
+        The study.
+    assembly : Assembly
+        The bearing.
+    motion_seconds : float
+        Processor time of one motion at constant temperatures [s].
+    """
     model = model_of(assembly)
     if model is None:
         return {}
-    warmer = with_changes(
-        assembly, model.changes(model.start(assembly.scene) + _STEP, assembly.scene)
-    )
-    one = timed(lambda: study.moving_along(study.course(warmer), warmer), 1)
-    return {"temperatures": _USUAL * (_ALONG * motion + _BEARINGS * one)}
+    warmer_nodes = model.start(assembly.scene) + _TEMPERATURE_STEP
+    warmer = with_changes(assembly, model.changes(warmer_nodes, assembly.scene))
+    seconds = timed(lambda: study.moving_along(study.course(warmer), warmer), 1)
+    return {
+        "temperatures": COST.passes * (COST.slowdown * motion_seconds + COST.bearings * seconds)
+    }
