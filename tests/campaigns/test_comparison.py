@@ -21,10 +21,10 @@ from rollslip.results.dataset import save
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 from rollslip_campaigns.comparison import ComparisonSettings
-from rollslip_campaigns.comparison.attribution import Bins, keep_criteria
+from rollslip_campaigns.comparison.attribution import Bins, extract_criteria
 from rollslip_campaigns.comparison.findings import (
     ComparisonAccount,
-    _in_words,
+    _format_difference,
     bin_tables,
     members,
     records,
@@ -287,7 +287,7 @@ def test_heating_is_that_of_the_law_with_its_own_factor_and_the_stresses_risen_w
         np.array([20.0, 200.0]), np.array([8.0, 9.0]), np.array([-0.1, 3.0])
     )
     c = s.conditions
-    kept = keep_criteria(made.assembly.traction)(s)
+    kept = extract_criteria(made.assembly.traction)(s)
     zeta = 2.0 / c.effusivity * np.sqrt(s.half_width / (np.pi * s.rolling_speed))
     zeta = zeta + s.film_thickness / (12 * c.conductivity)
     heat = np.abs(s.friction * s.pressure * s.sliding_speed)
@@ -483,7 +483,9 @@ def test_a_film_takes_its_place_in_a_correction():
         "film models take the place of the film model of the scene's inlet-correction"
         in made.exchanged
     )
-    assert made.combinations["blok + eyring"].choices["film"].full == "blok in inlet-correction"
+    assert (
+        made.combinations["blok + eyring"].choices["film"].full_label == "blok in inlet-correction"
+    )
 
 
 def test_without_a_blend_in_the_scene_the_whole_traction_is_exchanged():
@@ -838,7 +840,7 @@ def test_a_figure_is_the_same_bytes_each_time(tmp_path):
     [(0.0, "0 % off"), (-0.25, "25 % below"), (0.25, "25 % above"), (1.5, "2.5 times")],
 )
 def test_a_mean_difference_of_nothing_is_neither_above_nor_below(difference, said):
-    assert _in_words(difference) == said
+    assert _format_difference(difference) == said
 
 
 def test_a_law_of_a_stranger_states_how_far_its_boundary_film_goes():
@@ -852,7 +854,7 @@ def test_a_law_of_a_stranger_states_how_far_its_boundary_film_goes():
     law = Stepped(boundary_limit=0.0, hydrodynamic_limit=3.0)
     made = rollslip.plan(SCENE, "friction-curve")
     made = attrs.evolve(made, assembly=attrs.evolve(made.assembly, traction=law))
-    bins = Bins.of(made, {"friction": [], "film regime": [], "film parameter": []}, None)
+    bins = Bins.from_criteria(made, {"friction": [], "film regime": [], "film parameter": []}, None)
     assert bins.names["film parameter"] == (
         "in boundary film, Lambda <= 0.5", "in mixed film, 0.5 < Lambda <= 2.5", "in full film, Lambda > 2.5"
     )  # fmt: skip
@@ -871,7 +873,7 @@ def test_slices_are_sorted_by_the_limits_that_are_told():
         "film parameter": [np.array(lambdas)],
         **groups,
     }
-    bins = Bins.of(made, found, made.assembly.traction.full_film)
+    bins = Bins.from_criteria(made, found, made.assembly.traction.full_film)
     where = {
         name: dict(zip(found[name][0].tolist(), codes.tolist(), strict=True))
         for name, codes in zip(bins.names, bins.codes[0], strict=True)

@@ -1,4 +1,4 @@
-"""Compare models on one scene."""
+"""Campaign compare: models on one scene by their curves, or alternatives of a scene by their answers."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -96,8 +96,8 @@ class ComparisonSettings(OfScene):
 
     @property
     def _of_scenes(self) -> bool:
-        """Whether scenes are compared by their answers, not laws by their curves."""
-        places = (
+        """Whether alternatives of the scene are compared by their answers, rather than laws by their curves."""
+        alternatives = (
             self.oil,
             self.bearing,
             self.cage,
@@ -105,10 +105,10 @@ class ComparisonSettings(OfScene):
             self.outer_ring,
             self.inner_ring,
         )
-        return any(map(bool, places))
+        return any(map(bool, alternatives))
 
     def plan(self) -> "Comparison | Alternatives":
-        """Check all names and plan every combination."""
+        """Return the combinations or alternatives, after a check of all names."""
         if self._of_scenes:
             from rollslip_campaigns.comparison.alternatives import plan_alternatives
 
@@ -120,7 +120,7 @@ class ComparisonSettings(OfScene):
     def run(
         self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
     ) -> "xr.Dataset":
-        """Run the combinations."""
+        """Run the combinations or alternatives, and return the result."""
         if self._of_scenes:
             from rollslip_campaigns.comparison.alternatives import run_alternatives
 
@@ -130,9 +130,9 @@ class ComparisonSettings(OfScene):
         return run_comparison(made, show)
 
     def place(self, made: Any, about: str) -> str:
-        """Return how the folder of the results is called."""
+        """Return the default name of the folder of the results."""
         return f"{Path(about).stem}-comparison"
 
     def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
-        """Tell whether a combination failed."""
+        """Return an empty list if a combination failed, else None."""
         return [] if (dataset["status"] != "done").any() else None

@@ -1,9 +1,10 @@
-"""Alternatives of one scene side by side: the answer of each, best first, and how sure it is that one slips less.
+"""Run alternatives of one scene: the answer of each, best first, and bounds of the ratio of their slips.
 
-- Each is run as ``rollslip run`` would, by the study of steady slips: what is told of it is what that tells.
-- Data scatter in all of them alike. So the ratio of two slips is surer than either: what moves a quantity of both moves
-  both slips, and the difference of the logarithms counts, in squares, as in the band of one. Two oils share no data of
-  theirs, so what moves the oil counts for each.
+- Each alternative runs as ``rollslip run`` would run it, by study steady-slip, and its answer is that of this study.
+- Data scatter alike in all alternatives, so that the ratio of two slips is known better than each slip. A quantity that
+  both share changes both slips: what counts is the difference of the changes of their logarithms. A quantity that they
+  do not share, such as data of two oils, counts for each alternative on its own. Both kinds are added in squares, as in
+  the band of one slip (first-order propagation of uncertainty).
 """
 
 import itertools
@@ -23,6 +24,7 @@ from rollslip.planning.campaign import listed
 from rollslip.planning.execution import run
 from rollslip.planning.provenance import origin, together
 from rollslip.results.accounts import answer
+from rollslip.results.answer import Answer
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
@@ -37,7 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = ["KEYS", "STUDY", "Alternatives", "plan_alternatives", "ratio_band", "run_alternatives"]
 
-#: Option -> key of the scene that it changes.
+#: Key of the scene that each option changes.
 KEYS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "bearing": "bearing.name",
@@ -48,8 +50,9 @@ KEYS: Final[Mapping[str, str]] = MappingProxyType(
         "inner_ring": "models.inner_ring",
     }
 )
+#: Study whose answers are compared.
 STUDY: Final = SteadySlip.name
-#: Variable -> unit, meaning, and what it is where it is not known. The first have the names of rows of an answer.
+#: Unit, meaning and missing value of each variable of the result. The first have the names of rows of an answer.
 VARIABLES: Final[Mapping[str, tuple[str, str, float | str]]] = MappingProxyType(
     {
         "cage_slip": ("1", "steady cage slip", math.nan),
@@ -72,14 +75,29 @@ VARIABLES: Final[Mapping[str, tuple[str, str, float | str]]] = MappingProxyType(
         "message": ("1", "why it failed", ""),
     }
 )
-#: Between the names of one alternative.
-_BETWEEN: Final = " / "
+#: Separator of the names in the label of an alternative.
+_SEPARATOR: Final = " / "
+#: Verdicts from worst to best.
 _WORST_FIRST: Final = ("SKIDS", "UNKNOWN", "SLIPS", "OK")
 
 
 @attrs.frozen(eq=False)
 class Alternatives:
-    """Scenes to be run, by what differs, and why others cannot be; ``keys`` are those that differ."""
+    """Scenes to run, and why others cannot run.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene that is changed.
+    keys : tuple of str
+        Keys of the scene that differ.
+    scenes : mapping
+        Changed scenes by label.
+    refused : mapping
+        Reasons why other combinations cannot run, by label.
+    told : tuple of str
+        Lines that are printed before the runs.
+    """
 
     scene: Scene
     keys: tuple[str, ...]
@@ -89,36 +107,35 @@ class Alternatives:
 
 
 def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
-    """Make a scene of each combination of what is named."""
+    """Return a scene for each combination of the named alternatives."""
     named = {option: listed(value) for option in KEYS if (value := getattr(requested, option))}
-    others = [
-        one
-        for one in ("traction", "film", "contact", "reference", "study")
-        if getattr(requested, one)
+    laws = [
+        option
+        for option in ("traction", "film", "contact", "reference", "study")
+        if getattr(requested, option)
     ]
-    if others:
-        asked_for = " and ".join(f"--{option.replace('_', '-')}" for option in named)
-        one = others[0]
+    if laws:
+        options = " and ".join(f"--{option.replace('_', '-')}" for option in named)
         raise SceneError(
             [
-                f"{one}: laws are compared by their curves, {asked_for} by the answer; ask for one of both"
+                f"{laws[0]}: laws are compared by their curves, {options} by the answer; ask for one of both"
             ]
         )
     scenes = dict[str, Scene]()
     refused = dict[str, str]()
     for names in itertools.product(*named.values()):
-        label = _BETWEEN.join(names)
+        label = _SEPARATOR.join(names)
         try:
-            there = evolve(
+            scene = evolve(
                 requested.given,
                 {KEYS[option]: name for option, name in zip(named, names, strict=True)},
             )
-            assemble(there)  # an oil that nobody knows is refused at once, as is a class
-            scenes[label] = there
+            assemble(scene)  # refuse unknown oils and clearance classes at once
+            scenes[label] = scene
         except RollslipError as error:
             refused[label] = str(error).removeprefix("changes: ")
     if len(scenes) < 2:
-        faults = [f"{label}: {why}" for label, why in refused.items()]
+        faults = [f"{label}: {reason}" for label, reason in refused.items()]
         raise SceneError(
             faults
             or [f"{next(iter(named))}: name two at least, with commas between, to compare them"]
@@ -127,74 +144,87 @@ def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
     return Alternatives(requested.given, keys, scenes, refused)
 
 
-def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":
-    """Run all and put them side by side, best first."""
-    begin = time.perf_counter()
+def run_alternatives(plan: Alternatives, show: "Shown") -> "xr.Dataset":
+    """Run all alternatives and return their answers, best first.
+
+    Parameters
+    ----------
+    plan : Alternatives
+        Scenes to run.
+    show : Shown
+        Is called with the progress.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables of `VARIABLES` over ``alternative``; NaN and ``status`` "failed" where an alternative did not run.
+    """
+    start = time.perf_counter()
     done = dict[str, Any]()
-    failed = dict(made.refused)
-    for k, (label, scene) in enumerate(made.scenes.items()):
-        show(label, k / len(made.scenes), math.nan)
+    failed = dict(plan.refused)
+    for k, (label, scene) in enumerate(plan.scenes.items()):
+        show(label, k / len(plan.scenes), math.nan)
         try:
             done[label] = run(scene, STUDY)
         except RollslipError as error:
             failed[label] = str(error).removeprefix("changes: ")
     if not done:
-        raise SceneError([f"{label}: {why}" for label, why in failed.items()])
+        raise SceneError([f"{label}: {reason}" for label, reason in failed.items()])
     import xarray as xr
 
-    answers = {label: answer(one, scene=label) for label, one in done.items()}
+    answers = {label: answer(result, scene=label) for label, result in done.items()}
     order = sorted(done, key=lambda label: _rank(answers[label]))
     rows = list[dict[str, Any]]()
-    for label, (low, high) in zip(order, _surer(order, done, made.keys), strict=True):
-        found: dict[str, Any] = {
+    for label, (low, high) in zip(order, _ratio_bands(order, done, plan.keys), strict=True):
+        values: dict[str, Any] = {
             "ratio_low": low,
             "ratio_high": high,
             "verdict": answers[label].verdict,
         }
         for row in answers[label].rows:
-            found[row.key] = row.value
+            values[row.key] = row.value
             if row.key == "cage_slip" and row.band is not None:
-                found["cage_slip_low"], found["cage_slip_high"] = row.band
-        rows.append(found | {"status": "done"})
-    rows += [{"message": why} for why in failed.values()]
-    over = "alternative"
-    runs = [one.attrs for one in done.values()]
+                values["cage_slip_low"], values["cage_slip_high"] = row.band
+        rows.append(values | {"status": "done"})
+    rows += [{"message": reason} for reason in failed.values()]
+    dim = "alternative"
+    runs = [result.attrs for result in done.values()]
     return xr.Dataset(
         {
-            name: (over, np.array([row.get(name, missing) for row in rows]), about(unit, meaning))
+            name: (dim, np.array([row.get(name, missing) for row in rows]), about(unit, meaning))
             for name, (unit, meaning, missing) in VARIABLES.items()
         },
-        {over: (over, [*order, *failed], about("1", "what differs"))},
+        {dim: (dim, [*order, *failed], about("1", "what differs"))},
         origin(
             study="alternatives",
-            source=made.scene.source,
-            title=made.scene.title,
-            differ=list(made.keys),
+            source=plan.scene.source,
+            title=plan.scene.title,
+            differ=list(plan.keys),
             acceptable_slip=next(iter(answers.values())).acceptable,
             rows={label: {row.key: row.text for row in answers[label].rows} for label in order},
-            scene_resolved=resolved(made.scene),
-            scene_hash=scene_hash(made.scene),
+            scene_resolved=resolved(plan.scene),
+            scene_hash=scene_hash(plan.scene),
             **together(runs),
             warnings=[],
-            evaluations=sum(int(one["evaluations"]) for one in runs),
-            wall_time=time.perf_counter() - begin,
+            evaluations=sum(int(attributes["evaluations"]) for attributes in runs),
+            wall_time=time.perf_counter() - start,
         ),
     )
 
 
-def _rank(of: Any) -> tuple[int, float]:
-    """The better verdict first, then the smaller slip."""
-    slip = next((row.value for row in of.rows if row.key == "cage_slip"), math.nan)
-    worst = _WORST_FIRST.index(of.verdict) if of.verdict in _WORST_FIRST else 0
+def _rank(answer: Answer) -> tuple[int, float]:
+    """Return the sort key of an answer: the better verdict first, then the smaller slip."""
+    slip = next((row.value for row in answer.rows if row.key == "cage_slip"), math.nan)
+    worst = _WORST_FIRST.index(answer.verdict) if answer.verdict in _WORST_FIRST else 0
     return -worst, math.inf if math.isnan(slip) else abs(slip)
 
 
-def _surer(
+def _ratio_bands(
     order: list[str], done: "Mapping[str, xr.Dataset]", keys: Iterable[str]
 ) -> list[tuple[float, float]]:
-    """Between what the slip of each is, over that of the first, 5 and 95 %; NaN where it is not known."""
-    oil = next((k for k, key in enumerate(keys) if key == KEYS["oil"]), None)
-    oils = {label: "" if oil is None else label.split(_BETWEEN)[oil] for label in order}
+    """Return the 5 and 95 % bounds of each slip over that of the first alternative; NaN where they are unknown."""
+    position = next((k for k, key in enumerate(keys) if key == KEYS["oil"]), None)
+    oils = {label: "" if position is None else label.split(_SEPARATOR)[position] for label in order}
     first = order[0]
     return [
         ratio_band(
@@ -205,45 +235,52 @@ def _surer(
 
 
 def ratio_band(
-    one: "xr.Dataset", other: "xr.Dataset", own: tuple[str, ...] = ()
+    result: "xr.Dataset", other: "xr.Dataset", own: tuple[str, ...] = ()
 ) -> tuple[float, float]:
-    """Return between what the ratio of two steady slips lies, 5 and 95 %; NaN where a band is not known.
+    """Return the 5 and 95 % bounds of the ratio of two steady slips.
 
     Parameters
     ----------
-    one, other : xarray.Dataset
-        Results with bands.
+    result, other : xarray.Dataset
+        Results with bands: the numerator and the denominator.
     own : tuple of str
-        Beginnings of keys whose values the two do not share.
+        Prefixes of keys whose values the two do not share.
+
+    Returns
+    -------
+    tuple of float
+        Lower and upper bound; (1, 1) for one result twice, NaN where a band is not known.
     """
-    moved = [_moves(of) for of in (one, other)]
-    if one is other or not all(moved):
-        return (1.0, 1.0) if one is other else (math.nan, math.nan)
-    up = down = 0.0
-    for key in dict.fromkeys((*moved[0], *moved[1])):
-        a, b = (of.get(key, (0.0, 0.0)) for of in moved)
-        shared = not any(key.startswith(one) for one in own)
-        pairs = (
-            [tuple(x - y for x, y in zip(a, b, strict=True))]
-            if shared
-            else [a, tuple(-x for x in b)]
-        )
+    if result is other:
+        return 1.0, 1.0
+    numerator = _log_changes(result)
+    denominator = _log_changes(other)
+    if not numerator or not denominator:
+        return math.nan, math.nan
+    up = 0.0
+    down = 0.0
+    for key in dict.fromkeys((*numerator, *denominator)):
+        a = numerator.get(key, (0.0, 0.0))
+        b = denominator.get(key, (0.0, 0.0))
+        pairs = [tuple(x - y for x, y in zip(a, b, strict=True))]
+        if key.startswith(own):
+            pairs = [a, tuple(-x for x in b)]
         for ends in pairs:
             up += max(*ends, 0.0) ** 2
             down += min(*ends, 0.0) ** 2
-    middle = float(one["steady_slip"][0]) / float(other["steady_slip"][0])
-    return middle * math.exp(-math.sqrt(down)), middle * math.exp(math.sqrt(up))
+    ratio = float(result["steady_slip"][0]) / float(other["steady_slip"][0])
+    return ratio * math.exp(-math.sqrt(down)), ratio * math.exp(math.sqrt(up))
 
 
-def _moves(of: "xr.Dataset") -> dict[str, tuple[float, ...]]:
-    """By how much the logarithm of the slip moves with each quantity, low and high; nothing where that is not known."""
-    band = json.loads(of.attrs.get("band", "{}")).get("steady_slip", {})
-    slip = float(np.ravel(of["steady_slip"])[0])
-    found = dict[str, tuple[float, ...]]()
+def _log_changes(result: "xr.Dataset") -> dict[str, tuple[float, ...]]:
+    """Return the change of the logarithm of the slip by each quantity, low and high; empty if any is unknown."""
+    band = json.loads(result.attrs.get("band", "{}")).get("steady_slip", {})
+    slip = float(np.ravel(result["steady_slip"])[0])
+    changes = dict[str, tuple[float, ...]]()
     if not slip > 0.0:
         return {}
     for row in band.get("moved", ()):
         if any(value is None or not value > 0.0 for value in row["values"]):
             return {}
-        found[row["key"]] = tuple(math.log(value / slip) for value in row["values"])
-    return found
+        changes[row["key"]] = tuple(math.log(value / slip) for value in row["values"])
+    return changes

@@ -1,4 +1,8 @@
-"""A model that takes its place in a scene: by name, as a table, or made; and what the scene then says."""
+"""Choose a model of a scene: by name, as a table of parameters, or as an object, and the table of the changed scene.
+
+A model that is not composed of others takes the place of the child of a composed one: the hydrodynamic traction of a
+blend such as lambda-blend, or the film of a correction such as inlet-correction.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -13,16 +17,17 @@ from rollslip.models import SliceModel, left_to_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import Location, fields_of
 
-#: A model by name, as a table with ``model`` and its parameters, or made.
+#: A model: its name, a table with ``model`` and its parameters, or an object.
 Model = str | Mapping[str, object] | SliceModel
 
+#: Kinds of models that are compared.
 KINDS: Final = ("contact", "film", "traction")
-#: Kind -> the child of a composed model whose place is taken by a model that is not composed.
+#: Field of the child, in a composed model of each kind, that a model which is not composed replaces.
 CHILD: Final = {"film": "film", "traction": "hydrodynamic"}
 
 
 def loadable(kind: str) -> Iterator[tuple[str, Any]]:
-    """Yield name and class of what is offered of a kind; what a broken package offers is left out."""
+    """Yield name and class of all models, or studies, of a kind, without those of packages that cannot be imported."""
     for name in available(kind):
         with suppress(PluginError):
             yield name, get_class(kind, name)
@@ -30,25 +35,47 @@ def loadable(kind: str) -> Iterator[tuple[str, Any]]:
 
 @attrs.frozen
 class Choice:
-    """A model that takes its place in a scene: its name, how results call it, and what the scene then says."""
+    """A model chosen for a scene.
+
+    Attributes
+    ----------
+    name : str
+        Name of the model.
+    label : str
+        Name with the parameters that were stated, for results.
+    full_label : str
+        Label with the composed model around it: "muraki in lambda-blend".
+    table : mapping
+        Table of this kind in the changed scene.
+    """
 
     name: str
     label: str
-    full: str
+    full_label: str
     table: Mapping[str, object]
 
 
 def choice_of(scene: Scene, kind: str, model: Model | None) -> Choice:
-    """Return what a scene says with a model in it, by default its own."""
+    """Return the choice of a model for a scene, by default the scene's own; faults are raised.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    kind : str
+        Kind of the model: contact, film or traction.
+    model : str, mapping, SliceModel or None
+        The model; None for that of the scene.
+    """
     problems = list[str]()
     unknown = list[PluginError]()
-    made = read_choice(scene, kind, model, problems, unknown)
+    choice = read_choice(scene, kind, model, problems, unknown)
     refuse(problems, unknown)
-    return made
+    return choice
 
 
 def refuse(problems: Sequence[str], unknown: Sequence[PluginError]) -> None:
-    """Raise all faults of choices at once, as of a plugin only where one is not a wrong name."""
+    """Raise all faults of choices in one error: `PluginError` if any model is at fault beyond a wrong name."""
     if unknown:
         named = all(isinstance(error, UnknownNameError) for error in unknown)
         texts = dict.fromkeys([*map(str, unknown), *problems])
@@ -60,17 +87,17 @@ def refuse(problems: Sequence[str], unknown: Sequence[PluginError]) -> None:
 def read_choice(
     scene: Scene, kind: str, model: Model | None, problems: list[str], unknown: list[PluginError]
 ) -> Choice:
-    """Return what a scene says with a model in it, by default its own; faults are noted."""
+    """Return the choice of a model for a scene, by default the scene's own; add faults to `problems` and `unknown`."""
     choice = getattr(scene.models, kind)
     own: dict[str, object] = {"model": choice.name, **choice.parameters}
     inner = None
     table = own
     new = None
     try:
-        standing = structure_model(kind, own, Location(scene.origins, ("models", kind)), problems)
+        present = structure_model(kind, own, Location(scene.origins, ("models", kind)), problems)
         inner = (
-            getattr(standing, child)
-            if (child := CHILD.get(kind, "")) in _children(standing, kind)
+            getattr(present, child)
+            if (child := CHILD.get(kind, "")) in _children(present, kind)
             else None
         )
         if model is None:
@@ -92,12 +119,12 @@ def read_choice(
 
 
 def _children(model: Any, kind: str) -> set[str]:
-    """Parameters of a model that are models of its kind themselves; one that could not be made has none."""
+    """Return the parameters of a model that are models of the same kind; none if the model could not be made."""
     return {a.name for a in getattr(model, "__attrs_attrs__", ()) if a.metadata.get("kind") == kind}
 
 
 def _as_table(kind: str, model: Model) -> dict[str, object]:
-    """Return a model as a scene would state it."""
+    """Return the table of a model in a scene."""
     if isinstance(model, str):
         return {"model": model}
     if isinstance(model, Mapping):
@@ -121,12 +148,11 @@ def _as_table(kind: str, model: Model) -> dict[str, object]:
 
 
 def _label(table: Mapping[str, object]) -> str:
-    """Name of a model, with the parameters that were stated: "pan-hamrock(thickness=central)"."""
-    stated = {
-        key: _label(v) if isinstance(v, Mapping) else v
-        for key, v in table.items()
+    """Return the name of a model with the parameters that were stated: "pan-hamrock(thickness=central)"."""
+    stated = [
+        f"{key}={_label(value) if isinstance(value, Mapping) else value}"
+        for key, value in table.items()
         if key != "model"
-    }
-    return str(table.get("model")) + (
-        f"({', '.join(f'{key}={v}' for key, v in stated.items())})" if stated else ""
-    )
+    ]
+    name = str(table.get("model"))
+    return f"{name}({', '.join(stated)})" if stated else name

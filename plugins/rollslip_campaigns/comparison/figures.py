@@ -1,6 +1,6 @@
-"""Figures of a comparison: curves of all combinations, differences, and difference against cost; alternatives' slips.
+"""Draw the figures of a comparison: curves, differences and costs of models; slips of alternatives.
 
-Dashes tell models apart here, beside their colours; elsewhere dashed is only the thermal branch.
+Dashes distinguish models here, besides colours; elsewhere a dashed line is the thermal branch only.
 """
 
 from collections.abc import Iterator
@@ -28,14 +28,15 @@ if TYPE_CHECKING:
 
 __all__ = ["figures", "side_by_side"]
 
-#: Relative difference beyond which small ones would not be seen on a linear axis.
-_SPREAD = 0.1
-#: Difference [%] up to which such an axis is linear.
-_LINEAR = 1.0
+#: Largest relative difference [1] on a linear axis; beyond it the axis is symmetric-logarithmic, so that small
+#: differences stay visible. Doubling it makes differences below 1 % hard to read. Chosen.
+_MAX_LINEAR_SPREAD = 0.1
+#: Difference [%] up to which a symmetric-logarithmic axis is linear; doubling it stretches the linear part. Chosen.
+_LINEAR_RANGE = 1.0
 
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw a figure for each curve; give name, caption and figure."""
+    """Yield name, caption and figure of each curve."""
     names = curve_names(dataset)
     for position, name in enumerate(names):
         caption = f"{captioned(dataset, name)}: combinations of models against {dataset.attrs['reference']}."
@@ -44,14 +45,14 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 
 def side_by_side(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the slips of alternatives; give name, caption and figure, if at least one is known."""
+    """Yield name, caption and figure of the slips of alternatives, if any is known."""
     if np.isfinite(dataset["cage_slip"].to_numpy()).any():
         caption = "Steady cage slip of each alternative, best first, with its 5 to 95 % where data scatter."
         yield "compare", caption, _slips(dataset)
 
 
 def _slips(dataset: "xr.Dataset") -> "Figure":
-    """Slips of alternatives as points with their bands, and the acceptable one."""
+    """Return a figure of the slips of alternatives with their bands, and of the acceptable slip."""
     names = dataset["alternative"].to_numpy()
     slip = 100 * dataset["cage_slip"].to_numpy()
     ends = 100 * np.array([dataset[f"cage_slip_{end}"].to_numpy() for end in ("low", "high")])
@@ -73,7 +74,8 @@ def _slips(dataset: "xr.Dataset") -> "Figure":
         sheet.key(f"acceptable, {100 * acceptable:.3g} %", **style)
     verdicts = dataset["verdict"].to_numpy()
     axes.set_yticks(
-        place, [f"{name}  {said or 'failed'}" for name, said in zip(names, verdicts, strict=True)]
+        place,
+        [f"{name}  {verdict or 'failed'}" for name, verdict in zip(names, verdicts, strict=True)],
     )
     axes.set_ylim(-0.6, len(names) - 0.4)
     axes.tick_params(axis="y", length=0)
@@ -82,16 +84,18 @@ def _slips(dataset: "xr.Dataset") -> "Figure":
 
 
 def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
-    """Curves of all combinations with their critical slips, their differences, and difference against cost."""
+    """Return a figure of all curves with their critical slips, their differences, and the differences over costs."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     layout = [["curves", "costs"], ["differences", "costs"]]
     sheet = Sheet((TWO_COLUMNS[0], 100 * MM), layout, width_ratios=(3, 2), height_ratios=(3, 2))
     panels = sheet.axes
     of = curves_of(dataset)
-    one = dataset.isel({of.over: position})
+    selected = dataset.isel({of.over: position})
     reference = dataset.attrs["reference"]
-    difference, error, cost = (one[name].to_numpy() for name in ("difference", "rms_error", "cost"))
+    difference, error, cost = (
+        selected[name].to_numpy() for name in ("difference", "rms_error", "cost")
+    )
     for k, ((label, member), style) in enumerate(
         zip(members(dataset), _styles(dataset), strict=True)
     ):
@@ -100,13 +104,13 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
         if np.isnan(curve.friction).all():
             sheet.key(f"{name}: failed", linestyle="none")
             continue
-        x, y, begin, _ = curve.branches()
+        x, y, critical, _ = curve.branches()
         sheet.line(
             100 * x, y, name + ": reference" * (label == reference), panels["curves"], **style
         )
         if curve.has_critical:
             panels["curves"].plot(
-                100 * x[begin], y[begin], color=style["color"], zorder=4, **MARKER
+                100 * x[critical], y[critical], color=style["color"], zorder=4, **MARKER
             )
         panels["differences"].plot(100 * curve.slip, 100 * difference[k], **style)
         if label == reference:
@@ -124,20 +128,20 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
             )
     cage = of.over == "ring"
     friction = axis_label(dataset[of.variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–")
-    panels["curves"].set(ylabel=friction, ylim=(min(0.0, np.nanmin(one[of.variable])), None))
+    panels["curves"].set(ylabel=friction, ylim=(min(0.0, np.nanmin(selected[of.variable])), None))
     panels["curves"].tick_params(labelbottom=False)
-    spread = np.nanmax(abs(difference), initial=0.0) > _SPREAD
+    spread = np.nanmax(abs(difference), initial=0.0) > _MAX_LINEAR_SPREAD
     if spread:
-        panels["differences"].set_yscale("symlog", linthresh=_LINEAR)
+        panels["differences"].set_yscale("symlog", linthresh=_LINEAR_RANGE)
         panels["differences"].yaxis.set_major_formatter("{x:g}")
-    beyond = f",\nlogarithmic beyond ±{_LINEAR:g} %" if spread else ""
-    against = (
-        {"symbol": r"$S_\mathrm{c}$"} if cage else {"symbol": "$V/u$", "name": "slide–roll ratio"}
-    )
-    slip = axis_label(dataset[of.slip], unit="%", **against)
+    beyond = f",\nlogarithmic beyond ±{_LINEAR_RANGE:g} %" if spread else ""
+    symbol = {"symbol": "$V/u$", "name": "slide–roll ratio"}
+    if cage:
+        symbol = {"symbol": r"$S_\mathrm{c}$"}
+    slip = axis_label(dataset[of.slip], unit="%", **symbol)
     panels["differences"].set(xlabel=slip, ylabel=f"Relative difference [%]{beyond}")
     for name in ("curves", "differences"):
-        panels[name].set_xlim(0.0, 100 * float(one[of.slip][-1]))
+        panels[name].set_xlim(0.0, 100 * float(selected[of.slip][-1]))
     shown = np.log10(100 * error[error > 0.0])
     panels["costs"].loglog()
     panels["costs"].set(
@@ -156,7 +160,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
 
 
 def _styles(dataset: "xr.Dataset") -> list[dict[str, Any]]:
-    """Colour and dashes of each combination: the kind with most models gives colours, the others dashes."""
+    """Return colour and dashes of each combination: the kind with most models gives colours, the others dashes."""
     kinds = [dataset[kind].to_numpy().tolist() for kind in ("contact", "film", "traction")]
     main = max(kinds, key=lambda names: len(set(names)))
     others = list(zip(*(names for names in kinds if names is not main), strict=True))

@@ -1,4 +1,4 @@
-"""What a comparison of models, or of alternatives side by side, says: records, tables and sentences."""
+"""Report on a comparison of models, or of alternatives of a scene: records, tables and sentences."""
 
 import json
 import math
@@ -17,44 +17,45 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Share of a difference's variance below which a grouping does not explain it.
-EXPLAINS: Final = 0.1
+#: Fraction of the variance of a difference that a grouping has to explain to be reported. Halving it reports groupings
+#: that hardly explain anything; chosen.
+MIN_EXPLAINED: Final = 0.1
 
 
 def members(dataset: "xr.Dataset") -> "Iterator[tuple[str, xr.Dataset]]":
-    """Give every combination of a comparison as a result of its study, with its label."""
+    """Yield label and result of each combination, as a result of its study."""
     for k, label in enumerate(dataset["combination"].to_numpy()):
         yield str(label), dataset.isel(combination=k).assign_attrs(study=dataset.attrs["compared"])
 
 
 def curves_of(dataset: "xr.Dataset") -> Curves:
-    """Return what makes the curves that are compared."""
-    found = Curves.of(dataset)
-    assert found is not None, "a comparison is of a study that gives curves"
-    return found
+    """Return the curves that are compared."""
+    curves = Curves.of(dataset)
+    assert curves is not None, "a comparison is of a study that gives curves"
+    return curves
 
 
 class ComparisonAccount(Account):
-    """How models beside one another are told: with a table for each curve."""
+    """Reports differences and costs of models, with a table for each curve."""
 
-    units: ClassVar[Mapping[str, str]] = {"contribution": "1", "share": "1"}
+    units: ClassVar[Mapping[str, str]] = {"contribution": "1", "fraction": "1"}
     drawn = ".figures:figures"
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say what was found, by what it is about."""
+        """Return sentences of each combination, by curve."""
         return {
             f"{label}, {name}": texts
-            for label, one in members(dataset)
-            for name, texts in account_of(one).topics(one).items()
+            for label, member in members(dataset)
+            for name, texts in account_of(member).topics(member).items()
             if name in curve_names(dataset)  # not what is single only for one combination
         }
 
     @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:
-        """Say what the errors and costs are held against, and of every combination where it differs from the reference.
+        """Return sentences on the reference, the costs, and the regimes in which each combination differs most.
 
-        It speaks of the curve that differs most, and of the grouping that explains most of the difference's variance.
+        They are about the curve that differs most, and the grouping that explains most of the variance.
         """
         reference = dataset.attrs["reference"]
         cheapest = dataset.isel(combination=int(np.nanargmin(dataset["cost"].to_numpy())))
@@ -63,7 +64,7 @@ class ComparisonAccount(Account):
             zip(dataset["film"].to_numpy(), dataset["film_location"].to_numpy(), strict=True)
         )
         films = ", ".join(f"{film} {place}" for film, place in places.items() if place)
-        said = [
+        sentences = [
             f"{'errors are against' if dataset.attrs['reference_named'] else 'differences are from'} {reference}"
             if "bin" in dataset.dims
             else f"there are no differences, because {reference} failed",
@@ -71,13 +72,14 @@ class ComparisonAccount(Account):
             f"film is the smallest without slip, of what the models return: {films}",
         ]
         if not dataset.attrs.get("sorted_by_own", 1):
-            said.append(_sorting(dataset.attrs["sorted_by"], reference))
-        most: dict[str, dict[str, Any]] = {}
-        for one in records(dataset):
-            if one["combination"] != reference and one["bins"]:
-                known = most.get(one["combination"], one)
-                most[one["combination"]] = max(known, one, key=lambda each: each["rms_error"])
-        return said + [_explanation(one, reference) for one in most.values()]
+            sentences.append(_sorting(dataset.attrs["sorted_by"], reference))
+        largest: dict[str, dict[str, Any]] = {}
+        for record in records(dataset):
+            label = record["combination"]
+            if label != reference and record["bins"]:
+                previous = largest.get(label, record)
+                largest[label] = max(previous, record, key=lambda row: float(row["rms_error"]))
+        return sentences + [_explanation(record, reference) for record in largest.values()]
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -99,22 +101,24 @@ class ComparisonAccount(Account):
             "combination", "slip at largest traction", "friction", "film", "Lambda", f"rms {which}", f"max {which}",
             f"critical {which}", "cost",
         )  # fmt: skip
-        found: dict[str, list[list[str]]] = {name: [] for name in curve_names(dataset)}
-        for one in records(dataset):
-            critical = one[curves_of(dataset).critical]
-            differences = [one[name] for name in ("rms_error", "max_error", "critical_slip_error")]
-            found[one["curve"]].append(
+        rows: dict[str, list[list[str]]] = {name: [] for name in curve_names(dataset)}
+        for record in records(dataset):
+            critical = record[curves_of(dataset).critical]
+            differences = [
+                record[name] for name in ("rms_error", "max_error", "critical_slip_error")
+            ]
+            rows[record["curve"]].append(
                 [
-                    one["combination"],
-                    "failed" if one["status"] != "done" else _or_dash(critical, "{:.2%}"),
-                    _or_dash(one["critical_friction"], "{:.4g}"),
+                    record["combination"],
+                    "failed" if record["status"] != "done" else _or_dash(critical, "{:.2%}"),
+                    _or_dash(record["critical_friction"], "{:.4g}"),
                     "–"
-                    if one["smallest_film"] is None
-                    else format_quantity(one["smallest_film"], "m", 3),
-                    _or_dash(one["smallest_film_parameter"], "{:.3g}"),
+                    if record["smallest_film"] is None
+                    else format_quantity(record["smallest_film"], "m", 3),
+                    _or_dash(record["smallest_film_parameter"], "{:.3g}"),
                     *(
-                        ["reference", "", ""]
-                        if one["combination"] == dataset.attrs["reference"]
+                        ("reference", "", "")
+                        if record["combination"] == dataset.attrs["reference"]
                         else [
                             _or_dash(value, form)
                             for value, form in zip(
@@ -122,86 +126,89 @@ class ComparisonAccount(Account):
                             )
                         ]
                     ),
-                    _or_dash(one["cost"], "{:.3g}"),
+                    _or_dash(record["cost"], "{:.3g}"),
                 ]
             )
-        return [Table(captioned(dataset, name), head, rows) for name, rows in found.items()]
+        return [Table(captioned(dataset, name), head, body) for name, body in rows.items()]
 
     def story(self, dataset: "xr.Dataset") -> Story:
-        """Return what was found, with the differences bin by bin."""
+        """Return tables and sentences, with the differences bin by bin."""
         exchanged = [f"{dataset.attrs['exchanged']}."] if dataset.attrs["exchanged"] else []
         return [*exchanged, *self.tables(dataset), self.sentences(dataset), *bin_tables(dataset)]
 
 
 def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
-    """Return all single values of a comparison, a record for each curve and combination; what has no value is None."""
+    """Return all scalar values of a comparison, a record for each curve and combination; a missing value is None."""
     found = []
     for j, name in enumerate(curve_names(dataset)):
-        for label, one in members(dataset.isel({curves_of(dataset).over: j})):
-            values = {str(key): one[key].item() for key in one.variables if one[key].ndim == 0}
+        for label, member in members(dataset.isel({curves_of(dataset).over: j})):
+            values = {
+                str(key): member[key].item() for key in member.variables if member[key].ndim == 0
+            }
             found.append(
                 {"combination": label, "curve": name}
                 | {key: None if value != value else value for key, value in values.items()}
-                | {"bins": _bins(one) if "bin" in one.dims else []}
+                | {"bins": _bins(member) if "bin" in member.dims else []}
             )
     return found
 
 
-def _bins(one: "xr.Dataset") -> list[dict[str, Any]]:
-    """Bins that hold friction, those of the most contact force first, each with how much its grouping explains."""
-    explained = {row["grouping"]: row["explained"] for row in rows_along(one, "grouping")}
-    found = [
+def _bins(member: "xr.Dataset") -> list[dict[str, Any]]:
+    """Return the bins with friction, by contact force, and the fraction that their grouping explains."""
+    explained = {row["grouping"]: row["explained"] for row in rows_along(member, "grouping")}
+    bins = [
         {
             "bin": row["bin"],
             "grouping": row["bin_grouping"],
             "explained": explained[row["bin_grouping"]],
-            "share": row["bin_fraction"],
+            "fraction": row["bin_fraction"],
             "difference": row["bin_difference"],
             "contribution": row["bin_contribution"],
         }
-        for row in rows_along(one, "bin")
+        for row in rows_along(member, "bin")
         if not math.isnan(row["bin_difference"])
     ]
-    return sorted(found, key=lambda bin: -float(bin["share"]))
+    return sorted(bins, key=lambda bin: -float(bin["fraction"]))
 
 
 def bin_tables(dataset: "xr.Dataset") -> list[Table]:
     """Return a table of the differences in each bin, for each curve that has friction."""
-    found: dict[str, dict[str, list[str]]] = {}
+    cells: dict[str, dict[str, list[str]]] = {}
     heads: dict[str, list[str]] = {}
-    for one in records(dataset):
-        for bin in one["bins"]:
-            row = found.setdefault(one["curve"], {}).setdefault(
-                bin["bin"], [bin["bin"], f"{bin['share']:.1%}"]
+    for record in records(dataset):
+        for bin in record["bins"]:
+            row = cells.setdefault(record["curve"], {}).setdefault(
+                bin["bin"], [bin["bin"], f"{bin['fraction']:.1%}"]
             )
             row.append(f"{bin['difference']:+.2%}")
-        if one["bins"]:
+        if record["bins"]:
             heads.setdefault(
-                one["curve"], ["slices of the reference", "share of the force"]
-            ).append(one["combination"])
-    order = dataset["bin"].to_numpy().tolist() if found else []
+                record["curve"], ["slices of the reference", "share of the force"]
+            ).append(record["combination"])
+    order = dataset["bin"].to_numpy().tolist() if cells else []
     return [
         Table(
             f"{name}: relative differences by regime",
             tuple(heads[name]),
             sorted(rows.values(), key=lambda row: order.index(row[0])),
         )
-        for name, rows in found.items()
+        for name, rows in cells.items()
     ]
 
 
 def captioned(dataset: "xr.Dataset", name: str) -> str:
-    """Return what a table or figure of a curve is called: with what its critical slips rest on."""
+    """Return the title of a table or figure of a curve, with the loads or temperatures of its critical slips."""
     rests_on = dataset.attrs.get("curves_with", "")
     return f"{name}, slips at largest traction {rests_on}" if rests_on else name
 
 
 def _or_dash(value: float | None, form: str) -> str:
+    """Return a formatted value, or a dash where it is None."""
     return "–" if value is None else form.format(value)
 
 
 def _sorting(law: str, reference: str) -> str:
-    """Say by what slices are sorted where the reference's own law does not state it."""
+    """Return a sentence on the criteria of the bins where the law of the reference states none."""
     if law:
         return f"slices of {reference}, whose law states no regimes, are sorted by film and those of traction {law!r}"
     return (
@@ -210,28 +217,30 @@ def _sorting(law: str, reference: str) -> str:
     )
 
 
-def _explanation(one: Mapping[str, Any], reference: str) -> str:
-    if one["max_error"] == 0.0:
-        return f"{one['combination']} does not differ from {reference}"
-    said = (
-        f"{one['combination']} is {_in_words(one['mean_difference'])} {reference} ({one['curve']})"
-    )
-    best = max(one["bins"], key=lambda bin: float(bin["explained"]))
-    if best["explained"] < EXPLAINS:
-        return f"{said}; no regime explains more than {100 * EXPLAINS:.0f} % of how that varies"
-    bins = [bin for bin in one["bins"] if bin["grouping"] == best["grouping"]]
+def _explanation(record: Mapping[str, Any], reference: str) -> str:
+    """Return a sentence on the mean difference of a combination, and on the regimes that explain it."""
+    if record["max_error"] == 0.0:
+        return f"{record['combination']} does not differ from {reference}"
+    label = record["combination"]
+    sentence = f"{label} is {_format_difference(record['mean_difference'])} {reference} ({record['curve']})"
+    best = max(record["bins"], key=lambda bin: float(bin["explained"]))
+    if best["explained"] < MIN_EXPLAINED:
+        return f"{sentence}; no regime explains more than {100 * MIN_EXPLAINED:.0f} % of how that varies"
+    bins = [bin for bin in record["bins"] if bin["grouping"] == best["grouping"]]
     fractions = [
-        f"{100 * bin['share']:.3g} %{'' if k else ' of the contact force'}"
+        f"{100 * bin['fraction']:.3g} %{'' if k else ' of the contact force'}"
         for k, bin in enumerate(bins)
     ]
     parts = [
-        f"{_in_words(bin['difference'])} {bin['bin']} ({fraction})"
+        f"{_format_difference(bin['difference'])} {bin['bin']} ({fraction})"
         for bin, fraction in zip(bins, fractions, strict=True)
     ]
-    return f"{said}: {', '.join(parts)}; {best['grouping']} explains {100 * best['explained']:.0f} % of how that varies"
+    explained = f"{best['grouping']} explains {100 * best['explained']:.0f} % of how that varies"
+    return f"{sentence}: {', '.join(parts)}; {explained}"
 
 
-def _in_words(difference: float) -> str:
+def _format_difference(difference: float) -> str:
+    """Return a relative difference in words: "3 % above", or as a multiple from twice on."""
     if difference == 0.0:
         return "0 % off"
     if difference >= 1.0:
@@ -241,64 +250,66 @@ def _in_words(difference: float) -> str:
 
 # Alternatives --------------------------------------------------------------------------------------------------------
 
-#: Row of an answer -> head of its column.
+#: Heading of the column of each row of an answer.
 _HEADS = {
     "cage_slip": "cage slip", "minimum_load": "minimum load", "acceptable_reserve": "reserve to slipping",
     "friction_torque": "friction torque", "film_parameter": "film",
 }  # fmt: skip
-
-
-#: Slip that is as good as none.
-_SMALL: Final = 1e-3
-#: Ratio of slips from which on one of them is told to be more.
-_CLEAR: Final = 1.05
+#: Slip below which two slips are not compared, because neither matters. Doubling it compares fewer alternatives.
+#: Chosen; the message says 0.1 %.
+_MIN_SLIP: Final = 1e-3
+#: Lower bound of the ratio of slips above which the first slips less. Doubling the distance from 1 calls fewer
+#: comparisons clear. Chosen, so that a difference that is certain but small is no clear winner.
+_MIN_CLEAR_RATIO: Final = 1.05
 
 
 class AlternativesAccount(Account):
-    """How alternatives side by side are told."""
+    """Reports alternatives of a scene: a row for each, and which slips least."""
 
     drawn = ".figures:side_by_side"
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
-        """Return a row for each, best first."""
-        rows = json.loads(dataset.attrs["rows"])
+        """Return a table with a row for each alternative, best first."""
+        answers = json.loads(dataset.attrs["rows"])
         head = ("alternative", "verdict", *_HEADS.values(), "ratio")
         body = []
-        for k, one in enumerate(rows_along(dataset, "alternative")):
-            low = one["ratio_low"]
-            high = one["ratio_high"]
-            ratio = (
-                ""
-                if k == 0 or math.isnan(low)
-                else f"{two_digits(low)}\u00a0to\u00a0{two_digits(high)}"
-            )
-            cells = rows.get(one["alternative"], {})
-            verdict = one["verdict"] if one["alternative"] in rows else "failed"
+        for k, row in enumerate(rows_along(dataset, "alternative")):
+            low = row["ratio_low"]
+            high = row["ratio_high"]
+            ratio = ""
+            if k > 0 and not math.isnan(low):
+                ratio = f"{two_digits(low)}\u00a0to\u00a0{two_digits(high)}"
+            cells = answers.get(row["alternative"], {})
+            verdict = row["verdict"] if row["alternative"] in answers else "failed"
             body.append(
-                [one["alternative"], verdict, *(cells.get(key, "") for key in _HEADS), ratio]
+                [row["alternative"], verdict, *(cells.get(key, "") for key in _HEADS), ratio]
             )
         return [Table("", head, body)]
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
-        """Say which is best, how surely, and what failed."""
+        """Return sentences on the best alternative, its certainty, and alternatives that failed."""
         rows = rows_along(dataset, "alternative")
-        failed = [f"{one['alternative']}: {one['message']}" for one in rows if one["message"]]
-        done = [one for one in rows if one["status"] == "done"]
+        failed = [f"{row['alternative']}: {row['message']}" for row in rows if row["message"]]
+        done = [row for row in rows if row["status"] == "done"]
         if len(done) < 2:
             return failed
         first = done[0]["alternative"]
-        least = abs(done[0]["cage_slip"])
-        others = [(one["alternative"], one["ratio_low"], one["ratio_high"]) for one in done[1:]]
+        smallest = abs(done[0]["cage_slip"])
+        others = [(row["alternative"], row["ratio_low"], row["ratio_high"]) for row in done[1:]]
         small = [
-            one["alternative"] for one in done[1:] if max(least, abs(one["cage_slip"])) < _SMALL
+            row["alternative"]
+            for row in done[1:]
+            if max(smallest, abs(row["cage_slip"])) < _MIN_SLIP
         ]
         same = [label for label, low, high in others if label not in small and low == high == 1.0]
         unknown = [label for label, low, _ in others if label not in small and math.isnan(low)]
         close = [
-            label for label, low, _ in others if label not in (*small, *same) and low <= _CLEAR
+            label
+            for label, low, _ in others
+            if label not in (*small, *same) and low <= _MIN_CLEAR_RATIO
         ]
-        worse = [label for label, low, _ in others if label not in small and low > _CLEAR]
-        told = [
+        worse = [label for label, low, _ in others if label not in small and low > _MIN_CLEAR_RATIO]
+        sentences = [
             f"{first} and {', '.join(small)} slip less than 0.1 %" * bool(small),
             f"{first} and {', '.join(same)} are the same here" * bool(same),
             f"no clear winner between {first} and {', '.join(close)}: where data scatter either may slip less"
@@ -307,10 +318,10 @@ class AlternativesAccount(Account):
             f"{first} stands first by verdict and slip; how sure that is beside {', '.join(unknown)} is not known"
             * bool(unknown),
         ]
-        said = "; ".join(filter(None, told))
+        sentence = "; ".join(filter(None, sentences))
         if close or worse:
-            said += "; ratio: slip over that of the first, 5 to 95 %"
-        return [said, *failed]
+            sentence += "; ratio: slip over that of the first, 5 to 95 %"
+        return [sentence, *failed]
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -319,10 +330,10 @@ class AlternativesAccount(Account):
         return {
             "alternatives": [
                 {
-                    str(name): or_none(one[name]) if isinstance(one[name], float) else one[name]
+                    str(name): or_none(row[name]) if isinstance(row[name], float) else row[name]
                     for name in names
                 }
-                for one in rows_along(dataset, "alternative")
+                for row in rows_along(dataset, "alternative")
             ]
         }
 
