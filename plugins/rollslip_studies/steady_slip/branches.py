@@ -1,11 +1,29 @@
-"""How a steady slip of a cage moves with a parameter, through folds.
+"""Branches of steady slips over a parameter such as the radial load, by pseudo-arclength continuation through folds.
 
-- Slips are followed by pseudo-arclength: the next point is sought across the direction in which the last two lie, with
-  slip and parameter both unknown, so that a fold is a point like any other. There the parameter turns, and with it the
-  stability: a steady slip lasts where more slip leaves more torque to speed the cage up.
+A branch is a curve on which the excess torque is zero in the plane of slip and parameter. Both are scaled to the unit
+box.
+
+1. At the start the gradient of the excess torque gives the tangent. The branch is followed both ways.
+2. Predict the next point by a step along the tangent.
+3. Correct it by secants along the normal of the tangent, with slip and parameter both unknown, so that a fold is a
+   point like any other. The secants start with the slope of the last point.
+4. Reject the point and halve the step where the secants fail or the chord turns by more than the largest turn; give up
+   below the smallest step.
+5. The next tangent is the last one reflected in the chord, as on a circle. Lengthen the step by half where the
+   correction was below a tenth of it.
+6. At the edge of the box the last point lies on the edge.
+7. Where the parameter turns between neighbours there is a fold: minimise or maximise the parameter over the slip there
+   by Brent's bounded method (`scipy.optimize.minimize_scalar`).
+8. A slip is stable where more slip leaves more torque to speed the cage up; the stability changes at a fold.
+
+References
+----------
+H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems", in: Applications of Bifurcation
+Theory (1977): pseudo-arclength.
 """
 
 from collections.abc import Callable
+from typing import Final
 
 import attrs
 import numpy as np
@@ -15,32 +33,56 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
 from rollslip.search import secants
 
-#: Steps along a branch in shares of the box: the first one, the largest, and the smallest before giving up.
-_FIRST_STEP = 0.01
-_LARGEST_STEP = 0.05
-_SMALLEST_STEP = 1e-6
-#: Cosine of the largest turn of a branch in one step.
-_TURN = 0.95
-_MAX_STEPS = 600
-#: Precision of a point of a branch, as a share of the box.
-_PRECISE = 1e-7
-#: Step by which the excess torque is differentiated, as a share of the box.
-_NUDGE = 1e-5
+
+@attrs.frozen
+class _Continuation:
+    """Settings of the continuation; lengths are relative to the unit box of slip and parameter."""
+
+    #: Length of the first step. Any step up to the largest serves, as failed steps are halved. Chosen.
+    first_step: float = 0.01
+    #: Largest step. Twice as much halves the points of a smooth branch, between which figures draw straight lines;
+    #: chosen, so that a branch has 20 points or more.
+    max_step: float = 0.05
+    #: Step below which the continuation gives up. Where rollers change their motion at once no step is small enough;
+    #: half as much costs one halving more. Chosen.
+    min_step: float = 1e-6
+    #: Cosine of the largest angle between tangent and chord, 18 degrees. A larger angle may lead to another branch, a
+    #: smaller one costs points at folds. Chosen.
+    min_cosine: float = 0.95
+    #: Largest number of steps, rejected ones included. A branch of the largest steps has 20 to 60; chosen, as a bound
+    #: on the time.
+    max_steps: int = 600
+    #: Tolerance of a point, along the normal. Twice as much saves an evaluation at most, as secants converge faster
+    #: than linearly; chosen, far below the width of a line.
+    tolerance: float = 1e-7
+    #: Step of the differences for the gradient. Twice as much doubles their error by curvature, half as much their
+    #: error by rounding; chosen between both.
+    difference: float = 1e-5
+
+
+_CONTINUATION: Final = _Continuation()
 
 
 @attrs.frozen(eq=False)
 class Branch:
     """Steady slips against a parameter, in order along the branch."""
 
-    #: slip, parameter: (n,).
-    slip: Array
-    parameter: Array
-    stable: NDArray[np.bool_]  # whether the cage holds the slip, (n,); not at a fold
-    folds: tuple[int, ...]  # numbers of the points at which the parameter turns
-    start: int  # number of the point from which it was followed
+    slip: Array  #: Cage slip [-], (n,).
+    parameter: Array  #: Parameter in SI units, (n,).
+    stable: NDArray[np.bool_]  #: Whether the slip is stable, (n,); at a fold it is not.
+    folds: tuple[int, ...]  #: Indices of the points at which the parameter turns.
+    start: int  #: Index of the point from which the branch was followed.
 
     def passes(self, slip: float, parameter: float) -> bool:
-        """Whether the branch goes through a point, to a hundredth of its size."""
+        """Whether the branch goes through a point, within a hundredth of its range of slips.
+
+        Parameters
+        ----------
+        slip : float
+            Cage slip of the point [-].
+        parameter : float
+            Parameter of the point, in SI units.
+        """
         before = self.parameter[:-1]
         after = self.parameter[1:]
         crosses = np.flatnonzero((before - parameter) * (after - parameter) <= 0.0)
@@ -56,7 +98,7 @@ class Branch:
         return np.isin(np.arange(self.slip.size), self.folds)
 
     def nearest_fold(self) -> int | None:
-        """Number of the fold next to the start along the branch, None if there is none."""
+        """Return the index of the fold next to the start along the branch; None if the branch has no fold."""
         return min(self.folds, key=lambda fold: abs(fold - self.start), default=None)
 
 
@@ -66,42 +108,43 @@ def follow(
     limits: tuple[float, float],
     largest: float,
 ) -> Branch:
-    """Follow a steady slip both ways through the box of slips up to the largest and of parameters within limits.
+    """Return the branch of a steady slip, followed both ways to slips of 0 and the largest or to the limits.
 
     Parameters
     ----------
     excess : callable
         Excess torque [N m] at slip and parameter.
     start : tuple of float
-        A steady slip and the parameter it belongs to.
+        A steady slip [-] and its parameter, in SI units.
     limits : tuple of float
-        Least and largest value of the parameter.
+        Smallest and largest value of the parameter.
     largest : float
-        Largest slip.
+        Largest slip [-].
 
-    References
-    ----------
-    H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems", in: Applications of Bifurcation
-    Theory (1977): pseudo-arclength.
+    Raises
+    ------
+    ConvergenceError
+        If the branch turns within less than the smallest step, or a fold cannot be located.
     """
     path = _Path(excess, limits, largest)
-    begin = np.array([start[0] / largest, (start[1] - limits[0]) / (limits[1] - limits[0])])
-    gradient = path.gradient(begin)
+    first_point = np.array([start[0] / largest, (start[1] - limits[0]) / (limits[1] - limits[0])])
+    gradient = path.gradient(first_point)
     along = np.array([-gradient[1], gradient[0]]) / np.hypot(*gradient)
-    back, there = (
-        path.walk(begin, sign * along, -sign * float(np.hypot(*gradient))) for sign in (-1.0, 1.0)
+    before, after = (
+        path.walk(first_point, sign * along, -sign * float(np.hypot(*gradient)))
+        for sign in (-1.0, 1.0)
     )
-    z = np.array([*back[::-1], begin, *there])
-    first = len(back)
+    z = np.array([*before[::-1], first_point, *after])
+    first = len(before)
     folds = list[int]()
     for k in range(z.shape[0] - 2, 0, -1):
         if (z[k, 1] - z[k - 1, 1]) * (z[k + 1, 1] - z[k, 1]) < 0.0:
             fold = path.fold(z[k - 1], z[k + 1], z[k])
             at = k + int((fold - z[k]) @ (z[k + 1] - z[k - 1]) > 0.0)
             z = np.insert(z, at, fold, axis=0)
-            folds = [at, *(number + 1 for number in folds)]
+            folds = [at, *(index + 1 for index in folds)]
             first = first + int(at <= first)
-    # on the way of the first tangent the parameter rises where more slip leaves more torque
+    # in the sense of the first tangent the parameter rises where more slip leaves more torque
     rising = np.sign(np.diff(z[:, 1]))
     stable = np.append(rising, rising[-1]) > 0.0
     stable[folds] = False
@@ -110,7 +153,7 @@ def follow(
 
 
 class _Path:
-    """A branch in the unit box of slip and parameter."""
+    """Excess torque in the unit box of slip and parameter, and the continuation there."""
 
     def __init__(
         self, excess: Callable[[float, float], float], limits: tuple[float, float], largest: float
@@ -120,26 +163,28 @@ class _Path:
         self._largest = largest
 
     def value(self, z: Array) -> float:
+        """Return the excess torque [N m] at a point of the box."""
         low, high = self._limits
         return self._excess(float(z[0]) * self._largest, low + float(z[1]) * (high - low))
 
     def gradient(self, z: Array) -> Array:
-        """Slopes of the excess torque, towards the inside of the box."""
+        """Return the gradient of the excess torque [N m] by one-sided differences, towards the inside of the box."""
         here = self.value(z)
-        out = []
+        slopes = []
         for axis in range(2):
-            moved = z.copy()
-            moved[axis] += _NUDGE if z[axis] < 0.5 else -_NUDGE
-            out.append((self.value(moved) - here) / (moved[axis] - z[axis]))
-        return np.array(out)
+            shifted = z.copy()
+            difference = _CONTINUATION.difference
+            shifted[axis] += difference if z[axis] < 0.5 else -difference
+            slopes.append((self.value(shifted) - here) / (shifted[axis] - z[axis]))
+        return np.array(slopes)
 
     def walk(self, z: Array, tangent: Array, slope: float) -> list[Array]:
-        """Points of the branch from z on until it leaves the box."""
+        """Return the points of the branch beyond a point z, until the branch leaves the box."""
         points: list[Array] = []
-        step = _FIRST_STEP
-        for _ in range(_MAX_STEPS):
+        step = _CONTINUATION.first_step
+        for _ in range(_CONTINUATION.max_steps):
             reach = _to_edge(z, tangent)
-            if reach <= _SMALLEST_STEP:
+            if reach <= _CONTINUATION.min_step:
                 return points
             ends = reach <= step
             across = np.array([-tangent[1], tangent[0]])
@@ -152,17 +197,17 @@ class _Path:
             if balance is not None:
                 corrected, slope = balance
                 chord = (corrected - z) / np.hypot(*(corrected - z))
-                if chord @ tangent >= _TURN:
+                if chord @ tangent >= _CONTINUATION.min_cosine:
                     tangent = 2.0 * (chord @ tangent) * chord - tangent  # as on a circle
                     points.append(corrected)
                     if ends:
                         return points
                     near = np.hypot(*(corrected - predicted)) < 0.1 * step
                     z = corrected
-                    step = min(step * (1.5 if near else 1.0), _LARGEST_STEP)
+                    step = min(step * (1.5 if near else 1.0), _CONTINUATION.max_step)
                     continue
             step *= 0.5
-            if step < _SMALLEST_STEP:
+            if step < _CONTINUATION.min_step:
                 break
         slip = z[0] * self._largest
         parameter = self._limits[0] + z[1] * (self._limits[1] - self._limits[0])
@@ -174,15 +219,22 @@ class _Path:
     def _across(
         self, z: Array, across: Array, slope: float, reach: float
     ) -> tuple[Array, float] | None:
-        """Nearest balance on a line within reach, by the secant method, and the slope there; None if there is none."""
+        """Return the nearest root on a line within reach, by secants, and the slope there; None if they fail."""
         within = -min(reach, _to_edge(z, -across)), min(reach, _to_edge(z, across))
         found = secants(
-            lambda at: self.value(z + at * across), 0.0, slope, tolerance=_PRECISE, within=within
+            lambda at: self.value(z + at * across),
+            0.0,
+            slope,
+            tolerance=_CONTINUATION.tolerance,
+            within=within,
         )
         return None if found is None else (z + found[0] * across, found[1])
 
     def fold(self, left: Array, right: Array, middle: Array) -> Array:
-        """Place between two points where the parameter is least, or largest, as at the one in the middle."""
+        """Return the point between two others at which the parameter has its extremum, by Brent's bounded method.
+
+        It is a minimum where the parameter of the middle point is smaller than that of the left one.
+        """
         from scipy.optimize import minimize_scalar
 
         upwards = np.array([0.0, 1.0])
@@ -202,15 +254,15 @@ class _Path:
             return sign * float(best[1])
 
         low, high = sorted((float(left[0]), float(right[0])))
-        place = minimize_scalar(
+        extremum = minimize_scalar(
             parameter, bounds=(low, high), method="bounded", options={"xatol": 1e-3 * (high - low)}
         )
-        parameter(float(place.x))
+        parameter(float(extremum.x))
         return best
 
 
 def _to_edge(z: Array, tangent: Array) -> float:
-    """Length along a direction to the edge of the unit box."""
+    """Return the distance along a direction to the edge of the unit box."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return float(
             np.where(

@@ -1,11 +1,23 @@
-"""The least radial load at which a cage slips no more than is named, and those that makers of bearings ask for.
+"""The minimum radial load for an acceptable cage slip, and the minimum loads of makers' catalogues.
 
-- The first is a property of this bearing, its oil and its drags: the load at which the rollers just drive the cage as
-  much as the drags resist it at that slip. A larger load slips less. Where more torque than there is left over at a
-  smaller slip, the cage skids before: then it is the load at which that maximum just carries the drag.
-- The others are rules of thumb for any oil, speed and cage, and differ among themselves by a factor of four to five
-  (bearing NU 2220 at its reference speed: SKF 3.9 kN, Schaeffler 7.4 kN, NTN 17.8 kN). They say what is usual, not what
-  slips.
+The minimum load is a property of this bearing, its oil and its drags: the load at which the excess torque, that of the
+rollers less the drags, is zero at the acceptable slip. A larger load slips less. Where the excess torque has a higher
+maximum at a smaller slip, the cage skids before it reaches the acceptable slip; then it is the load at which that
+maximum is zero. The search:
+
+1. Start at the load of the scene, or at 1 N if the scene has none, with the acceptable slip alone.
+2. The torque that drives loaded rollers is roughly proportional to the square of the load, so take one step to the load
+   at which this would balance the drag, and go on by secants over the square of the load to a step of 1e-4.
+3. Where secants fail, widen from the start by factors of 4, up to 1e6, until the sign of the excess torque changes, and
+   find the root between (`bracketed`). Without a change of sign any load serves, or none.
+4. Below the weight of the rollers stop, because the balance leaves their weight out.
+5. At the load found, look for maxima of the excess torque at smaller slips: on a coarse logarithmic grid first, then on
+   the loading branch. Take five slips around each maximum.
+6. Evaluate the largest excess torque over all these slips, at a maximum by the vertex of a parabola through three.
+7. Where it is not zero within the tolerance, repeat from 2 with these slips, up to four times.
+
+The rules of makers are rules of thumb for any oil, speed and cage. They differ by a factor of four to five (bearing NU
+2220 at its reference speed: SKF 3.9 kN, Schaeffler 7.4 kN, NTN 17.8 kN). They say what is usual, not what slips.
 """
 
 import math
@@ -37,25 +49,54 @@ __all__ = [
     "static_rating",
 ]
 
-#: By which factor loads are left and right of that of the scene at most, and by which the search widens.
-_FARTHEST: Final = 1e6
-_WIDER: Final = 4.0
-#: Relative accuracy of the load.
-_FOUND: Final = 1e-4
-#: Load from which the search begins where the scene has none [N].
-_ANY: Final = 1.0
-#: Slips at which a maximum is looked for, up to how many times the slip, how far apart their logarithms are, and from
-#: which share of the drag on: between two of them the torque may rise as they do.
-_LOOKED = 25
-_BESIDE = 1.3
-_APART = 0.25
-_CLEAR = 0.7
-#: From which share on those of the way up count, which is of few loads of a roller; logarithms of slips around one by
-#: which it is told on all slices, and how near these may be to others; how often it is looked for anew.
-_RIVAL = 0.9
-_AROUND = (-0.2, -0.1, 0.0, 0.1, 0.2)
-_NEAR = 0.03
-_ROUNDS = 4
+
+@attrs.frozen
+class _LoadSearch:
+    """Settings of the search for the load at which the excess torque is zero."""
+
+    #: Relative tolerance of the load. Twice as much saves an evaluation at most, as secants converge faster than
+    #: linearly; chosen, far below the digits of an answer.
+    tolerance: float = 1e-4
+    #: Load at which the search starts where the scene has none [N]. Any load within `farthest` of the result serves.
+    start: float = 1.0
+    #: Factor by which the load changes at most in one step. Half as much costs more steps, twice as much loses the
+    #: slope of the torque; chosen.
+    widening: float = 4.0
+    #: Factor from the start beyond which no load is searched. Twice as much costs one step more; chosen, so that from
+    #: 1 N every load of a bearing is within it.
+    farthest: float = 1e6
+    #: Repetitions with other slips around maxima. A maximum moves little with the load, so that two suffice as a rule;
+    #: four is chosen, and after them the last load is the answer.
+    max_rounds: int = 4
+
+
+@attrs.frozen
+class _MaximumSearch:
+    """Settings of the search for maxima of the excess torque at slips up to the acceptable one."""
+
+    #: Points of the logarithmic grid of slips. With the spacing it goes down to 1/310 of the acceptable slip; half as
+    #: many miss maxima below 1/12 of it. Chosen.
+    points: int = 25
+    #: Difference of the logarithms of neighbouring slips. Twice as much may step over a maximum, half as much needs
+    #: twice the points. Chosen.
+    spacing: float = 0.25
+    #: Largest slip of the grid over the acceptable slip, so that a maximum at the acceptable slip is inside.
+    beyond: float = 1.3
+    #: Fraction of the drag that the torque at a maximum of the grid has to exceed for a search on the loading branch.
+    #: It is below 1, because between two points of the grid the torque may rise; half as much costs branches. Chosen.
+    drag_fraction: float = 0.7
+    #: The same on the loading branch, whose points are denser, but of few loads of a roller.
+    branch_drag_fraction: float = 0.9
+    #: Differences of the logarithm of the slip around a maximum at which all slices are evaluated. Twice as wide they
+    #: leave the maximum, half as wide a parabola through them is lost in the error of the position. Chosen.
+    around: tuple[float, ...] = (-0.2, -0.1, 0.0, 0.1, 0.2)
+    #: Difference of logarithms below which two slips count as one. Half the spacing of `around` or more would drop
+    #: slips of one maximum; chosen.
+    min_difference: float = 0.03
+
+
+_LOAD_SEARCH: Final = _LoadSearch()
+_MAXIMUM_SEARCH: Final = _MaximumSearch()
 
 
 Balances = Callable[[float], TorqueBalance]
@@ -64,21 +105,21 @@ Balances = Callable[[float], TorqueBalance]
 def minimum_load(
     balance: Balances, load: float, slip: float, weight: float = 0.0
 ) -> tuple[float, str, tuple[float, ...]]:
-    """Return the least radial load [N] that keeps the steady slip at a given one or below, and "found".
+    """Return the minimum radial load [N] for an acceptable slip, its status, and the slips that it is evaluated at.
 
-    Or NaN and why there is none. Third are the slips by which it is told: that one, and some around maxima of the
-    torque before or beside it.
+    The load is NaN where the status says why there is none. The slips are the acceptable one and some around maxima of
+    the excess torque before it; there are none where the load is NaN.
 
     Parameters
     ----------
     balance : callable
-        Balance of torques of the bearing at a radial load [N].
+        Torque balance of the bearing at a radial load [N].
     load : float
-        Where the search begins [N].
+        Load at which the search starts [N].
     slip : float
-        The cage slip, above 0.
+        Acceptable cage slip [-], above 0.
     weight : float, optional
-        That of the rollers [N], which the balance leaves out: below it nothing tells whether the cage skids before.
+        Weight of the rollers [N], which the balance leaves out: below it maxima at smaller slips are not searched.
     """
     slips: tuple[float, ...] = (slip,)
 
@@ -88,26 +129,25 @@ def minimum_load(
     if balance(load).rolls_freely:
         return math.nan, f"{Status.NO_LOAD_NEEDED}: {SWITCHED_OFF}", ()
     try:
-        found = load or _ANY
+        found = load or _LOAD_SEARCH.start
         at = slip
         over = excess(math.log(found))
         drag = -balance(found).drag(slip)
-        for _ in range(_ROUNDS):
-            begin = math.log(found)
-            found = _near(excess, begin, over, drag)
+        for _ in range(_LOAD_SEARCH.max_rounds):
+            start = math.log(found)
+            found = _load_by_secants(excess, start, over, drag)
             if math.isnan(found):
-                found, status = _searched(excess, begin, over, slip)
+                found, status = _load_by_bracketing(excess, start, over, slip)
                 if status:
                     return math.nan, status, ()
             if found < weight:
                 break
             slips = (slip, *_around_maxima(balance(found), slip))
             at, over = largest_excess(balance(found), slips, slip)
-            if abs(over) <= 4.0 * _FOUND * abs(drag):
+            if abs(over) <= 4.0 * _LOAD_SEARCH.tolerance * abs(drag):
                 break
-        balance(found).orbit(
-            at
-        )  # what the search asks is compiled: here what a plan left out is watched
+        # compiled searches check no validity ranges; an evaluated orbit does
+        balance(found).orbit(at)
     except (DomainError, ConvergenceError) as error:
         return math.nan, f"not found: {error}", ()
     return found, Status.FOUND if at == slip else f"{Status.FOUND_AT_SKIDDING} {at:.2g} on", slips
@@ -116,47 +156,55 @@ def minimum_load(
 def largest_excess(
     balance: TorqueBalance, slips: Sequence[float], slip: float
 ) -> tuple[float, float]:
-    """Return the slip up to a given one at which most torque is left over to speed the cage up, and that [N m].
+    """Return the slip up to a given one with the largest excess torque, and that torque [N m].
 
-    Some slips tell it: that one, and some around maxima, between which it is the vertex of a parabola.
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Torque balance of the bearing.
+    slips : sequence of float
+        Cage slips at which it is evaluated [-], among them the given one; a maximum between them is the vertex of the
+        parabola through three, over the logarithm of the slip.
+    slip : float
+        The given slip [-].
     """
     at = np.unique(slips)
-    over = balance.torques(at) + np.array([balance.drag(one) for one in at.tolist()])
+    over = balance.torques(at) + np.array([balance.drag(cage_slip) for cage_slip in at.tolist()])
     best = int(np.argmax(over[at <= slip]))
     if 0 < best < at.size - 1 and over[best] >= over[best + 1]:
-        place, height = vertex(np.log(at[best - 1 : best + 2]), over[best - 1 : best + 2])
-        if place < math.log(slip):
-            return math.exp(place), height
+        log, height = vertex(np.log(at[best - 1 : best + 2]), over[best - 1 : best + 2])
+        if log < math.log(slip):
+            return math.exp(log), height
         best = int(np.flatnonzero(at == slip)[0])
     return float(at[best]), float(over[best])
 
 
 def _around_maxima(balance: TorqueBalance, slip: float) -> Iterator[float]:
-    """Slips around maxima of the torque that is left over, which may be reached before a slip, by few loads."""
-    most = max(RANGE, slip)
-    slips = _BESIDE * slip * np.exp(-_APART * np.arange(_LOOKED)[::-1])
-    slips = slips[slips <= most]
-    if not any(_maxima(balance, slips, balance.torques(slips, few=True), _CLEAR)):
+    """Yield slips around maxima of the excess torque that the cage may reach before a slip."""
+    search = _MAXIMUM_SEARCH
+    upper = max(RANGE, slip)
+    slips = search.beyond * slip * np.exp(-search.spacing * np.arange(search.points)[::-1])
+    slips = slips[slips <= upper]
+    if not any(_maxima(balance, slips, balance.torques(slips, few=True), search.drag_fraction)):
         return
-    path = [one for one in balance.way(most).path if one.slip <= _BESIDE * slip]
+    path = [motion for motion in balance.way(upper).path if motion.slip <= search.beyond * slip]
+    branch_slips = np.array([motion.slip for motion in path])
+    branch_torques = np.array([motion.torque for motion in path])
     known = [slip]
-    for peak in _maxima(
-        balance,
-        np.array([one.slip for one in path]),
-        np.array([one.torque for one in path]),
-        _RIVAL,
-    ):
-        for one in (peak * math.exp(step) for step in _AROUND):
-            if one <= most and min(abs(math.log(one / other)) for other in known) > _NEAR:
-                known.append(one)
-                yield one
+    for peak in _maxima(balance, branch_slips, branch_torques, search.branch_drag_fraction):
+        for step in search.around:
+            near = peak * math.exp(step)
+            distance = min(abs(math.log(near / other)) for other in known)
+            if near <= upper and distance > search.min_difference:
+                known.append(near)
+                yield near
 
 
 def _maxima(
     balance: TorqueBalance, slips: Array, torques: Array, fraction: float
 ) -> Iterator[float]:
-    """Slips at which more torque is left over than at both next to them, and at least a share of the drag is there."""
-    drags = -np.array([balance.drag(one) for one in slips.tolist()])
+    """Yield slips with more excess torque than both neighbours, and with a torque above a fraction of the drag."""
+    drags = -np.array([balance.drag(slip) for slip in slips.tolist()])
     over = torques - drags
     inside = (
         (over[1:-1] > over[:-2])
@@ -167,54 +215,67 @@ def _maxima(
 
 
 def rollers_weight(assembly: Assembly) -> float:
-    """Return the weight of all rollers [N] that the balance of loads leaves out, 0 where the scene says how it acts."""
+    """Return the weight of all rollers [N]; 0 where the scene gives its direction, so that the loads include it."""
     left_out = assembly.scene.operation.gravity_direction is None
     return GRAVITY * assembly.roller_mass * assembly.scene.bearing.rollers * left_out
 
 
-def _near(excess: Callable[[float], float], begin: float, over: float, drag: float) -> float:
-    """The load to which secants over its square lead, with which that drives rollers which resists; NaN if nowhere."""
+def _load_by_secants(
+    excess: Callable[[float], float], start: float, over: float, drag: float
+) -> float:
+    """Return the load [N] at which an excess torque over the logarithm of the load is zero; NaN where secants fail.
+
+    Secants go over the square of the load relative to the start, as the torque is roughly proportional to it. The root
+    has to be one at which a larger load leaves more torque.
+    """
     torque = over + drag
-    steps = math.log(_WIDER)
-    guess = -0.5 * math.log(torque / drag) if torque > 0.0 < drag else math.copysign(steps, -over)
-    guess = min(max(guess, -steps), steps) or _FOUND
+    max_step = math.log(_LOAD_SEARCH.widening)
+    guess = math.copysign(max_step, -over)
+    if torque > 0.0 < drag:
+        guess = -0.5 * math.log(torque / drag)
+    guess = min(max(guess, -max_step), max_step) or _LOAD_SEARCH.tolerance
 
     def squared(square: float) -> float:
-        return excess(begin + 0.5 * math.log(square))
+        return excess(start + 0.5 * math.log(square))
 
     at = math.exp(2.0 * guess)
     value = squared(at)
     slope = (value - over) / (at - 1.0)
     if not slope > 0.0:
         return math.nan
-    start = at - value / slope
-    within = min(at, 1.0) / _WIDER**2, max(at, 1.0) * _WIDER**2
-    if not within[0] <= start <= within[1]:
+    first = at - value / slope
+    farthest = _LOAD_SEARCH.widening**2
+    within = min(at, 1.0) / farthest, max(at, 1.0) * farthest
+    if not within[0] <= first <= within[1]:
         return math.nan
-    found = secants(squared, start, slope, tolerance=_FOUND * start, within=within)
-    return math.exp(begin) * math.sqrt(found[0]) if found and found[1] > 0.0 else math.nan
+    tolerance = _LOAD_SEARCH.tolerance * first
+    found = secants(squared, first, slope, tolerance=tolerance, within=within)
+    return math.exp(start) * math.sqrt(found[0]) if found and found[1] > 0.0 else math.nan
 
 
-def _searched(
-    excess: Callable[[float], float], begin: float, over: float, slip: float
+def _load_by_bracketing(
+    excess: Callable[[float], float], start: float, over: float, slip: float
 ) -> tuple[float, str]:
-    """The load at which an excess over its logarithm passes zero, or NaN and why there is none."""
-    at = before = begin
+    """Return the load [N] at which an excess over its logarithm changes its sign; NaN and why there is none."""
+    at = before = start
     value = last = over
-    step = -math.log(_WIDER) if over > 0.0 else math.log(_WIDER)
+    widening = math.log(_LOAD_SEARCH.widening)
+    step = -widening if over > 0.0 else widening
     while (value > 0.0) == (over > 0.0):
-        if abs(at - begin) > math.log(_FARTHEST):
+        if abs(at - start) > math.log(_LOAD_SEARCH.farthest):
             ends = " and ".join(
-                format_quantity(math.exp(end), "N", 3) for end in sorted((begin, at))
+                format_quantity(math.exp(end), "N", 3) for end in sorted((start, at))
             )
-            way = "less" if over > 0.0 else "more"
+            relation = "less" if over > 0.0 else "more"
             serves = Status.ANY_LOAD if over > 0.0 else Status.NO_LOAD
-            return math.nan, f"{serves}: between {ends} the steady slip stays {way} than {slip:g}"
+            reason = f"{serves}: between {ends} the steady slip stays {relation} than {slip:g}"
+            return math.nan, reason
         before = at
         last = value
         at = at + step
         value = excess(at)
-    return math.exp(bracketed(excess, before, at, last, value, tolerance=_FOUND)), ""
+    root = bracketed(excess, before, at, last, value, tolerance=_LOAD_SEARCH.tolerance)
+    return math.exp(root), ""
 
 
 def static_rating(bearing: Bearing) -> float:
@@ -230,24 +291,33 @@ def static_rating(bearing: Bearing) -> float:
 
 @attrs.frozen
 class Rule:
-    """A maker's rule of the least radial load: the load [N] by bearing and speed [rad/s], where it is from, its grade.
+    """Rule of a maker for the minimum radial load."""
 
-    ``takes`` are the keys of ``bearing.catalogue`` that it reads, ``grows_with`` one without which it is that at rest.
-    """
-
+    #: Load [N] of a bearing at a relative speed of its rings [rad/s].
     load: Callable[[Bearing, float], float]
-    text: str
-    grade: str
-    takes: tuple[str, ...] = ()
+    text: str  #: Formula and source.
+    grade: str  #: Data quality of the source, A to D.
+    takes: tuple[str, ...] = ()  #: Keys of ``bearing.catalogue`` that the rule reads.
+    #: Key of ``bearing.catalogue`` without which the load is the one at rest; empty for none.
     grows_with: str = ""
 
     def requested(self, bearing: Bearing, speed: float) -> tuple[float, str]:
-        """Return the load [N] and "found" or that it is the one at rest; or NaN and what the scene has to give."""
-        given = bearing.catalogue or Catalogue()
-        missing = [f"bearing.catalogue.{key}" for key in self.takes if getattr(given, key) is None]
+        """Return the load [N] and its status; NaN and the missing keys of the scene where the rule needs them.
+
+        Parameters
+        ----------
+        bearing : Bearing
+            The bearing.
+        speed : float
+            Relative speed of its rings [rad/s].
+        """
+        catalogue = bearing.catalogue or Catalogue()
+        missing = [
+            f"bearing.catalogue.{key}" for key in self.takes if getattr(catalogue, key) is None
+        ]
         if missing:
             return math.nan, f"needs {' and '.join(missing)} of the maker's catalogue"
-        if self.grows_with and getattr(given, self.grows_with) is None:
+        if self.grows_with and getattr(catalogue, self.grows_with) is None:
             return self.load(
                 bearing, speed
             ), f"{Status.FOUND_AT_REST}; with speed it grows by bearing.catalogue.{self.grows_with}"
@@ -255,6 +325,7 @@ class Rule:
 
 
 def _nke(bearing: Bearing, speed: float) -> float:
+    """Return the minimum load after NKE [N]."""
     catalogue: Any = bearing.catalogue
     return float(0.02 * catalogue.dynamic_rating)
 
@@ -286,7 +357,7 @@ RULES: Final[Mapping[str, Rule]] = {
 
 
 def minimum_loads_of_makers(scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.str_]]:
-    """Return the least load of each of the `RULES` [N], and "found" or what the scene has to give."""
+    """Return the minimum load of each of the `RULES` [N], NaN if it is not known, and the statuses, (n,) each."""
     speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
     loads, statuses = zip(
         *(rule.requested(scene.bearing, speed) for rule in RULES.values()), strict=True
