@@ -1,7 +1,9 @@
-"""What a bearing loses to friction at its steady slips, its viscosity ratio, and by how much numbers are off.
+"""Friction losses of a bearing at its steady slips, its viscosity ratio, and a posteriori errors of an answer.
 
-Slices and instants are chosen by the torque that drives the cage, relative to the largest. Resistance to rolling, the
-thinnest film and the load that keeps a slip hang on other slices, and that load on those of another load.
+Slices and roller positions are chosen by the torque that drives the cage, relative to the largest. Rolling resistance,
+the thinnest film and the minimum load depend on other slices, and the minimum load on those at another load. So each
+number of an answer is evaluated once more on a bearing of a finer resolution, at the slip to which one secant step
+leads there; the deviation is the error estimate.
 """
 
 import math
@@ -16,7 +18,7 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
 from rollslip.results.words import Status
 from rollslip.studies.error_estimate import JOINT_ORDER, MINIMUM_ERROR_FACTOR
-from rollslip.studies.steady_slip.torque import Duty, by_formula
+from rollslip.studies.steady_slip.torque import Duty, formula_variables
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_studies.steady_slip.evaluated import SECANT_STEP, estimate_by_secant
@@ -26,37 +28,49 @@ from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Slip and reserve that an answer shows no digits of.
-_SMALL = 1e-3
-_PLENTY = 1e3
-#: What rollers that jump carry falls with the first order.
-_OF_JUMPS: Final = 2.0 * (1.0 - 2.0**-JOINT_ORDER)
+#: Slip below which its error is not estimated, because an answer prints "below 0.1 %".
+_MIN_ESTIMATED_SLIP: Final = 1e-3
+#: Reserve from which on its error is not estimated, because an answer prints "over 1000".
+_MAX_ESTIMATED_RESERVE: Final = 1e3
+#: Factor from the deviation of the limit drag torque, on a bearing of twice the resolution, to its error. Where rollers
+#: jump between motions the torque converges with the first order, its error is twice the deviation; the joint order of
+#: the other numbers is in their own factor, and is taken out here.
+_JUMP_ERROR_FACTOR: Final = 2.0 * (1.0 - 2.0**-JOINT_ORDER)
 
 
 def loss_variables(
     balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the losses at some states as variables, and their coordinates; NaN where none is steady.
+    """Return friction losses, friction torque and viscosity ratio as variables, and their coordinates.
 
-    Beside them stand the friction torques by the formulas that the scene names, which know no slip.
+    The friction torques by the formulas that the scene names are among them. Losses are NaN where no slip is steady.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Torque balance of the bearing.
+    states : sequence of Orbit
+        Motions of the rollers.
+    steady : bool
+        Whether the states are those at steady slips.
     """
     balances = [power_balance(balance, state) for state in (states if steady else states[:1])]
-    power = np.array([[loss.power for loss in one.losses] for one in balances]).T
+    power = np.array([[loss.power for loss in state.losses] for state in balances]).T
     turns = abs(
         balance.assembly.scene.operation.inner_speed - balance.assembly.scene.operation.outer_speed
     )
-    found = {
+    values = {
         "loss": power,
-        "ring_power": np.array([one.rings for one in balances]).T.reshape(len(RINGS), -1),
-        "stored_power": np.array([one.stored for one in balances]),
+        "ring_power": np.array([state.rings for state in balances]).T.reshape(len(RINGS), -1),
+        "stored_power": np.array([state.stored for state in balances]),
         "friction_torque": power.sum(axis=0) / turns,
     }
     sources = [loss.source for loss in balances[0].losses]
     variables = {
-        name: LOSSES[name].variable(values if steady else np.full_like(values, np.nan))
-        for name, values in found.items()
+        name: LOSSES[name].variable(value if steady else np.full_like(value, np.nan))
+        for name, value in values.items()
     }
-    formulas, named = by_formula(balance.assembly)
+    formulas, named = formula_variables(balance.assembly)
     for name, value in zip(RATIO, viscosity_ratio(balance.assembly), strict=True):
         variables[name] = RATIO[name].variable(value)
     return variables | formulas, {
@@ -66,7 +80,7 @@ def loss_variables(
 
 
 def viscosity_ratio(assembly: Assembly) -> tuple[float, str]:
-    """Return kappa = nu/nu_1 and "found", or NaN and what is missing.
+    """Return kappa = nu/nu_1 and its status; NaN where the density of the oil is not known.
 
     nu_1 = 45000 n^-0.83 d_m^-0.5 below n = 1000/min and 4500 (n d_m)^-0.5 from there on [mm2/s], with the relative
     speed n [1/min] and the pitch diameter d_m [mm], after ISO 281:2007.
@@ -78,11 +92,20 @@ def viscosity_ratio(assembly: Assembly) -> tuple[float, str]:
         nu = 1e6 * duty.kinematic_viscosity
     except DomainError as error:
         return math.nan, str(error)
-    return nu / ((45000.0 * n**-0.83 if n < 1000.0 else 4500.0 * n**-0.5) * d_m**-0.5), Status.FOUND
+    reference = 45000.0 * n**-0.83 if n < 1000.0 else 4500.0 * n**-0.5
+    return nu / (reference * d_m**-0.5), Status.FOUND
 
 
 def acceptable_reserve(balance: TorqueBalance, slip: float) -> tuple[float, str]:
-    """Return the torque of the rollers over the drag at a slip, and "found", or NaN and why there is none."""
+    """Return the torque of the rollers over the drag at a slip [-], and its status; NaN where nothing drags the cage.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Torque balance of the bearing.
+    slip : float
+        Acceptable cage slip [-].
+    """
     drag = -balance.drag(slip)
     if not drag > 0.0:
         return math.nan, f"nothing drags the cage at a slip of {slip:g}"
@@ -95,96 +118,109 @@ def acceptable_reserve(balance: TorqueBalance, slip: float) -> tuple[float, str]
 def estimate_answer_errors(
     balance: TorqueBalance, at_load: Callable[[float], TorqueBalance], dataset: "xr.Dataset"
 ) -> dict[str, float]:
-    """Return what is off, relative, by its name; what an answer shows no digits of is left out.
+    """Return relative errors of the numbers of an answer by name, without numbers that are printed without digits.
+
+    An error is infinite where the number of the finer bearing is not known.
 
     Parameters
     ----------
     balance : TorqueBalance
-        Of the finer bearing.
+        Torque balance of a bearing with a finer resolution.
     at_load : callable
-        The same at a radial load [N].
+        The torque balance of that bearing at a radial load [N].
     dataset : Dataset
         The result.
     """
     found = dict[str, float]()
     try:
         with np.errstate(all="ignore"):
-            for name, error in _off(balance, at_load, dataset):
+            for name, error in _errors(balance, at_load, dataset):
                 found[name] = error
-    except (DomainError, ConvergenceError):  # of a motion beside those that were asked for
+    except (DomainError, ConvergenceError):  # at a slip or load next to those of the result
         pass
     return {name: error if error == error else math.inf for name, error in found.items()}
 
 
-def _off(
+def _errors(
     balance: TorqueBalance, at_load: Callable[[float], TorqueBalance], dataset: "xr.Dataset"
 ) -> Iterator[tuple[str, float]]:
+    """Yield name and relative error of each number of an answer."""
     lasting = np.flatnonzero(dataset["stable"].to_numpy() == 1)
     if lasting.size and not balance.rolls_freely:
-        yield from _steady(balance, dataset.isel(steady=int(lasting[0])))
+        yield from _steady_errors(balance, dataset.isel(steady=int(lasting[0])))
     acceptable = dataset.attrs.get("acceptable_slip", math.nan)
-    if abs(own := float(dataset.get("acceptable_reserve", math.nan))) < _PLENTY:
-        yield "reserve to slipping", _apart(own, acceptable_reserve(balance, acceptable)[0])
+    if abs(own := float(dataset.get("acceptable_reserve", math.nan))) < _MAX_ESTIMATED_RESERVE:
+        yield (
+            "reserve to slipping",
+            _relative_error(own, acceptable_reserve(balance, acceptable)[0]),
+        )
     if math.isfinite(float(dataset["limit_drag"])):
-        yield from _largest(balance, dataset)
-    elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _PLENTY:
+        yield from _limit_drag_errors(balance, dataset)
+    elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _MAX_ESTIMATED_RESERVE:
         slip, own = (float(dataset[name]) for name in ("largest_torque_slip", "largest_torque"))
-        # of several motions the one that is meant: a way up on all slices would take far longer
+        # of several motions the nearest one: a loading branch on all slices would take far longer
         torques = [motion.torque for motion in balance.motions.at(np.array([slip]))[0]]
-        yield "reserve to skidding", _apart(own, min(torques, key=lambda one: abs(one - own)))
+        nearest = min(torques, key=lambda torque: abs(torque - own))
+        yield "reserve to skidding", _relative_error(own, nearest)
     if "minimum_load" not in dataset:
         return
     load = float(dataset["minimum_load"])
     if load > dataset.attrs.get("rollers_weight", 0.0):
-        by = np.atleast_1d(dataset["minimum_load"].attrs["slips"]).tolist()
+        slips = np.atleast_1d(dataset["minimum_load"].attrs["slips"]).tolist()
         over, more = (
-            largest_excess(at_load(one), by, acceptable)[1]
-            for one in (load, (1.0 + SECANT_STEP) * load)
+            largest_excess(at_load(value), slips, acceptable)[1]
+            for value in (load, (1.0 + SECANT_STEP) * load)
         )
         yield "minimum load", SECANT_STEP * abs(over / (more - over)) if more != over else math.inf
 
 
-def _steady(balance: TorqueBalance, one: "xr.Dataset") -> Iterator[tuple[str, float]]:
-    """What is off at a steady slip: the slip by one secant, friction torque and thinnest film where that leads."""
-    slip = float(one["steady_slip"])
-    o = balance.assembly.scene.operation
-    start = float(one["roller_slip"][0] / balance.motions.unit(np.array([slip]))[0])
-    times = 1.0
+def _steady_errors(balance: TorqueBalance, result: "xr.Dataset") -> Iterator[tuple[str, float]]:
+    """Yield the errors of a steady slip by one secant step, and of friction torque and thinnest film at its end."""
+    slip = float(result["steady_slip"])
+    operation = balance.assembly.scene.operation
+    start = float(result["roller_slip"][0] / balance.motions.unit(np.array([slip]))[0])
+    film_factor = 1.0
 
-    def of(orbit: Orbit) -> Array:
-        nonlocal times
-        film, times = min(
+    def torque_and_film(orbit: Orbit) -> Array:
+        nonlocal film_factor
+        film, film_factor = min(
             _thinnest(contacts) for contacts in balance.evaluated(orbit) if contacts.total
         )
-        return np.array(
-            [power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed), film]
-        )
+        speed = abs(operation.inner_speed - operation.outer_speed)
+        return np.array([power_balance(balance, orbit).total / speed, film])
 
-    off, (torque, film) = estimate_by_secant(balance, slip, of, start)
-    yield "friction torque", _apart(float(one["friction_torque"]), torque)
-    yield "film parameter", times * _apart(float(np.nanmin(one["film_parameter"])), film)
-    if abs(slip) >= _SMALL:
-        yield "cage slip", off
+    error, (torque, film) = estimate_by_secant(balance, slip, torque_and_film, start)
+    yield "friction torque", _relative_error(float(result["friction_torque"]), torque)
+    film_error = _relative_error(float(np.nanmin(result["film_parameter"])), film)
+    yield "film parameter", film_factor * film_error
+    if abs(slip) >= _MIN_ESTIMATED_SLIP:
+        yield "cage slip", error
 
 
 def _thinnest(contacts: LoadedContacts) -> tuple[float, float]:
-    """Least film parameter of a contact, and how many times as far off it is where it is at its end, not its middle."""
+    """Return the smallest film parameter of a contact, and a factor on its error, above 1 where it is at the end."""
     at = int(contacts.slices.film_thickness.argmin())
     heaviest = contacts.load[contacts.owner == contacts.owner[at]].max()
     film = float(contacts.slices.film_thickness[at] / contacts.slices.conditions.roughness)
     return film, 1.0 if contacts.load[at] == heaviest else MINIMUM_ERROR_FACTOR
 
 
-def _largest(balance: TorqueBalance, dataset: "xr.Dataset") -> Iterator[tuple[str, float]]:
-    """What is off at the largest drag: itself at its slip, and that slip where it leaves the range in which it is told.
+def _limit_drag_errors(
+    balance: TorqueBalance, dataset: "xr.Dataset"
+) -> Iterator[tuple[str, float]]:
+    """Yield the error of the limit drag torque at its slip, and of that slip where it leaves its stated range.
 
-    It is the vertex of a parabola through both ends of that range and the slip between; at an end there is none.
+    The slip is the vertex of the parabola through both ends of the range and the slip between. Where the slip is at an
+    end of the range there is no such error.
     """
     low, slip, high = slips = np.array(
         [float(dataset[name]) for name in ("limit_drag_low", "skidding_slip", "limit_drag_high")]
     )
     torques = balance.torques(slips)
-    yield "largest drag", _OF_JUMPS * _apart(float(dataset["limit_drag"]), torques[1])
+    yield (
+        "largest drag",
+        _JUMP_ERROR_FACTOR * _relative_error(float(dataset["limit_drag"]), torques[1]),
+    )
     if not low < slip < high:
         return
     curvature, slope, _ = np.polyfit((slips - slip) / (high - low), torques, 2)
@@ -192,5 +228,6 @@ def _largest(balance: TorqueBalance, dataset: "xr.Dataset") -> Iterator[tuple[st
     yield "slip of the largest drag", 0.0 if low <= vertex <= high else abs(vertex / slip - 1.0)
 
 
-def _apart(one: float, finer: float) -> float:
-    return abs(one / finer - 1.0)
+def _relative_error(value: float, finer: float) -> float:
+    """Return the deviation of a value from that of a finer bearing, relative to the latter."""
+    return abs(value / finer - 1.0)

@@ -1,4 +1,4 @@
-"""What a study of steady slips gives: its variables, with dimensions, unit and meaning."""
+"""Variables of study steady-slip, with dimensions, unit and meaning, and those that can be measured."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -6,16 +6,16 @@ from typing import Final
 
 from rollslip.results.words import Status
 from rollslip.studies.answers import Measurable, Output
-from rollslip.studies.steady_slip.torque import BY_FORMULA
+from rollslip.studies.steady_slip.torque import FORMULA_OUTPUTS
 from rollslip_studies.effective_friction.raceways import REGIMES
 
-#: What the slips can be followed against -> (unit, what a fold is in words).
+#: Name of an operating condition over which slips can be followed -> (unit, name in texts).
 VARIED: Final = {
     "radial_load": ("N", "radial load"),
     "inner_speed": ("rad/s", "speed of the inner ring"),
     "temperature": ("K", "temperature"),
 }
-#: Losses, friction torque of the bearing, and what the rings put in.
+#: Losses, friction torque of the bearing, and power of the rings.
 LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "loss": Output("source steady", "W", "power lost to friction", status="status"),
@@ -46,7 +46,7 @@ RATIO: Final[Mapping[str, Output]] = MappingProxyType(
 
 
 def followed_outputs(name: str) -> dict[str, Output]:
-    """Variables of the branches against one quantity of the operation."""
+    """Return the variables of the branches over one operating condition."""
     unit, what = VARIED[name]
     points = f"{name}_point"
     return {
@@ -172,11 +172,11 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         **{name: output for varied in VARIED for name, output in followed_outputs(varied).items()},
         **LOSSES,
         **RATIO,
-        **BY_FORMULA,
+        **FORMULA_OUTPUTS,
         **REGIMES,
     }
 )
-#: What of it can be measured.
+#: Variables that a measurement can have, by the name of the measured quantity.
 MEASURED: Final[Mapping[str, Measurable]] = MappingProxyType(
     {
         "cage-slip": Measurable(

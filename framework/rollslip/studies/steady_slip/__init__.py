@@ -1,1 +1,1 @@
-"""Formulas of the friction torque, which the study of steady slips asks."""
+"""Interface to formulas of the friction torque, which study steady-slip compares with computed losses."""

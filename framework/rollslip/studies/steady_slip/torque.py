@@ -1,9 +1,8 @@
-"""What a formula of kind ``torque`` must offer: the friction torque of a bearing as a maker or a standard gives it.
+"""Interface of the kind ``torque``: formulas of makers and standards for the friction torque of a bearing.
 
-- Such formulas know a bearing from outside and no slip. They stand beside the losses that are computed, as rows of a
-  comparison, and nothing is computed with them.
-- A scene names those that it wants under ``models.torque``, by default two that differ in what they rest on; none of
-  them is a measured torque of one bearing.
+Such formulas take boundary dimensions and operating conditions, and no slip. Results print them for comparison with the
+computed losses; nothing is computed from them. A scene names formulas under ``models.torque``, by default two with
+different sources. None of them is a measured torque of one bearing.
 """
 
 import abc
@@ -27,12 +26,20 @@ from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Output
 
-__all__ = ["BY_FORMULA", "TORQUE", "Duty", "TorqueFormula", "by_formula", "torque_formulas"]
+__all__ = [
+    "FORMULA_OUTPUTS",
+    "TORQUE",
+    "Duty",
+    "TorqueFormula",
+    "formula_variables",
+    "torque_formulas",
+]
 
-#: Width of a bearing over the length of its rollers, where no designation says it (D).
-_WIDTH: Final = 1.65
-#: What `by_formula` gives.
-BY_FORMULA: Final[Mapping[str, Output]] = MappingProxyType(
+#: Ratio of the width of a bearing to the length of its rollers, where the scene has no designation. Formulas with the
+#: width scale with it; grade D, within 10 % in reinforced bearings and up to 40 % too small in old and light ones.
+_WIDTH_RATIO: Final = 1.65
+#: Variables of `formula_variables`.
+FORMULA_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "formula_torque": Output(
             "formula", "N m", "friction torque of the bearing by formula", status="formula_status"
@@ -52,55 +59,58 @@ BY_FORMULA: Final[Mapping[str, Output]] = MappingProxyType(
 
 @attrs.frozen(kw_only=True)
 class Duty:
-    """A bearing at work as catalogues know it.
+    """Boundary dimensions and operating conditions of a bearing, as formulas of catalogues take them.
 
-    What its designation says is exact. Without one the bore d and the outside diameter D lie half a roller's diameter
-    from the raceways, within 9 and 7 % of the bearings whose inner geometry is known, and the width B is 1.65 times the
-    length of the rollers, within 10 % in reinforced bearings and up to 40 % too small in old and light ones (D).
+    Dimensions of a designation are exact. Without one the bore d and the outside diameter D lie half a roller's
+    diameter from the raceways, within 9 and 7 % of the bearings whose inner geometry is known, and the width B is 1.65
+    times the length of the rollers, within 10 % in reinforced bearings and up to 40 % too small in old and light ones
+    (D).
     """
 
-    #: bore, outside_diameter, width: Boundary dimensions d, D and B [m]; the width is None if nobody knows it.
-    bore: float
-    outside_diameter: float
+    bore: float  #: Boundary dimension d [m].
+    outside_diameter: float  #: Boundary dimension D [m].
     pitch_diameter: float  #: Diameter of the pitch circle d_m [m].
     radial_load: float  #: F_r [N].
     speed: float  #: Relative speed of the rings [rad/s], not negative.
-    viscosity: (
-        float  #: Dynamic viscosity of the oil at its temperature and ambient pressure [Pa s].
-    )
+    #: Dynamic viscosity of the oil at its temperature and ambient pressure [Pa s].
+    viscosity: float
     density: float | None = None  #: Density of the oil [kg/m3], None if the scene does not know it.
-    width: float | None = None
+    width: float | None = None  #: Boundary dimension B [m], None if it is not known.
     #: Dimension series as designations have it, such as "22"; empty if the bearing has no designation.
     series: str = ""
-    estimated: tuple[str, ...] = ()  #: What of these is estimated from the rollers.
-    #: Diameter of a roller [m]; formulas of drag take the middle of the lowest one from it.
+    estimated: tuple[
+        str, ...
+    ] = ()  #: Names of the boundary dimensions that are estimated from the rollers.
+    #: Diameter of a roller [m], from which formulas of drag take the height of the centre of the lowest roller.
     roller_diameter: float | None = None
-    supply: str = "bath"  #: How oil comes to the rollers: "bath", "splash", "circulating", "jet", "mist" or "grease".
-    #: Level of a bath above the lowest point of the outer raceway [m]; None for the middle of the lowest roller.
+    supply: str = (
+        "bath"  #: Supply of oil: "bath", "splash", "circulating", "jet", "mist" or "grease".
+    )
+    #: Level of a bath above the lowest point of the outer raceway [m]; None for the centre of the lowest roller.
     oil_level: float | None = None
 
     @classmethod
     def of(cls, assembly: Assembly) -> "Duty":
-        """Return that of a scene."""
-        b = assembly.scene.bearing
+        """Return the duty of an assembled bearing."""
+        bearing = assembly.scene.bearing
         operation = assembly.scene.operation
         oil = assembly.lubricant
         T = operation.temperature
-        listed = b.catalogue or Catalogue()
-        likely: dict[str, Any] = {
-            "bore": b.boundaries[0],
-            "outside_diameter": b.boundaries[1],
-            "width": _WIDTH * b.roller_length,
+        listed = bearing.catalogue or Catalogue()
+        guessed: dict[str, Any] = {
+            "bore": bearing.boundaries[0],
+            "outside_diameter": bearing.boundaries[1],
+            "width": _WIDTH_RATIO * bearing.roller_length,
             "series": "",
         }
-        known = {name: value for name in likely if (value := getattr(listed, name))}
+        known = {name: value for name in guessed if (value := getattr(listed, name))}
         return cls(
-            **likely | known,
-            estimated=tuple(name for name in likely if name not in known),
-            roller_diameter=b.roller_diameter,
+            **guessed | known,
+            estimated=tuple(name for name in guessed if name not in known),
+            roller_diameter=bearing.roller_diameter,
             supply=assembly.scene.lubrication.supply,
             oil_level=assembly.scene.lubrication.oil_level,
-            pitch_diameter=0.5 * (b.inner_raceway_diameter + b.outer_raceway_diameter),
+            pitch_diameter=0.5 * (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter),
             radial_load=operation.radial_load,
             speed=abs(operation.inner_speed - operation.outer_speed),
             viscosity=oil.at(T).viscosity,
@@ -133,27 +143,33 @@ class TorqueFormula(abc.ABC):
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[Citation, ...]]
-    #: What its numbers rest on, in a few words: "tests of ...", "a regression of ...".
+    #: Source of its numbers, in a few words: "tests of ...", "a regression of ...".
     basis: ClassVar[str] = ""
     #: Rule of the conformance kit that the formula breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @abc.abstractmethod
     def terms(self, duty: Duty) -> Mapping[str, float]:
-        """Return the friction torque [N m] by what makes it, none below zero.
+        """Return the terms of the friction torque [N m] by name, each zero or more.
 
-        What the formula takes and is not known is a `DomainError`.
+        Raises
+        ------
+        DomainError
+            If the duty lacks a number that the formula takes.
         """
 
 
 def torque_formulas(scene: Scene) -> tuple[TorqueFormula, ...]:
-    """Return the formulas that a scene names under ``models.torque``, in its order."""
+    """Return the formulas of a scene, ``models.torque``, in its order."""
     named = [(choice.name, choice.parameters) for choice in scene.models.torque]
     return structure_models("torque", named, Location(scene.origins, ("models", "torque")))
 
 
-def by_formula(assembly: Assembly) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the friction torques by the formulas of the scene as variables, and their coordinates; none without."""
+def formula_variables(assembly: Assembly) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the friction torques by the formulas of a scene as variables, and their coordinates.
+
+    Both are empty without formulas. The torque is NaN where its status says what the formula lacks.
+    """
     formulas = torque_formulas(assembly.scene)
     if not formulas:
         return {}, {}
@@ -178,7 +194,7 @@ def by_formula(assembly: Assembly) -> tuple[dict[str, Any], dict[str, Any]]:
         "formula_estimated": ", ".join(duty.estimated).replace("_", " "),
         "formula_speed": duty.mean_diameter * duty.speed / (2.0 * math.pi),
     }
-    return {name: BY_FORMULA[name].variable(one) for name, one in values.items()}, {
+    return {name: FORMULA_OUTPUTS[name].variable(value) for name, value in values.items()}, {
         "formula": (
             "formula",
             [formula.name for formula in formulas],
