@@ -479,10 +479,14 @@ def test_passes_do_not_grow_with_the_bearing(Z, n_positions):
 
 
 @pytest.mark.parametrize(
-    ("Z", "slices", "n_positions"),
-    [(28, 101, 64), (500, 41, 16), pytest.param(500, 21, 256, marks=pytest.mark.slow)],
+    ("Z", "slices", "n_positions", "misalignment"),
+    [
+        (28, 101, 64, 0.0),
+        (28, 101, 64, 3e-4),
+        pytest.param(500, 41, 16, 3e-4, marks=pytest.mark.slow),
+        pytest.param(500, 21, 256, 3e-4, marks=pytest.mark.slow),
+    ],
 )
-@pytest.mark.parametrize("misalignment", [0.0, 3e-4])
 def test_memory_is_that_of_the_result(Z, slices, n_positions, misalignment):
     """Peak below three times inner_load and outer_load, where these are more than one part of the iteration."""
     some = case(

@@ -160,7 +160,7 @@ def test_what_is_stiff_keeps_the_integrator_of_the_study(level, friction, change
 def test_from_rest_one_that_follows_its_error_serves_where_it_needs_far_fewer_rates():
     """Rollers at rest are damped by their films at 1e7/s, which an explicit method passes in short steps."""
     rest = {"cage_slip": 1.0, "roller_slip": 1.0, "friction": "conventional", "level": "pocket"}
-    study = Dynamics(duration=2e-3, points=3, **rest)
+    study = Dynamics(duration=1e-3, points=3, **rest)
     found = choose_motion(study, bearing(), others("integrator"))
     assert found.settings == {"integrator": "rk45"}
     assert "but for a while only" in found.reasons["integrator"]

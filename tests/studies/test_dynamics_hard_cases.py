@@ -250,7 +250,7 @@ def test_rollers_stay_in_their_pockets(level, friction, stiffness):
 @EVERY
 def test_drag_beyond_the_fold_is_reported_and_no_failure(level, friction):
     """The cage is braked to a stand and stays there; the regularised brake gives no torque to a cage at rest."""
-    found = run(bearing(brake(100.0)), level, friction, duration=0.02, points=41)
+    found = run(bearing(brake(300.0)), level, friction, duration=0.008, points=41)
     assert "cage slip passes that of skidding" in list(found.event_what.values)
     assert float(found.cage_slip[-1]) == pytest.approx(1.0, abs=0.05)
     assert found.attrs["outcome_message"] == ""

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -100,6 +101,7 @@ def compute(name: str) -> None:
             file.write(found[0].read_bytes())
 
 
+@cache
 def stored(name: str) -> "xr.Dataset":
     """Return a stored result."""
     content = io.BytesIO(lzma.decompress((STORED / f"{name}.nc.xz").read_bytes()))
