@@ -41,7 +41,7 @@ from rollslip_studies.dynamics.history.settings import TEMPERATURES, History
 from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, ThermalPath, with_changes
 from rollslip_studies.dynamics.history.time_functions import constant
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
-from rollslip_studies.dynamics.termination import explained
+from rollslip_studies.dynamics.termination import with_cause
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.time_integration import Trajectory
 from rollslip_studies.motion.torque_balance import TorqueBalance
@@ -329,7 +329,7 @@ def _motion(
     """Return the motion along a history in the pass of a number; a failure is a ConvergenceError."""
     try:
         moving = study.moving_along(history, assembly)
-        found = explained(study.trial_motion(moving, times, study.relative_tolerance), moving)
+        found = with_cause(study.trial_motion(moving, times, study.relative_tolerance), moving)
     except (SceneError, DomainError) as error:
         raise _motion_error(count, str(error)) from error
     if found.outcome != "finished":
@@ -341,8 +341,8 @@ def _motion_error(count: int, message: str) -> ConvergenceError:
     """Return the error of a motion that fails in the pass of a number."""
     origin = "of the start" if count == 1 else f"after pass {count - 1}"
     return ConvergenceError(
-        f"temperatures over the motion are not known: at the temperatures {origin} it fails: {message}; look at it with "
-        "temperatures held, by --set models.thermal=given, or cool the bearing more"
+        f"temperatures over the motion are not known: at the temperatures {origin} it fails: {message}; look at it "
+        "with temperatures held, by --set models.thermal=given, or cool the bearing more"
     )
 
 

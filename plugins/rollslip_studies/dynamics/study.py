@@ -53,14 +53,14 @@ from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motio
 from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, FrictionSettings
 from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.dynamics.termination import (
-    explained,
-    failed_by,
+    failure_source,
     last_slices,
     outputs_of,
     regimes_of,
-    shapes_of,
+    ring_shapes,
     steady_slip_of,
-    stored,
+    stored_variables,
+    with_cause,
 )
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.motion.checkpoints import Checkpoints
@@ -373,7 +373,7 @@ class Dynamics(Study):
             return 0
         loads = assembly.load_distribution(1)
         loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
-        if not self.moving(assembly).friction.by_slices:  # but for what is stored
+        if not self.moving(assembly).friction.uses_slices:  # but for what is stored
             return int(loaded) * self.points
         step, evaluations = _STEPS[self.level]
         steps = self.duration / step * (1e-5 / self.relative_tolerance) ** 0.2
@@ -490,7 +490,7 @@ class Dynamics(Study):
             state=None if before is None else before.last_state,
             keep=keep,
         )
-        found = explained(found, moving)
+        found = with_cause(found, moving)
         found = found if before is None else before.then(found)
         # by now models may fail as in the run, or anew
         outputs, found = outputs_of(moving, found)
@@ -648,8 +648,8 @@ class Dynamics(Study):
 
         t = found.t
         cage = moving.split(found.y)["cage_speed"]
-        shapes = shapes_of(moving)
-        variables = self.variables(**stored(moving, found, outputs))
+        shapes = ring_shapes(moving)
+        variables = self.variables(**stored_variables(moving, found, outputs))
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip = variables["cage_slip"][1]
         works = moving.works(found.y)
@@ -700,7 +700,7 @@ class Dynamics(Study):
                 "relative_tolerance": self.relative_tolerance,
                 "outcome": found.outcome,
                 "outcome_message": found.message,
-                "failed_by": failed_by(found),
+                "failed_by": failure_source(found),
                 "steps": found.steps,
                 "rejected": found.rejected,
                 "rate_evaluations": found.evaluations,

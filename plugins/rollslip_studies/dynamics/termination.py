@@ -1,4 +1,7 @@
-"""How a motion ended: what stopped or failed it, what is known of its stored instants, and where its slip is going."""
+"""Results of a motion, however it ended: why it stopped or failed, variables at its stored times, its steady slip.
+
+The steady slip is extrapolated from means over whole orbits by Aitken's delta-squared process (`steady_slip_of`).
+"""
 
 import contextlib
 import math
@@ -16,13 +19,13 @@ from rollslip.studies.answers import LoadedSlices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.friction_curve.study import balanced_load
-from rollslip_studies.motion.time_integration import Trajectory
+from rollslip_studies.motion.time_integration import Event, Trajectory
 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Watched values, in the order of the systems -> what their rising through zero means, and their falling.
-WATCHED: Final = (
+#: Meanings of an event: of the rise of a watched value through zero and of its fall; in the order of the systems.
+_EVENT_MEANINGS: Final = (
     ("cage slip passes that of skidding", "cage slip falls below that of skidding"),
     (
         "the smallest film parameter rises above its limit",
@@ -33,12 +36,21 @@ WATCHED: Final = (
         "the last contact of the inner ring opens",
     ),
 )
-#: What an integrator says in its message where a model has refused.
+#: Part of the message of an integrator that was stopped by the refusal of a model.
 _REFUSED: Final = "the rates are not defined"
+#: Outputs of the contacts with both rings, by the equations of motion.
+_CONTACT_OUTPUTS: Final = ("normal_force", "traction_force", "sliding_speed", "film_parameter")
+#: Ratio of two successive changes of the mean slip from which on Aitken's rule is not applied: it would extrapolate by
+#: more than 19 times the last change. Nearer to 1, limits are reported of slips that have hardly begun to converge.
+#: Chosen.
+_MAX_CHANGE_RATIO: Final = 0.95
+#: Slip to which the tolerance is relative at least. Halved, slips below a per cent must be steady to less in absolute
+#: terms than is of use. Chosen.
+_MIN_REFERENCE_SLIP: Final = 1e-2
 
 
-def failed_by(found: Trajectory) -> str:
-    """Return what failed: a "model" that raised, the "domain" one was asked outside of, the "solver", or nothing."""
+def failure_source(found: Trajectory) -> str:
+    """Return what failed: a "model" that raised, the "domain" of a model, or the "solver"; empty without failure."""
     if found.outcome != "failed":
         return ""
     if isinstance(found.error, DomainError):
@@ -47,13 +59,18 @@ def failed_by(found: Trajectory) -> str:
     return "model" if raised or isinstance(found.error, PluginError) else "solver"
 
 
-def explained(found: Trajectory, moving: MovingBearing) -> Trajectory:
-    """Return a trajectory that says what stopped it, and in a model's words what that model refused."""
+def with_cause(found: Trajectory, moving: MovingBearing) -> Trajectory:
+    """Return a trajectory whose message contains the event that stopped it, or the refusal of a model.
+
+    Parameters
+    ----------
+    found : Trajectory
+        The motion.
+    moving : MovingBearing
+        The equations of motion.
+    """
     if found.outcome == "stopped":
-        last = found.events[-1]
-        return attrs.evolve(
-            found, message=f"{found.message}: {WATCHED[last.watched][not last.rising]}"
-        )
+        return attrs.evolve(found, message=f"{found.message}: {_meaning(found.events[-1])}")
     if found.outcome == "failed" and _REFUSED in found.message:
         error = moving.error(moving.system.refusal())
         return attrs.evolve(
@@ -62,12 +79,19 @@ def explained(found: Trajectory, moving: MovingBearing) -> Trajectory:
     return attrs.evolve(found, message="; ".join((found.message, *_notes(found.error))))
 
 
+def _meaning(event: Event) -> str:
+    """Return what an event means."""
+    rise, fall = _EVENT_MEANINGS[event.watched]
+    return rise if event.rising else fall
+
+
 def _notes(error: BaseException | None) -> tuple[str, ...]:
+    """Return the notes of an exception."""
     return tuple(getattr(error, "__notes__", ()))
 
 
-def _failing(found: Trajectory, error: Exception, what: str) -> Trajectory:
-    """Return a trajectory to which this happened when it was evaluated; what it ended early by stays."""
+def _with_failure(found: Trajectory, error: Exception, what: str) -> Trajectory:
+    """Return a trajectory that failed when its outputs were computed; an earlier failure or interrupt stays."""
     if found.outcome in ("failed", "interrupted"):
         return found
     message = f"{type(error).__name__} when {what} of the stored instants were computed: {error}"
@@ -77,109 +101,164 @@ def _failing(found: Trajectory, error: Exception, what: str) -> Trajectory:
 
 
 def outputs_of(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Array], Trajectory]:
-    """Forces and speeds at the stored states, NaN where a model fails; and the trajectory, which says so."""
+    """Return forces and speeds at the stored states, NaN where a model fails, and the trajectory with that failure.
+
+    Parameters
+    ----------
+    moving : MovingBearing
+        The equations of motion.
+    found : Trajectory
+        The motion.
+    """
     try:
         return moving.outputs(found.t, found.y), found
     except Exception as error:
-        found = _failing(found, error, "forces")
+        found = _with_failure(found, error, "forces")
     n_times = found.t.size
     rollers = moving.assembly.scene.bearing.rollers
-    names = ("normal_force", "traction_force", "sliding_speed", "film_parameter")
-    outputs = {name: np.full((n_times, len(RINGS), rollers), np.nan) for name in names}
+    outputs = {name: np.full((n_times, len(RINGS), rollers), np.nan) for name in _CONTACT_OUTPUTS}
     outputs["pocket_force"] = np.full((n_times, rollers), np.nan)
     for k in range(n_times):
-        with contextlib.suppress(Exception):  # it has been told
+        with contextlib.suppress(Exception):  # the first one is reported
             row = moving.outputs(found.t[k : k + 1], found.y[k : k + 1])
             for name, values in outputs.items():
                 values[k] = row[name][0]
     return outputs, found
 
 
-def shapes_of(moving: MovingBearing) -> list[str]:
-    """Return the names of what rings yield in, by the unknowns whose rates are unknowns too."""
+def ring_shapes(moving: MovingBearing) -> list[str]:
+    """Return the names of the deflection shapes of flexible rings: unknowns whose rates are unknowns, too."""
     names = moving.names[0]
     return [name for name in names if f"{name}_speed" in names]
 
 
-def stored(
+def stored_variables(
     moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Return what is known of the stored instants by name: motion, contacts with these outputs, ledger and events."""
-    a = moving.assembly
-    of = moving.split(found.y)
-    k = a.kinematics
-    sign = a.kinematics.direction
-    cage = of["cage_speed"]
-    spin = of["roller_spin"]
-    places = of["cage_angle"][:, None] + 2.0 * np.pi / spin.shape[1] * np.arange(spin.shape[1])
-    orbit = of.get("orbital_speed", cage[:, None])
-    place = of.get("pocket_position")
-    if place is not None:
-        places = places + place / k.orbit_radius
-    relative = spin + orbit
-    cage_without, roller_without = moving.epicyclic_speeds(found.t)
-    words = [WATCHED[e.watched][not e.rising] for e in found.events]
-    known = {
-        "cage_speed": sign * cage,
-        "cage_slip": 1.0 - cage / cage_without,
-        "roller_speed": sign * relative,
-        "roller_slip": 1.0 - relative / roller_without[:, None],
-        "orbit_angle": np.mod(places, 2.0 * np.pi),
+    """Return the variables of a result by name: motion, contacts, energy ledger, events and rings.
+
+    Parameters
+    ----------
+    moving : MovingBearing
+        The equations of motion.
+    found : Trajectory
+        The motion.
+    outputs : mapping of str to ndarray
+        Forces and speeds of the contacts at the stored times, as of `outputs_of`.
+    """
+    meanings = [_meaning(event) for event in found.events]
+    return {
+        **_speed_variables(moving, found),
         "energy": moving.energy(found.y),
         "work_done": np.array(list(moving.works(found.y).values())),
         "energy_residual": moving.energy_residual(found.y),
         "angular_momentum": moving.angular_momentum(found.y),
         "momentum_residual": moving.momentum_residual(found.y),
-        "event_time": np.array([e.time for e in found.events]),
-        "event_what": np.array(words, dtype=np.dtypes.StringDType()).astype(object),
-        "event_rising": np.array([int(e.rising) for e in found.events], dtype=int),
+        "event_time": np.array([event.time for event in found.events]),
+        "event_what": np.array(meanings, dtype=np.dtypes.StringDType()).astype(object),
+        "event_rising": np.array([int(event.rising) for event in found.events], dtype=int),
+        **_contact_variables(moving, found, outputs),
+        **_ring_variables(moving, found),
     }
-    for name in ("normal_force", "traction_force", "sliding_speed", "film_parameter"):
-        known[name] = np.moveaxis(outputs[name], 1, 0)
-    if place is not None:
-        known |= {"pocket_force": outputs["pocket_force"], "pocket_displacement": place}
+
+
+def _speed_variables(moving: MovingBearing, found: Trajectory) -> dict[str, Array]:
+    """Return speeds, slips and angles of cage and rollers."""
+    state = moving.split(found.y)
+    kinematics = moving.assembly.kinematics
+    cage = state["cage_speed"]
+    spin = state["roller_spin"]
+    rollers = spin.shape[1]
+    angles = state["cage_angle"][:, None] + 2.0 * np.pi / rollers * np.arange(rollers)
+    if (displacement := state.get("pocket_position")) is not None:
+        angles = angles + displacement / kinematics.orbit_radius
+    relative = spin + state.get("orbital_speed", cage[:, None])
+    cage_epicyclic, roller_epicyclic = moving.epicyclic_speeds(found.t)
+    return {
+        "cage_speed": kinematics.direction * cage,
+        "cage_slip": 1.0 - cage / cage_epicyclic,
+        "roller_speed": kinematics.direction * relative,
+        "roller_slip": 1.0 - relative / roller_epicyclic[:, None],
+        "orbit_angle": np.mod(angles, 2.0 * np.pi),
+    }
+
+
+def _contact_variables(
+    moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Return forces and speeds of the contacts, and the curves of effective friction."""
+    variables = {name: np.moveaxis(outputs[name], 1, 0) for name in _CONTACT_OUTPUTS}
+    if (displacement := moving.split(found.y).get("pocket_position")) is not None:
+        variables["pocket_force"] = outputs["pocket_force"]
+        variables["pocket_displacement"] = displacement
     for ring, table in zip(RINGS, moving.friction.tables, strict=False):
         if (curve := table.curve) is not None:
-            known |= {f"{ring}_sliding": curve[0], f"{ring}_friction": curve[1]}
-    for what in ("inner_ring", "cage"):
-        if f"{what}_x" in of:
-            known[f"{what.removeprefix('inner_')}_displacement"] = np.array(
-                [of[f"{what}_x"], of[f"{what}_y"]]
-            )
-    if shapes := shapes_of(moving):
-        known["ring_deflection"] = np.array([of[name] for name in shapes])
-    angles = [of.get(f"{ring}_form_angle") for ring in RINGS]
+            variables[f"{ring}_sliding"] = curve[0]
+            variables[f"{ring}_friction"] = curve[1]
+    return variables
+
+
+def _ring_variables(moving: MovingBearing, found: Trajectory) -> dict[str, Array]:
+    """Return displacements of inner ring and cage, and deflections and angles of the rings, where they move."""
+    state = moving.split(found.y)
+    assembly = moving.assembly
+    variables = dict[str, Array]()
+    for body, prefix in (("ring", "inner_ring"), ("cage", "cage")):
+        if f"{prefix}_x" in state:
+            displacement = [state[f"{prefix}_x"], state[f"{prefix}_y"]]
+            variables[f"{body}_displacement"] = np.array(displacement)
+    if shapes := ring_shapes(moving):
+        variables["ring_deflection"] = np.array([state[name] for name in shapes])
+    angles = [state.get(f"{ring}_form_angle") for ring in RINGS]
     if any(angle is not None for angle in angles):
-        known["form_angle"] = sign * np.array(
-            [0.0 * cage if angle is None else angle for angle in angles]
+        at_rest = 0.0 * state["cage_speed"]
+        variables["form_angle"] = assembly.kinematics.direction * np.array(
+            [at_rest if angle is None else angle for angle in angles]
         )
-    if "cage_x" in of and (clearance := a.cage.land_clearance) is not None:
-        x = of["cage_x"]
-        y = of["cage_y"]
-        if a.cage.guidance == "inner":
-            x = x - of["inner_ring_x"]
-            y = y - of["inner_ring_y"]
-        known["land_eccentricity"] = np.hypot(x, y) / clearance
-    return known
+    if "cage_x" in state and (clearance := assembly.cage.land_clearance) is not None:
+        x = state["cage_x"]
+        y = state["cage_y"]
+        if assembly.cage.guidance == "inner":
+            x = x - state["inner_ring_x"]
+            y = y - state["inner_ring_y"]
+        variables["land_eccentricity"] = np.hypot(x, y) / clearance
+    return variables
 
 
 def regimes_of(
     raceways: LoadedRaceways, slip: Array, found: Trajectory
 ) -> tuple[dict[str, Any], Trajectory]:
-    """Film regimes and load parameters of the contacts at some cage slips, NaN if a model fails; as `outputs_of`."""
+    """Return film regimes and load parameters at some cage slips, NaN if a model fails, and the trajectory with that.
+
+    Parameters
+    ----------
+    raceways : LoadedRaceways
+        The raceways with their loads.
+    slip : ndarray
+        Cage slips, (n,).
+    found : Trajectory
+        The motion.
+    """
     try:
         fractions = raceways.regimes(raceways.speeds(slip))
     except Exception as error:
-        found = _failing(found, error, "film regimes")
+        found = _with_failure(found, error, "film regimes")
         unknown = np.full(len(RINGS), np.nan)
         fractions = np.full((len(RINGS), len(NAMES)), np.nan), unknown, unknown
     return regime_variables(*fractions), found
 
 
 def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
-    """Loaded slices of both rings at the last instant, each roller's force spread as over an aligned one.
+    """Return the loaded slices of both rings at the last stored time; nothing if a value of that time is missing.
 
-    Nothing if a value of that instant is missing.
+    The force of each roller is distributed over its slices as over those of an aligned roller.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing at the operation of that time.
+    dataset : xarray.Dataset
+        The result.
     """
     last = dataset.isel(time=-1)
     cage, rollers, force = (
@@ -193,21 +272,23 @@ def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]
         (assembly.outer, speeds.outer_rolling, speeds.outer_sliding),
     )
     found = []
-    for (raceway, rolling, sliding), carried in zip(rings, force, strict=True):
-        carries = np.flatnonzero((carried > 0.0) & (rolling > 0.0))
-        if carries.size == 0:
+    for (raceway, rolling, sliding), ring_force in zip(rings, force, strict=True):
+        loaded = np.flatnonzero((ring_force > 0.0) & (rolling > 0.0))
+        if loaded.size == 0:
             continue
-        load = np.array([balanced_load(assembly, raceway, float(carried[k])) for k in carries])
+        load = np.array([balanced_load(assembly, raceway, float(ring_force[k])) for k in loaded])
         roller, column = np.nonzero(load > 0.0)
-        owner = carries[roller]
-        some = load[load > 0.0]
+        owner = loaded[roller]
+        slice_load = load[load > 0.0]
         places = assembly.places(
             raceway.ring, last.orbit_angle.to_numpy()[owner], owner.astype(float)
         )
         places |= {"position": places["position"][column]} if places else {}
-        forces = some * assembly.widths[column]
+        forces = slice_load * assembly.widths[column]
         found.append(
-            LoadedSlices(0, raceway.ring, some, rolling[owner], sliding[owner], forces, places)
+            LoadedSlices(
+                0, raceway.ring, slice_load, rolling[owner], sliding[owner], forces, places
+            )
         )
     return found
 
@@ -220,10 +301,31 @@ def steady_slip_of(
     longer: Callable[[float], str] = lambda seconds: "",
     more: str = "",
 ) -> tuple[float, str]:
-    """Mean slip over the last orbit, and whether it would stay.
+    """Return the mean slip over the last orbit if the slip is steady, else NaN, with a status.
 
-    Means over three equal spans of whole orbits, the last three eighths of the run or so, give by Aitken's rule where
-    the slip is going. ``longer`` says what to type for a run of so many seconds, ``more`` for more instants.
+    Means over three equal spans of whole orbits, about the last three eighths of the run, give the limit of the slip by
+    Aitken's delta-squared process. The slip is steady where the three means agree, or where the limit agrees with the
+    mean over the last orbit.
+
+    Parameters
+    ----------
+    t : ndarray
+        Times [s], (m,).
+    slip : ndarray
+        Cage slip, (m,).
+    speed : ndarray
+        Speed of the cage [rad/s], (m,).
+    tolerance : float
+        Relative tolerance of the slip.
+    longer : callable, optional
+        Returns the option for a run of a duration [s], for the status.
+    more : str, optional
+        Option for more stored times, for the status.
+
+    Returns
+    -------
+    tuple of float and str
+        Slip and "steady", or NaN and the reason why the slip is not known to be steady.
     """
     if speed[-1] == 0.0:
         return (
@@ -231,39 +333,39 @@ def steady_slip_of(
             "not known to be steady: the cage stands still at the end, and no orbit of the rollers can be told",
         )
     orbit = 2.0 * math.pi / abs(float(speed[-1]))
-    lasted = float(t[-1] - t[0])
-    if lasted < 3.0 * orbit:
+    duration = float(t[-1] - t[0])
+    if duration < 3.0 * orbit:
         needed = f"three orbits of the rollers, which take {3.0 * orbit:.3g} s"
         return (
             math.nan,
             f"not known to be steady: the run is shorter than {needed}{longer(4.0 * orbit)}",
         )
-    span = orbit * max(1.0, lasted // (8.0 * orbit))
-    spans = [(t > t[-1] - k * span) & (t <= t[-1] - (k - 1) * span) for k in (3, 2, 1)]
+    length = orbit * max(1.0, duration // (8.0 * orbit))
+    spans = [(t > t[-1] - k * length) & (t <= t[-1] - (k - 1) * length) for k in (3, 2, 1)]
     if not all(map(np.any, (*spans, last := t > t[-1] - orbit))):
         return math.nan, f"not known to be steady: too few instants are stored to tell{more}"
     mean = float(slip[last].mean())
-    (first, second, third) = (float(slip[one].mean()) for one in spans)
-    allowed = tolerance * max(abs(mean), 1e-2)
-    before = second - first
-    moved = third - second
-    if max(abs(before), abs(moved), abs(mean - third)) <= allowed:
+    first, second, third = (float(slip[span].mean()) for span in spans)
+    allowed = tolerance * max(abs(mean), _MIN_REFERENCE_SLIP)
+    earlier = second - first
+    later = third - second
+    if max(abs(earlier), abs(later), abs(mean - third)) <= allowed:
         return mean, "steady"
-    digits = 2 + max(
-        1, math.ceil(-math.log10(tolerance))
-    )  # so that what the tolerance tells apart looks different
+    # enough digits that values which differ by more than the tolerance look different
+    digits = 2 + max(1, math.ceil(-math.log10(tolerance)))
 
-    def shown(value: float) -> str:
+    def percent(value: float) -> str:
         return f"{100.0 * value:.{digits}g} %"
 
-    if not 0.0 <= moved < 0.95 * before and not before * 0.95 < moved <= 0.0:
-        went = f"from {shown(first)} over {shown(second)} to {shown(third)}"
+    bound = _MAX_CHANGE_RATIO * earlier
+    if not 0.0 <= later < bound and not bound < later <= 0.0:
+        values = f"from {percent(first)} over {percent(second)} to {percent(third)}"
         return (
             math.nan,
-            f"not steady: it moves {went}, the means of the last three spans{longer(2.0 * lasted)}",
+            f"not steady: it moves {values}, the means of the last three spans{longer(2.0 * duration)}",
         )
-    end = third + moved**2 / (before - moved)
-    if abs(end - mean) <= allowed:
+    limit = third + later**2 / (earlier - later)
+    if abs(limit - mean) <= allowed:
         return mean, "steady"
-    goes = f"it was {shown(mean)} over the last orbit and goes to about {shown(end)}"
-    return math.nan, f"not settled yet: {goes}{longer(2.0 * lasted)}"
+    change = f"it was {percent(mean)} over the last orbit and goes to about {percent(limit)}"
+    return math.nan, f"not settled yet: {change}{longer(2.0 * duration)}"
