@@ -35,7 +35,7 @@ def _hear_interrupts():
 
 _hear_interrupts()
 sys.dont_write_bytecode = "PYTHONDONTWRITEBYTECODE" in os.environ
-settings.register_profile("short", max_examples=25, deadline=None, derandomize=True)
+settings.register_profile("short", max_examples=12, deadline=None, derandomize=True)
 settings.register_profile("thorough", max_examples=1000, deadline=None, derandomize=False)
 settings.load_profile("short")
 

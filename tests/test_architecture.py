@@ -346,6 +346,8 @@ name = "mil-prf-7808"
 FULL = (
     MINIMAL
     + """eyring_stress = "4 MPa"
+[accuracy]
+slices = 3
 [cage]
 mass = "0.4 kg"
 inertia = "3.3e-3 kg m2"

@@ -45,14 +45,14 @@ def fuzz(target, seeds):
 
 
 COUNTS = {
-    "scene": 200,
-    "bearing": 120,
-    "setting": 250,
-    "unit": 2000,
-    "rig": 200,
-    "parameters": 250,
-    "measurements": 250,
-    "stages": 800,
+    "scene": 100,
+    "bearing": 60,
+    "setting": 120,
+    "unit": 800,
+    "rig": 100,
+    "parameters": 120,
+    "measurements": 120,
+    "stages": 300,
     "result": 40,
 }
 

@@ -48,8 +48,8 @@ def nothing_for_readers(monkeypatch):
 
     monkeypatch.setattr(band, "bands", refuse("bands"))
     monkeypatch.setattr(band, "consequences", refuse("consequences"))
-    monkeypatch.setattr(validity, "judged", refuse("judged"))
-    monkeypatch.setattr(validity, "difference", refuse("difference"))
+    monkeypatch.setattr(validity, "check_validity", refuse("check_validity"))
+    monkeypatch.setattr(validity, "law_difference", refuse("law_difference"))
     monkeypatch.setattr(execution, "warnings", refuse("warnings"))
     monkeypatch.setattr(Plan, "parts", property(refuse("parts")))
 
@@ -98,7 +98,9 @@ def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(
     calls = []
     bands = band.bands
     monkeypatch.setattr(band, "bands", lambda *given: calls.append(given) or bands(*given))
-    result = rollslip.run(SCENE, STUDY)
+    result = rollslip.run(
+        rollslip.evolve(rollslip.load_scene(SCENE), {"accuracy.slices": 3}), STUDY
+    )
     assert not calls
     for _ in range(2):
         REQUESTED[requested](result, tmp_path)

@@ -312,6 +312,7 @@ def test_weight_is_refused_where_it_turns_or_moves_in_time():
 def test_a_run_says_what_weight_leaves_out():
     few = {
         "study.effective-friction": {"points": 5, "map_points": 0, "skidding_range": 0.0},
+        "accuracy.slices": 3,
         "accuracy.tolerance": 0.05,
     }
     scene = slow(**few)

@@ -181,8 +181,9 @@ def test_a_steady_slip_does_not_know_which_roller_it_is(placed):
 MOTION = {"study.dynamics.duration": "0.5 ms", "study.dynamics.friction": "conventional", **DRAG}
 
 
-@pytest.mark.parametrize("level", ["cage-set", "pocket"])
-@pytest.mark.parametrize("of", PLACES)
+@pytest.mark.parametrize(
+    ("of", "level"), [*((of, "cage-set") for of in PLACES), ("orbit_angle", "pocket")]
+)
 def test_a_motion_has_places(placed, of, level):
     """What stays the same along a roller is what the motion says of it; along it, the mean is not that of friction."""
     factor = {"position": 100.0, "orbit_angle": 0.3, "roller": 0.5, "transverse_speed": 2.0}[of]

@@ -15,7 +15,9 @@ from rollslip.results.accounts import account_of
 from rollslip_campaigns.comparison.alternatives import ratio_band
 from without_bands import run
 
-SCENE = rollslip.evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 9})
+SCENE = rollslip.evolve(
+    rollslip.load_scene("gearbox"), {"accuracy.slices": 5, "accuracy.tolerance": 1e-2}
+)
 
 
 @pytest.fixture(scope="module")

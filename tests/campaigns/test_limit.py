@@ -143,7 +143,7 @@ def test_a_cage_that_runs_ahead_slips_as_much():
 def test_a_word_searches_what_its_key_does():
     words = ({"load": "0.5 kN:2 kN:3"}, "slip < 5 %")
     keys = ({"operation.radial_load": "0.5 kN:2 kN:3"}, "steady_slip <= 5 %")
-    scene = coarse("gearbox")
+    scene = coarse("gearbox", {"accuracy.slices": 3})
     one, two = (
         rollslip.limit(scene, *requested, study="steady-slip", within=0.2)
         for requested in (words, keys)
@@ -583,7 +583,7 @@ def test_what_moves_may_be_said_as_on_the_command_line():
 
 
 def test_of_several_studies_the_first_that_has_the_output_is_searched():
-    scene = rollslip.load_scene("1032930-70C")
+    scene = coarse("1032930-70C", {"accuracy.slices": 3})
     assert [*scene.study].index("effective-friction") < [*scene.study].index("friction-curve")
     assert (
         LimitSettings(scene, LENGTHS, "half_width >= 60 um").plan().sweep.study == "friction-curve"
@@ -601,16 +601,15 @@ def test_of_several_studies_the_first_that_has_the_output_is_searched():
 
 
 def test_a_slip_is_asked_of_the_study_of_the_cage_and_a_share_may_be_percent():
-    made = LimitSettings(
-        rollslip.load_scene("gearbox"), over="load=1 kN:3 kN:3", keep="slip<5%", within="5 %"
-    ).plan()
+    scene = coarse("gearbox", {"accuracy.slices": 3})
+    made = LimitSettings(scene, over="load=1 kN:3 kN:3", keep="slip<5%", within="5 %").plan()
     assert (made.requirement.output, made.within) == ("steady_slip", 0.05)
     for wrong in ("5 kN", None, [0.1], 0.6):
         with pytest.raises(
             SceneError, match=rf"such as 0.01 or '1 %', not {re.escape(str(wrong))}"
         ):
             LimitSettings(
-                rollslip.load_scene("gearbox"),
+                scene,
                 over="load=1 kN:3 kN:3",
                 keep="slip<5%",
                 within=wrong,

@@ -36,11 +36,11 @@ from rollslip.studies import study as studies
 from rollslip_campaigns.limit import LimitSettings
 from rollslip_campaigns.sweep import point
 from rollslip_campaigns.sweep import run as sweep_run
-from rollslip_campaigns.sweep.definition import Resolutions, here
-from rollslip_campaigns.sweep.findings import SweepAccount, axes
-from rollslip_campaigns.sweep.folder import begin, finish, status
-from rollslip_campaigns.sweep.journal import STATUSES, Journal, Row, journals, sessions, states
-from rollslip_campaigns.sweep.point import Done, _packed, compute
+from rollslip_campaigns.sweep.definition import Resolutions, installed_versions
+from rollslip_campaigns.sweep.findings import SweepAccount, axis_keys
+from rollslip_campaigns.sweep.folder import create_folder, write_result, read_status
+from rollslip_campaigns.sweep.journal import STATUSES, Journal, Row, journal_files, sessions, point_states
+from rollslip_campaigns.sweep.point import TaskResult, _packed, compute
 from rollslip_campaigns.sweep.result import collect
 from rollslip_campaigns.sweep.run import run_sweep
 from rollslip_campaigns.sweep.sampling import parse_over, parse_overs, plain_names, probabilities
@@ -519,9 +519,9 @@ def test_what_goes_wrong_only_in_combination_ends_that_point(tmp_path):
 
 def test_a_result_is_stored_whole_and_comes_back(tmp_path):
     sweep = planned()
-    folder = begin(sweep, tmp_path / "s")
+    folder = create_folder(sweep, tmp_path / "s")
     run_sweep(sweep, folder, engine=engine("serial"))
-    dataset = finish(sweep, folder)
+    dataset = write_result(sweep, folder)
     assert rollslip.open_result(folder / "sweep.nc").identical(dataset)
     assert dataset.attrs["scene"] == SCENE.text
     assert json.loads(dataset.attrs["packages"])["rollslip"]
@@ -702,7 +702,7 @@ def test_a_run_that_is_cut_off_and_gone_on_with_gives_the_same(tasks, serial, tm
     assert settled.progress.done == 10
     assert run_sweep(sweep, folder).why == "all points are done"
     assert same(collect(sweep, folder), serial)
-    assert len(journals(folder)) == len(tasks) + 1
+    assert len(journal_files(folder)) == len(tasks) + 1
 
 
 def test_threads_give_the_same(serial, tmp_path):
@@ -718,7 +718,7 @@ def nothing(work, points):
         rows.append(
             Row(number, "", "ok", "", 0.0, json.dumps(layout), np.float64(number).tobytes())
         )
-    return Done(tuple(rows), here(work.packages))
+    return TaskResult(tuple(rows), installed_versions(work.packages))
 
 
 def test_of_a_point_that_waits_or_is_done_one_byte_is_held(monkeypatch, tmp_path):
@@ -754,7 +754,7 @@ def test_a_long_message_costs_the_other_points_nothing(tmp_path):
     journal = Journal(tmp_path, {})
     journal.write([Row(0, "", "crashed", "x" * 10_000, 0.0)])
     journal.close("complete")
-    found = finish(sweep, tmp_path)
+    found = write_result(sweep, tmp_path)
     assert found.message.nbytes < 10_000
     assert rollslip.open_result(tmp_path / "sweep.nc").message.values.ravel().tolist() == [
         "x" * 10_000,
@@ -767,13 +767,13 @@ def test_a_long_message_costs_the_other_points_nothing(tmp_path):
 
 def test_a_folder_is_never_overwritten(tmp_path):
     sweep = planned()
-    folder = begin(sweep, tmp_path / "s")
+    folder = create_folder(sweep, tmp_path / "s")
     with pytest.raises(OutputError, match="holds a sweep; go on with it by: rollslip sweep resume"):
-        begin(sweep, folder)
+        create_folder(sweep, folder)
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "notes").touch()
     with pytest.raises(OutputError, match="exists and holds files; name another --out"):
-        begin(sweep, tmp_path / "full")
+        create_folder(sweep, tmp_path / "full")
     with pytest.raises(OutputError, match=r"holds no sweep, there is no sweep\.json"):
         open_sweep(tmp_path / "full")
 
@@ -783,7 +783,7 @@ def test_a_changed_scene_or_package_is_refused_and_said(tmp_path, monkeypatch):
     text = rollslip.load_scene("1032930-70C").text
     path.write_text(text)
     sweep = plan_sweep(str(path), OVER, study="friction-curve")
-    folder = begin(sweep, tmp_path / "s")
+    folder = create_folder(sweep, tmp_path / "s")
     assert open_sweep(folder).hash == sweep.hash
     path.write_text(text.replace('radial_load = "3415 N"', 'radial_load = "3416 N"'))
     with pytest.raises(
@@ -812,7 +812,7 @@ def test_samples_are_stored_with_their_sweep(tmp_path):
         sampling="latin-hypercube",
         engine="serial",
     )
-    folder = begin(sweep, tmp_path / "s")
+    folder = create_folder(sweep, tmp_path / "s")
     again = open_sweep(folder)
     assert np.array_equal(again.design.samples, sweep.design.samples)
     run_sweep(again, folder)
@@ -844,7 +844,7 @@ def test_the_engine_is_chosen_by_what_a_point_takes(tmp_path):
     sweep = planned()
     store_sweep(sweep, tmp_path)
     said = []
-    settled = run_sweep(sweep, tmp_path, said=said.append)
+    settled = run_sweep(sweep, tmp_path, print_line=said.append)
     assert settled.engine == "serial"
     assert said[0].startswith(f"engine {settled.engine}: a point takes ")
     assert get_class("engine", "processes").separate
@@ -872,13 +872,13 @@ def test_the_pace_of_points_is_looked_at_as_long_as_processes_take_to_start(
         pace = paces[min(len(taken), len(paces) - 1)]
         taken.append(len(points))
         clock[0] += 0.25
-        return Done(tuple(Row(n, "", "ok", "", pace) for n, _ in points), here(work.packages))
+        return TaskResult(tuple(Row(n, "", "ok", "", pace) for n, _ in points), installed_versions(work.packages))
 
     monkeypatch.setattr(sweep_run, "compute", paced)
     monkeypatch.setattr(sweep_run, "cores", lambda: 2)
     monkeypatch.setattr(sweep_run, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     run = sweep_run._Run(sweep, 400, sweep_run.Counter(), lambda progress: None)
-    monkeypatch.setattr(run, "_take", lambda done: None)
+    monkeypatch.setattr(run, "_commit", lambda done: None)
     chosen, _ = run.measured(
         sweep_run._Pending(range(400), bytearray(400), {0}), sweep_run._Interrupts()
     )
@@ -904,7 +904,7 @@ def test_a_failed_point_is_counted_until_it_succeeds(tmp_path):
         ]
     )
     journal.close("complete")
-    assert [STATUSES[k - 1] if k else "" for k in states(tmp_path, 6)] == [
+    assert [STATUSES[k - 1] if k else "" for k in point_states(tmp_path, 6)] == [
         "ok",
         "timed-out",
         "crashed",
@@ -912,15 +912,15 @@ def test_a_failed_point_is_counted_until_it_succeeds(tmp_path):
         "",
         "",
     ]
-    assert [number for number, *_ in status(tmp_path).errors] == [1, 2]
+    assert [number for number, *_ in read_status(tmp_path).errors] == [1, 2]
     settled = run_sweep(sweep, tmp_path, engine=engine("serial"))
     assert settled.progress.counts == {"ok": 4, "timed-out": 1, "crashed": 1}
-    assert settled.progress.here == 3
-    settled = run_sweep(sweep, tmp_path, engine=engine("serial"), again=("timed-out",))
+    assert settled.progress.computed == 3
+    settled = run_sweep(sweep, tmp_path, engine=engine("serial"), retry_statuses=("timed-out",))
     assert settled.progress.counts == {"ok": 5, "crashed": 1}
-    settled = run_sweep(sweep, tmp_path, engine=engine("serial"), again=STATUSES[1:])
+    settled = run_sweep(sweep, tmp_path, engine=engine("serial"), retry_statuses=STATUSES[1:])
     assert settled.progress.counts == {"ok": 6}
-    assert status(tmp_path).errors == []
+    assert read_status(tmp_path).errors == []
     assert (collect(sweep, tmp_path)["message"] == "").all()
 
 
@@ -967,17 +967,17 @@ def test_the_hash_of_a_point_is_that_of_its_scene(changes):
 
 
 def test_a_journal_that_is_none_is_named(tmp_path):
-    begin(planned(), tmp_path / "s")
+    create_folder(planned(), tmp_path / "s")
     (tmp_path / "s" / "journal-000000.sqlite").write_text(
         "nothing of the kind, and long enough to be read as a header"
     )
     with pytest.raises(
         OutputError, match=r"journal-000000.sqlite: is not a journal that can be read"
     ):
-        status(tmp_path / "s")
+        read_status(tmp_path / "s")
     # one that was killed before its first table is nothing
     (tmp_path / "s" / "journal-000000.sqlite").write_text("")
-    assert status(tmp_path / "s").done == 0
+    assert read_status(tmp_path / "s").done == 0
 
 
 def test_two_writers_of_a_folder_have_files_of_their_own(tmp_path):
@@ -988,7 +988,7 @@ def test_two_writers_of_a_folder_have_files_of_their_own(tmp_path):
     row = compute(sweep.work, [(0, sweep.design.changes(0))]).rows
     one.write(row)
     other.write(row)
-    assert states(tmp_path, 6)[0] == 1
+    assert point_states(tmp_path, 6)[0] == 1
     one.close("complete")
     other.close("complete")
 
@@ -1035,14 +1035,14 @@ def test_a_run_may_be_asked_for_some_points_of_a_design_only():
         SCENE, {"uncertainty": {"lubricant": {"viscosity_factor": uncertain}}, "accuracy.slices": 5}
     )
     sweep = plan_sweep(scene, {"operation.radial_load": ["1 kN", "2 kN"]}, samples=8)
-    assert list(attrs.evolve(sweep, only=(0, 1, 9)).numbers) == [0, 1, 9]
+    assert list(attrs.evolve(sweep, selected=(0, 1, 9)).numbers) == [0, 1, 9]
     assert list(sweep.numbers) == list(range(16))
 
 
 def test_the_time_left_is_that_of_the_points_that_are_left(tmp_path):
     """Four points in two seconds, of ten: six are left, which take three."""
     sweep = plan_sweep(SCENE, {"operation.radial_load": "500:5000:10"})
-    folder = begin(sweep, tmp_path / "s")
+    folder = create_folder(sweep, tmp_path / "s")
     journal = Journal(folder, {"engine": "serial", "sweep": sweep.hash})
     journal.write([Row(n, "", "crashed", "a test", 0.5) for n in range(4)])
     journal.close("interrupted")
@@ -1051,7 +1051,7 @@ def test_the_time_left_is_that_of_the_points_that_are_left(tmp_path):
         connection.execute(
             "update about set value = ? where name = 'started'", (repr(session.last - 2.0),)
         )
-    assert status(folder).left == pytest.approx(3.0, abs=1e-6)
+    assert read_status(folder).left == pytest.approx(3.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", ["threads", "processes"])
@@ -1126,11 +1126,11 @@ def test_dimensions_have_plain_names_and_the_whole_key_and_older_results_are_tol
         "slip_index",
     )
     assert result.sel(viscosity_factor=1.1).max_slip.attrs["key"] == "study.friction-curve.max_slip"
-    names = {name: result[name].attrs["key"] for name in axes(result)}
+    names = {name: result[name].attrs["key"] for name in axis_keys(result)}
     older = result.rename(names)
     for name in names.values():
         del older[name].attrs["key"]
-    assert axes(older) == {key: key for key in names.values()}
+    assert axis_keys(older) == {key: key for key in names.values()}
     assert SweepAccount.sentences(older) == SweepAccount.sentences(result)
 
 
@@ -1149,7 +1149,8 @@ def test_names_tell_apart_keys_that_end_alike_and_what_a_study_gives():
 
 def test_few_points_are_told_one_by_one():
     over = {"load": ["1 kN", "2 kN"], "oil": ["iso-vg-68", "iso-vg-220"]}
-    found = rollslip.sweep("gearbox", over, study="steady-slip", output="slip")
+    scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 3})
+    found = rollslip.sweep(scene, over, study="steady-slip", output="slip")
     (told,) = account_of(found).tables(found)
     assert told.head == ("operation.radial_load [kN]", "lubricant.name", "steady_slip [%]")
     assert [row[:2] for row in told.rows] == [

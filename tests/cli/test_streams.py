@@ -44,7 +44,12 @@ def test_a_full_output_is_one_sentence(command: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "where", [">&-", "2>&-", "2>/dev/full", ">&- 2>&- <&-", "2>/dev/full | head -1"]
+    "where",
+    [
+        ">&- 2>&- <&-",
+        "2>/dev/full | head -1",
+        *(pytest.param(one, marks=pytest.mark.slow) for one in (">&-", "2>&-", "2>/dev/full")),
+    ],
 )
 def test_results_are_kept_whatever_becomes_of_the_streams(where: str, tmp_path: Path) -> None:
     done = shell(f"{PROGRAM} {CURVE} {where}", tmp_path)

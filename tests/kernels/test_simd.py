@@ -67,7 +67,7 @@ single, *_ = stages.stages()
 rng = np.random.default_rng(7)
 filled = {}
 for model in single:
-    for n in (*range(1, 18), 255, 256, 257, 1000):
+    for n in (*range(1, 10), 15, 16, 17, 257):
         for wide in (0.0, 2.0):
             slices = stages.table(stages.typical(n))
             varied = {"load", "approach", "rolling_speed", "sliding_speed", "film_thickness"}

@@ -78,7 +78,7 @@ def error_of(name, path, n, seed=1):
 @every_set
 @every_function
 def test_worst_error_over_the_whole_range(name, path):
-    worst, at = error_of(name, path, 3000)
+    worst, at = error_of(name, path, 1000)
     assert worst <= FUNCTIONS[name][2], at
 
 

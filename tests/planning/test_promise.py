@@ -105,7 +105,7 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
     )
     assert line["resolution"] == "7 rollers, 128 roller positions within a pitch"
     assert re.search(
-        r"96 instants were seen to leave friction off by \d\.\de-03, so it was run again$",
+        r"96 roller positions were seen to leave friction off by \d\.\de-03, so it was run again$",
         line["reason"],
     )
     (line_before,) = (

@@ -12,8 +12,8 @@ from rollslip.bearing.assembly import assemble
 from without_bands import run
 
 SCRIPTS = Path(__file__).parents[2] / "docs" / "scripts"
-#: Every fourteenth size of the catalogue, so that all series and bores are there.
-EVERY = 14
+#: Every twenty-eighth size of the catalogue, so that all series and bores are there.
+EVERY = 28
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def test_the_torque_of_the_bench_is_that_of_the_study(bench):
     one = bench.scene("NU2216E", 4.6e5, 1, 1, "bath")
     quick, steady = bench.torque(assemble(one))
     whole = run(
-        evolve(one, {"accuracy.slices": "auto", "accuracy.tolerance": 5e-3, "models.torque": []}),
+        evolve(one, {"accuracy.slices": "auto", "accuracy.tolerance": 1e-2, "models.torque": []}),
         "steady-slip",
     )
     assert steady == quick

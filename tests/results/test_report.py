@@ -195,12 +195,13 @@ def skidding(tmp_path_factory):
     )
     result = rollslip.run(rollslip.evolve(scene, COARSE), "steady-slip")
     assert len(answer_of(result).shown()) == 8
+    figures = save_plots(result, folder)
 
     def page(**attributes):
         known = result.assign_attrs(attributes)
         write_report(
             {"steady-slip": known},
-            {"steady-slip": save_plots(known, folder)},
+            {"steady-slip": figures},
             folder / "report.html",
         )
         html = (folder / "report.html").read_text(encoding="utf-8")

@@ -423,7 +423,7 @@ def test_after_a_jump_rollers_in_their_pockets_go_on_as_under_the_new_operation_
 ):
     """Two runs of constant operations, the second from where the first ends; leapfrog's steps are as long in both, by
     the heaviest load, which the second would come to later."""
-    at = 4e-3
+    at = 2e-3
     to = "400 N"
     name = "radial_load"
     bearing = assemble(scene(WITHIN[level], **{name: {"shape": "step", "to": to, "at": at}}))
@@ -578,7 +578,7 @@ def test_what_each_roller_slid_is_integrated_at_every_step(level):
             {"study.dynamics.cage_slip": 0.05, **changes, "study.dynamics.points": points},
             radial_load=drop,
         )
-        for points in (6, 4001)
+        for points in (6, 2001)
     )
     speeds = dense.sliding_speed.to_numpy()
     times = dense.time.to_numpy()

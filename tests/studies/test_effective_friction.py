@@ -573,7 +573,9 @@ def test_memory_is_that_of_the_loads():
     assert peak < 3 * (requested + tables)
 
 
-@pytest.mark.parametrize("k", [11, 82, 99, 123, 250])
+@pytest.mark.parametrize(
+    "k", [11, 123, 250, *(pytest.param(k, marks=pytest.mark.slow) for k in (82, 99))]
+)
 def test_the_curve_of_free_rollers_does_not_depend_on_the_slips_that_are_asked_for(k):
     """Rollers of random bearings that have several balances, or come to have them between two slips.
 

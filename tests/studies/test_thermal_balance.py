@@ -575,7 +575,11 @@ def test_a_tight_fit_loads_more_rollers_and_slips_less():
 
 
 def test_a_balance_is_drawn_and_kept(tmp_path):
-    changes = {"study.thermal-balance.duration": "10 min", "study.thermal-balance.course_points": 5}
+    changes = {
+        "study.thermal-balance.duration": "10 min",
+        "study.thermal-balance.course_points": 5,
+        "accuracy.slices": 3,
+    }
     result = run(
         evolve(SCENE, {"models.thermal": network(oil_flow="15 g/s"), **changes}), "thermal-balance"
     )
@@ -593,7 +597,12 @@ def test_a_balance_is_drawn_and_kept(tmp_path):
 
 def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
     scene = evolve(
-        SCENE, {"models.thermal": network(oil_flow="15 g/s"), "study.thermal-balance.points": 8}
+        SCENE,
+        {
+            "models.thermal": network(oil_flow="15 g/s"),
+            "study.thermal-balance.points": 8,
+            "accuracy.slices": 3,
+        },
     )
     requested = [
         "stationary_temperature",

@@ -110,19 +110,39 @@ def _named(source: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
     return tuple(found)
 
 
-def imports(path: Path, known: Mapping[str, Path]) -> set[str]:
+def imports(path: Path, known: Mapping[str, Path]) -> frozenset[str]:
     """Return the modules that a file imports anywhere, also in functions, for types, and by dotted texts."""
+    return _imports_of(path.read_text(encoding="utf-8"), frozenset(known))
+
+
+@cache
+def _imports_of(source: str, known: frozenset[str]) -> frozenset[str]:
     found = set()
-    for module, names in _named(path.read_text(encoding="utf-8")):
+    for module, names in _named(source):
         # a name that is a module itself, or a name within one
-        found |= ({f"{module}.{name}" for name in names} & known.keys()) or {module}
-    for _, text in _texts(path):
+        found |= ({f"{module}.{name}" for name in names} & known) or {module}
+    for _, text in _texts_of(source):
         for name in re.findall(r"(?<![\w.`])rollslip(?:_studies|_campaigns)?(?:\.[a-z_]+)+", text):
             while name not in known and "." in name:
                 name = name.rpartition(".")[0]
             if "." in name:
                 found.add(name)
-    return found
+    return frozenset(found)
+
+
+@cache
+def _classes_asked_for(source: str) -> tuple[tuple[int, frozenset[str]], ...]:
+    """Line and classes of every question of what class something is."""
+    return tuple(
+        (
+            node.lineno,
+            frozenset(name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)),
+        )
+        for node in ast.walk(_tree(source))
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id == "isinstance"
+    )
 
 
 def folder(module: str) -> str:
@@ -151,7 +171,7 @@ def graph(root: Path = ROOT) -> dict[str, set[str]]:
     inner = {
         name: path for name, path in known.items() if path.name != "__init__.py" and name != FACE
     }
-    return {name: (imports(path, known) & inner.keys()) - {name} for name, path in inner.items()}
+    return {name: {*(imports(path, known) & inner.keys())} - {name} for name, path in inner.items()}
 
 
 def circles(root: Path = ROOT) -> list[str]:
@@ -249,19 +269,10 @@ def named_studies(root: Path = ROOT) -> list[str]:
                     found.append(f"{module}:{line} names the study {name!r}")
         if folder(module) in ("studies", "rollslip_studies"):
             continue
-        for node in ast.walk(_tree(path.read_text(encoding="utf-8"))):
-            if (
-                isinstance(node, ast.Call)
-                and isinstance(node.func, ast.Name)
-                and node.func.id == "isinstance"
-            ):
-                requested = {
-                    name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)
-                }
-                found += [
-                    f"{module}:{node.lineno} asks whether a study is {cls}"
-                    for cls in sorted(requested & classes)
-                ]
+        for line, asked in _classes_asked_for(path.read_text(encoding="utf-8")):
+            found += [
+                f"{module}:{line} asks whether a study is {cls}" for cls in sorted(asked & classes)
+            ]
     return found
 
 
