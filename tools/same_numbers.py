@@ -38,7 +38,7 @@ counted = {"rollers": 0, "friction": 0}
 
 def count() -> None:
     """Count the slips at which rollers and friction are evaluated."""
-    at = Motions.at
+    at = Motions.find
     together = raceways.friction_together
 
     def counted_at(self: Motions, slips: Any, starts: Any = None) -> Any:
@@ -49,7 +49,7 @@ def count() -> None:
         counted["friction"] += sum(slips.size for *_, slips in requested)
         return together(requested)
 
-    Motions.at = counted_at  # type: ignore[method-assign]
+    Motions.find = counted_at  # type: ignore[method-assign]
     raceways.friction_together = counted_friction
 
 
@@ -58,17 +58,17 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
     scene = scenes.wide(number)
     balance = scenes.balance(scene)
     begin = time.process_time()
-    way = balance.way(RANGE)
+    way = balance.loading_branch(RANGE)
     away = skidding_onset(balance, RANGE, "")
-    steady = way.steady(balance.drag)
+    steady = way.find_steady_motions(balance.drag)
     runs = running(balance, RANGE)
     yield "runaway slip", away.slip
     yield "runaway drag", away.drag
-    yield "jumps to", away.to
+    yield "jumps to", away.slip_after
     yield "runaway error", away.error
     yield "runaway status", away.status
-    yield "largest slip", way.largest[0]
-    yield "largest drag", way.largest[1]
+    yield "largest slip", way.maximum[0]
+    yield "largest drag", way.maximum[1]
     yield "steady slips", len(steady)
     yield "held", str([one.slope > 0.0 for one in steady])
     for k, one in enumerate(steady):

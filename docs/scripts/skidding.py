@@ -67,7 +67,9 @@ def maxima_before(assembly, slip):
     """Count smaller maxima of the torque at smaller slips, at which slip would jump."""
     if slip != slip:
         return 0
-    return sum(jump.slip < slip for jump in rollers(assembly, N_POSITIONS).way(RANGE).jumps)
+    return sum(
+        jump.slip < slip for jump in rollers(assembly, N_POSITIONS).loading_branch(RANGE).jumps
+    )
 
 
 def slip_at(balance, drag, end):

@@ -59,7 +59,7 @@ def ends(one, key):
 def slip(one):
     """Steady slip of rollers at one instant."""
     balance = rollers(assemble(one), 1, inertia=False)
-    return balance.way(0.95).steady(balance.drag)[0].slip
+    return balance.loading_branch(0.95).find_steady_motions(balance.drag)[0].slip
 
 
 @pytest.mark.parametrize("supply", SUPPLIES)

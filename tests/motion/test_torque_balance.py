@@ -21,15 +21,15 @@ from rollslip_studies.motion.torque_balance import (
 pytestmark = pytest.mark.quick
 
 
-def balance(drag, **way):
-    return SimpleNamespace(drag=drag, way=lambda largest: SimpleNamespace(**way))
+def balance(drag, **branch):
+    return SimpleNamespace(drag=drag, loading_branch=lambda max_slip: SimpleNamespace(**branch))
 
 
 def test_a_reserve_is_the_drag_of_running_away_over_that_of_the_scene():
     away = SkiddingOnset(0.2, 3.0, "found")
     runs = Running(0.1, 1.5, Status.FOUND)
     assert reserve(balance(None), away, runs).factor == 2.0
-    without = SkiddingOnset(math.nan, math.nan, "no skidding", most=3.0, most_slip=0.95)
+    without = SkiddingOnset(math.nan, math.nan, "no skidding", max_torque=3.0, max_torque_slip=0.95)
     for at_rest, factor in (
         (-2.0, 1.5),
         (-1.0, 3.0),
@@ -55,7 +55,7 @@ def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
     ("end", "told"), [(0.95, "there it all but stands"), (0.9, "raise KEY to look further")]
 )
 def test_a_cage_that_all_but_stands_is_not_looked_at_further(end, told):
-    said = nowhere(SimpleNamespace(largest=(end, 1.5), end=end, refusal=""), "KEY")
+    said = nowhere(SimpleNamespace(maximum=(end, 1.5), end=end, refusal=""), "KEY")
     assert (
         said
         == f"no skidding up to a slip of {end:g}, where the rollers carry the largest drag, 1.5 N m; {told}"

@@ -59,7 +59,7 @@ def test_all_studies_say_the_same_of_one_bearing(name):
 def test_all_studies_say_the_same_of_random_bearings(number):
     bearing = few((scenes.free, scenes.catalogue)[number % 2](1000 + number))
     try:
-        rollers(bearing, 1).way()
+        rollers(bearing, 1).loading_branch()
     except DomainError as error:
         for study in (SteadySlip(), EffectiveFriction()):
             with pytest.raises(DomainError, match=re.escape(str(error)[:20])):
@@ -112,8 +112,8 @@ def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
 def test_the_least_load_of_a_slip_that_the_cage_on_its_loading_branch_jumps_over_is_that_with_less_of_which_it_jumps():
     """Between the jump and where it leads to, though the rollers of a cage from above would hold it there."""
     bearing = few(HARD["two motions"])
-    jump = rollers(bearing, 1).way().describe_skidding
-    slip = math.sqrt(jump.slip * jump.to)
+    jump = rollers(bearing, 1).loading_branch().skidding_jump
+    slip = math.sqrt(jump.slip * jump.slip_after)
     found, _ = SteadySlip(acceptable_slip=slip).partial_result(bearing, frozenset({"minimum_load"}))
     load = found["minimum_load"][1]
     status = found["minimum_load_status"][1]
@@ -140,14 +140,14 @@ def test_the_slip_that_a_larger_drag_takes_the_cage_to_has_a_status_of_its_own()
 @pytest.mark.parametrize("error", [DomainError, ConvergenceError])
 def test_a_steady_slip_survives_a_failure_at_the_far_end_of_its_curve(error, monkeypatch):
     known = SteadySlip().run(few(HARD["no fold"]))
-    plain = Motions.at
+    plain = Motions.find
 
     def refusing(self, slips, starts=None):
         if np.any(slips > 0.5):
             raise error("no value there")
         return plain(self, slips, starts)
 
-    monkeypatch.setattr(Motions, "at", refusing)
+    monkeypatch.setattr(Motions, "find", refusing)
     found = SteadySlip().run(few(HARD["no fold"]))
     assert float(known.cage_slip[-1]) == 0.9
     assert 0.4 < float(found.cage_slip[-1]) <= 0.5

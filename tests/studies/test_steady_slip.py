@@ -124,7 +124,7 @@ def smallest(scene, drag):
     """Smallest steady slip of a scene."""
     assembly = assemble(dragged(scene, drag))
     balance = TorqueBalance(assembly, assembly.cage.drags, n_positions=2)
-    return balance.way().steady(balance.drag)[0].slip
+    return balance.loading_branch().find_steady_motions(balance.drag)[0].slip
 
 
 def even_forces(assembly, cage_slip):
@@ -173,7 +173,7 @@ def test_rolling_resistance_holds_the_rollers_and_drives_and_brakes_the_cage_as_
         Fo = Qo * (sliding - inner) / Linear().speed
         want = 28 * (k.inner_radius * (Fi + resistance) + k.outer_radius * (Fo - resistance))
         assert balance.torque(slip) == pytest.approx(want, rel=1e-8)
-    (steady,) = balance.way(0.2).steady(balance.drag)
+    (steady,) = balance.loading_branch(0.2).find_steady_motions(balance.drag)
     assert 0.0 < steady.slip < 0.2, "resistance alone makes a cage slip"
     assert steady.slope > 0.0
 

@@ -88,7 +88,7 @@ def steady(name, friction, drag):
         slip = 0.5 * (low + high)
         low, high = (
             (low, slip)
-            if balance.motions.at(np.array([slip]))[0][0].torque > drag
+            if balance.motions.find(np.array([slip]))[0][0].torque > drag
             else (slip, high)
         )
     return 0.5 * (low + high)

@@ -43,14 +43,14 @@ def held(given):
     try:
         one = of(*given)
         begin = time.process_time()
-        way = one.way(RANGE)
+        way = one.loading_branch(RANGE)
         row["milliseconds"] = round(1e3 * (time.process_time() - begin), 1)
-        dense = scenes.finer(one, 4).way(RANGE, steps=250)
+        dense = scenes.finer(one, 4).loading_branch(RANGE, steps=250)
     except RollslipError as error:
         return row | {"refused": str(error)[:80]}
-    away = way.describe_skidding
-    reference = dense.describe_skidding
-    row |= {"most [N m]": way.largest[1], "most, dense [N m]": dense.largest[1]}
+    away = way.skidding_jump
+    reference = dense.skidding_jump
+    row |= {"most [N m]": way.maximum[1], "most, dense [N m]": dense.maximum[1]}
     for name, jump in (("", away), (", dense", reference)):
         row[f"slip{name}"] = math.nan if jump is None else jump.slip
         row[f"drag{name} [N m]"] = math.nan if jump is None else jump.drag

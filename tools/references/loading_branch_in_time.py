@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 import loading_branch_scenes as scenes
 from rollslip.bearing.equilibrium import angular_positions
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import SLOW, logit_slip, orbit_loads, slip_of
+from rollslip_studies.motion.spins import SLOW, logit_slip, orbit_loads, slip_from_logit
 
 TABLE = Path(__file__).with_name("loading_branch_in_time.csv")
 RANGE = 0.95
@@ -278,9 +278,9 @@ class InTime:
 
 def beyond_of(away):
     """Mean slip over which the cage has run away: midway to where it jumps to, or three times that of the maximum."""
-    to = away.to if away.to == away.to else RANGE
-    _, high = away.around(1e-3)
-    return min(slip_of(0.5 * (logit_slip(high) + logit_slip(to))), 3.0 * high)
+    to = away.slip_after if away.slip_after == away.slip_after else RANGE
+    _, high = away.slips_within(1e-3)
+    return min(slip_from_logit(0.5 * (logit_slip(high) + logit_slip(to))), 3.0 * high)
 
 
 def above(away):
@@ -316,7 +316,7 @@ def bracket(one, away, heavy):
         else:
             high = level
             levels = []
-            if reached is None and away.to == away.to:
+            if reached is None and away.slip_after == away.slip_after:
                 _, _, reached, _ = told.held(at, level * away.drag, RANGE, orbits=12, end=end + 5.0)
     return {
         "held [N m]": low * away.drag, "runs away [N m]": high * away.drag, "to in time": reached,
@@ -326,7 +326,7 @@ def bracket(one, away, heavy):
 
 def carried(one, way, heavy):
     """Over what the way carries at the slips at which the cage comes to rest: parts of the most at the end of it."""
-    slip, most = way.largest
+    slip, most = way.maximum
     told = InTime(one, (slip, most))
     end = time.process_time() + LIMIT * heavy**0.5
     total = 0
@@ -338,7 +338,7 @@ def carried(one, way, heavy):
         if held is None:
             break
         told.cage *= 1.0 if off else heavy
-        off.append(part * most / way.at([at])[0].torque - 1.0 if held else math.inf)
+        off.append(part * most / way.interpolate([at])[0].torque - 1.0 if held else math.inf)
     return {f"off at {100 * part:.0f} %": one for part, one in zip(PARTS, off, strict=False)} | {
         "orbits": round(total)
     }
@@ -355,20 +355,20 @@ def row(kind, number, resists):
     begin = time.process_time()
     one = of(kind, number, resists)
     o = one.assembly.scene.operation
-    way = one.way(RANGE)
+    way = one.loading_branch(RANGE)
     out = {
         "kind": kind, "number": number, "resists": int(one.assembly.inner.chain.resists),
         "pocket": 0.0 if one.drags.pocket_friction is None else one.drags.pocket_friction.coefficient,
         "inner [rpm]": 60.0 * o.inner_speed / TURN, "outer [rpm]": 60.0 * o.outer_speed / TURN,
-        "load [N]": o.radial_load, "maxima": len(way.jumps), "most [N m]": way.largest[1],
+        "load [N]": o.radial_load, "maxima": len(way.jumps), "most [N m]": way.maximum[1],
     }  # fmt: skip
-    away = way.describe_skidding
-    dense = scenes.finer(one, 4).way(RANGE, steps=250).describe_skidding
+    away = way.skidding_jump
+    dense = scenes.finer(one, 4).loading_branch(RANGE, steps=250).skidding_jump
     out["finer way [N m]"] = math.nan if dense is None else dense.drag
     if away is not None:
         out |= {
             "slip": away.slip,
-            "to": away.to,
+            "to": away.slip_after,
             "predicted [N m]": away.drag,
             "error told": away.error,
         }

@@ -1,16 +1,32 @@
-"""The way up: the motions that the rollers of a bearing take while the drag on its cage is raised slowly from none.
+"""Find the loading branch: motions of the rollers while the drag on the cage is raised from zero, and where they jump.
 
-- Where tractions have passed their maximum a roller sticks to one ring and slides on the other, and mostly it may do so
-  on either: an imperfect pitchfork. From small slip goes on one of both motions. The other begins at a fold, and only a
-  cage from larger slips ever gets to it. All lie between those of rollers sent round from both ends
-  (`rollslip_studies.motion.spins`), which tell whether there is more than one.
-- Where a motion ends on the way up, rollers go to the one that they come to from there. At a maximum of the torque the
-  slip jumps to the next slip of the way that carries the drag. The cage runs away at the first maximum beyond which the
-  slip at least doubles, or nothing in the range carries the drag.
-- Where rollers change from ring to ring, positions of the orbit tell a maximum to the first order only. So each is
-  looked at once more with four times as many positions; all that this moves is told as its error, since what more of
-  them would move falls irregularly.
-- Nothing depends on what was asked before: all slips of a way are chosen by the bearing and its range alone.
+The periodic motion of the rollers is a function of the cage slip S with several values. Where the traction of a roller
+has passed its maximum, the roller may stick to the inner ring and slide on the outer one, or the other way round: an
+imperfect pitchfork bifurcation. The motion at small slips continues on one of both branches. The other branch starts
+at a fold, which only a cage that comes from larger slips can reach.
+
+The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque bends about equally at all slips:
+
+1. On a grid uniform in x, find the motions that rollers reach from rolling on either ring, by marching them to a
+   periodic solution (`rollslip_studies.motion.spins`). Where both marches agree, the motion is unique.
+2. Start at the smallest slip. At each next slip take the motion that is nearest to the previous one, by the
+   load-weighted L1 distance of their roller slips.
+3. Where there are two motions, march from the previous motion. If that reaches another motion than the nearest one,
+   replace it and repeat step 2 with it.
+4. Drop motions that did not converge, and isolated ones.
+5. Bisect the intervals beside a maximum of the torque, and those in which a motion ends, while a bound on the torque
+   inside exceeds the running maximum by 0.1 %.
+6. A motion from which the torque falls by more than 0.2 % before it is exceeded is a candidate for a jump.
+7. At a smooth maximum, find the vertex of the interpolating polynomial through up to nine samples. At the end of a
+   motion, take the last sample.
+8. Repeat step 7 with four times as many positions of the orbit. The change, added to the error of the interpolation,
+   is the stated error: what still more positions would change decreases irregularly. A maximum that finer positions
+   do not have is dropped.
+9. Find where the torque regains the maximum: the slip to which the cage jumps.
+10. Skidding starts at the first jump which at least doubles the slip, or after which no slip carries the drag.
+
+The slips are chosen by the bearing and the range alone, so that the result does not depend on earlier calls.
+Roots are found by regula falsi (Illinois) and secants, `rollslip.search`.
 """
 
 import itertools
@@ -25,550 +41,670 @@ import numpy as np
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.search import bracketed, secants, vertex
-from rollslip_studies.motion.spins import TWO, Motion, Motions, logit_slip, slip_of
+from rollslip_studies.motion.spins import (
+    DISTINCT,
+    Motion,
+    Motions,
+    logit_slip,
+    slip_from_logit,
+)
 
-#: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.
-_SMALLEST = 1e-4
-_STEP = 0.25
-_CORNER: Final = _STEP / 512.0
-#: Share of a maximum that counts as the same drag, exactness of its height, margin for what lies between slips, and how
-#: often these are halved; slips among which a maximum is told.
-_CLOSE = 1e-3
-_FOUND = 1e-6
-_SAFETY = 2.0
-_ROUNDS = 14
-_MOST = 9
-#: Share by which the torque has to fall behind a maximum.
-_FALL: Final = 2.0 * _CLOSE
-#: Fall that positions may make, which is looked at by more of them.
-_SHALLOW: Final = 0.02
-#: How many times the positions a maximum is looked at, and loads of a roller there.
-_FINER = 4
-_FEW = 8
-#: Least and largest half width of that look, in places; slips between which a corner is looked for, and how often.
-_SAME = 1e-7  # distance of places at which torques are alike but for rounding
-_NARROW = 2e-3
-_WIDE = 0.1
-_BETWEEN = 9
-_LOOKS = 2
-#: How often a look goes on, twice as far, where the torque still rises at its end.
-_FURTHER: Final = 5
-#: Exactness of the place that carries a drag again.
-_AGAIN: Final = 1e-3
-#: Exactness of a steady slip, relative to it and to its torque, and the first step below no slip.
-_STEADY = 1e-10
-_FASTER = 1e-5
-#: What is left where there is no balance, relative, and up to how many times an end one is looked for beside it.
-_LEFT = 1e-6
-_FARTHEST = 1.25
-#: Step of a slip, relative to it, by which the excess torque is differentiated.
-_NUDGE: Final = 1e-4
+
+@attrs.frozen(kw_only=True)
+class Tolerances:
+    """Numbers that control the search for the loading branch."""
+
+    #: Smallest cage slip of the grid. F_smallest
+    smallest_slip: float = 1e-4
+    #: Largest step of the grid in logit(S). F_step
+    grid_step: float = 0.25
+    #: Width in logit(S) to which the end of a motion is bisected. F_gap
+    gap_width: float = 0.25 / 512.0
+    #: Relative difference of torques which count as the same. F_equal
+    equal_drag: float = 1e-3
+    #: Relative change of the height F_vertex
+    vertex: float = 1e-6
+    #: Number
+    vertex_samples: int = 9
+    curvature_factor: float = 2.0
+    min_fall: float = 2e-3
+    shallow_fall: float = 0.02
+    position_factor: int = 4
+    n_loads: int = 8
+    max_half_width: float = 0.1
+    max_extensions: int = 5
+    end_samples: int = 9
+    end_passes: int = 2
+    regain: float = 1e-3
+    steady_slip: float = 1e-10
+    imbalance: float = 1e-6
+    outside_factor: float = 1.25
+    first_negative_slip: float = 1e-5
+    slope_step: float = 1e-4
+
+
+TOLERANCES: Final = Tolerances()
 
 
 @attrs.frozen
 class Jump:
-    """A maximum of the torque on the way up, from which the slip jumps."""
+    """A maximum of the torque on the loading branch, from which the slip jumps."""
 
-    #: slip, drag: Cage slip, and the drag [N m]: with more of it the slip jumps.
-    slip: float
-    drag: float
-    to: float  # slip to which it jumps, NaN if none in the range carries the drag
-    error: float  # of the drag, relative: what slips, positions and loads of a roller leave
-    #: Share of the drag -> slips between which the torque is within it.
-    around: Callable[[float], list[float]] = attrs.field(eq=False, repr=False)
+    slip: float  # cage slip of the maximum
+    drag: float  # torque of the maximum [N m]: with more drag the slip jumps
+    slip_after: float  # slip to which the cage jumps, NaN if none in the range carries the drag
+    error: float  # of the drag, relative: by the grid of slips, positions of the orbit and loads of a roller
+    #: Fraction of the drag -> the two slips between which the torque is within it.
+    slips_within: Callable[[float], list[float]] = attrs.field(eq=False, repr=False)
 
     @property
-    def away(self) -> bool:
-        """Whether the slip at least doubles, or nothing carries the drag: the cage runs away."""
-        return not self.to < 2.0 * self.slip
+    def is_skidding(self) -> bool:
+        """Whether the slip at least doubles, or nothing carries the drag: the cage skids."""
+        return not self.slip_after < 2.0 * self.slip
 
 
 @attrs.frozen
-class Steady:
-    """A steady slip on the way up, and the torque that it carries [N m]."""
+class SteadyMotion:
+    """A steady slip on the loading branch, and the torque that it carries [N m]."""
 
     slip: float
     torque: float
     motion: Motion = attrs.field(eq=False, repr=False)
-    _rise: Callable[[], float] = attrs.field(eq=False, repr=False)
+    _compute_slope: Callable[[], float] = attrs.field(eq=False, repr=False)
 
     @cached_property
     def slope(self) -> float:
-        """By how much its excess of torque grows with slip [N m].
+        """Derivative of the excess torque with respect to the slip [N m].
 
-        The cage holds it where that is above zero: with more slip more torque is left to speed it up.
+        The steady motion is stable where it is positive: with more slip, the rollers accelerate the cage.
         """
-        return self._rise()
+        return self._compute_slope()
 
 
 @attrs.frozen(eq=False)
 class LoadingBranch:
-    """The motions that rollers take while the drag is raised slowly from none; `loading_branch` finds them."""
+    """Motions of the rollers while the drag is raised from zero; `find_loading_branch` finds them."""
 
     _search: "_Search" = attrs.field(repr=False)
-    path: list[Motion]  # by growing slip, from a small one to the end of the range
-    others: list[Motion]  # motions beside it, that only a cage from larger slips has
-    at_rest: float  # torque of the rollers on a cage that does not slip [N m]
+    motions: list[Motion]  # by increasing slip, from a small one to the end of the range
+    other_motions: list[Motion]  # on other branches, which only a cage from larger slips reaches
+    torque_without_slip: float  # of the rollers on a cage that does not slip [N m]
     refusal: str = ""  # why the range ends early, empty if it does not
 
     @property
-    def exact(self) -> Motions:
-        """Motions on all slices."""
-        return self._search.exact
+    def full_motions(self) -> Motions:
+        """Motions on all slices of the rollers."""
+        return self._search.full_motions
 
     @cached_property
     def jumps(self) -> list[Jump]:
-        """Maxima of the torque from which the slip jumps, by growing slip and drag."""
-        found = [self._search.jump(self.path, k) for k in _peaks(self.path)]
-        return [jump for jump in found if jump is not None]
+        """Maxima of the torque from which the slip jumps, by increasing slip and drag."""
+        candidates = [self._search.find_jump(self.motions, k) for k in _find_maxima(self.motions)]
+        return [jump for jump in candidates if jump is not None]
 
     @property
-    def describe_skidding(self) -> Jump | None:
-        """Where the cage runs away, None if it does nowhere in the range."""
-        return next((jump for jump in self.jumps if jump.away), None)
+    def skidding_jump(self) -> Jump | None:
+        """The jump at which skidding starts, None if the cage skids nowhere in the range."""
+        return next((jump for jump in self.jumps if jump.is_skidding), None)
 
     @property
-    def largest(self) -> tuple[float, float]:
-        """Slip and torque [N m] of the most that the way carries: at the end of the range where nothing jumps."""
-        known = [(one.slip, one.torque) for one in (self.path[-1:] if self.jumps else self.path)]
-        return max(known + [(one.slip, one.drag) for one in self.jumps], key=lambda one: one[1])
+    def maximum(self) -> tuple[float, float]:
+        """Slip and torque [N m] of the largest torque on the branch, which may be at the end of the range."""
+        motions = self.motions[-1:] if self.jumps else self.motions
+        candidates = [(motion.slip, motion.torque) for motion in motions]
+        candidates += [(jump.slip, jump.drag) for jump in self.jumps]
+        return max(candidates, key=lambda candidate: candidate[1])
 
     @cached_property
-    def largest_error(self) -> float:
-        """Error of the most that the way carries, relative: of a jump its own, else what finer positions move it by."""
-        slip, _ = self.largest
-        of_jumps = [jump.error for jump in self.jumps if jump.slip == slip]
-        return of_jumps[0] if of_jumps else self._search.missed(self.near(slip))
+    def maximum_error(self) -> float:
+        """Relative error of the largest torque: that of its jump, else the change by finer positions."""
+        slip, _ = self.maximum
+        errors = [jump.error for jump in self.jumps if jump.slip == slip]
+        return errors[0] if errors else self._search.estimate_error(self.motion_below(slip))
 
     @property
     def end(self) -> float:
         """Largest slip."""
-        return self.path[-1].slip
+        return self.motions[-1].slip
 
     @cached_property
     def curve(self) -> tuple[Array, Array]:
-        """Slips from none on and torques there [N m], (n,) each."""
+        """Slips from zero on, and torques there [N m], (n,) each."""
         slips = [0.0]
-        torques = [self.at_rest]
-        for motion in self.path:
+        torques = [self.torque_without_slip]
+        for motion in self.motions:
             slips.append(motion.slip)
             torques.append(motion.torque)
         return np.array(slips), np.array(torques)
 
-    def steady(self, drag: Callable[[float], float]) -> list[Steady]:
-        """Return the slips, ascending, at which the way balances a drag; the first below zero where the cage is driven.
+    def find_steady_motions(self, drag: Callable[[float], float]) -> list[SteadyMotion]:
+        """Return the steady motions of a cage with a drag, by increasing slip.
+
+        The first one has a negative slip where the cage is driven beyond its epicyclic speed.
 
         Parameters
         ----------
         drag : callable
             Torque of all drags at a cage slip [N m], negative where it resists.
         """
-        left = self.at_rest + drag(0.0)
-        found = self._driven(drag, left) if left > 0.0 else []
-        for k, motion in enumerate(self.path):
-            right = motion.torque + drag(motion.slip)
-            if (left < 0.0) != (right < 0.0) and (k == 0 or motion.linked):
-                known = [motion] if k == 0 else [self.path[k - 1], motion]
-                found.append(
-                    self._between(
-                        known, 0.0 if k == 0 else known[0].slip, motion.slip, drag, left, right
-                    )
+        lower_excess = self.torque_without_slip + drag(0.0)
+        steady = self._find_driven_motion(drag, lower_excess) if lower_excess > 0.0 else []
+        for k, motion in enumerate(self.motions):
+            excess = motion.torque + drag(motion.slip)
+            if (lower_excess < 0.0) != (excess < 0.0) and (k == 0 or motion.linked):
+                known = self.motions[max(k - 1, 0) : k + 1]
+                low = 0.0 if k == 0 else known[0].slip
+                steady.append(
+                    self._balance(known, drag, (low, motion.slip), (lower_excess, excess))
                 )
-            left = right
-        return found
+            lower_excess = excess
+        return steady
 
-    def at(self, slips: Sequence[float]) -> list[Motion]:
-        """Return the motions of the way at other slips of its range, by the loads of the search."""
-        starts = np.array([self.near(slip).fraction[0] for slip in slips])
-        return [one for one, *_ in self._search.motions.at(np.array(slips), starts)]
+    def interpolate(self, slips: Sequence[float]) -> list[Motion]:
+        """Return the motions of the branch at other slips of its range, on few loads of a roller."""
+        starts = np.array([self.motion_below(slip).fraction[0] for slip in slips])
+        found = self._search.motions.find(np.array(slips), starts)
+        return [motions[0] for motions in found]
 
-    def near(self, slip: float) -> Motion:
-        """Return the motion of the path at the largest slip up to one, from which rollers come to that of this slip."""
-        return next((one for one in reversed(self.path) if one.slip <= slip), self.path[0])
+    def motion_below(self, slip: float) -> Motion:
+        """Return the motion at the largest slip up to ``slip``, from which a march stays on the branch."""
+        below = (motion for motion in reversed(self.motions) if motion.slip <= slip)
+        return next(below, self.motions[0])
 
-    def _driven(self, drag: Callable[[float], float], over: float) -> list[Steady]:
-        """The balance of a cage that is faster than its epicyclic speed; none up to twice that."""
+    def _find_driven_motion(
+        self, drag: Callable[[float], float], upper_excess: float
+    ) -> list[SteadyMotion]:
+        """The steady motion of a cage that is faster than its epicyclic speed; none beyond twice that speed."""
         high = 0.0
-        low = -_FASTER
+        low = -TOLERANCES.first_negative_slip
         while high > -1.0:
-            motion = self.exact.at(np.array([low]))[0][0]
-            below = motion.torque + drag(low)
-            if below < 0.0:
-                return [self._between([motion], low, high, drag, below, over)]
+            motion = self.full_motions.find(np.array([low]))[0][0]
+            lower_excess = motion.torque + drag(low)
+            if lower_excess < 0.0:
+                return [self._balance([motion], drag, (low, high), (lower_excess, upper_excess))]
             high = low
             low = max(2.0 * low, -1.0)
-            over = below
+            upper_excess = lower_excess
         return []
 
-    def _between(
+    def _balance(
         self,
         known: list[Motion],
-        low: float,
-        high: float,
         drag: Callable[[float], float],
-        below: float,
-        over: float,
-    ) -> Steady:
-        """The balance between two slips, beside motions that are known, on all slices."""
-        motion = known[0]
+        interval: tuple[float, float],
+        excesses: tuple[float, float],
+    ) -> SteadyMotion:
+        """The steady motion in an interval of slips, on all slices, from the excess torques at its ends."""
+        excess = _ExcessTorque(self.full_motions, drag, known)
+        low, high = interval
+        slip = bracketed(excess, low, high, *excesses, relative=TOLERANCES.steady_slip)
+        distance = min(abs(slip - low), abs(high - slip))
+        if distance <= TOLERANCES.imbalance * abs(slip) and not excess.is_balanced:
+            # few loads of a roller give a sign at that end which all slices do not give: the root is outside
+            factor = TOLERANCES.outside_factor
+            first, last = sorted((slip / factor, slip * factor))
+            slope = (excesses[1] - excesses[0]) / (high - low)
+            tolerance = TOLERANCES.steady_slip * abs(slip)
+            root = secants(excess, slip, slope, tolerance=tolerance, within=(first, last))
+            if root is None:
+                excess(slip)
+        motion = excess.motion
+        return SteadyMotion(motion.slip, -drag(motion.slip), motion, excess.slope)
 
-        def excess(at: float) -> float:
-            nonlocal motion
-            near = min(known, key=lambda one: abs(one.slip - at))
-            motion = self.exact.at(np.array([at]), near.fraction[:1])[0][0]
-            value = motion.torque + drag(at)
-            return value if abs(value) > _STEADY * abs(motion.torque) else 0.0
 
-        def rise() -> float:
-            beside = motion.slip * np.array([1.0 - _NUDGE, 1.0 + _NUDGE])
-            left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.fraction[0])))
-            return (right.torque + drag(right.slip) - left.torque - drag(left.slip)) / (
-                right.slip - left.slip
-            )
+class _ExcessTorque:
+    """Torque of the rollers, on all slices, in excess of the drag on the cage [N m], as a function of the slip."""
 
-        at = bracketed(excess, low, high, below, over, relative=_STEADY)
-        near = min(abs(at - low), abs(high - at)) <= _LEFT * abs(at)
-        if near and abs(motion.torque + drag(motion.slip)) > _LEFT * abs(motion.torque):
-            # few loads of a roller tell a sign at that end that all slices do not: it lies beside it
-            first, last = sorted((at / _FARTHEST, at * _FARTHEST))
-            slope = (over - below) / (high - low)
-            if (
-                secants(excess, at, slope, tolerance=_STEADY * abs(at), within=(first, last))
-                is None
-            ):
-                excess(at)
-        return Steady(motion.slip, -drag(motion.slip), motion, rise)
+    def __init__(
+        self, motions: Motions, drag: Callable[[float], float], known: list[Motion]
+    ) -> None:
+        self.motions = motions
+        self.drag = drag
+        self.known = known  # from the nearest of which rollers are marched
+        self.motion = known[0]  # at the last slip
+
+    def __call__(self, slip: float) -> float:
+        nearest = min(self.known, key=lambda motion: abs(motion.slip - slip))
+        self.motion = self.motions.find(np.array([slip]), nearest.fraction[:1])[0][0]
+        excess = self.motion.torque + self.drag(slip)
+        is_rounding = abs(excess) <= TOLERANCES.steady_slip * abs(self.motion.torque)
+        return 0.0 if is_rounding else excess
+
+    @property
+    def is_balanced(self) -> bool:
+        """Whether the torques balance at the last slip."""
+        motion = self.motion
+        imbalance = abs(motion.torque + self.drag(motion.slip))
+        return not imbalance > TOLERANCES.imbalance * abs(motion.torque)
+
+    def slope(self) -> float:
+        """Derivative with respect to the slip at the last slip [N m], by the central difference."""
+        step = TOLERANCES.slope_step
+        slips = self.motion.slip * np.array([1.0 - step, 1.0 + step])
+        found = self.motions.find(slips, np.full(2, self.motion.fraction[0]))
+        left, right = (motions[0] for motions in found)
+        rise = right.torque + self.drag(right.slip) - left.torque - self.drag(left.slip)
+        return rise / (right.slip - left.slip)
+
+
+@attrs.frozen
+class _Maximum:
+    """A maximum of the torque: logit of its slip, the torque [N m], and the relative error of the torque."""
+
+    logit: float
+    torque: float
+    error: float
 
 
 class _Search:
-    """The way up, and what is largest on it."""
+    """The search for the loading branch of one bearing and for its jumps."""
 
-    def __init__(self, motions: Motions, exact: Motions) -> None:
-        self.motions = motions
-        self.exact = exact
+    def __init__(self, motions: Motions, full_motions: Motions) -> None:
+        self.motions = motions  # on few loads of a roller
+        self.full_motions = full_motions  # on all slices
 
-    def ways(self, slips: Sequence[float]) -> tuple[list[Motion], list[Motion]]:
-        """The way up through slips, and motions beside it: all lie between those that either end leads to."""
-        motions = self.motions
-        n = len(slips)
-        pairs = motions.at(np.array(slips))
-        others = [motion for pair in pairs if len(pair) > 1 for motion in pair if motion.sure]
+    # The branch -------------------------------------------------------------------------------------------------------
+
+    def follow(self, slips: Sequence[float]) -> tuple[list[Motion], list[Motion]]:
+        """Return the motions of the loading branch at some slips, and those of other branches (steps 1 to 3)."""
+        candidates = self.motions.find(np.array(slips))
+        others = [
+            motion for pair in candidates if len(pair) > 1 for motion in pair if motion.converged
+        ]
         while True:
-            way = [pairs[0][0]]
-            for k in range(1, n):
-                below = way[-1]
-                pair = pairs[k]
-                if below.sure and not any(
-                    one.sure for one in pair
-                ):  # neither end settles, what is between them may
-                    pair = motions.at(np.array(slips[k : k + 1]), below.fraction[:1])[0]
-                way.append(
-                    motions.link(
-                        below,
-                        min(pair, key=lambda one: motions.apart(one.fraction, below.fraction)),
-                    )
-                )
-            two = [k for k in range(1, n) if len(pairs[k]) > 1]
-            wrong = None
-            if two:
-                again = motions.at(
-                    np.array([slips[k] for k in two]),
-                    np.array([way[k - 1].fraction[0] for k in two]),
-                )
-                off = (
-                    (k, one[0])
-                    for k, one in zip(two, again, strict=True)
-                    if motions.apart(one[0].fraction, way[k].fraction) >= TWO
-                )
-                wrong = next(off, None)
-            if wrong is None:
-                own = {motion.slip: motion.fraction for motion in way}
-                return way, [
-                    one for one in others if motions.apart(one.fraction, own[one.slip]) >= TWO
-                ]
-            pairs[wrong[0]] = [wrong[1]]  # and what follows is chosen anew
-
-    def refined(self, way: list[Motion]) -> list[Motion]:
-        """Halve intervals beside peaks, and those in which a motion ends, where they may hold more than all below."""
-        least = min(0.0, way[0].torque)
-        for _ in range(_ROUNDS):
-            most = np.maximum.accumulate([motion.torque for motion in way])
-            todo = []
-            for k, (a, b) in enumerate(itertools.pairwise(way)):
-                wide = b.place - a.place
-                over = 0.0
-                if not b.linked:  # along a motion the torque grows at most with the slip, from what brakes at none
-                    over = a.torque + (a.torque - least) * math.expm1(wide)
-                    over = max(over, b.torque + (b.torque - least) * 0.5 * wide)
-                elif any(_is_peak(way, j) and way[j].torque == most[j] for j in (k, k + 1)):
-                    over = (
-                        max(a.torque, b.torque)
-                        + _SAFETY * max(_bend(way, k), _bend(way, k + 1)) * wide**2 / 8.0
-                    )
-                if wide > _CORNER and over > max((1.0 + _CLOSE) * most[k + 1], 0.0):
-                    todo.append(k)
-            if not todo:
+            branch = self._take_nearest(slips, candidates)
+            correction = self._find_correction(slips, candidates, branch)
+            if correction is None:
                 break
-            middle = np.array([slip_of(0.5 * (way[k].place + way[k + 1].place)) for k in todo])
-            found = self.motions.at(middle, np.array([way[k].fraction[0] for k in todo]))
-            for k, (motion, *_) in sorted(zip(todo, found, strict=True), key=lambda one: -one[0]):
-                if not motion.sure:  # it only halves the interval
-                    motion = attrs.evolve(motion, torque=min(way[k].torque, way[k + 1].torque))
-                way[k + 1 : k + 2] = [
-                    self.motions.link(way[k], motion),
-                    self.motions.link(motion, way[k + 1]),
-                ]
-        return way
+            k, motion = correction
+            candidates[k] = [motion]  # what follows is chosen anew
+        own = {motion.slip: motion.fraction for motion in branch}
+        distance = self.motions.distance
+        others = [
+            other for other in others if distance(other.fraction, own[other.slip]) >= DISTINCT
+        ]
+        return branch, others
 
-    def jump(self, way: list[Motion], k: int) -> Jump | None:
-        """The peak at motion k: a vertex of a polynomial, or a corner; None if more positions know no fall behind."""
-        place = way[k].place
-        drag = way[k].torque
-        beside = way[max(k - 1, 0) : k + 2]
-        corner = len(beside) < 3 or not (way[k].linked and way[k + 1].linked)
-        error = 1.0 if not corner else _beside(way, k) / drag
-        if not corner:
-            place, drag, error = self._climbed(self.motions, list(beside))
-        on = next((j for j in range(k + 1, len(way)) if way[j].torque > drag), len(way))
-        to = self._carried_again(way[on - 1], way[on], drag) if on < len(way) else math.nan
-        few = place, drag
-        low, high = (logit_slip(slip) for slip in _around(way[:on], k, few, place, _CLOSE))
-        error = max(error, way[k].error)
-        dip = min(way[k + 1 : on], key=lambda motion: motion.torque)
-        finer = (
-            self._corner(way, k)
-            if corner
-            else self._finer(way[k], place, 0.5 * (high - low), dip.place)
+    def _take_nearest(self, slips: Sequence[float], candidates: list[list[Motion]]) -> list[Motion]:
+        """At each slip, the candidate nearest to the motion at the previous slip."""
+        motions = self.motions
+        branch = [candidates[0][0]]
+        for k in range(1, len(slips)):
+            previous = branch[-1]
+            pair = candidates[k]
+            if previous.converged and not any(motion.converged for motion in pair):
+                # neither march from a ring converges, that from the previous motion may
+                pair = motions.find(np.array(slips[k : k + 1]), previous.fraction[:1])[0]
+            distances = [motions.distance(motion.fraction, previous.fraction) for motion in pair]
+            nearest = pair[distances.index(min(distances))]
+            branch.append(motions.link(previous, nearest))
+        return branch
+
+    def _find_correction(
+        self, slips: Sequence[float], candidates: list[list[Motion]], branch: list[Motion]
+    ) -> tuple[int, Motion] | None:
+        """The first slip at which a march from the previous motion reaches another one than the nearest."""
+        ambiguous = [k for k in range(1, len(slips)) if len(candidates[k]) > 1]
+        if not ambiguous:
+            return None
+        marched = self.motions.find(
+            np.array([slips[k] for k in ambiguous]),
+            np.array([branch[k - 1].fraction[0] for k in ambiguous]),
         )
-        if finer is None:
-            error = math.inf
+        for k, (motion, *_) in zip(ambiguous, marched, strict=True):
+            if self.motions.distance(motion.fraction, branch[k].fraction) >= DISTINCT:
+                return k, motion
+        return None
+
+    def refine(self, branch: list[Motion]) -> list[Motion]:
+        """Bisect the intervals which may contain a larger torque than all below (step 5)."""
+        lowest = min(0.0, branch[0].torque)
+        while intervals := _find_intervals(branch, lowest):
+            logits = [0.5 * (branch[k].logit_slip + branch[k + 1].logit_slip) for k in intervals]
+            middle = np.array([slip_from_logit(x) for x in logits])
+            found = self.motions.find(middle, np.array([branch[k].fraction[0] for k in intervals]))
+            for k, (motion, *_) in reversed(list(zip(intervals, found, strict=True))):
+                if not motion.converged:  # it only bisects the interval
+                    torque = min(branch[k].torque, branch[k + 1].torque)
+                    motion = attrs.evolve(motion, torque=torque)
+                branch[k + 1 : k + 2] = [
+                    self.motions.link(branch[k], motion),
+                    self.motions.link(motion, branch[k + 1]),
+                ]
+        return branch
+
+    # Its jumps --------------------------------------------------------------------------------------------------------
+
+    def find_jump(self, branch: list[Motion], k: int) -> Jump | None:
+        """The jump from the maximum at motion k (steps 7 to 9); None if finer positions have no such maximum."""
+        is_smooth = _is_linked_to_both(branch, k)
+        if is_smooth:
+            coarse = self._find_vertex(self.motions, branch[k - 1 : k + 2])
         else:
-            at, torque, more = finer
-            error = max(error, more) + abs(torque / drag - 1.0)
-            place = at
-            drag = torque
-        # positions alone may have bent it down: a little, or by more where the finer torque rises on to the dip itself
-        if dip.torque > (1.0 - _SHALLOW) * drag or place > dip.place - _CORNER:
-            bottom = self._at_finer(dip)
-            if bottom.sure and bottom.torque >= (1.0 - _FALL) * drag:
-                return None
-        to = math.nan if math.isnan(to) else slip_of(to)
-        around = partial(_around, way[:on], k, few, place)
-        return Jump(slip_of(place), drag, to, error, around)
+            error = _estimate_rise_in_gap(branch, k) / branch[k].torque
+            coarse = _Maximum(branch[k].logit_slip, branch[k].torque, error)
+        larger = (j for j in range(k + 1, len(branch)) if branch[j].torque > coarse.torque)
+        after = next(larger, len(branch))
+        slip_after = math.nan
+        if after < len(branch):
+            slip_after = self._find_regain(branch[after - 1], branch[after], coarse.torque)
+        lowest = min(branch[k + 1 : after], key=lambda motion: motion.torque)
+        around = branch[:after], k, coarse
+        if is_smooth:
+            slips = _slips_within(*around, coarse.logit, TOLERANCES.equal_drag)
+            low, high = (logit_slip(slip) for slip in slips)
+            half_width = 0.5 * (high - low)
+            fine = self._find_fine_vertex(branch[k], coarse.logit, half_width, lowest.logit_slip)
+        else:
+            fine = self._find_fine_end(branch[k])
+        error = max(coarse.error, branch[k].error)
+        maximum = attrs.evolve(coarse, error=math.inf)
+        if fine is not None:
+            change = abs(fine.torque / coarse.torque - 1.0)
+            maximum = attrs.evolve(fine, error=max(error, fine.error) + change)
+        if self._is_artefact(maximum, lowest):
+            return None
+        slips_within = partial(_slips_within, *around, maximum.logit)
+        slip = slip_from_logit(maximum.logit)
+        return Jump(slip, maximum.torque, slip_after, maximum.error, slips_within)
 
-    def _carried_again(self, a: Motion, b: Motion, drag: float) -> float:
-        """Place between two motions of the way at which a drag is carried again."""
-        if not b.linked:
-            return b.place
+    def _find_regain(self, below: Motion, above: Motion, drag: float) -> float:
+        """The slip between two motions of the branch at which a drag is carried again."""
+        if not above.linked:
+            return slip_from_logit(above.logit_slip)
 
-        def over(place: float) -> float:
-            return self.motions.at(np.array([slip_of(place)]), a.fraction[:1])[0][0].torque - drag
+        def excess(logit: float) -> float:
+            found = self.motions.find(np.array([slip_from_logit(logit)]), below.fraction[:1])
+            return found[0][0].torque - drag
 
-        return bracketed(over, a.place, b.place, a.torque - drag, b.torque - drag, tolerance=_AGAIN)
+        low = below.logit_slip
+        high = above.logit_slip
+        ends = below.torque - drag, above.torque - drag
+        return slip_from_logit(bracketed(excess, low, high, *ends, tolerance=TOLERANCES.regain))
+
+    def _find_vertex(self, motions: Motions, samples: list[Motion]) -> _Maximum:
+        """The maximum between samples, by vertices of interpolating polynomials."""
+        known = {motion.logit_slip: motion for motion in samples}
+        error = math.inf
+        while len(known) < TOLERANCES.vertex_samples and error > TOLERANCES.vertex:
+            logits = sorted(known)
+            logit, height = vertex(logits, [known[x].torque for x in logits])
+            if logit in known:  # a kink, or the largest sample is at an end
+                break
+            nearest = min(known, key=lambda x, at=logit: abs(x - at))
+            start = known[nearest].fraction[:1]
+            motion = motions.find(np.array([slip_from_logit(logit)]), start)[0][0]
+            if not motion.converged:
+                break
+            known[logit] = motion
+            error = abs(motion.torque / height - 1.0)
+        logits = sorted(known)
+        best = max(known.values(), key=lambda motion: motion.torque)
+        rise = _estimate_rise(logits, [known[x].torque for x in logits])
+        return _Maximum(best.logit_slip, best.torque, min(error, rise))
+
+    # The same on more positions ---------------------------------------------------------------------------------------
 
     @cached_property
-    def _fine(self) -> Motions:
-        return self.exact.like(n_positions=_FINER * self.motions.n_positions, few=_FEW)
+    def _fine_motions(self) -> Motions:
+        n_positions = TOLERANCES.position_factor * self.motions.n_positions
+        return self.full_motions.with_resolution(n_positions, TOLERANCES.n_loads)
 
-    def _climbed(self, motions: Motions, around: list[Motion]) -> tuple[float, float, float]:
-        """Place and height of a maximum between motions, by vertices of polynomials, and by how much these miss it."""
-        known = {motion.place: motion for motion in around}
-        error = math.inf
-        while len(known) < _MOST and error > _FOUND:
-            at, height = vertex(sorted(known), [known[x].torque for x in sorted(known)])
-            near = min(known.values(), key=lambda motion: abs(motion.place - at))
-            if abs(near.place - at) < _SAME:
-                break
-            new = motions.at(np.array([slip_of(at)]), near.fraction[:1])[0][0]
-            if not new.sure:
-                break
-            known[at] = new
-            error = abs(new.torque / height - 1.0)
-        best = max(known.values(), key=lambda motion: motion.torque)
-        return (
-            best.place,
-            best.torque,
-            min(error, _rise(sorted(known), [known[x].torque for x in sorted(known)])),
-        )
+    def _find_fine_motion(self, motion: Motion) -> Motion:
+        """A motion on four times as many positions."""
+        return self._fine_motions.find(np.array([motion.slip]), motion.fraction[:1])[0][0]
 
-    def _finer(
-        self, near: Motion, place: float, half: float, end: float
-    ) -> tuple[float, float, float] | None:
-        """The same by four times the positions, up to where it has fallen; None if they do not tell it."""
-        half = min(max(half, _NARROW), _WIDE)
-        found = dict[float, Motion]()
-        places: tuple[float, ...] = (place - half, place, min(place + half, end))
-        for _ in range(_FURTHER):
-            slips = np.array([slip_of(x) for x in places])
-            new = self._fine.at(slips, np.full(slips.size, near.fraction[0]))
-            found |= {x: one[0] for x, one in zip(places, new, strict=True) if one[0].sure}
-            if len(found) < 2 or max(one.torque for one in found.values()) == 0.0:
+    def _find_fine_vertex(
+        self, start: Motion, logit: float, half_width: float, end: float
+    ) -> _Maximum | None:
+        """A smooth maximum on four times as many positions, up to ``end``; None if marches do not converge there."""
+        half_width = min(half_width, TOLERANCES.max_half_width)
+        known = dict[float, Motion]()
+        logits = [logit - half_width, logit, min(logit + half_width, end)]
+        for _ in range(TOLERANCES.max_extensions):
+            slips = np.array([slip_from_logit(x) for x in logits])
+            found = self._fine_motions.find(slips, np.full(slips.size, start.fraction[0]))
+            for x, (motion, *_) in zip(logits, found, strict=True):
+                if motion.converged:
+                    known[x] = motion
+            if len(known) < 2 or max(motion.torque for motion in known.values()) == 0.0:
                 return None
-            x = sorted(found)
-            half = 2.0 * half
-            top = max(x, key=lambda at: found[at].torque)
-            if x[0] < top < x[-1] or top == end:
+            first, *_, last = sorted(known)
+            half_width = 2.0 * half_width
+            top = max(sorted(known), key=lambda x: known[x].torque)
+            if first < top < last or top == end:
                 break
-            places = (max(top - half, x[0] - half) if top == x[0] else min(top + half, end),)
-            if places[0] in found:
+            beyond = min(top + half_width, end)
+            if top == first:
+                beyond = max(top - half_width, first - half_width)
+            if beyond in known:
                 break
-        return self._climbed(self._fine, list(found.values()))
+            logits = [beyond]
+        return self._find_vertex(self._fine_motions, list(known.values()))
 
-    def _at_finer(self, motion: Motion) -> Motion:
-        """A motion by four times the positions."""
-        return self._fine.at(np.array([motion.slip]), motion.fraction[:1])[0][0]
-
-    def missed(self, motion: Motion) -> float:
-        """What slips, positions and loads of a roller leave of the torque of a motion, relative."""
-        finer = self._at_finer(motion)
-        off = abs(finer.torque / motion.torque - 1.0) if motion.torque else 0.0
-        return max(motion.error, finer.error) + 2.0 * off if finer.sure else math.inf
-
-    def _corner(self, way: list[Motion], k: int) -> tuple[float, float, float] | None:
-        """Place and height of the end of a motion by four times the positions; None if they do not tell it."""
-        low = way[k].place - _WIDE
-        high = way[k].place + _WIDE
-        start = way[k].fraction[0]
-        best: tuple[float, float, float] | None = None
-        for _ in range(_LOOKS):
-            places = np.linspace(low, high, _BETWEEN).tolist()
-            found = [
-                one[0]
-                for one in self._fine.at(
-                    np.array([slip_of(x) for x in places]), np.full(_BETWEEN, start)
-                )
-            ]
-            torques = [one.torque if one.sure else -math.inf for one in found]
+    def _find_fine_end(self, motion: Motion) -> _Maximum | None:
+        """The end of a motion on four times as many positions; None if the torque is not largest inside the range."""
+        low = motion.logit_slip - TOLERANCES.max_half_width
+        high = motion.logit_slip + TOLERANCES.max_half_width
+        n = TOLERANCES.end_samples
+        maximum: _Maximum | None = None
+        for _ in range(TOLERANCES.end_passes):
+            logits = np.linspace(low, high, n).tolist()
+            slips = np.array([slip_from_logit(x) for x in logits])
+            found = self._fine_motions.find(slips, np.full(n, motion.fraction[0]))
+            torques = [fine.torque if fine.converged else -math.inf for fine, *_ in found]
             top = int(np.argmax(torques))
-            if not 0 < top < _BETWEEN - 1 or torques[top] == 0.0:
-                return best
-            low = places[top - 1]
-            high = places[top + 1]
-            best = (
-                places[top],
-                torques[top],
-                abs(max(torques[top - 1 : top + 2 : 2]) / torques[top] - 1.0),
-            )
-        return best
-
-
-def _is_peak(way: list[Motion], k: int) -> bool:
-    beside = (*way[max(k - 1, 0) : k], *way[k + 1 : k + 2])
-    return (
-        way[k].torque >= max((motion.torque for motion in beside), default=0.0)
-        and way[k].torque > 0.0
-    )
-
-
-def _around(
-    way: list[Motion], k: int, peak: tuple[float, float], known: float, fraction: float
-) -> list[float]:
-    """Slips up to which the torque is within a share of a peak beside motion k, whose place is known to be another."""
-    (place, drag) = peak
-    most = math.sqrt(fraction)
-    ends = list[float]()
-    for step in (-1, 1):
-        end = place
-        below = 0.0
-        j = k if (way[k].place - place) * step > 0.0 else k + step
-        while 0 <= j < len(way):
-            lower = math.sqrt(
-                max(1.0 - way[j].torque / drag, 0.0)
-            )  # straight over places on a parabola
-            if lower > most:
-                if j == k or way[max(j, j - step)].linked:
-                    end += (most - below) / (lower - below) * (way[j].place - end)
+            if not 0 < top < n - 1 or torques[top] == 0.0:
                 break
-            end = way[j].place
-            below = lower
-            j = j + step
-        ends.append(slip_of(end + known - place))
-    return ends
+            low = logits[top - 1]
+            high = logits[top + 1]
+            error = abs(max(torques[top - 1], torques[top + 1]) / torques[top] - 1.0)
+            maximum = _Maximum(logits[top], torques[top], error)
+        return maximum
+
+    def _is_artefact(self, maximum: _Maximum, lowest: Motion) -> bool:
+        """Whether the torque falls behind a maximum because of the positions alone, which only finer ones tell.
+
+        They make it fall by little, or by more where the finer torque rises up to the lowest motion itself.
+        """
+        is_shallow = lowest.torque > (1.0 - TOLERANCES.shallow_fall) * maximum.torque
+        is_at_end = maximum.logit > lowest.logit_slip - TOLERANCES.gap_width
+        if not (is_shallow or is_at_end):
+            return False
+        fine = self._find_fine_motion(lowest)
+        return fine.converged and fine.torque >= (1.0 - TOLERANCES.min_fall) * maximum.torque
+
+    def estimate_error(self, motion: Motion) -> float:
+        """Relative error of the torque of a motion: its own, and twice the change by four times the positions."""
+        fine = self._find_fine_motion(motion)
+        if not fine.converged:
+            return math.inf
+        change = abs(fine.torque / motion.torque - 1.0) if motion.torque else 0.0
+        return max(motion.error, fine.error) + 2.0 * change
 
 
-def _bend(way: list[Motion], k: int) -> float:
-    """Second derivative of the torque over the place, without sign; 0 at a gap."""
-    if not 0 < k < len(way) - 1 or not (way[k].linked and way[k + 1].linked):
+# Intervals and maxima of a branch -------------------------------------------------------------------------------------
+
+
+def _is_linked_to_both(branch: list[Motion], k: int) -> bool:
+    """Whether motion k is linked to the motions at the previous and at the next slip."""
+    return 0 < k < len(branch) - 1 and branch[k].linked and branch[k + 1].linked
+
+
+def _is_local_maximum(branch: list[Motion], k: int) -> bool:
+    """Whether the torque of motion k is positive and not below those of its neighbours."""
+    torques = [motion.torque for motion in branch[max(k - 1, 0) : k + 2]]
+    return branch[k].torque >= max(torques) and branch[k].torque > 0.0
+
+
+def _find_intervals(branch: list[Motion], lowest: float) -> list[int]:
+    """The first motions of the intervals to bisect; ``lowest`` is the torque that resists at no slip [N m]."""
+    running_maxima = np.maximum.accumulate([motion.torque for motion in branch])
+    intervals = []
+    for k, (a, b) in enumerate(itertools.pairwise(branch)):
+        bound = 0.0
+        if not b.linked:
+            bound = _bound_in_gap(a, b, lowest)
+        elif any(
+            _is_local_maximum(branch, j) and branch[j].torque == running_maxima[j]
+            for j in (k, k + 1)
+        ):
+            bound = _bound_at_maximum(branch, k)
+        exceeded = (1.0 + TOLERANCES.equal_drag) * running_maxima[k + 1]
+        if b.logit_slip - a.logit_slip > TOLERANCES.gap_width and bound > max(exceeded, 0.0):
+            intervals.append(k)
+    return intervals
+
+
+def _bound_in_gap(a: Motion, b: Motion, lowest: float) -> float:
+    """Upper bound of the torque between two motions that are not linked [N m].
+
+    Along a motion, the torque in excess of the lowest one grows at most in proportion to the slip.
+    """
+    width = b.logit_slip - a.logit_slip
+    bound = a.torque + (a.torque - lowest) * math.expm1(width)
+    return max(bound, b.torque + (b.torque - lowest) * 0.5 * width)
+
+
+def _bound_at_maximum(branch: list[Motion], k: int) -> float:
+    """Upper bound of the torque between motions k and k + 1, by its second derivative [N m]."""
+    width = branch[k + 1].logit_slip - branch[k].logit_slip
+    bend = max(_second_derivative(branch, k), _second_derivative(branch, k + 1))
+    torque = max(branch[k].torque, branch[k + 1].torque)
+    return torque + TOLERANCES.curvature_factor * bend * width**2 / 8.0
+
+
+def _second_derivative(branch: list[Motion], k: int) -> float:
+    """Absolute second derivative of the torque with respect to the logit of the slip; 0 at a gap."""
+    if not _is_linked_to_both(branch, k):
         return 0.0
-    a, b, c = way[k - 1 : k + 2]
-    rises = (b.torque - a.torque) / (b.place - a.place), (c.torque - b.torque) / (c.place - b.place)
-    return 2.0 * abs(rises[1] - rises[0]) / (c.place - a.place)
+    a, b, c = branch[k - 1 : k + 2]
+    left = (b.torque - a.torque) / (b.logit_slip - a.logit_slip)
+    right = (c.torque - b.torque) / (c.logit_slip - b.logit_slip)
+    return 2.0 * abs(right - left) / (c.logit_slip - a.logit_slip)
 
 
-def _beside(way: list[Motion], k: int) -> float:
-    """What the torque may still rise by in the gap beside a corner, by its slope on the other side."""
-    sides = list(itertools.pairwise(way))[max(k - 1, 0) : k + 1]
-    gaps = [b.place - a.place for a, b in sides if not b.linked]
-    slopes = [abs(b.torque - a.torque) / (b.place - a.place) for a, b in sides if b.linked]
-    return max(gaps, default=0.0) * max(slopes, default=way[k].torque)
+def _find_maxima(branch: list[Motion]) -> list[int]:
+    """Indices of the motions from which the torque falls before it is exceeded (step 6)."""
+    maxima = list[int]()
+    k = 0
+    torques = [motion.torque for motion in branch]
+    while k < len(branch):
+        after = next((j for j in range(k + 1, len(branch)) if torques[j] > torques[k]), len(branch))
+        lowest = min(torques[k + 1 : after], default=math.inf)
+        if torques[k] > 0.0 and lowest < (1.0 - TOLERANCES.min_fall) * torques[k]:
+            maxima.append(k)
+        k = after
+    return maxima
 
 
-def _rise(x: list[float], y: list[float]) -> float:
-    """What a maximum may be over the largest of some values, relative: on either side, by the slope of the other."""
+def _slips_within(
+    branch: list[Motion], k: int, maximum: _Maximum, logit: float, fraction: float
+) -> list[float]:
+    """The two slips between which the torque is within a fraction of the maximum near motion k.
+
+    They are shifted by as much as the logit of the maximum is corrected. The interpolation is linear in the square
+    root of the torque's decrease, which is exact on a parabola.
+    """
+    level = math.sqrt(fraction)
+    slips = list[float]()
+    for step in (-1, 1):
+        end = maximum.logit
+        root = 0.0
+        j = k if (branch[k].logit_slip - maximum.logit) * step > 0.0 else k + step
+        while 0 <= j < len(branch):
+            next_root = math.sqrt(max(1.0 - branch[j].torque / maximum.torque, 0.0))
+            if next_root > level:
+                if j == k or branch[max(j, j - step)].linked:
+                    end += (level - root) / (next_root - root) * (branch[j].logit_slip - end)
+                break
+            end = branch[j].logit_slip
+            root = next_root
+            j = j + step
+        slips.append(slip_from_logit(end + logit - maximum.logit))
+    return slips
+
+
+def _estimate_rise_in_gap(branch: list[Motion], k: int) -> float:
+    """By how much the torque may rise in the gap at the end of a motion [N m], by the slope on its other side."""
+    sides = list(itertools.pairwise(branch))[max(k - 1, 0) : k + 1]
+    gaps = [b.logit_slip - a.logit_slip for a, b in sides if not b.linked]
+    slopes = [
+        abs(b.torque - a.torque) / (b.logit_slip - a.logit_slip) for a, b in sides if b.linked
+    ]
+    return max(gaps, default=0.0) * max(slopes, default=branch[k].torque)
+
+
+def _estimate_rise(x: list[float], y: list[float]) -> float:
+    """Relative excess that a maximum may have over the largest sample: on either side, by the slope of the other."""
     best = int(np.argmax(y))
     slopes = np.abs(np.diff(y) / np.diff(x))
-    if not 0 < best < len(x) - 1:  # it still rises there: as far again
+    if not 0 < best < len(x) - 1:  # the samples still rise at their end: by as much again
         return float(slopes[0 if best == 0 else -1] * (x[-1] - x[0]) / y[best])
-    over = slopes[best - 1] * (x[best + 1] - x[best]), slopes[best] * (x[best] - x[best - 1])
-    return float(max(over) / y[best])
+    left = slopes[best] * (x[best] - x[best - 1])
+    right = slopes[best - 1] * (x[best + 1] - x[best])
+    return float(max(right, left) / y[best])
 
 
-def _peaks(way: list[Motion]) -> list[int]:
-    """Numbers of motions from which the torque falls before it gets larger."""
-    out = list[int]()
-    k = 0
-    torques = [motion.torque for motion in way]
-    while k < len(way):
-        on = next((j for j in range(k + 1, len(way)) if torques[j] > torques[k]), len(way))
-        if (
-            torques[k] > 0.0
-            and min(torques[k + 1 : on], default=math.inf) < (1.0 - _FALL) * torques[k]
-        ):
-            out.append(k)
-        k = on
-    return out
-
-
-def _trusted(way: list[Motion]) -> list[Motion]:
-    """Without motions that are not sure, and without a single one that neither neighbour goes on to."""
-    way = [motion for motion in way if motion.sure]
-    last = len(way) - 1
-    return [m for k, m in enumerate(way) if m.linked or k in (0, last) or way[k + 1].linked]
-
-
-def loading_branch(
-    motions: Motions, largest: float, exact: Motions, *, steps: int = 0
-) -> LoadingBranch:
-    """Return the way up of a bearing over the cage slips up to the largest."""
-    begin = logit_slip(min(_SMALLEST, 0.5 * largest))
-    end = logit_slip(largest)
-    refusal = ""
-    count = max(math.ceil((end - begin) / _STEP), steps)
-    slips = [
-        *(slip_of(place) for place in np.linspace(begin, end, count + 1)[:-1].tolist()),
-        largest,
+def _drop_doubtful(branch: list[Motion]) -> list[Motion]:
+    """Return the branch without motions that did not converge, and without isolated ones (step 4)."""
+    branch = [motion for motion in branch if motion.converged]
+    last = len(branch) - 1
+    return [
+        motion
+        for k, motion in enumerate(branch)
+        if motion.linked or k in (0, last) or branch[k + 1].linked
     ]
-    search = _Search(motions, exact)
+
+
+def find_loading_branch(
+    motions: Motions, max_slip: float, full_motions: Motions, *, steps: int = 0
+) -> LoadingBranch:
+    """Return the loading branch of a bearing.
+
+    Parameters
+    ----------
+    motions : Motions
+        Motions of the rollers on few loads that stand for their slices, by which the branch is searched.
+    max_slip : float
+        Largest cage slip, where the range ends unless a law has no value there.
+    full_motions : Motions
+        The same on all slices, by which steady motions are found.
+    steps : int
+        Least number of steps of the grid of slips; the default steps are uniform in logit(S).
+
+    Raises
+    ------
+    ConvergenceError
+        If the march of the rollers converges at no slip.
+    """
+    start = logit_slip(min(TOLERANCES.smallest_slip, 0.5 * max_slip))
+    end = logit_slip(max_slip)
+    refusal = ""
+    count = max(math.ceil((end - start) / TOLERANCES.grid_step), steps)
+    logits = np.linspace(start, end, count + 1)[:-1].tolist()
+    slips = [*(slip_from_logit(x) for x in logits), max_slip]
+    search = _Search(motions, full_motions)
     while True:
         try:
-            way, others = search.ways(slips)
-            way = _trusted(way)
-            way = _trusted(search.refined(way)) if way else way
+            branch, others = search.follow(slips)
+            branch = _drop_doubtful(branch)
+            branch = _drop_doubtful(search.refine(branch)) if branch else branch
             break
-        except (
-            DomainError,
-            ConvergenceError,
-        ) as error:  # at the end of the range a law has no value, or a roller none
+        except (DomainError, ConvergenceError) as error:
+            # at the end of the range a law has no value, or a roller finds no balance
             slips = slips[:-1]
             refusal = str(error)
             if not slips:
                 raise
-    if not way:
+    if not branch:
         raise ConvergenceError(
             f"the search for the motion of the rollers did not settle at any cage slip up to {slips[-1]:.2%}, so there "
             "is no slip to report; it settles where more load is on the rollers: raise operation.radial_load"
         )
-    if way[-1].slip < slips[-1]:
+    if branch[-1].slip < slips[-1]:
         refusal = "the search for the motion of the rollers does not settle"
-    rest = exact.at(np.zeros(1), np.zeros(1))[0][0].torque if motions.resists else 0.0
-    return LoadingBranch(search, way, others, rest, refusal)
+    torque_without_slip = 0.0
+    if motions.resists:
+        torque_without_slip = full_motions.find(np.zeros(1), np.zeros(1))[0][0].torque
+    return LoadingBranch(search, branch, others, torque_without_slip, refusal)

@@ -58,7 +58,7 @@ _EXACTLY = 1e-12
 _SETTLED = 1e-7
 _REPEATS = 1e-3
 #: Mean shares, by load, by which motions are two, and up to which one goes on from another.
-TWO = 0.02
+DISTINCT = 0.02
 GOES_ON = 0.15
 #: Part of the weights of positions that is even where unloaded rollers brake; least roller slips that count.
 _EVEN = 0.5
@@ -69,7 +69,7 @@ _AT_REST: Final = 1e-3
 #: Torque at an end of the bracket that is rounding, relative to the largest; how far that end may go, in roller slips.
 _IDLE = 1e-12
 _WIDEST = 64.0
-#: Error of a motion of first order beyond which it is not sure.
+#: Error of a motion of first order beyond which it is not converged.
 _WRONG = 1e-2
 #: Exactness of what neighbours brake, relative to the largest; turns at most; turns whose mean is taken where steps do
 #: not fall, and how much of the least one so far a step is that does not.
@@ -150,9 +150,9 @@ def logit_slip(slip: float) -> float:
     return math.log(slip / (1.0 - slip))
 
 
-def slip_of(place: float) -> float:
+def slip_from_logit(logit: float) -> float:
     """Return the cage slip at a place."""
-    return 1.0 / (1.0 + math.exp(-place))
+    return 1.0 / (1.0 + math.exp(-logit))
 
 
 @attrs.frozen(eq=False)
@@ -168,7 +168,7 @@ class Motion:
     unit: float  # roller slip of share one
     #: Whether it repeats, is held by the rollers and was found by differences of second order, or is told with its
     #: error.
-    sure: bool
+    converged: bool
     error: float = 0.0  # what it leaves of the torque, relative, where it is of first order only
     linked: bool = True  # whether it goes on from the motion at the slip below
     brakes: Array | None = (
@@ -178,7 +178,7 @@ class Motion:
     multiplier: float = 0.0
 
     @property
-    def place(self) -> float:
+    def logit_slip(self) -> float:
         """Place of the slip."""
         return logit_slip(self.slip)
 
@@ -297,11 +297,11 @@ class Motions:
                 float(np.abs(rest).max()),
             )
 
-    def like(self, *, n_positions: int, few: int) -> "Motions":
+    def with_resolution(self, n_positions: int, n_loads: int) -> "Motions":
         """Return those at other instants, by other loads of a roller."""
         return Motions(
             self.assembly, n_positions, pocket=self.pocket, rubbing=self.rubbing, effective=self.effective,
-            inertia=self.inertia, few=few, beside=self,
+            inertia=self.inertia, few=n_loads, beside=self,
         )  # fmt: skip
 
     def loads(self, slips: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -336,7 +336,7 @@ class Motions:
             np.asarray(k.roller_slip_outer_rolling(slips)) if slips.any() else np.zeros_like(slips)
         )
 
-    def apart(self, one: Array, two: Array) -> float:
+    def distance(self, one: Array, two: Array) -> float:
         """Mean difference of shares, by load, relative to that of rolling on either ring."""
         return float(self._weight @ np.abs(one - two))
 
@@ -504,7 +504,7 @@ class Motions:
             1.0 - self._on_inner
         )
 
-    def at(self, slips: Array, starts: Array | None = None) -> list[list[Motion]]:
+    def find(self, slips: Array, starts: Array | None = None) -> list[list[Motion]]:
         """Motions at cage slips, one or the two between which all others lie: of rollers sent round from both ends.
 
         From ``starts``, shares at the first position (n,), it is the one that they come to.
@@ -518,22 +518,24 @@ class Motions:
             row
             for row in np.flatnonzero(~met).tolist()
             if starts is None
-            and self.apart(fractions[row, 0], fractions[row, 1])
-            >= (TWO if left[row].max() < _REPEATS else 0.0)
+            and self.distance(fractions[row, 0], fractions[row, 1])
+            >= (DISTINCT if left[row].max() < _REPEATS else 0.0)
         ]
         rows = np.array([*range(slips.size), *two])
         which = np.array([0] * slips.size + [1] * len(two))
         motions = self._settled(slips, rows, found[rows, which], left[rows, which], brakes)
         if missed is not None:
             motions = [
-                attrs.evolve(one, error=max(one.error, off), sure=one.sure and off < _WRONG)
+                attrs.evolve(
+                    one, error=max(one.error, off), converged=one.converged and off < _WRONG
+                )
                 for one, off in zip(motions, missed[rows].tolist(), strict=True)
             ]
         out = [[motion] for motion in motions[: slips.size]]
         for row, motion in zip(two, motions[slips.size :], strict=True):
             if brakes is not None:  # neighbours brake it in its own way
-                motion = self.at(slips[row : row + 1], motion.fraction[:1])[0][0]
-            if self.apart(out[row][0].fraction, motion.fraction) >= TWO:
+                motion = self.find(slips[row : row + 1], motion.fraction[:1])[0][0]
+            if self.distance(out[row][0].fraction, motion.fraction) >= DISTINCT:
                 out[row].append(motion)
         return out
 
@@ -561,7 +563,12 @@ class Motions:
             of_rows = zip(rows.tolist(), driven(rows, came)[0].tolist(), came, strict=True)
             return [
                 Motion(
-                    float(slips[r]), T, at / unit[r], float(unit[r]), sure=True, brakes=braked[r]
+                    float(slips[r]),
+                    T,
+                    at / unit[r],
+                    float(unit[r]),
+                    converged=True,
+                    brakes=braked[r],
                 )
                 for r, T, at in of_rows
             ]
@@ -572,8 +579,8 @@ class Motions:
         torque = Z * torque
         error = np.zeros(rows.size)
         moved = np.abs(at - came) @ weight / unit[rows]
-        sure = held & (np.abs(multiplier) < 1.0) & ~((left < _REPEATS) & (moved > GOES_ON))
-        todo = np.flatnonzero(~sure)
+        converged = held & (np.abs(multiplier) < 1.0) & ~((left < _REPEATS) & (moved > GOES_ON))
+        todo = np.flatnonzero(~converged)
         if (
             todo.size
         ):  # Newton's method has failed: differences of second order, in order, as rollers go
@@ -608,14 +615,14 @@ class Motions:
                 / np.maximum(np.abs(torque[todo]), 1e-300)
             )
             error[todo] = np.where(repeats, 0.0, missed)
-            sure[todo] = error[todo] < _WRONG
+            converged[todo] = error[todo] < _WRONG
         return [
             Motion(
                 slip=float(slips[r]),
                 torque=float(torque[k]),
                 fraction=at[k] / unit[r],
                 unit=float(unit[r]),
-                sure=bool(sure[k]),
+                converged=bool(converged[k]),
                 error=float(error[k]),
                 multiplier=float(multiplier[k]),
                 brakes=braked[r],
@@ -625,7 +632,9 @@ class Motions:
 
     def link(self, below: Motion, motion: Motion) -> Motion:
         """Return a motion, marked by whether it goes on from the one at the slip below."""
-        return attrs.evolve(motion, linked=self.apart(below.fraction, motion.fraction) <= GOES_ON)
+        return attrs.evolve(
+            motion, linked=self.distance(below.fraction, motion.fraction) <= GOES_ON
+        )
 
 
 # Loads over an orbit ------------------------------------------------------------------------------------------------

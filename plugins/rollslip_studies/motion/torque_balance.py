@@ -32,14 +32,14 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import Status
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import effective_table
-from rollslip_studies.motion.loading_branch import LoadingBranch, loading_branch
+from rollslip_studies.motion.loading_branch import LoadingBranch, find_loading_branch
 from rollslip_studies.motion.spins import (
     Conventional,
     EffectiveCurve,
     Motion,
     Motions,
     logit_slip,
-    slip_of,
+    slip_from_logit,
 )
 
 #: Loads that stand for the slices of a roller on the way up.
@@ -124,13 +124,13 @@ class TorqueBalance:
     @cached_property
     def _few(self) -> Motions:
         """The same by few loads of a roller."""
-        return self.motions.like(n_positions=self.n_positions, few=_FEW)
+        return self.motions.with_resolution(self.n_positions, _FEW)
 
-    def way(self, largest: float = RANGE, *, steps: int = 0) -> LoadingBranch:
+    def loading_branch(self, largest: float = RANGE, *, steps: int = 0) -> LoadingBranch:
         """Return the loading branch over cage slips up to the largest; see `loading_branch`."""
         key = largest, steps
         if key not in self._ways:
-            self._ways[key] = loading_branch(self._few, largest, self.motions, steps=steps)
+            self._ways[key] = find_loading_branch(self._few, largest, self.motions, steps=steps)
         return self._ways[key]
 
     def seconds(self, largest: float = RANGE) -> float:
@@ -142,7 +142,7 @@ class TorqueBalance:
             few.at(
                 np.array(
                     [
-                        slip_of(place)
+                        slip_from_logit(place)
                         for place in np.linspace(_LOW, logit_slip(largest), _SOME).tolist()
                     ]
                 )
@@ -160,7 +160,7 @@ class TorqueBalance:
     def has_several(self, slip: float) -> bool:
         """Whether rollers have several motions at a cage slip, or none that settles, and the way up has to be known."""
         with contextlib.suppress(DomainError):
-            return not self.rolls_freely and not _settled(self._few.at(np.array([slip]))[0])
+            return not self.rolls_freely and not _settled(self._few.find(np.array([slip]))[0])
         return False
 
     @property
@@ -213,26 +213,26 @@ class TorqueBalance:
         out = np.empty(cage_slips.size)
         order = np.argsort(cage_slips)
         below = None
-        found = motions.at(cage_slips[order])
+        found = motions.find(cage_slips[order])
         for k, here in zip(order.tolist(), found, strict=True):
             if not _settled(here):
                 known = below or self._below(float(cage_slips[k]))
-                here = motions.at(cage_slips[k : k + 1], known.fraction[:1])[0]
+                here = motions.find(cage_slips[k : k + 1], known.fraction[:1])[0]
             below = here[0]
             out[k] = below.torque
         return out
 
     def _below(self, slip: float) -> Motion:
         """The motion of the way up at the next slip below one."""
-        return self.way(max(RANGE, slip)).near(slip)
+        return self.loading_branch(max(RANGE, slip)).motion_below(slip)
 
     def _on_way(self, slip: float) -> Motion:
         """The motion of the way up at a slip."""
-        here = self.motions.at(np.array([slip]))[0]
+        here = self.motions.find(np.array([slip]))[0]
         return (
             here[0]
             if _settled(here)
-            else self.motions.at(np.array([slip]), self._below(slip).fraction[:1])[0][0]
+            else self.motions.find(np.array([slip]), self._below(slip).fraction[:1])[0][0]
         )
 
     def orbit_of(self, motion: Motion) -> Orbit:
@@ -330,16 +330,16 @@ class SkiddingOnset:
     """The cage slip at which a cage runs away, and the drag [N m] there: NaN where ``status`` says why.
 
     ``to`` is the slip to which it jumps, NaN if nothing in the range carries the drag; ``error`` is that of the drag,
-    relative. ``most`` is the largest torque of the way [N m], at ``most_slip``.
+    relative. ``most`` is the largest torque of the way [N m], at ``max_torque_slip``.
     """
 
     slip: float
     drag: float
     status: str
-    to: float = math.nan
+    slip_after: float = math.nan
     error: float = math.nan
-    most: float = math.nan
-    most_slip: float = math.nan
+    max_torque: float = math.nan
+    max_torque_slip: float = math.nan
 
 
 @attrs.frozen
@@ -353,26 +353,30 @@ class Running:
 
 def _settled(here: list[Motion]) -> bool:
     """Whether rollers that begin from either end come to one motion."""
-    return len(here) == 1 and here[0].sure
+    return len(here) == 1 and here[0].converged
 
 
 def skidding_onset(balance: TorqueBalance, largest: float, allow: str) -> SkiddingOnset:
     """Say where the cage of a bearing runs away, up to the largest cage slip; ``allow`` is the key of that."""
     try:
-        way = balance.way(largest)
+        way = balance.loading_branch(largest)
     except (DomainError, ConvergenceError) as error:
         return SkiddingOnset(
             math.nan, math.nan, f"{Status.NOT_KNOWN} where skidding begins: {error}"
         )
-    slip, torque = way.largest
-    if (jump := way.describe_skidding) is not None:
-        return SkiddingOnset(jump.slip, jump.drag, Status.FOUND, jump.to, jump.error, torque, slip)
-    return SkiddingOnset(math.nan, math.nan, nowhere(way, allow), most=torque, most_slip=slip)
+    slip, torque = way.maximum
+    if (jump := way.skidding_jump) is not None:
+        return SkiddingOnset(
+            jump.slip, jump.drag, Status.FOUND, jump.slip_after, jump.error, torque, slip
+        )
+    return SkiddingOnset(
+        math.nan, math.nan, nowhere(way, allow), max_torque=torque, max_torque_slip=slip
+    )
 
 
 def nowhere(way: LoadingBranch, allow: str) -> str:
     """Say that a cage runs away nowhere in the range, and why, or what to type to look further."""
-    slip, torque = way.largest
+    slip, torque = way.maximum
     if not torque > 0.0:
         return f"{Status.NOT_DRIVEN} at any slip up to {way.end:.4g}: more resists their rolling"
     further = f"beyond, {way.refusal}" if way.refusal else f"raise {allow} to look further"
@@ -394,19 +398,19 @@ def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
     if balance.rolls_freely:
         return Running(0.0, 0.0, Status.FOUND)
     try:
-        way = balance.way(largest)
-        steady = next(iter(way.steady(balance.drag)), None)
+        way = balance.loading_branch(largest)
+        steady = next(iter(way.find_steady_motions(balance.drag)), None)
     except (DomainError, ConvergenceError) as error:
         return Running(
             math.nan, math.nan, f"{Status.NOT_KNOWN} at which slip the cage runs: {error}"
         )
     if steady is not None:
         return Running(steady.slip, steady.torque, Status.FOUND)
-    if way.at_rest + balance.drag(0.0) > 0.0:
+    if way.torque_without_slip + balance.drag(0.0) > 0.0:
         return Running(
             math.nan, math.nan, f"{Status.DRIVEN}: it runs at more than twice its epicyclic speed"
         )
-    slip, torque = way.largest
+    slip, torque = way.maximum
     drag, carried = (format_quantity(one, "N m", 3) for one in (-balance.drag(slip), torque))
     return Running(
         math.nan,
@@ -449,15 +453,15 @@ def reserve(
             )
         if not math.isnan(away.slip):
             return Reserve(away.drag / drag, Status.FOUND)
-        if math.isnan(away.most):
+        if math.isnan(away.max_torque):
             return Reserve(math.nan, away.status)
-        said = f"{Status.AT_LEAST}: no skidding up to a slip of {balance.way(largest).end:.4g}"
-        return Reserve(max(away.most / max(runs.drag, -balance.drag(0.0)), 1.0), said)
+        said = f"{Status.AT_LEAST}: no skidding up to a slip of {balance.loading_branch(largest).end:.4g}"
+        return Reserve(max(away.max_torque / max(runs.drag, -balance.drag(0.0)), 1.0), said)
     if outcome is Status.DRIVEN:
         return Reserve(math.inf, f"{Status.AT_LEAST}: {runs.status}")
     if outcome not in (Status.FOUND, Status.NO_STEADY_SLIP):
         return Reserve(math.nan, runs.status)
-    slips, torques = balance.way(largest).curve
+    slips, torques = balance.loading_branch(largest).curve
     fractions = [torque / -balance.drag(slip) for slip, torque in zip(slips, torques, strict=True)
               if torque > 0.0 and balance.drag(slip) < 0.0]  # fmt: skip
     return Reserve(

@@ -277,11 +277,11 @@ def _log_steady_slip(
     if own_slope > 0.0:
         return found, own_slope
     # beyond a fold, or without a root: the smallest stable slip of the loading branch, if there is one
-    branch = balance.way(RANGE)
-    steady = next(iter(branch.steady(balance.drag)), None)
+    branch = balance.loading_branch(RANGE)
+    steady = next(iter(branch.find_steady_motions(balance.drag)), None)
     if steady is not None:
         return math.log(max(steady.slip, _SLIP_FLOOR)), None
-    if branch.at_rest + balance.drag(0.0) > 0.0:  # the drags drive the cage
+    if branch.torque_without_slip + balance.drag(0.0) > 0.0:  # the drags drive the cage
         return math.log(_SLIP_FLOOR), None
     return math.nan if branch.refusal else math.inf, None
 
@@ -406,7 +406,7 @@ def consequences(
     slip : float
         Its steady cage slip [-].
     """
-    exceeded = json.loads(dataset.attrs.get("validity", "{}")).get("told", ())
+    exceeded = json.loads(dataset.attrs.get("validity", "{}")).get("messages", ())
     codes = {bound["code"]: bound["made_for"] for bound in exceeded if bound.get("code")}
     acceptable = float(dataset.attrs.get("acceptable_slip", math.nan))
     try:

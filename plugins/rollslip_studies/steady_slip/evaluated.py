@@ -109,7 +109,7 @@ def estimate_by_secant(
     if fraction is None:
         orbits = [balance.orbit(cage_slip) for cage_slip in slips.tolist()]
     else:
-        found = balance.motions.at(slips, np.full(2, fraction))
+        found = balance.motions.find(slips, np.full(2, fraction))
         orbits = [balance.orbit_of(motions[0]) for motions in found]
     excess, next_excess = (orbit.torque + balance.drag(orbit.cage_slip) for orbit in orbits)
     steps = excess / (excess - next_excess) if next_excess != excess else math.inf

@@ -159,7 +159,7 @@ def _errors(
     elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _MAX_ESTIMATED_RESERVE:
         slip, own = (float(dataset[name]) for name in ("largest_torque_slip", "largest_torque"))
         # of several motions the nearest one: a loading branch on all slices would take far longer
-        torques = [motion.torque for motion in balance.motions.at(np.array([slip]))[0]]
+        torques = [motion.torque for motion in balance.motions.find(np.array([slip]))[0]]
         nearest = min(torques, key=lambda torque: abs(torque - own))
         yield "reserve to skidding", _relative_error(own, nearest)
     if "minimum_load" not in dataset:

@@ -187,7 +187,11 @@ def _around_maxima(balance: TorqueBalance, slip: float) -> Iterator[float]:
     slips = slips[slips <= upper]
     if not any(_maxima(balance, slips, balance.torques(slips, few=True), search.drag_fraction)):
         return
-    path = [motion for motion in balance.way(upper).path if motion.slip <= search.beyond * slip]
+    path = [
+        motion
+        for motion in balance.loading_branch(upper).motions
+        if motion.slip <= search.beyond * slip
+    ]
     branch_slips = np.array([motion.slip for motion in path])
     branch_torques = np.array([motion.torque for motion in path])
     known = [slip]

@@ -16,8 +16,8 @@ from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
 from rollslip.results.words import Status
-from rollslip_studies.motion.loading_branch import LoadingBranch
-from rollslip_studies.motion.spins import logit_slip, slip_of
+from rollslip_studies.motion.loading_branch import Jump, LoadingBranch
+from rollslip_studies.motion.spins import logit_slip, slip_from_logit
 from rollslip_studies.motion.torque_balance import TorqueBalance, nowhere
 from rollslip_studies.steady_slip.outputs import OUTPUTS
 
@@ -55,37 +55,37 @@ def slip_drag_variables(
     table : str
         Table of the scene with the settings of the study.
     """
-    onset = branch.describe_skidding
-    first = next(iter(branch.jumps), None)
-    is_inside = max(slips or [math.inf]) <= max_cage_slip
-    if onset is not None and onset.slip <= max_cage_slip:
-        is_inside = True
-    slip, torque = _curve(
-        branch, min(max_cage_slip, branch.end) if is_inside else branch.end, points
-    )
-    largest_slip, largest = branch.largest
-    errors = (balance.assembly.scene.accuracy.tolerance, 0.0 if onset is None else onset.error)
-    fraction = max(error for error in errors if math.isfinite(error))
-    low, high = (math.nan, math.nan) if onset is None else onset.around(fraction)
+    onset = branch.skidding_jump
+    first_drag, first_slip, _, _ = _jump_numbers(next(iter(branch.jumps), None))
+    limit_drag, skidding_slip, limit_error, jump_slip = _jump_numbers(onset)
+    is_inside = max(slips or [math.inf]) <= max_cage_slip or skidding_slip <= max_cage_slip
+    end = min(max_cage_slip, branch.end) if is_inside else branch.end
+    slip, torque = _curve(branch, end, points)
+    largest_slip, largest = branch.maximum
+    tolerance = balance.assembly.scene.accuracy.tolerance
+    fraction = max(error for error in (tolerance, limit_error) if math.isfinite(error))
+    low, high = (math.nan, math.nan) if onset is None else onset.slips_within(fraction)
+    status = Status.FOUND if onset else nowhere(branch, f"{table}.max_cage_slip")
+    jump_status = status
+    if onset is not None and not jump_slip > 0.0:
+        jump_status = f"a larger drag is carried by no slip up to {branch.end:.4g}"
     values = {
         "driving_torque": torque,
         "drag_torque": np.array([-balance.drag(cage_slip) for cage_slip in slip.tolist()]),
-        "limit_drag": math.nan if onset is None else onset.drag,
-        "skidding_slip": math.nan if onset is None else onset.slip,
-        "limit_drag_error": math.nan if onset is None else onset.error,
+        "limit_drag": limit_drag,
+        "skidding_slip": skidding_slip,
+        "limit_drag_error": limit_error,
         "limit_drag_low": low,
         "limit_drag_high": high,
-        "skidding_status": Status.FOUND if onset else nowhere(branch, f"{table}.max_cage_slip"),
-        "jump_slip": math.nan if onset is None else onset.to,
+        "skidding_status": status,
+        "jump_slip": jump_slip,
+        "jump_slip_status": jump_status,
         "largest_torque": largest,
         "largest_torque_slip": largest_slip,
-        "largest_torque_error": _or_nan(lambda: branch.largest_error),
-        "first_maximum_torque": math.nan if first is None else first.drag,
-        "first_maximum_slip": math.nan if first is None else first.slip,
+        "largest_torque_error": _or_nan(lambda: branch.maximum_error),
+        "first_maximum_torque": first_drag,
+        "first_maximum_slip": first_slip,
     }
-    onset_status = str(values["skidding_status"])
-    carries = f"a larger drag is carried by no slip up to {branch.end:.4g}"
-    values["jump_slip_status"] = onset_status if onset is None or onset.to > 0.0 else carries
     coords = {
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
@@ -99,6 +99,13 @@ def slip_drag_variables(
     return variables, coords, error
 
 
+def _jump_numbers(jump: Jump | None) -> tuple[float, float, float, float]:
+    """Return drag [N m], slip, relative error of the drag, and slip after a jump; all NaN without a jump."""
+    if jump is None:
+        return math.nan, math.nan, math.nan, math.nan
+    return jump.drag, jump.slip, jump.error, jump.slip_after
+
+
 def _curve(branch: LoadingBranch, end: float, points: int) -> tuple[Array, Array]:
     """Return slips of the loading branch up to an end and torques there [N m], at least a number of points, (n,)."""
     slip, torque = branch.curve
@@ -106,7 +113,7 @@ def _curve(branch: LoadingBranch, end: float, points: int) -> tuple[Array, Array
     more = [end]
     if own.size < points:
         start = logit_slip(own[1]) if own.size > 1 else logit_slip(0.5 * end)
-        more = [slip_of(logit) for logit in np.linspace(start, logit_slip(end), points)]
+        more = [slip_from_logit(logit) for logit in np.linspace(start, logit_slip(end), points)]
     if new := [cage_slip for cage_slip in more if cage_slip not in own]:
         found = [_or_nan(partial(_torque, branch, cage_slip)) for cage_slip in new]
         slip = np.append(slip, new)
@@ -118,7 +125,7 @@ def _curve(branch: LoadingBranch, end: float, points: int) -> tuple[Array, Array
 
 def _torque(branch: LoadingBranch, slip: float) -> float:
     """Return the torque of the rollers on the cage at a slip [N m]."""
-    return branch.at([slip])[0].torque
+    return branch.interpolate([slip])[0].torque
 
 
 def _or_nan(compute: Callable[[], float]) -> float:

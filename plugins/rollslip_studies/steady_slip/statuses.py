@@ -7,7 +7,7 @@ import numpy as np
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.results.words import SWITCHED_OFF, Status
 from rollslip.units import format_quantity
-from rollslip_studies.motion.loading_branch import LoadingBranch, Steady
+from rollslip_studies.motion.loading_branch import LoadingBranch, SteadyMotion
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_studies.steady_slip.branches import Branch
 from rollslip_studies.steady_slip.outputs import VARIED
@@ -29,10 +29,10 @@ def describe_steady_status(
         return f"{SWITCHED_OFF}, so the cage runs at its epicyclic speed"
     if slips:
         return Status.FOUND
-    if branch.at_rest + balance.drag(0.0) > 0.0:
+    if branch.torque_without_slip + balance.drag(0.0) > 0.0:
         faster = "it runs at more than twice its epicyclic speed"
         return f"{Status.DRIVEN}: {faster}; no slip up to {branch.end:g} is steady"
-    slip, torque = branch.largest
+    slip, torque = branch.maximum
     carried = (
         f"the drag is larger than the cage can carry up to a cage slip of {branch.end:g} "
         f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of {slip:.3g}"
@@ -43,9 +43,9 @@ def describe_steady_status(
     return f"{carried}): {Status.SKIDS}"
 
 
-def describe_stability(branch: LoadingBranch, state: Orbit, steady: Steady) -> str:
+def describe_stability(branch: LoadingBranch, state: Orbit, steady: SteadyMotion) -> str:
     """Return "stable" where more slip leaves more torque to speed the cage up, else why a steady slip is not stable."""
-    if abs(steady.slope) <= _FOLD_SLOPE * branch.largest[1]:
+    if abs(steady.slope) <= _FOLD_SLOPE * branch.maximum[1]:
         return "a fold: a stable and an unstable slip meet"
     if steady.slope < 0.0:
         return "unstable: with more slip the rollers drive the cage less than the drag asks for"

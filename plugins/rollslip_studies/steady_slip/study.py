@@ -41,7 +41,7 @@ from rollslip.studies.answers import (
 )
 from rollslip.studies.error_estimate import choose_by_curves
 from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip_studies.motion.loading_branch import LoadingBranch, Steady
+from rollslip_studies.motion.loading_branch import LoadingBranch, SteadyMotion
 from rollslip_studies.motion.torque_balance import (
     RANGE,
     Orbit,
@@ -293,7 +293,7 @@ class SteadySlip(Study):
         balance, errors = self._converged(assembly)
         n_positions = balance.n_positions
         way = self._way(balance)
-        steady = [] if balance.rolls_freely else way.steady(balance.drag)
+        steady = [] if balance.rolls_freely else way.find_steady_motions(balance.drag)
         slips = [0.0] if balance.rolls_freely else [one.slip for one in steady]
         states = [balance.orbit_of(one.motion) for one in steady]
         if not states:
@@ -380,7 +380,7 @@ class SteadySlip(Study):
             "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
         }
 
-    def steady(self, assembly: Assembly) -> tuple[TorqueBalance, list[Steady], str]:
+    def steady(self, assembly: Assembly) -> tuple[TorqueBalance, list[SteadyMotion], str]:
         """Return the balance of torques of a bearing, its steady slips on the way up, and what was found in words.
 
         A cage that nothing drags has slip 0, which nothing needs to hold.
@@ -393,9 +393,11 @@ class SteadySlip(Study):
         )
         way = self._way(balance)
         if balance.rolls_freely:
-            found = [Steady(0.0, 0.0, balance.motions.at(np.zeros(1))[0][0], lambda: np.inf)]
+            found = [
+                SteadyMotion(0.0, 0.0, balance.motions.find(np.zeros(1))[0][0], lambda: np.inf)
+            ]
         else:
-            found = way.steady(balance.drag)
+            found = way.find_steady_motions(balance.drag)
         return balance, found, describe_steady_status(balance, way, [one.slip for one in found])
 
     def balance(self, assembly: Assembly) -> TorqueBalance:
@@ -411,7 +413,7 @@ class SteadySlip(Study):
 
     def _way(self, balance: TorqueBalance) -> LoadingBranch:
         """The way up, until the cage all but stands."""
-        return balance.way(max(RANGE, self.max_cage_slip))
+        return balance.loading_branch(max(RANGE, self.max_cage_slip))
 
     def _reserve(self, balance: TorqueBalance) -> dict[str, Any]:
         largest = max(RANGE, self.max_cage_slip)
@@ -441,7 +443,7 @@ class SteadySlip(Study):
             torque = self._judged(balance)
             if before is not None:
                 moved = _moved(before, torque)
-                away = self._way(balance).describe_skidding if jump and moved <= tolerance else None
+                away = self._way(balance).skidding_jump if jump and moved <= tolerance else None
                 told = away is None or away.error <= tolerance or n_positions > _MOST_OF_A_JUMP
                 if moved <= tolerance and told:
                     return balance, moved
@@ -474,7 +476,11 @@ class SteadySlip(Study):
         return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
 
     def _steady(
-        self, balance: TorqueBalance, way: LoadingBranch, states: list[Orbit], steady: list[Steady]
+        self,
+        balance: TorqueBalance,
+        way: LoadingBranch,
+        states: list[Orbit],
+        steady: list[SteadyMotion],
     ) -> dict[str, Any]:
         kinds = (
             [describe_stability(way, *one) for one in zip(states, steady, strict=True)]
@@ -578,7 +584,11 @@ class SteadySlip(Study):
 
         def at(value: float) -> list[float]:
             one = balance(value)
-            return [found.slip for found in self._way(one).steady(one.drag) if found.slip > 0.0]
+            return [
+                found.slip
+                for found in self._way(one).find_steady_motions(one.drag)
+                if found.slip > 0.0
+            ]
 
         here = float(getattr(assembly.scene.operation, name))
         starts = [(slip, here) for slip in slips if limits[0] <= here <= limits[1] and slip > 0.0]
