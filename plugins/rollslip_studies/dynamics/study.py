@@ -1,12 +1,15 @@
-"""Study dynamics: cage and rollers in time, with constant, effective or conventional friction.
+"""Study dynamics: motion of cage and rollers over time, with constant, effective or conventional friction.
+
+An initial value problem of ordinary differential equations, integrated with a variable step.
 
 - The scene names the level of detail (`LEVELS`), the friction and the integrator, or leaves them to the plan
-  (`rollslip_studies.dynamics.choice`); each level is one compiled right-hand side (`rollslip_studies.dynamics.levels`).
-- Beside the motion a ledger is integrated: what the rings give, what each group of contacts takes. What it leaves of
-  the energy is stored, as the plainest measure of how far a result can be trusted.
-- Slip past that of running away, where the balance of torques has its fold (`motion.loading_branch`), is an event,
-  located in time, and ends the run if the scene says so; a cage that runs away is a result, not a failure.
-- What was computed is kept, however the run ends: the outcome is an attribute in words.
+  (`rollslip_studies.dynamics.choice`). Each level is one compiled right-hand side (`rollslip_studies.dynamics.levels`).
+- An energy ledger is integrated with the motion: the work of the rings and the loss of each group of contacts. Its
+  residual is stored, as the simplest measure of the error of a result.
+- A passage of the slip at which skidding begins, the limit point of the balance of torques (`motion.loading_branch`),
+  is an event. It is located in time, and ends the run if the scene requests that. A cage that skids is a result, not a
+  failure.
+- All that was computed is stored, however the run ends; the outcome is an attribute.
 """
 
 import json
@@ -70,29 +73,33 @@ from rollslip_studies.surface_damage.over_motion import over_motion
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Levels of detail -> what moves.
+#: Level of detail -> what moves.
 LEVELS: Final = {
     "cage-set": "cage and rollers' spin; the rollers keep the cage's spacing",
     "pocket": "also every roller within its pocket",
     "planar": "also inner ring and cage in the plane, rollers along the radius",
 }
-#: Level -> typical step [s] at a tolerance of 1e-5 and evaluations of the rates in it, for estimates of cost.
+#: Level -> typical step [s] at a tolerance of 1e-5, and evaluations of the rates in a step, for estimates of the cost
+#: before anything is measured. Doubled steps halve the estimate. Measured on the shipped bearing.
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
-#: Shares of the tolerances that slices and instants may use, and that tables may take.
-_FRACTION = 0.5
-_TABLES = 0.2
-#: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
+#: Fraction of the tolerances that slices and roller positions may use. Doubled, there are fewer slices, and their
+#: errors use all of the tolerance. Chosen, with those of tables and of `choice.ErrorFractions`.
+_SLICES_FRACTION = 0.5
+#: Fraction of the smaller tolerance of friction and cage speed that tables may use. Doubled, tables are built faster,
+#: in 0.8 of the time where splines are cubic. Chosen, likewise.
+_TABLES_FRACTION = 0.2
+#: Least step tolerance, 100 times the relative spacing of numbers. Below, rounding governs the steps.
 _MIN_TOLERANCE: Final = 2.3e-14
 
 
 @attrs.frozen(kw_only=True)
 class Dynamics(Study):
-    """Cage and rollers in time, with constant, effective or conventional friction."""
+    """Motion of cage and rollers over time, with constant, effective or conventional friction."""
 
     name: ClassVar[str] = "dynamics"
     outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
     controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({"cage_speed": "cage_speed"})
-    #: Of no one instant.
+    #: Not roller positions: the motion has all.
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {
         "table_tolerance",
         "integrator",
@@ -196,19 +203,19 @@ class Dynamics(Study):
             )
 
     def at(self, resolution: Resolution) -> "Dynamics":
-        """Return the settings with what a resolution says of friction, level, integrator and its tolerance."""
-        said: dict[str, Any] = {
+        """Return the study with friction, level, integrator and step tolerance of a resolution, where it has them."""
+        choices: dict[str, Any] = {
             "friction": resolution.friction,
             "level": resolution.level,
             "integrator": resolution.integrator,
             "relative_tolerance": resolution.integrator_tolerance,
         }
         return attrs.evolve(
-            self, **{name: value for name, value in said.items() if value is not None}
+            self, **{name: value for name, value in choices.items() if value is not None}
         )
 
     def numerical_settings(self, assembly: Assembly) -> Mapping[str, Any]:
-        """Return friction, level, integrator and its tolerance, as they are."""
+        """Return friction, level, integrator and step tolerance of the study."""
         return {
             "friction": self.friction,
             "level": self.level,
@@ -218,45 +225,56 @@ class Dynamics(Study):
 
     @property
     def with_weight(self) -> bool:
-        """Whether it is at level planar, which has a key of its own for it."""
+        """Whether the weight of the rollers counts: at level planar, which has a key for it."""
         return self.level == "planar"
 
     def curve_study(self, assembly: Assembly) -> EffectiveFriction:
-        """Return how the raceways' contacts are averaged, as the scene has it."""
+        """Return the settings of the effective friction; without skidding slip where the form of a ring turns.
+
+        Then no slip is steady.
+        """
         found = EffectiveFriction.from_scene(assembly.scene)
         rings = assembly.rings
-        return (
-            attrs.evolve(found, skidding_range=0.0) if rings and rings.turning else found
-        )  # where no slip is steady
+        return attrs.evolve(found, skidding_range=0.0) if rings and rings.turning else found
 
     def choose_resolution(
         self, assembly: Assembly, *, cheaper_laws: bool = True
     ) -> ResolutionChoice:
-        """Choose slices and instants by the effective friction, all else by trial motions; laws stay as they are."""
+        """Choose slices and roller positions by the effective friction, all else by trial motions; laws stay.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        cheaper_laws : bool, optional
+            Without effect.
+        """
         averaged = self.curve_study(assembly)
         if assembly.scene.accuracy.exact:
             return self._with_choice(reference_choice(averaged, assembly), assembly)
         estimated = over_time.choose_over_history(
-            averaged, assembly, self.course(assembly), _FRACTION
+            averaged, assembly, self.course(assembly), _SLICES_FRACTION
         )
-        estimated = self._with_choice(with_table_tolerance(estimated, assembly, _TABLES), assembly)
+        estimated = self._with_choice(
+            with_table_tolerance(estimated, assembly, _TABLES_FRACTION), assembly
+        )
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
         return self._with_steps(estimated, assembly.at(estimated.resolution))
 
     def _with_choice(self, estimated: ResolutionChoice, assembly: Assembly) -> ResolutionChoice:
-        """Friction, level and integrator, where the scene does not name them."""
+        """Return a choice with friction, level and integrator, where the scene does not name them."""
         given = [*assembly.scene.study.get(self.name, {})]
         history = self.course(assembly)
         settings, named = over_time.fixed_settings(history, given, self.level)
         reasons = over_time.reasons_of_history(history, settings, self.level, given)
-        at = assembly.at(estimated.resolution)
-        if why := over_time.tabulation_problem(
-            history, self.with_settings(**settings).friction, lambda: self.moving(at)
+        resolved_bearing = assembly.at(estimated.resolution)
+        if problem := over_time.tabulation_problem(
+            history, self.with_settings(**settings).friction, lambda: self.moving(resolved_bearing)
         ):
             settings["friction"] = "conventional"
-            reasons["friction"] = why
-        choice = choose_motion(self.with_settings(**settings), at, named)
+            reasons["friction"] = problem
+        choice = choose_motion(self.with_settings(**settings), resolved_bearing, named)
         return attrs.evolve(
             estimated,
             resolution=attrs.evolve(estimated.resolution, **settings, **choice.settings),
@@ -265,17 +283,19 @@ class Dynamics(Study):
         )
 
     def _with_steps(self, estimated: ResolutionChoice, assembly: Assembly) -> ResolutionChoice:
-        """Tolerance of a step, and what it leaves."""
+        """Return a choice with the step tolerance and its error."""
         study = self.at(estimated.resolution)
-        tolerance, left = step_tolerance(study, assembly, self._fades(study.level, assembly))
+        tolerance, error = step_tolerance(
+            study, assembly, self._estimates_decay(study.level, assembly)
+        )
         return attrs.evolve(
             estimated,
             resolution=attrs.evolve(estimated.resolution, integrator_tolerance=tolerance),
-            errors={**estimated.errors, "steps": {"cage_speed": left}},
+            errors={**estimated.errors, "steps": {"cage_speed": error}},
         )
 
-    def _fades(self, level: str, assembly: Assembly) -> bool:
-        """Whether it is looked at how errors of the cage speed fade; else they add up over all of the duration."""
+    def _estimates_decay(self, level: str, assembly: Assembly) -> bool:
+        """Return whether the decay of errors of the cage speed is estimated; else they add up over the duration."""
         return (
             not self.history
             and level != "cage-set"
@@ -283,25 +303,32 @@ class Dynamics(Study):
         )
 
     def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
-        """Return four times as fine a resolution: the finest would take days."""
+        """Return a resolution four times as fine, since the reference resolution would take days, and its description.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene.
+        own : Resolution
+            The resolution of the run.
+        """
         return refined(scene, own, self.relative_tolerance), "against four times as fine"
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return the time [s] of tables and motion, from its beginning, and of the slip of running away."""
-        at = attrs.evolve(
+        """Return the processor time [s] of tables, motion, skidding slip, history and temperatures, by name."""
+        resolution = attrs.evolve(
             assembly.resolution,
             n_positions=assembly.resolution.n_positions or over_time.N_POSITIONS,
         )
-        told = attrs.evolve(self.curve_study(assembly), map_points=0).cost(assembly.at(at))
-        away = sum(told.values())
-        history = self.course(assembly)
-        along_it = over_time.history_cost(
-            history, lambda: self.moving(assembly), self.curve_study(assembly)
+        curves = attrs.evolve(self.curve_study(assembly), map_points=0)
+        skidding = sum(curves.cost(assembly.at(resolution)).values())
+        history = over_time.history_cost(
+            self.course(assembly), lambda: self.moving(assembly), self.curve_study(assembly)
         )
         motion = costs_of(self, assembly)
         return {
-            "skidding": away,
-            **along_it,
+            "skidding": skidding,
+            **history,
             **motion,
             **heating.heating_cost(self, assembly, motion["motion"]),
         }
@@ -309,15 +336,28 @@ class Dynamics(Study):
     def extra_parts(
         self, assembly: Assembly, estimated: ResolutionChoice, costs: dict[str, float]
     ) -> list[Part]:
-        """Return steps, friction, level and integrator."""
-        errors = estimated.errors
-        fades = self._fades(self.level, assembly)
-        offer = find("integrator", self.method(assembly).name)
+        """Return the lines of a plan on steps, history, temperatures, damage, friction, level and integrator.
 
-        def why(setting: str) -> str:
-            named = setting in assembly.scene.study.get(self.name, {})
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        estimated : ResolutionChoice
+            The choices, with reasons and errors.
+        costs : dict of str to float
+            Processor times [s] by name; those of the lines are removed.
+        """
+        errors = estimated.errors
+        offer = find("integrator", self.method(assembly).name)
+        duration_of_error = "which adds up"
+        if self._estimates_decay(self.level, assembly):
+            duration_of_error = "two cages that begin apart how long that lasts"
+        divergence = ", and finer ones how far motions come apart in an orbit"
+
+        def reason_of(setting: str) -> str:
+            is_named = setting in assembly.scene.study.get(self.name, {})
             return estimated.reasons.get(
-                setting, f"study.{self.name} names it" if named else "default"
+                setting, f"study.{self.name} names it" if is_named else "default"
             )
 
         steps = Part(
@@ -325,12 +365,7 @@ class Dynamics(Study):
             choice=f"relative tolerance {assembly.resolution.integrator_tolerance or 0.0:.1e}",
             resolution="every step",
             reason="two short motions of other tolerances tell what it leaves of the cage speed, "
-            + ("two cages that begin apart how long that lasts" if fades else "which adds up")
-            + (
-                ""
-                if self.level == "cage-set"
-                else ", and finer ones how far motions come apart in an orbit"
-            ),
+            f"{duration_of_error}{'' if self.level == 'cage-set' else divergence}",
             errors=errors.get("steps", {}),
             seconds=costs.pop("motion", None) if "steps" in errors else None,
         )
@@ -345,47 +380,47 @@ class Dynamics(Study):
                 part="friction of the raceways",
                 choice=self.friction,
                 resolution=self.moving(assembly).evaluation_method,
-                reason=why("friction"),
+                reason=reason_of("friction"),
                 errors=errors.get("friction", {}),
             ),
             Part(
                 part="motion",
                 choice=f"level {self.level}: {LEVELS[self.level]}",
                 resolution=f"{self.degrees_of_freedom(assembly)} unknowns for {self.duration:g} s",
-                reason=why("level"),
+                reason=reason_of("level"),
                 errors=errors.get("level", {}),
             ),
             Part(
                 part="integrator",
                 choice=f"{offer.name} ({offer.package} {offer.version})",
                 resolution=f"relative tolerance {self.relative_tolerance:g}",
-                reason=why("integrator"),
+                reason=reason_of("integrator"),
             ),
         ]
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return how many numbers the stored instants hold at least."""
+        """Return the least number of values that are stored, by the setting that they depend on."""
         return {"points": 4.0 * self.points}
 
     def evaluations(self, assembly: Assembly) -> int:
-        """Return about how many slices it will evaluate in time, from steps such as bearings of this size took."""
+        """Return the approximate number of slices that the motion evaluates, by typical steps (`_STEPS`)."""
         if self.friction != "conventional":
             return 0
         loads = assembly.load_distribution(1)
         loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
-        if not self.moving(assembly).friction.uses_slices:  # but for what is stored
+        if not self.moving(assembly).friction.uses_slices:  # only the stored points evaluate slices
             return int(loaded) * self.points
         step, evaluations = _STEPS[self.level]
         steps = self.duration / step * (1e-5 / self.relative_tolerance) ** 0.2
         return int(loaded) * int(evaluations * steps + self.points)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the drags, the integrator, what temperatures follow from, and what measures damage.
+        """Return the drags, the integrator, the thermal model and the models of damage, each with its kind.
 
         Raises
         ------
         SceneError, PluginError
-            If the cage is wrong, or they are not there.
+            If the cage is wrong, or a model is missing.
         """
         drags = (("drag", model) for model in assembly.cage.drags)
         heat = heating.model_of(assembly)
@@ -398,16 +433,31 @@ class Dynamics(Study):
 
     @property
     def validity_state(self) -> str:
-        """What state `validity_slices` are at."""
+        """State of the `validity_slices`."""
         return "at the end of the motion"
 
     def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
-        """Return the slices of the rollers at the last stored instant."""
-        then = over_time.final_bearing(assembly, dataset)
-        return [] if then is None else last_slices(then, dataset)
+        """Return the loaded slices at the last stored time.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing of the scene.
+        dataset : xarray.Dataset
+            The result.
+        """
+        bearing = over_time.final_bearing(assembly, dataset)
+        return [] if bearing is None else last_slices(bearing, dataset)
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
-        """Return the motion, going on from what is kept, and keeping what is computed.
+        """Return the motion, from its last checkpoint on; checkpoints are written as the run goes on.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        context : RunContext, optional
+            Store of checkpoints, and the callable that takes the progress.
 
         Returns
         -------
@@ -416,7 +466,7 @@ class Dynamics(Study):
             (time, roller): roller_speed, roller_slip, orbit_angle; (ring, time, roller): normal_force, traction_force,
             sliding_speed, film_parameter, NaN without load; (work, time): work_done; (event,): event_time, event_what,
             event_rising; with effective friction its curves (inner_node,): inner_sliding, inner_friction, and so outer,
-            and how right they are, attribute effective_tables (`EffectiveTable.record` by ring, JSON), with those of
+            with their errors, attribute effective_tables (`EffectiveTable.record` by ring, JSON), with those of
             conventional friction and of forces at level planar in friction_tables and force_tables; processor time of
             the integration alone [s], attribute integration_seconds;
             at levels pocket and planar (time, roller): pocket_force, pocket_displacement; at level planar (direction,
@@ -437,87 +487,44 @@ class Dynamics(Study):
         )
         return dataset.assign_coords(measures).assign(self.variables(**damage))
 
-    def _run(self, assembly: Assembly, kept: RunContext) -> "xr.Dataset":
+    def _run(self, assembly: Assembly, context: RunContext) -> "xr.Dataset":
+        """Return the motion, without single values of its history and measures of damage."""
         integrator = self.method(assembly)
         if self.level == "planar":
-            self._of_planar(assembly)
-        heat = heating.solve_temperatures(self, assembly, kept.progress)
-        assembly, history = (
-            (assembly, self.course(assembly)) if heat is None else (heat.assembly, heat.history)
-        )
+            self._planar_settings(assembly)
+        heat = heating.solve_temperatures(self, assembly, context.progress)
+        history = self.course(assembly) if heat is None else heat.history
+        assembly = assembly if heat is None else heat.assembly
         settings = self.curve_study(assembly)
-        store = None if kept.store is None else Checkpoints(*attrs.astuple(kept.store))
         raceways = settings.loaded(
             assembly, assembly.resolution.n_positions or over_time.N_POSITIONS
         )
         critical = over_time.critical_of(settings, raceways)
-        away = over_time.onset_of(settings, raceways)
+        onset = over_time.onset_of(settings, raceways)
         limit = over_time.watched_slip(settings, assembly, history)
-        moving = self.moving_along(history, assembly, critical_slip=away.slip, limit=limit)
-        times = np.linspace(0.0, self.duration, self.points)
-        watch = moving.system.watch
-        before = None if store is None else store.load(times, moving.system.n)
-        done, parts = (
-            (0, 0) if before is None or store is None else (before.t.size, len(store.parts()))
-        )
-
-        def keep(number: int, trajectory: Trajectory) -> None:
-            if store is not None:
-                store.write(parts + number, trajectory)
-            if kept.progress is not None:
-                t = trajectory.last_t
-                kept.progress(
-                    f"{t:.4g} of {self.duration:.4g} s",
-                    heating.run_fraction(heat, t / self.duration),
-                )
-
-        found = integrate(
-            self._ivp(
-                moving,
-                self.relative_tolerance,
-                before,
-                watch=watch if moving.system.watched else None,
-            ),
-            integrator,
-            times[done:],
-            rtol=self.relative_tolerance,
-            stop=frozenset(
-                {0}
-                if self.stop_at == "critical" and not (math.isnan(away.slip) and limit is None)
-                else ()
-            ),
-            first_step=0.0 if before is None else before.last_step,
-            state=None if before is None else before.last_state,
-            keep=keep,
-        )
-        found = with_cause(found, moving)
-        found = found if before is None else before.then(found)
-        # by now models may fail as in the run, or anew
-        outputs, found = outputs_of(moving, found)
-        slip = (
-            1.0
-            - (moving.split(found.y)["cage_speed"] / moving.epicyclic_speeds(found.t)[0])[[0, -1]]
-        )
-        regimes, found = regimes_of(
-            raceways, np.clip(np.nan_to_num(slip), 0.0, settings.max_cage_slip), found
-        )
-        warmed, warmth = heating.temperature_variables(heat, found.t)
-        nodes = (
-            {}
-            if heat is None
-            else {"node": ("node", [*heat.model.nodes], about("1", "part of the bearing"))}
-        )
+        moving = self.moving_along(history, assembly, critical_slip=onset.slip, limit=limit)
+        is_known = not math.isnan(onset.slip) or limit is not None
+        stop = frozenset({0} if self.stop_at == "critical" and is_known else ())
+        found = self._integrate(moving, integrator, stop, context, heat)
+        outputs, found = outputs_of(moving, found)  # models may fail here as in the run
+        speed_ratio = moving.split(found.y)["cage_speed"] / moving.epicyclic_speeds(found.t)[0]
+        slip = np.nan_to_num(1.0 - speed_ratio[[0, -1]])
+        regimes, found = regimes_of(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
+        temperatures, heat_attributes = heating.temperature_variables(heat, found.t)
+        nodes = {}
+        if heat is not None:
+            nodes["node"] = ("node", [*heat.model.nodes], about("1", "part of the bearing"))
         return (
             self._dataset(assembly, moving, found, outputs, integrator)
             .assign(regimes)
-            .assign(self.variables(**warmed))
+            .assign(self.variables(**temperatures))
             .assign_coords(nodes)
-            .assign_attrs(warmth)
+            .assign_attrs(heat_attributes)
             .assign_attrs(
                 {
-                    "skidding_slip": away.slip,
-                    "limit_drag": away.drag,
-                    "skidding_status": away.status,
+                    "skidding_slip": onset.slip,
+                    "limit_drag": onset.drag,
+                    "skidding_status": onset.status,
                     "critical_cage_slip": critical.slip,
                     "critical_status": critical.status,
                     "first_maximum_slip": critical.first_slip,
@@ -526,6 +533,45 @@ class Dynamics(Study):
             )
         )
 
+    def _integrate(
+        self,
+        moving: MovingBearing,
+        integrator: IntegratorModel,
+        stop: frozenset[int],
+        context: RunContext,
+        heat: heating.Heating | None,
+    ) -> Trajectory:
+        """Return the motion, from its last checkpoint on, up to its end or an event whose number is in ``stop``."""
+        store = None if context.store is None else Checkpoints(*attrs.astuple(context.store))
+        times = np.linspace(0.0, self.duration, self.points)
+        watch = moving.system.watch if moving.system.watched else None
+        before = None if store is None else store.load(times, moving.system.n)
+        stored_times = 0 if before is None else before.t.size
+        stored_parts = 0 if before is None or store is None else len(store.parts())
+
+        def save(number: int, trajectory: Trajectory) -> None:
+            if store is not None:
+                store.write(stored_parts + number, trajectory)
+            if context.progress is not None:
+                t = trajectory.last_t
+                context.progress(
+                    f"{t:.4g} of {self.duration:.4g} s",
+                    heating.run_fraction(heat, t / self.duration),
+                )
+
+        found = integrate(
+            self._initial_value_problem(moving, self.relative_tolerance, before, watch=watch),
+            integrator,
+            times[stored_times:],
+            rtol=self.relative_tolerance,
+            stop=stop,
+            first_step=0.0 if before is None else before.last_step,
+            state=None if before is None else before.last_state,
+            keep=save,
+        )
+        found = with_cause(found, moving)
+        return found if before is None else before.then(found)
+
     def trial_motion(
         self,
         moving: MovingBearing,
@@ -533,9 +579,21 @@ class Dynamics(Study):
         tolerance: float,
         before: Trajectory | None = None,
     ) -> Trajectory:
-        """Return the motion from its start or from before, at some times [s], nothing watched or kept."""
+        """Return the motion at some times, without events and checkpoints.
+
+        Parameters
+        ----------
+        moving : MovingBearing
+            The equations of motion.
+        times : ndarray
+            Times [s], (m,).
+        tolerance : float
+            Step tolerance.
+        before : Trajectory, optional
+            Motion at whose end this one starts; else it starts from the slips of the study.
+        """
         found = integrate(
-            self._ivp(moving, tolerance, before),
+            self._initial_value_problem(moving, tolerance, before),
             self.method(moving.assembly),
             times,
             rtol=tolerance,
@@ -544,36 +602,37 @@ class Dynamics(Study):
         )
         if (
             found.outcome == "interrupted"
-        ):  # else what is chosen by trials would take it for a fault of one
+        ):  # not a failure, after which another choice would be made
             raise KeyboardInterrupt
         return found
 
-    def _ivp(
-        self, moving: MovingBearing, error: float, before: Trajectory | None, **own: Any
+    def _initial_value_problem(
+        self, moving: MovingBearing, tolerance: float, before: Trajectory | None, **options: Any
     ) -> InitialValueProblem:
+        """Return the problem from the start or from the end of a motion, with a step tolerance."""
         absolute, relative = moving.tolerances
         return InitialValueProblem(
             rates=moving.system,
             y=moving.initial(self.cage_slip, self.roller_slip) if before is None else before.last_y,
             t=0.0 if before is None else before.last_t,
-            atol=error * absolute,
+            atol=tolerance * absolute,
             relative=relative,
             jacobian=moving.system.jacobian,
             breaks=moving.breaks,
             at_rest=moving.at_rest,
-            **own,
+            **options,
         )
 
     def digest(self, assembly: Assembly) -> str:
-        """Return the digest of the file of a history."""
+        """Return the SHA-256 digest of the file of a history; empty without one."""
         return "" if (history := self.course(assembly)) is None else history.sha256
 
     def course(self, assembly: Assembly) -> History | None:
-        """Return how the operation goes over time; None where it does not change."""
+        """Return the operation over time; None if it is constant."""
         return over_time.history_of(self.history, assembly, self.duration, self.table)
 
     def moving(self, assembly: Assembly) -> MovingBearing:
-        """Return the bearing in motion at the temperatures of its scene."""
+        """Return the equations of motion at the temperatures of the scene."""
         return self.moving_along(self.course(assembly), assembly)
 
     def moving_along(
@@ -584,7 +643,19 @@ class Dynamics(Study):
         critical_slip: float = math.nan,
         limit: Course | None = None,
     ) -> MovingBearing:
-        """Return the bearing in motion along a history, in which ``limit`` is the slip that is watched."""
+        """Return the equations of motion along a history.
+
+        Parameters
+        ----------
+        history : History or None
+            The operation over time; None if it is constant.
+        assembly : Assembly
+            The bearing.
+        critical_slip : float, optional
+            Cage slip whose passage is an event, for a constant operation.
+        limit : Course, optional
+            The same over time, along a history.
+        """
         check_moves(assembly, self.level)
         friction = FrictionSettings(
             name=self.friction,
@@ -595,16 +666,16 @@ class Dynamics(Study):
             film_limit=self.film_limit or math.nan,
         )
         if history is not None:
-            planar = self._of_planar(assembly) if self.level == "planar" else None
+            planar = self._planar_settings(assembly) if self.level == "planar" else None
             return varying_motion(
                 assembly, friction, history, level=self.level, planar=planar, limit=limit
             )
         if self.level == "planar":
-            return planar_motion(assembly, self._of_planar(assembly), friction)
+            return planar_motion(assembly, self._planar_settings(assembly), friction)
         return carried_motion(assembly, friction, level=self.level)
 
-    def _of_planar(self, assembly: Assembly) -> PlanarSettings:
-        """Settings of level planar, which a scene that names it must give."""
+    def _planar_settings(self, assembly: Assembly) -> PlanarSettings:
+        """Return the settings of level planar, which a scene must give; else a SceneError."""
         if self.planar is None:
             where = Location(assembly.scene.origins, ("study", self.name))
             raise SceneError(
@@ -623,17 +694,17 @@ class Dynamics(Study):
         Raises
         ------
         SceneError, PluginError
-            If its parameters are wrong, or it is not there.
+            If its parameters are wrong, or there is none of that name.
         """
         problems = list[str]()
         where = Location(assembly.scene.origins, ("study", self.name, "integrator"))
-        made = structure_model("integrator", self.integrator, where, problems)
-        if problems or not isinstance(made, IntegratorModel):
+        model = structure_model("integrator", self.integrator, where, problems)
+        if problems or not isinstance(model, IntegratorModel):
             raise SceneError(problems)
-        return made
+        return model
 
     def degrees_of_freedom(self, assembly: Assembly) -> int:
-        """Number of unknowns, without those of the ledger."""
+        """Return the number of unknowns, without those of the ledger."""
         return unknowns(self.level, assembly)
 
     def _dataset(
@@ -644,6 +715,7 @@ class Dynamics(Study):
         outputs: dict[str, Array],
         integrator: IntegratorModel,
     ) -> "xr.Dataset":
+        """Return a motion as dataset, without regimes, temperatures and the onset of skidding."""
         import xarray as xr
 
         t = found.t
@@ -653,18 +725,20 @@ class Dynamics(Study):
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip = variables["cage_slip"][1]
         works = moving.works(found.y)
-        at_positions, of_history = over_time.history_variables(
+        history, history_attributes = over_time.history_variables(
             self.curve_study(assembly), moving, t, found.y
         )
-        variables |= self.variables(**at_positions)
-        ended = found.outcome == "finished"  # else a longer run would end there too
+        variables |= self.variables(**history)
+        is_finished = found.outcome == "finished"  # else a longer run would end there, too
         steady, steady_status = steady_slip_of(
             t,
             cage_slip,
             cage,
             assembly.scene.accuracy.tolerance,
             lambda seconds: (
-                f"; run longer with --set {self.table}.duration={seconds:.2g}s" if ended else ""
+                f"; run longer with --set {self.table}.duration={seconds:.2g}s"
+                if is_finished
+                else ""
             ),
             f"; store more with --set {self.table}.points={4 * self.points}",
         )
@@ -692,7 +766,7 @@ class Dynamics(Study):
                 ),
             },
             attrs=self.attributes
-            | of_history
+            | history_attributes
             | {
                 "level": self.level,
                 "friction": self.friction,
@@ -723,6 +797,7 @@ class Dynamics(Study):
         )
 
     def _film_status(self) -> str:
+        """Return what the film parameter is of, or why it is not known."""
         if self.friction == "conventional":
             return "of the loaded slices"
         return f"friction is {self.friction}, which knows no film; --set {self.table}.friction=conventional does"
