@@ -200,7 +200,7 @@ def test_only_what_is_asked_for_is_worked_out_and_the_same_whoever_asked_before(
         pair for pair in itertools.pairwise(nodes) if force <= pair[1]
     )
     assert len(loads.orbits.solved) <= solved + math.log2(len(nodes)) + 1
-    assert len(whole.orbits.right) > 2 * len(loads.orbits.right)
+    assert len(whole.orbits.accepted) > 2 * len(loads.orbits.accepted)
     again = len(loads.orbits.solved)
     psi = np.linspace(0.1, 6.1, 9)
     np.testing.assert_array_equal(loads.at(psi, force), whole.at(psi, force))

@@ -567,7 +567,7 @@ def test_loads_that_cannot_be_worked_out_on_the_way_say_so(monkeypatch):
         raise ConvergenceError("no equilibrium")
 
     monkeypatch.setattr(type(assembly), "load_distribution", no_equilibrium)
-    m.loads.orbits.right.clear()
+    m.loads.orbits.accepted.clear()
     m.loads.orbits.solved.clear()
     m.system.rates(0.0, y)
     with pytest.raises(ConvergenceError, match="no equilibrium"):
@@ -710,9 +710,9 @@ def test_rates_by_a_table_of_friction_are_those_of_the_slices_to_its_error(level
     tabulated, sliced = (
         motion(level, "conventional", drags, tabulated=yes, **MANY) for yes in (True, False)
     )
-    assert len(tabulated.friction.by_force) == 2
-    assert not sliced.friction.by_force
-    error = max(table.error for table in tabulated.friction.by_force)
+    assert len(tabulated.friction.friction_tables) == 2
+    assert not sliced.friction.friction_tables
+    error = max(table.error for table in tabulated.friction.friction_tables)
     assert 0.0 < error <= tabulated.friction.settings.table_tolerance(tabulated.assembly)
     rng = np.random.default_rng(5)
     for _ in range(4):
@@ -739,7 +739,7 @@ def test_the_error_of_a_table_of_friction_is_that_against_the_chain(ring):
     """At contacts of its own choosing, by the chain of the raceway slice by slice."""
     m = motion("cage-set", "conventional", ("rolling-resistance",), tabulated=True, **MANY)
     a = m.assembly
-    table = m.friction.by_force[ring]
+    table = m.friction.friction_tables[ring]
     rng = np.random.default_rng(8)
     raceway = a.raceways[ring]
     gap = rng.uniform(0.2e-6, 1.5e-6, 28)
@@ -766,7 +766,7 @@ def test_the_error_of_a_table_of_friction_is_that_against_the_chain(ring):
 def test_outside_a_table_of_friction_the_chain_is_asked(change):
     m = motion("cage-set", "conventional", (), tabulated=True, **MANY)
     contact = {"force": 100.0, "sliding": 0.5, "rolling": 30.0}
-    (table, _) = m.friction.by_force
+    (table, _) = m.friction.friction_tables
     (capsule, _) = m.friction.capsules
     assert compiled.table_friction(capsule, **contact) is not None
     root = table.root_scale * table.root_ends[1] / (1.0 - table.root_ends[1])
@@ -793,31 +793,31 @@ def test_without_force_there_is_no_friction_of_a_table():
 def test_what_has_no_table_of_friction_says_why(monkeypatch):
     assembly = bearing(**{"operation.misalignment": "0.2 mrad"}).with_resistance()
     friction = raceway_friction(assembly, FrictionSettings(name="conventional"))
-    assert friction.by_force == ()
-    assert "rollers tilt" in friction.way
+    assert friction.friction_tables == ()
+    assert "rollers tilt" in friction.evaluation_method
     friction = raceway_friction(bearing().with_resistance(), FrictionSettings(name="conventional"))
-    assert friction.by_force == ()
-    assert "5 slices cost no more than a table" in friction.way
+    assert friction.friction_tables == ()
+    assert "5 slices cost no more than a table" in friction.evaluation_method
     m = motion("cage-set", "conventional", (), **MANY)
 
     friction = raceway_friction(
         with_traction(m, NumpyForm(m.assembly.traction)), FrictionSettings(name="conventional")
     )
-    assert friction.by_force == ()
-    assert "runs in Python" in friction.way
+    assert friction.friction_tables == ()
+    assert "runs in Python" in friction.evaluation_method
     friction = raceway_friction(m.assembly, FrictionSettings(name="conventional", tolerance=1e-7))
-    assert friction.by_force == ()
-    assert "on the inner ring would err by" in friction.way
+    assert friction.friction_tables == ()
+    assert "on the inner ring would err by" in friction.evaluation_method
 
     def ends(*_):
         raise DomainError("no such speed")
 
-    monkeypatch.setattr(friction_module._OfRoller, "on", ends)
+    monkeypatch.setattr(friction_module._RollerFriction, "values_at_nodes", ends)
     friction = raceway_friction(m.assembly, FrictionSettings(name="conventional", tolerance=3e-2))
-    assert friction.by_force == ()
+    assert friction.friction_tables == ()
     assert (
         "a law of the inner ring ends where a table of it would have to reach (no such speed)"
-        in friction.way
+        in friction.evaluation_method
     )
 
 

@@ -11,7 +11,12 @@ from rollslip.errors import DomainError, SceneError
 from rollslip.structure import Location, structure
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.motion.varying import Varying
-from rollslip_studies.dynamics.history.interpolated_rates import Axis, off, rates_of, sizes_of
+from rollslip_studies.dynamics.history.interpolated_rates import (
+    Axis,
+    largest_rates,
+    relative_error,
+    sampled_rates,
+)
 from rollslip_studies.dynamics.history.settings import HistorySettings
 from rollslip_studies.dynamics.history.time_functions import Course, constant, table
 from rollslip_studies.dynamics.history.varying import varying_motion
@@ -195,7 +200,7 @@ def test_a_million_points_are_read_as_the_slow_way_reads_them(tmp_path):
     path = tmp_path / "measured.csv"
     path.write_text("time [s], inner_speed [rpm]\n" + "\n".join(rows) + "\n")
     of_all = history({"file": str(path)})
-    assert of_all.courses["inner_speed"].begin.size == t.size
+    assert of_all.courses["inner_speed"].starts.size == t.size
     few = tmp_path / "few.csv"
     few.write_text("time [s], inner_speed [rpm]\n" + "\n".join(rows[::100_000]) + "\n")
     at = t[::100_000]
@@ -245,7 +250,7 @@ def test_between_nodes_rates_are_those_of_a_bearing_put_together_there(name, raw
         there = assemble(
             rollslip.evolve(SCENE, {f"operation.{key}": f"{value!r} {unit}"}), bearing.resolution
         )
-        direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
+        direct = carried_motion(there, moving.stations.friction, level="cage-set", per_roller=True)
         rows = [[one.split(one.system(t, y)) for one in (moving, direct)] for y in states(direct)]
         for entry in ("impulse_inner", "impulse_outer", "impulse_drag"):
             blended, true = (np.array([float(row[k][entry]) for row in rows]) for k in (0, 1))
@@ -298,7 +303,7 @@ def test_two_axes_are_followed_together():
         "operation.temperature": f"{now['temperature']} K",
     }
     there = assemble(rollslip.evolve(SCENE, changes), bearing.resolution)
-    direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
+    direct = carried_motion(there, moving.stations.friction, level="cage-set", per_roller=True)
     for y in states(direct):
         assert (
             np.abs(moving.system(0.37, y) - direct.system(0.37, y))[1]
@@ -316,11 +321,13 @@ def test_a_part_with_a_course_of_its_own_does_not_follow_the_temperature():
     )
     bearing = assemble(SCENE)
     moving = varying_motion(bearing, friction(), way, level="cage-set")
-    now = {f"operation.{name}": f"{float(way.courses[name].at(0.6))!r} K" for name in way.given}
+    now = {
+        f"operation.{name}": f"{float(way.courses[name].at(0.6))!r} K" for name in way.prescribed
+    }
     assert len(now) == 2
     there = assemble(rollslip.evolve(SCENE, now), bearing.resolution)
     assert there.scene.operation.roller_temperature == there.scene.operation.temperature
-    direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
+    direct = carried_motion(there, moving.stations.friction, level="cage-set", per_roller=True)
     for y in states(direct):
         assert (
             np.abs(moving.system(0.6, y) - direct.system(0.6, y))[1]
@@ -345,12 +352,12 @@ def test_a_cubic_that_is_too_coarse_is_seen():
     moving = varying_motion(bearing, friction(), colder, level="cage-set")
     stations = moving.stations
     low, high, middle = (stations.motion((value,)) for value in (303.15, 323.15, 313.15))
-    straight = 0.5 * (rates_of(low, middle) + rates_of(high, middle))
-    true = rates_of(middle, middle)
+    straight = 0.5 * (sampled_rates(low, middle) + sampled_rates(high, middle))
+    true = sampled_rates(middle, middle)
     assert (
-        off(straight, true, sizes_of(true, 28), 28) > 0.02
+        relative_error(straight, true, largest_rates(true, 28), 28) > 0.02
     )  # a viscosity that halves is no straight line
-    assert off(true, true, sizes_of(true, 28), 28) == 0.0
+    assert relative_error(true, true, largest_rates(true, 28), 28) == 0.0
 
 
 @pytest.mark.quick
@@ -361,7 +368,7 @@ def test_at_an_operation_that_does_not_change_the_rates_have_the_bits_of_the_ste
     assert not still.breaks
     for name in ("conventional", "effective", "constant"):
         moving = varying_motion(bearing, friction(name), still, level="cage-set")
-        steady = carried_motion(bearing, friction(name), level="cage-set", each=True)
+        steady = carried_motion(bearing, friction(name), level="cage-set", per_roller=True)
         for y in states(steady):
             assert np.array_equal(moving.system(0.3, y), steady.system(0.3, y))
         assert np.array_equal(moving.initial(0.1, 0.2), steady.initial(0.1, 0.2))
@@ -405,7 +412,7 @@ def test_a_file_is_looked_for_beside_the_scene(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     beside = history({"file": "stand.csv"}, scene=rollslip.load_scene(path))
     assert beside.courses["radial_load"].at([0.0, 30.0]).tolist() == [1000.0, 1500.0]
-    assert beside.given == ("radial_load",)
+    assert beside.prescribed == ("radial_load",)
     with pytest.raises(SceneError, match="cannot be read"):
         history(
             {"file": "stand.csv"}
@@ -436,7 +443,7 @@ def test_speeds_of_both_rings_reach_the_rates():
     moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set")
     speeds = {f"operation.{name}": f"{float(way.courses[name].at(0.2))!r} rad/s" for name in BOTH}
     there = assemble(rollslip.evolve(SCENE, speeds))
-    direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
+    direct = carried_motion(there, moving.stations.friction, level="cage-set", per_roller=True)
     y = direct.initial(0.05, 0.06)
     np.testing.assert_allclose(moving.system(0.2, y), direct.system(0.2, y), rtol=2e-3, atol=0.1)
 
@@ -448,7 +455,7 @@ def test_between_nodes_outputs_are_those_of_a_bearing_put_together_there():
     there = assemble(
         rollslip.evolve(SCENE, {"operation.radial_load": f"{load!r} N"}), moving.assembly.resolution
     )
-    direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
+    direct = carried_motion(there, moving.stations.friction, level="cage-set", per_roller=True)
     y = direct.initial(0.05, 0.06)
     blended, true = (one.system.owner.outputs([0.37], [y]) for one in (moving, direct))
     assert "film_parameter" in true
@@ -471,7 +478,7 @@ def test_what_is_beyond_the_range_of_an_axis_is_held_at_its_end():
         2.0,
     )  # of an axis from 0 to 1
     system = Varying(
-        [(c.begin, c.powers) for c in map(constant, values)], [(0.0, 1.0)],
+        [(c.starts, c.powers) for c in map(constant, values)], [(0.0, 1.0)],
         lambda place: ([[0.0, 0.3, 0.6, 1.0]], [one.system.owner] * 4), cage_speed=0,
         inner_fraction=k.inner_radius / (k.inner_radius + k.outer_radius), scale=one.system.scale,
     )  # fmt: skip

@@ -294,7 +294,7 @@ def test_at_every_moment_of_a_history_rates_are_those_of_lagranges_equations(t):
     lagrange = Driven(moving)
     expected, _ = lagrange.rates(t, y)
     found = moving.system.rates(t, y)
-    works, distances = moving.of_each(found)
+    works, distances = moving.sliding_work_and_distance(found)
     assert np.all(
         np.abs(found[: expected.size] - expected) <= 1e-12 * yardstick(moving.base, y, expected)
     )
@@ -315,7 +315,9 @@ def test_speed_load_and_its_direction_over_time_move_it_as_lagranges_equations_d
     lagrange = Driven(moving)
     y = moving.initial()
     atol = 1e-10 * moving.system.scale
-    own = slice(-sum(part.size for part in moving.of_each(y)))  # without what each roller does
+    own = slice(
+        -sum(part.size for part in moving.sliding_work_and_distance(y))
+    )  # without what each roller does
     theirs = solve_ivp(
         lambda t, y: lagrange.rates(t, y)[0],
         (0.0, end),
@@ -831,7 +833,7 @@ def test_rates_by_tables_are_those_of_the_slices_to_their_error(name, seed):
     y, tabulated, sliced, found, expected = both(name, seed)
     assert len(tabulated.forces) == 2
     error = max(table.error for table in tabulated.forces)
-    error += max((table.error for table in tabulated.friction.by_force), default=0.0)
+    error += max((table.error for table in tabulated.friction.friction_tables), default=0.0)
     done, true = (one.outputs(np.zeros(1), y[None]) for one in (tabulated, sliced))
     size = yardstick(sliced, y, expected)
     # tractions of both rings nearly balance
@@ -893,7 +895,7 @@ def test_a_force_that_few_cells_do_not_tell_comes_from_the_slices(monkeypatch):
     scene = scene_of.__wrapped__(5)  # of its own: tables are kept with the bearing
     rough, sliced = (motion(scene, tabulated=yes) for yes in (True, False))
     assert rough.forces == ()
-    assert "from every slice" in rough.way
+    assert "from every slice" in rough.evaluation_method
     y = random_state(sliced, 3)
     np.testing.assert_array_equal(rough.system.rates(0.0, y), sliced.system.rates(0.0, y))
 

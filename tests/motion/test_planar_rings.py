@@ -243,7 +243,7 @@ def test_it_starts_at_rest_in_the_equilibrium_of_rings_that_yield(speed, heavy):
     m = planar.bent.shapes
     head, rollers, _ = planar.parts(rates)
     forces = planar.planar.outputs([0.0], y[None])["normal_force"]
-    lightest = min(ring.mass.min() for ring in planar.bent.of_both)
+    lightest = min(ring.mass.min() for ring in planar.bent.ring_shapes)
     assert np.abs(head[2:4]).max() * planar.settings.inner_ring_mass < 1e-6 * forces.max()
     assert np.abs(head[10 + m :]).max() * lightest < 1e-6 * forces.max()
     spline = 1e-5 * forces.max() / planar.assembly.roller_mass

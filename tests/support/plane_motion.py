@@ -470,7 +470,7 @@ def yardstick(planar, y, rates):
         pocket * planar.assembly.kinematics.orbit_radius / planar.assembly.cage.inertia,
     )
     if shapes:
-        lightest = min(ring.mass.min() for ring in planar.bent.of_both if ring.mass is not None)
+        lightest = min(ring.mass.min() for ring in planar.bent.ring_shapes if ring.mass is not None)
         places = slice(len(HEAD), len(HEAD) + shapes)
         speeds = slice(len(HEAD) + shapes, len(HEAD) + 2 * shapes)
         of_head[places] = head[places].max()

@@ -422,12 +422,12 @@ class _Trials:
             study.with_settings(friction=friction, level="cage-set")
             for friction in ("conventional", "effective")
         )
-        reference = simplified = None
+        reference = simplified_traction = None
         difference = 0.0
         max_slip = 0.0
         for interval in np.split(times, TRIALS.checks):
             reference_speed, reference = self.cage_speeds(conventional, interval, reference)
-            simplified_speed, simplified = self.cage_speeds(effective, interval, simplified)
+            simplified_speed, simplified_traction = self.cage_speeds(effective, interval, simplified_traction)
             change = np.abs(reference_speed - simplified_speed)
             difference = max(difference, float(change.max()))
             max_slip = max(max_slip, 1.0 - float(reference_speed.min()))
@@ -554,7 +554,7 @@ def step_tolerance(
     """
     coarse = with_coarse_slices(assembly)
     moving = study.moving(assembly)
-    if moving.friction.by_slices:
+    if moving.friction.uses_slices:
         moving = study.moving(coarse)
     span = min(STEPS.duration, study.duration)
     # a motion at level cage-set takes no longer than the trial that shows how its errors decay

@@ -68,7 +68,7 @@ def costs_of(study: MotionStudy, assembly: Assembly) -> dict[str, float]:
     study.moving(assembly)
     moving = study.moving(assembly)
     tables = timed(partial(study.moving, assembly), 1)
-    sliced = study.friction == "conventional" and moving.friction.by_slices
+    sliced = study.friction == "conventional" and moving.friction.uses_slices
     trial = study.moving(with_coarse_slices(assembly)) if sliced else moving
     evaluations, seconds, last = _estimate_evaluations(study, trial)
     point_seconds = seconds

@@ -1,14 +1,16 @@
-"""Stations: bearings in motion at fixed operations, between which the rates of a varying one are interpolated.
+"""Interpolate the rates of a bearing over its operation, between *stations*: bearings in motion at fixed operations.
 
-- Axes are what varies of radial load and temperatures and, where friction is effective, how fast the rings turn against
-  each other: effective friction is tabulated at one speed, conventional friction knows all of them. At level planar the
-  rates know the load, and it is an axis of effective friction alone.
-- Along an axis rates are cubics through the ends of an interval and its thirds. Intervals come from halving: one is
-  right where the rates at a sixth, half and five sixths of it are those of a bearing put together there, to the
-  tolerance, at some slips of the cage, in the mean over a pitch, and with the other axes at each of their ends. Which
-  intervals there are does not depend on where a motion went before.
-- The load counts by its root: the width of a contact goes with that, and its traction down to no load.
-- Only stations around operations that a motion comes through are put together.
+The method is piecewise cubic Lagrange interpolation on a tensor grid, refined by bisection of its intervals.
+
+- The axes are those of radial load and temperatures that vary and, where friction is effective, the difference of the
+  ring speeds: effective friction is tabulated at one speed, conventional friction knows all of them. At level planar
+  the rates take the load, and it is an axis of effective friction alone.
+- The coordinate of the load is its square root: the width of a contact is proportional to that, and its traction too as
+  the load goes to zero.
+- The nodes of an interval are its ends and thirds. An interval is halved until its cubic agrees with the rates of
+  bearings assembled at a sixth, a half and five sixths of it, to the tolerance: at several cage slips, in the mean over
+  a pitch, and with each other axis at both of its ends. So the intervals do not depend on the path of a motion.
+- Only stations around operations that a motion reaches are assembled.
 """
 
 import itertools
@@ -25,39 +27,53 @@ from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import ConvergenceError
 from rollslip.units import format_quantity
-from rollslip_studies.dynamics.history.temperature_path import changed
+from rollslip_studies.dynamics.history.temperature_path import with_changes
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
-#: Cage slips at which rates are compared, with this share of the roller slip that rolls on the outer ring, so that both
-#: contacts slide; shares of the largest speed, where that varies; and places of a roller in a pitch, between which it
-#: meets and leaves the load: at one place alone, rollers do so in pairs.
-_SPIN: Final = 0.9
+#: Roller slip at which rates are compared, relative to the slip that rolls on the outer ring. Below 1, so that both
+#: contacts slide. Doubling it would compare rollers that turn backwards. Chosen.
+_ROLLER_SLIP_FRACTION: Final = 0.9
+#: Roller slip at which rates are compared where the cage slip is zero [1]: both contacts slide there, too. Chosen.
+_ROLLER_SLIP_AT_REST: Final = 0.1
+#: Cage slips at which rates are compared. Each one costs its evaluations at every check of an interval. Chosen to cover
+#: small slips, those at the largest traction, and skidding.
 _SLIPS: Final = (0.003, 0.03, 0.1, 0.3, 0.7)
+#: Ring speeds at which rates are compared where they vary, relative to the largest. Chosen: full speed and slow films.
 _SPEEDS: Final = (1.0, 0.3)
-_PLACES: Final = (0.0, 0.25, 0.5, 0.75)
-#: Shares of the largest speed at which the halving of that axis begins; below the least, tables are those of it.
+#: Cage angles at which rates are compared, relative to a pitch. Several, because at one angle rollers enter and leave
+#: the loaded zone in pairs.
+_PITCH_FRACTIONS: Final = (0.0, 0.25, 0.5, 0.75)
+#: Nodes with which the axis of speed starts, relative to the largest speed; below the first, its tables are used. They
+#: are geometric because films and friction are power laws of the speed. Chosen.
 _FIRST_SPEEDS: Final = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0)
-#: Halvings of an axis at most.
-_DEEPEST: Final = 9
-#: Nodes of an interval, and where its cubic is checked, in sixths of it: about where it errs most, and in the middle,
-#: where a kink would be furthest from all nodes. They are nodes of its halves.
-_SIXTHS: Final = (0, 2, 4, 6)
-_CHECKED: Final = (1, 3, 5)
-#: Sixths of the smallest interval in one between roots.
-_FINEST: Final = 6 * 2**_DEEPEST
-#: Share of the rates at the highest load, temperature and speed that errors are relative to at least: near no load
-#: there is next to nothing to be relative to, and drags move the cage.
-_LEAST: Final = 0.05
-#: Least load, relative to the largest.
-_HARDLY: Final = 1e-9
-#: Share of the tolerance that is left to what is seen at the checked places: tables take another, and where a slice
-#: parts between them the rates have a kink, at which a cubic errs two to three times as much.
-_FRACTION: Final = 0.4
-#: Entries of the ledger that rates are compared by, beside the spins of the rollers.
+#: Maximum number of halvings of an interval. Each one more doubles the number of stations that a sharp kink may cost
+#: before `ConvergenceError`. Chosen.
+_MAX_HALVINGS: Final = 9
+#: Nodes of an interval, in sixths of it: thirds and ends, which are nodes of its halves or their ends.
+_NODE_SIXTHS: Final = (0, 2, 4, 6)
+#: Points at which the cubic of an interval is checked, in sixths of it: about those of its largest error, and the
+#: middle, which is farthest from all nodes where there is a kink. They are nodes of the halves, so no station is lost.
+_CHECK_SIXTHS: Final = (1, 3, 5)
+#: Sixths of the smallest interval between two initial nodes: nodes are counted in them, so that they are integers.
+_SIXTHS_PER_INTERVAL: Final = 6 * 2**_MAX_HALVINGS
+#: Lower bound of the rates that errors are relative to, as a fraction of the rates at the upper ends of all axes. Near
+#: zero load there is hardly any rate to be relative to, and drags move the cage. Halving it adds stations there.
+#: Chosen.
+_MIN_RATE_FRACTION: Final = 0.05
+#: Lower end of the axis of load, relative to its upper end: without any load there is no contact. Chosen; any value far
+#: below the tolerance gives the same rates.
+_MIN_LOAD_FRACTION: Final = 1e-9
+#: Fraction of the tolerance that is left to the error at the checked points. Tables take another one, and where a slice
+#: loses contact between the points the rates have a kink, at which the error of a cubic is two to three times as large.
+_ERROR_FRACTION: Final = 0.4
+#: Cage speed below which slip has no meaning, relative to the difference of the ring speeds: rings that turn against
+#: each other at the same surface speed, up to rounding.
+_ROUNDING: Final = 1e-9
+#: Entries of the ledger whose rates are compared, in addition to the spins of the rollers.
 _COMPARED: Final = (
     "impulse_inner",
     "impulse_outer",
@@ -67,12 +83,21 @@ _COMPARED: Final = (
     "lost_land",
 )
 
-Place = tuple[float, ...]
+#: A coordinate on each axis.
+Point = tuple[float, ...]
 
 
 @attrs.frozen
 class Axis:
-    """What varies, and from where to where: the root of "radial_load" [N^0.5], a temperature [K] or "speed" [rad/s]."""
+    """A variable of the operation and its range; the coordinate of the radial load is its square root.
+
+    Attributes
+    ----------
+    name : str
+        "radial_load", a temperature or "speed", the difference of the ring speeds.
+    low, high : float
+        Ends of the axis as coordinates [N^0.5, K, rad/s].
+    """
 
     name: str
     low: float
@@ -80,69 +105,70 @@ class Axis:
 
     @classmethod
     def of(cls, name: str, low: float, high: float) -> "Axis":
-        """Return the axis of a value of the operation from one to another; no load is the limit of hardly any."""
+        """Return the axis of a value of the operation between two values; a load of zero is replaced by a tiny one.
+
+        Parameters
+        ----------
+        name : str
+            Name of the value.
+        low, high : float
+            Its bounds [N, K, rad/s].
+        """
         if name != "radial_load":
             return cls(name, low, high)
-        return cls(name, math.sqrt(max(low, _HARDLY * high)), math.sqrt(high))
+        return cls(name, math.sqrt(max(low, _MIN_LOAD_FRACTION * high)), math.sqrt(high))
 
     @property
     def unit(self) -> str:
         """SI unit of the value."""
-        return (
-            "N"
-            if self.name == "radial_load"
-            else "K"
-            if self.name.endswith("temperature")
-            else "rad/s"
-        )
+        if self.name == "radial_load":
+            return "N"
+        return "K" if self.name.endswith("temperature") else "rad/s"
 
-    def value(self, place: float) -> float:
-        """Return the value of the operation at a place [N, K, rad/s]."""
-        return place * place if self.name == "radial_load" else place
+    def value(self, coordinate: float) -> float:
+        """Return the value of the operation at a coordinate [N, K, rad/s]."""
+        return coordinate * coordinate if self.name == "radial_load" else coordinate
 
     @property
-    def roots(self) -> tuple[float, ...]:
-        """Places between which it is halved."""
+    def initial_nodes(self) -> tuple[float, ...]:
+        """Coordinates between which intervals are halved."""
         if self.name == "speed":
             return tuple(fraction * self.high for fraction in _FIRST_SPEEDS)
         return self.low, self.high
 
-    def place(self, node: int) -> float:
-        """Return where one of the `_FINEST` nodes from root to root is, counted from the first."""
-        root, sixths = divmod(node, _FINEST)
+    def coordinate(self, node: int) -> float:
+        """Return the coordinate of a node, of which there are `_SIXTHS_PER_INTERVAL` between two initial ones."""
+        interval, sixths = divmod(node, _SIXTHS_PER_INTERVAL)
         if sixths == 0:
-            return self.roots[root]
-        low, high = self.roots[root : root + 2]
-        return low + sixths * (high - low) / _FINEST
+            return self.initial_nodes[interval]
+        low, high = self.initial_nodes[interval : interval + 2]
+        return low + sixths * (high - low) / _SIXTHS_PER_INTERVAL
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class Stations:
-    """Bearings in motion by their place on the axes."""
+    """Bearings in motion by their coordinates on the axes."""
 
     assembly: Assembly  # the bearing as the scene states it
-    speeds: tuple[
-        float, float
-    ]  # speeds of inner and outer ring where they turn fastest against each other [rad/s]
-    top_speeds: tuple[
-        float, float
-    ]  # largest speeds of inner and outer ring [rad/s]; loads are worked out up to either
-    axes: tuple[Axis, ...]  # what varies
+    #: Speeds of inner and outer ring where their difference is largest [rad/s].
+    speeds: tuple[float, float]
+    #: Largest speeds of inner and outer ring [rad/s]; loads are computed up to either.
+    top_speeds: tuple[float, float]
+    axes: tuple[Axis, ...]  # variables of the interpolation
     friction: FrictionSettings  # friction of the raceways
-    level: str  # level of the motion
-    planar: PlanarSettings | None  # what level planar needs
-    tolerance: (
-        float  # largest error of the rates between nodes, over all axes, relative to their largest
-    )
-    speeds_vary: bool  # whether the rings turn slower at times
-    _made: dict[Place, MovingBearing] = attrs.field(factory=dict, init=False, repr=False)
-    #: Errors of the intervals that were looked at, by axis and ends: shared by all motions of the bearing through this
-    #: operation.
+    level: str  # "cage-set", "pocket" or "planar"
+    planar: PlanarSettings | None  # masses, damping and gravity of level planar
+    #: Largest error of the rates between nodes, over all axes, relative to the largest rates.
+    tolerance: float
+    speeds_vary: bool  # whether the ring speeds vary
+    _motions: dict[Point, MovingBearing] = attrs.field(factory=dict, init=False, repr=False)
+    #: Errors of the checked intervals, by axis and ends. All motions of the bearing through this operation share them.
     _errors: dict[tuple[int, int, int], float] = attrs.field(factory=dict, init=False, repr=False)
 
     def __attrs_post_init__(self) -> None:
-        f = self.friction
-        of = (
+        friction = self.friction
+        key = (
+            bearing_resolution(self.assembly),
             self.speeds,
             self.top_speeds,
             self.axes,
@@ -150,151 +176,180 @@ class Stations:
             self.planar,
             self.tolerance,
             self.speeds_vary,
+            friction.name,
+            friction.effective_over,
+            friction.coefficient,
+            friction.transition,
+            friction.tolerance,
         )
-        of_friction = f.name, f.effective_over, f.coefficient, f.transition, f.tolerance
-        key = of_bearing(self.assembly), *of, of_friction
         object.__setattr__(
             self, "_errors", self.assembly.cached("errors between stations", key, dict)
         )
 
     @property
     def error(self) -> float:
-        """Largest error of the rates between nodes, of the intervals that were found right."""
-        right = [error for error in self._errors.values() if error <= self._allowed]
-        return max(right, default=0.0)
+        """Largest error of the rates between nodes, of the intervals within the tolerance."""
+        accepted = [error for error in self._errors.values() if error <= self._axis_tolerance]
+        return max(accepted, default=0.0)
 
     @property
-    def _allowed(self) -> float:
-        return _FRACTION * self.tolerance / max(len(self.axes), 1)
+    def _axis_tolerance(self) -> float:
+        """Largest error of the rates along one axis, since the errors of several axes add up."""
+        return _ERROR_FRACTION * self.tolerance / max(len(self.axes), 1)
 
     @property
-    def motions(self) -> Mapping[Place, MovingBearing]:
-        """The stations so far."""
-        return self._made
+    def motions(self) -> Mapping[Point, MovingBearing]:
+        """The stations assembled so far."""
+        return self._motions
 
-    def around(self, place: Place) -> tuple[list[Place], list[Any]]:
-        """Return the nodes around a place, by axis, and the compiled systems there, as `Varying` asks for them."""
+    def interpolation_cell(self, point: Point) -> tuple[list[Point], list[Any]]:
+        """Return the nodes around a point, by axis, and the compiled systems at all their combinations.
+
+        `Varying` calls this where a motion leaves its cell. Of the combinations, the first axis changes fastest.
+        """
         nodes = [
-            tuple(self.axes[axis].place(node) for node in _nodes(*self._interval(axis, value)))
-            for axis, value in enumerate(place)
+            tuple(self.axes[axis].coordinate(node) for node in _nodes(*self._interval(axis, value)))
+            for axis, value in enumerate(point)
         ]
-        corners = itertools.product(*reversed(nodes))  # the first axis changes fastest
+        corners = itertools.product(*reversed(nodes))
         return nodes, [self.motion(tuple(reversed(corner))).system.owner for corner in corners]
 
-    def _interval(self, axis: int, value: float) -> tuple[int, int]:
-        """Return the interval of an axis in which a value lies, small enough for a cubic."""
-        at = self.axes[axis]
-        low = _FINEST * next(k for k, end in enumerate(at.roots[1:]) if value <= end)
-        high = low + _FINEST
-        for _ in range(_DEEPEST):
-            if self._off(axis, low, high) <= self._allowed:
+    def _interval(self, number: int, value: float) -> tuple[int, int]:
+        """Return the nodes of an axis around a coordinate, between which a cubic is within the tolerance."""
+        axis = self.axes[number]
+        low = _SIXTHS_PER_INTERVAL * next(
+            k for k, end in enumerate(axis.initial_nodes[1:]) if value <= end
+        )
+        high = low + _SIXTHS_PER_INTERVAL
+        for _ in range(_MAX_HALVINGS):
+            if self._interpolation_error(number, low, high) <= self._axis_tolerance:
                 return low, high
             middle = (low + high) // 2
-            low, high = (low, middle) if value <= at.place(middle) else (middle, high)
-        if self._off(axis, low, high) <= self._allowed:
+            low, high = (low, middle) if value <= axis.coordinate(middle) else (middle, high)
+        if self._interpolation_error(number, low, high) <= self._axis_tolerance:
             return low, high
+        smallest = attrs.evolve(axis, low=axis.coordinate(low), high=axis.coordinate(high))
         raise ConvergenceError(
-            f"between {shown(attrs.evolve(at, low=at.place(low), high=at.place(high)))} rates are still off by "
-            f"{self._off(axis, low, high):.1e}, more than {self._allowed:.1e}; raise accuracy.tolerance"
+            f"between {describe_range(smallest)} rates are still off by "
+            f"{self._interpolation_error(number, low, high):.1e}, more than {self._axis_tolerance:.1e}; "
+            "raise accuracy.tolerance"
         )
 
-    def _off(self, axis: int, low: int, high: int) -> float:
-        """Error of the rates between two places of an axis, with the others at each of their ends."""
+    def _interpolation_error(self, axis: int, low: int, high: int) -> float:
+        """Return the error of the rates between two nodes of an axis, with the others at each of their ends."""
         if (axis, low, high) not in self._errors:
-            others = [(a.roots[0], a.high) for k, a in enumerate(self.axes) if k != axis]
+            others = [(a.initial_nodes[0], a.high) for k, a in enumerate(self.axes) if k != axis]
             self._errors[axis, low, high] = max(
-                self._off_at(axis, low, high, rest) for rest in itertools.product(*others)
+                self._error_at(axis, low, high, rest) for rest in itertools.product(*others)
             )
         return self._errors[axis, low, high]
 
-    def _off_at(self, axis: int, low: int, high: int, rest: Place) -> float:
-        def there(node: int) -> MovingBearing:
-            return self.motion((*rest[:axis], self.axes[axis].place(node), *rest[axis:]))
+    def _error_at(self, axis: int, low: int, high: int, rest: Point) -> float:
+        """Return the error of the rates between two nodes of an axis, with the others at coordinates ``rest``."""
 
-        found = 0.0
-        for fraction in _CHECKED:
-            true = there(_between(low, high, fraction))
-            at_nodes = [self._rates(there(node), true) for node in _nodes(low, high)]
+        def station(node: int) -> MovingBearing:
+            return self.motion((*rest[:axis], self.axes[axis].coordinate(node), *rest[axis:]))
+
+        largest = 0.0
+        for sixths in _CHECK_SIXTHS:
+            checked = station(_between(low, high, sixths))
+            at_nodes = [self._rates(station(node), checked) for node in _nodes(low, high)]
             cubic = sum(
-                weight * rates for weight, rates in zip(_weights(fraction), at_nodes, strict=True)
+                weight * rates for weight, rates in zip(_weights(sixths), at_nodes, strict=True)
             )
-            error = off(
-                np.asarray(cubic), self._rates(true, true), _LEAST * self._largest, self._rollers
+            error = relative_error(
+                np.asarray(cubic),
+                self._rates(checked, checked),
+                _MIN_RATE_FRACTION * self._largest_rates,
+                self._rollers,
             )
-            found = max(found, error)
-        return found
+            largest = max(largest, error)
+        return largest
 
-    def _rates(self, motion: MovingBearing, like: MovingBearing) -> Array:
-        return rates_of(motion, like, _SPEEDS if self.speeds_vary else _SPEEDS[:1])
+    def _rates(self, motion: MovingBearing, reference: MovingBearing) -> Array:
+        return sampled_rates(motion, reference, _SPEEDS if self.speeds_vary else _SPEEDS[:1])
 
     @cached_property
-    def _largest(self) -> Array:
-        """Largest rates at the highest end of all axes, as `off` takes them."""
+    def _largest_rates(self) -> Array:
+        """Rates at the upper ends of all axes, as `relative_error` takes them."""
         top = self.motion(tuple(axis.high for axis in self.axes))
-        return sizes_of(self._rates(top, top), self._rollers)
+        return largest_rates(self._rates(top, top), self._rollers)
 
     @property
-    def _least_force(self) -> float:
-        """Mean force of a roller [N] that errors of loads are relative to at least, as those of rates are."""
+    def _reference_force(self) -> float:
+        """Lower bound of the mean force of a roller [N] that errors of loads are relative to, as for rates."""
         load = max(
             (axis.value(axis.high) for axis in self.axes if axis.name == "radial_load"), default=0.0
         )
-        return _LEAST * load / self._rollers
+        return _MIN_RATE_FRACTION * load / self._rollers
 
     @property
     def _rollers(self) -> int:
         return self.assembly.scene.bearing.rollers
 
-    def motion(self, place: Place) -> MovingBearing:
-        """Return the bearing in motion at a place on the axes."""
-        if place not in self._made:
-            self._made[place] = self._put_together(place)
-        return self._made[place]
+    def motion(self, point: Point) -> MovingBearing:
+        """Return the bearing in motion at a point of the axes, assembled once."""
+        if point not in self._motions:
+            self._motions[point] = self._assembled_motion(point)
+        return self._motions[point]
 
     @property
-    def _bearings(self) -> dict[Place, Assembly]:
+    def _bearings(self) -> dict[Point, Assembly]:
         return self.assembly.cached(
-            "stations", (of_bearing(self.assembly), self.axes, self.speeds), dict
+            "stations", (bearing_resolution(self.assembly), self.axes, self.speeds), dict
         )
 
     @property
     def bearings(self) -> int:
-        """How many bearings were put together, by all motions through this operation."""
+        """Number of bearings that were assembled, by all motions through this operation."""
         return len(self._bearings)
 
-    def bearing(self, place: Place) -> Assembly:
-        """Return the bearing at a place on the axes; the one that the scene states where that is there."""
-        known = self._bearings
-        if place not in known:
-            values = {axis.name: axis.value(at) for axis, at in zip(self.axes, place, strict=True)}
+    def bearing(self, point: Point) -> Assembly:
+        """Return the bearing at a point of the axes; the bearing of the scene where the point is its operation."""
+        cached = self._bearings
+        if point not in cached:
+            values = {axis.name: axis.value(at) for axis, at in zip(self.axes, point, strict=True)}
             speed = values.pop("speed", None)
             fraction = 1.0 if speed is None else speed / abs(self.speeds[0] - self.speeds[1])
             values |= {
                 "inner_speed": fraction * self.speeds[0],
                 "outer_speed": fraction * self.speeds[1],
             }
-            known[place] = operated(self.assembly, values)
-        return known[place]
+            cached[point] = with_operation(self.assembly, values)
+        return cached[point]
 
-    def _put_together(self, place: Place) -> MovingBearing:
-        bearing = self.bearing(place)
+    def _assembled_motion(self, point: Point) -> MovingBearing:
+        bearing = self.bearing(point)
         if self.planar is not None:
-            return planar_motion(bearing, self.planar, self.friction, self.top_speeds, each=True)
-        read = {name for r in bearing.raceways for name in conditions_read(r.deflection)}
+            return planar_motion(
+                bearing, self.planar, self.friction, self.top_speeds, per_roller=True
+            )
+        tolerance = self.friction.table_tolerance(bearing)
+        # loads depend on temperatures only through the clearance and what the deflection law reads
+        read = {
+            name for raceway in bearing.raceways for name in conditions_read(raceway.deflection)
+        }
         key = (
-            *(value for axis, value in zip(self.axes, place, strict=True) if axis.unit != "K"),
-            bearing.scene.bearing.radial_clearance,  # which rings of other temperatures change
+            bearing_resolution(self.assembly),
+            self.axes,
+            self.speeds,
+            self.top_speeds,
+            tolerance,
+            *(value for axis, value in zip(self.axes, point, strict=True) if axis.unit != "K"),
+            bearing.scene.bearing.radial_clearance,
             *(
                 getattr(raceway.conditions, name)
                 for raceway in bearing.raceways
                 for name in sorted(read)
             ),
         )
-        tolerance = self.friction.table_tolerance(bearing)
-        of = of_bearing(self.assembly), self.axes, self.speeds, self.top_speeds, tolerance
-        made = partial(build_load_map, bearing, tolerance, max(self.top_speeds), self._least_force)
-        loads = self.assembly.cached("loads of stations", (*of, key), made)
-        return carried_motion(bearing, self.friction, level=self.level, loads=loads, each=True)
+        build = partial(
+            build_load_map, bearing, tolerance, max(self.top_speeds), self._reference_force
+        )
+        loads = self.assembly.cached("loads of stations", key, build)
+        return carried_motion(
+            bearing, self.friction, level=self.level, loads=loads, per_roller=True
+        )
 
 
 def _between(low: int, high: int, sixths: int) -> int:
@@ -302,88 +357,126 @@ def _between(low: int, high: int, sixths: int) -> int:
 
 
 def _nodes(low: int, high: int) -> list[int]:
-    return [_between(low, high, sixths) for sixths in _SIXTHS]
+    """Return the four nodes of an interval."""
+    return [_between(low, high, sixths) for sixths in _NODE_SIXTHS]
 
 
 def _weights(sixths: int) -> list[float]:
-    """Weights of the nodes of an interval at a place in it (Lagrange)."""
+    """Return the Lagrange weights of the four nodes of an interval at a point in it, given in sixths."""
     return [
-        math.prod((sixths - other) / (own - other) for other in _SIXTHS if other != own)
-        for own in _SIXTHS
+        math.prod((sixths - other) / (own - other) for other in _NODE_SIXTHS if other != own)
+        for own in _NODE_SIXTHS
     ]
 
 
-def of_bearing(assembly: Assembly) -> Resolution:
-    """Return the resolution of a bearing without what its motions alone have of it, so that they share stations."""
+def bearing_resolution(assembly: Assembly) -> Resolution:
+    """Return the resolution of a bearing without fields of its motion alone, so that its motions share stations."""
     return attrs.evolve(
         assembly.resolution, friction=None, level=None, integrator=None, integrator_tolerance=None
     )
 
 
-def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
-    """Return a bearing at other values of its operation [rad/s, N, K]; itself where they are its own."""
-    # a part is written also where it has its own value, since it may have that by following another
-    return changed(assembly, {f"operation.{name}": value for name, value in values.items()})
+def with_operation(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
+    """Return a bearing at other values of its operation; itself where they are its own.
 
-
-def rates_of(
-    motion: MovingBearing, like: MovingBearing, speed_shares: Sequence[float] = _SPEEDS[:1]
-) -> Array:
-    """Rates of a bearing at the speeds of another, some slips of its cage and places: (slips, places, rates).
-
-    The rates are those of the spins of its rollers and of the ledger. Friction that is tabulated at one speed is looked
-    at there only.
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    values : mapping
+        Values by their name in the operation [rad/s, N, K].
     """
-    k = like.assembly.kinematics
-    rollers = like.assembly.scene.bearing.rollers
+    # the temperature of a part is changed even to its own value, since it may have that by following another one
+    return with_changes(assembly, {f"operation.{name}": value for name, value in values.items()})
+
+
+def sampled_rates(
+    motion: MovingBearing, reference: MovingBearing, speed_fractions: Sequence[float] = _SPEEDS[:1]
+) -> Array:
+    """Return the rates of a bearing at sampled slips and cage angles of a reference, (slips, angles, rates).
+
+    The rates are those of the spins of its rollers and of the ledger.
+
+    Parameters
+    ----------
+    motion : MovingBearing
+        The bearing whose rates are evaluated.
+    reference : MovingBearing
+        The bearing whose ring speeds and states they are evaluated at.
+    speed_fractions : sequence of float
+        Ring speeds, relative to those of the reference. Friction that is tabulated at one speed is sampled at 1 alone.
+    """
+    k = reference.assembly.kinematics
+    rollers = reference.assembly.scene.bearing.rollers
     speeds = motion.system.owner.operation[:2]
+    own_speeds = speeds.copy()
     rows = list[list[Array]]()
-    before = speeds.copy()
-    compared = _compared(like)
-    fractions = speed_shares if motion.friction.settings.name == "conventional" else (1.0,)
-    for fraction, slip in itertools.product(fractions, _slips(like.assembly)):
+    compared = _compared(reference)
+    fractions = speed_fractions if motion.friction.settings.name == "conventional" else (1.0,)
+    for fraction, slip in itertools.product(fractions, _slips(reference.assembly)):
         speeds[:] = fraction * k.direction * np.array([k.inner_speed, k.outer_speed])
-        y = like.initial(slip, _SPIN * float(k.roller_slip_outer_rolling(slip)) if slip else 0.1)
-        of_state = like.split(y)  # which are views
-        for name, values in of_state.items():
-            if like.units[name] == "rad/s":
+        roller_slip = _ROLLER_SLIP_AT_REST
+        if slip:
+            roller_slip = _ROLLER_SLIP_FRACTION * float(k.roller_slip_outer_rolling(slip))
+        y = reference.initial(slip, roller_slip)
+        views = reference.split(y)
+        for name, values in views.items():
+            if reference.units[name] == "rad/s":
                 values *= fraction
         rows.append([])
-        for place in _PLACES:
-            of_state["cage_angle"][...] = 2.0 * np.pi / rollers * place
-            of = motion.split(motion.system(0.0, y))
-            rows[-1].append(np.concatenate((of["roller_spin"], [of[name] for name in compared])))
-    speeds[:] = before
+        for pitch_fraction in _PITCH_FRACTIONS:
+            views["cage_angle"][...] = 2.0 * np.pi / rollers * pitch_fraction
+            rates = motion.split(motion.system(0.0, y))
+            ledger = [rates[name] for name in compared]
+            rows[-1].append(np.concatenate((rates["roller_spin"], ledger)))
+    speeds[:] = own_speeds
     return np.array(rows)
 
 
 def _slips(assembly: Assembly) -> Iterable[float]:
+    """Return the cage slips at which rates are compared: 0 alone where the epicyclic cage speed is zero."""
     k = assembly.kinematics
-    return (
-        _SLIPS
-        if abs(k.epicyclic_cage_speed) > 1e-9 * abs(k.inner_speed - k.outer_speed)
-        else (0.0,)
-    )
+    difference = abs(k.inner_speed - k.outer_speed)
+    return _SLIPS if abs(k.epicyclic_cage_speed) > _ROUNDING * difference else (0.0,)
 
 
 def _compared(motion: MovingBearing) -> list[str]:
+    """Return the entries of the ledger of a motion whose rates are compared."""
     return [name for name in _COMPARED if name in motion.names[2]]
 
 
-def sizes_of(rates: Array, rollers: int) -> Array:
-    """Largest rates over the slips, the mean over places: of all spins, and of each entry of the ledger."""
-    size = np.abs(rates).mean(axis=1)
-    return np.concatenate(([size[:, :rollers].sum(axis=1).max()], size[:, rollers:].max(axis=0)))
+def largest_rates(rates: Array, rollers: int) -> Array:
+    """Return the largest rates over the slips, (1 + entries,): the sum of all spins, and each entry of the ledger.
+
+    Parameters
+    ----------
+    rates : ndarray, shape (slips, angles, rates)
+        Rates as `sampled_rates` returns them; their magnitudes are averaged over the angles.
+    rollers : int
+        Number of rollers, whose spins come first.
+    """
+    mean = np.abs(rates).mean(axis=1)
+    return np.concatenate(([mean[:, :rollers].sum(axis=1).max()], mean[:, rollers:].max(axis=0)))
 
 
-def off(rates: Array, true: Array, least: Array, rollers: int) -> float:
-    """Largest error of rates, relative to the largest of their sort, or to the least that counts if that is more."""
-    error = sizes_of(rates - true, rollers)
-    size = np.maximum(sizes_of(true, rollers), least)
+def relative_error(rates: Array, true: Array, smallest: Array, rollers: int) -> float:
+    """Return the largest error of rates, relative to the largest true rate of the same kind.
+
+    Parameters
+    ----------
+    rates, true : ndarray, shape (slips, angles, rates)
+        Interpolated and true rates.
+    smallest : ndarray, shape (1 + entries,)
+        Lower bounds of the rates that errors are relative to, as `largest_rates` returns them.
+    rollers : int
+        Number of rollers.
+    """
+    error = largest_rates(rates - true, rollers)
+    size = np.maximum(largest_rates(true, rollers), smallest)
     return float(np.divide(error, size, out=np.zeros(size.size), where=size > 0.0).max())
 
 
-def shown(axis: Axis) -> str:
-    """Say from what to what an axis goes."""
+def describe_range(axis: Axis) -> str:
+    """Return the variable of an axis and its bounds in words."""
     low, high = (format_quantity(axis.value(end), axis.unit) for end in (axis.low, axis.high))
     return f"{axis.name.replace('_', ' ')} {low} to {high}"

@@ -1,8 +1,8 @@
-"""What a scene says of an operation that changes in time: one course for each value that does, or a file of them.
+"""Settings of an operation that varies over time: one time function for each value, or a file of measured values.
 
-The keys stand with the study that goes through time, not in ``[operation]``: what stands there is what studies of a
-steady bearing take, and without a duration a history means nothing. A value that no course is given for stays as
-``[operation]`` has it.
+The keys belong to the table of the study that integrates over time, not to ``[operation]``: all studies of a steady
+bearing read ``[operation]``, and without a duration a history has no meaning. A value without a time function stays as
+``[operation]`` states it.
 """
 
 import hashlib
@@ -34,17 +34,26 @@ from rollslip_studies.dynamics.history.time_functions import (
     unordered,
 )
 
-#: Temperatures that follow that of the operation where nothing else is said.
-OF_PARTS: Final = ("inner_ring_temperature", "roller_temperature", "outer_ring_temperature")
-#: All of them.
-TEMPERATURES: Final = ("temperature", *OF_PARTS)
-#: Values of the operation that may have a course.
+#: Temperatures that equal that of the operation unless the scene gives another.
+PART_TEMPERATURES: Final = (
+    "inner_ring_temperature",
+    "roller_temperature",
+    "outer_ring_temperature",
+)
+#: All temperatures of the operation.
+TEMPERATURES: Final = ("temperature", *PART_TEMPERATURES)
+#: Values of the operation that may have a time function.
 VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "load_direction", *TEMPERATURES)
-#: Those that tables of a bearing at rest depend on.
+#: Values of the operation that tables of loads and friction depend on.
 CONDITIONS: Final = ("radial_load", *TEMPERATURES)
+#: Maximum number of faults of a file that a message lists. Chosen: about as many as fit on a screen.
 _MAX_FAULTS: Final = 20
-#: Share of the largest value by which a course that ends at 0 may miss it.
+#: Number of rows from which a file is read by NumPy. Below it the general reader takes less than 0.1 s. Chosen.
+_MIN_ROWS: Final = 1000
+#: Amount, relative to the largest value, by which a function that ends at 0 may fall below it, by rounding.
 _ROUNDING: Final = 1e-12
+#: Difference, relative to the product of the largest ring speeds, up to which speeds are in proportion, by rounding.
+_PROPORTION_TOLERANCE: Final = 1e-12
 
 
 def _like(name: str) -> dict[str, Any]:
@@ -55,19 +64,23 @@ def _like(name: str) -> dict[str, Any]:
     return {key: known[key] for key in ("unit", "possible")}
 
 
-def _value(of: str, doc: str, key: str | None = None, validator: Any = None) -> Any:
+def _value(name: str, doc: str, key: str | None = None, validator: Any = None) -> Any:
+    """Return an optional field with unit and ranges of a value of the operation."""
     optional = None if validator is None else attrs.validators.optional(validator)
-    return field(default=None, doc=doc, key=key, validator=optional, **_like(of))
+    return field(default=None, doc=doc, key=key, validator=optional, **_like(name))
 
 
-def _values(of: str, validator: Any = None) -> Any:
-    every = None if validator is None else attrs.validators.deep_iterable(validator)
-    return field(default=(), doc="values of a table at its times", validator=every, **_like(of))
+def _values(name: str, validator: Any = None) -> Any:
+    """Return a field for the values of a table, with unit and ranges of a value of the operation."""
+    for_each = None if validator is None else attrs.validators.deep_iterable(validator)
+    return field(
+        default=(), doc="values of a table at its times", validator=for_each, **_like(name)
+    )
 
 
 _AMPLITUDE: Final = "amplitude of a sine"
-#: What to do where a value would fall below 0.
-_BACK: Final = {
+#: Name of a value -> what to write where it would fall below 0.
+_ADVICE_BELOW_ZERO: Final = {
     "radial_load": "; a load that turns back has a load_direction of 180 deg from there on"
 }
 _FROM = "value before the change"
@@ -79,7 +92,7 @@ _MEAN: Final = "mean of a sine, by default that of [operation]"
 
 @attrs.frozen(kw_only=True)
 class SpeedCourse(CourseSettings):
-    """How the speed of a ring goes over time."""
+    """The speed of a ring over time."""
 
     others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_DIRECTION)
 
@@ -96,7 +109,7 @@ class SpeedCourse(CourseSettings):
 
 @attrs.frozen(kw_only=True)
 class LoadCourse(CourseSettings):
-    """How the radial load goes over time."""
+    """The radial load over time."""
 
     others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_SPEEDS | _OF_DIRECTION)
 
@@ -111,7 +124,7 @@ class LoadCourse(CourseSettings):
 
 @attrs.frozen(kw_only=True)
 class DirectionCourse(CourseSettings):
-    """How the direction of the radial load goes over time, in the sense of positive speeds."""
+    """The direction of the radial load over time, in the sense of positive speeds."""
 
     others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_SPEEDS)
 
@@ -125,7 +138,7 @@ class DirectionCourse(CourseSettings):
 
 @attrs.frozen(kw_only=True)
 class TemperatureCourse(CourseSettings):
-    """How the temperature goes over time."""
+    """A temperature over time."""
 
     others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_SPEEDS | _OF_DIRECTION)
 
@@ -143,13 +156,14 @@ class TemperatureCourse(CourseSettings):
     value: tuple[float, ...] = _values("temperature", positive)
 
 
-def _of_row(name: str, doc: str) -> Any:
+def _column(name: str, doc: str) -> Any:
+    """Return a positive field of a row with unit and ranges of a value of the operation."""
     return field(default=None, doc=doc, validator=positive, **_like(name))
 
 
 @attrs.frozen(kw_only=True)
 class _Row:
-    """A row of a file."""
+    """A row of a file of measured values."""
 
     time: float = field(unit="s", doc="time")
     inner_speed: float = field(default=None, doc="speed of the inner ring", **_like("inner_speed"))
@@ -160,19 +174,19 @@ class _Row:
     load_direction: float = field(
         default=None, doc="direction of the load", **_like("load_direction")
     )
-    temperature: float = _of_row("temperature", "temperature")
-    inner_ring_temperature: float = _of_row(
+    temperature: float = _column("temperature", "temperature")
+    inner_ring_temperature: float = _column(
         "inner_ring_temperature", "temperature of the inner ring"
     )
-    roller_temperature: float = _of_row("roller_temperature", "temperature of the rollers")
-    outer_ring_temperature: float = _of_row(
+    roller_temperature: float = _column("roller_temperature", "temperature of the rollers")
+    outer_ring_temperature: float = _column(
         "outer_ring_temperature", "temperature of the outer ring"
     )
 
 
 @attrs.frozen(kw_only=True)
 class HistorySettings:
-    """What of the operation changes in time, and how."""
+    """Values of the operation that vary over time."""
 
     inner_speed: SpeedCourse | None = field(default=None, doc="speed of the inner ring over time")
     outer_speed: SpeedCourse | None = field(default=None, doc="speed of the outer ring over time")
@@ -206,175 +220,197 @@ class HistorySettings:
             )
 
     def history(self, scene: Scene, duration: float, where: Location) -> "History":
-        """Return the courses of a run of so many seconds.
+        """Return the time functions of a run.
 
         Parameters
         ----------
         scene : Scene
-            The scene, whose operation holds what has no course.
+            The scene, whose operation gives the values without a time function.
         duration : float
             Length of the run [s].
         where : Location
-            Place of these settings, for messages.
+            Location of these settings, for messages.
+
+        Raises
+        ------
+        SceneError
+            With all faults of the settings and the file.
         """
-        courses = dict[str, Course]()
         faults = list[str]()
-        digest = ""
-        if self.file:
-            path = self._path(scene)
-            try:
-                stat = path.stat()
-                columns, lines, digest = _read(path, self.file, stat.st_mtime_ns, stat.st_size)
-            except OSError as error:
-                raise SceneError(
-                    [where.at("file").message(f"{self.file}: cannot be read: {error.strerror}")]
-                ) from None
-            for name in columns.keys() - {"time"}:
-                if getattr(self, name) is not None:
-                    faults.append(
-                        where.at(name).message(f"{self.file} has it too; leave one of both out")
-                    )
-                courses[name] = table(columns["time"], columns[name])
-            faults += _uncovered(
-                columns["time"], duration, f"{self.file}:{lines[0]}", f"{self.file}:{lines[-1]}"
-            )
+        courses, digest = self._courses_of_file(scene, duration, where, faults)
         for name in VARYING:
-            one = getattr(self, name)
-            if one is None or name in courses:
+            settings = getattr(self, name)
+            if settings is None or name in courses:
                 continue
             try:
-                courses[name] = one.course(_stated(scene, name), duration)
+                courses[name] = settings.course(_stated(scene, name), duration)
             except FieldError as error:
                 faults.append(where.at(name).at(error.field).message(error.reason))
                 continue
-            if one.shape == "table":
-                faults += _uncovered(
-                    np.array(one.time), duration, *2 * (where.at(name).at("time").message(""),)
-                )
-        for name in CONDITIONS:
-            least, most = courses[name].span(duration) if name in courses else (0.0, 0.0)
-            if least < -_ROUNDING * most:
-                goes = format_quantity(least, _like(name)["unit"])
-                faults.append(
-                    where.at(name).message(
-                        f"goes down to {goes}: it may not fall below 0{_BACK.get(name, '')}"
-                    )
-                )
+            if settings.shape == "table":
+                row = where.at(name).at("time").message("")
+                faults += _uncovered(np.array(settings.time), duration, row, row)
+        faults += _negative(courses, duration, where)
         if faults:
             raise SceneError(faults)
-        states = [name for name in VARYING if name in courses or name not in OF_PARTS]
-        whole = {name: courses.get(name) or constant(_stated(scene, name)) for name in states}
-        given = tuple(name for name in VARYING if name in courses)
-        return History(courses=whole, given=given, end=duration, sha256=digest)
+        states = [name for name in VARYING if name in courses or name not in PART_TEMPERATURES]
+        return History(
+            courses={name: courses.get(name) or constant(_stated(scene, name)) for name in states},
+            prescribed=tuple(name for name in VARYING if name in courses),
+            end=duration,
+            sha256=digest,
+        )
+
+    def _courses_of_file(
+        self, scene: Scene, duration: float, where: Location, faults: list[str]
+    ) -> tuple[dict[str, Course], str]:
+        """Return the time functions of the file and its hash; without a file none. Faults are appended."""
+        if not self.file:
+            return {}, ""
+        path = self._path(scene)
+        try:
+            stat = path.stat()
+            columns, lines, digest = _read(path, self.file, stat.st_mtime_ns, stat.st_size)
+        except OSError as error:
+            raise SceneError(
+                [where.at("file").message(f"{self.file}: cannot be read: {error.strerror}")]
+            ) from None
+        courses = dict[str, Course]()
+        for name in columns.keys() - {"time"}:
+            if getattr(self, name) is not None:
+                faults.append(
+                    where.at(name).message(f"{self.file} has it too; leave one of both out")
+                )
+            courses[name] = table(columns["time"], columns[name])
+        faults += _uncovered(
+            columns["time"], duration, f"{self.file}:{lines[0]}", f"{self.file}:{lines[-1]}"
+        )
+        return courses, digest
 
     def _path(self, scene: Scene) -> Path:
-        beside = Path(scene.source)
-        return (
-            beside.parent / self.file
-            if scene.source.endswith(".toml") and beside.exists()
-            else Path(self.file)
-        )
+        """Return the path of the file, relative to the scene where that is a file."""
+        source = Path(scene.source)
+        if scene.source.endswith(".toml") and source.exists():
+            return source.parent / self.file
+        return Path(self.file)
 
 
 def _stated(scene: Scene, name: str) -> float:
-    """What a value is where nothing else is said; positions count from the line of the load."""
+    """Return a value as the operation states it; 0 for the direction of the load, which it does not state."""
     return float(getattr(scene.operation, name, 0.0))
 
 
 def _uncovered(time: Array, duration: float, first: str, last: str) -> list[str]:
-    said = []
+    """Return what is wrong with times that do not cover a run; ``first`` and ``last`` locate their ends."""
+    faults = []
     if time[0] > 0.0:
-        said.append(
+        faults.append(
             f"{first}: the history begins at {time[0]:g} s, the run at 0 s; say how it is from there on"
         )
     if time[-1] < duration:
-        said.append(
+        faults.append(
             f"{last}: the history ends at {time[-1]:g} s, before the run does at {duration:g} s; add what comes, or "
             "shorten the run with its duration"
         )
-    return said
+    return faults
+
+
+def _negative(courses: Mapping[str, Course], duration: float, where: Location) -> list[str]:
+    """Return the loads and temperatures that fall below 0 during a run, in words."""
+    faults = []
+    for name in CONDITIONS:
+        lowest, highest = courses[name].span(duration) if name in courses else (0.0, 0.0)
+        if lowest < -_ROUNDING * highest:
+            goes = format_quantity(lowest, _like(name)["unit"])
+            advice = _ADVICE_BELOW_ZERO.get(name, "")
+            faults.append(
+                where.at(name).message(f"goes down to {goes}: it may not fall below 0{advice}")
+            )
+    return faults
 
 
 @lru_cache(maxsize=8)
 def _read(
     path: Path, source: str, changed: int, size: int
 ) -> tuple[Mapping[str, Array], Array, str]:
-    """Columns of a file in SI units, the line of each row, and the hash of its content."""
+    """Return the columns of a file in SI units, the line of each row, and the hash of its content.
+
+    ``changed`` [ns] and ``size`` identify the version of the file in the cache.
+    """
     content = content_of(path)
     text = decoded(content, source)
     digest = hashlib.sha256(content).hexdigest()
-    quick = _quickly(text, source)
-    if quick is None:
+    parsed = _parsed_by_numpy(text, source)
+    if parsed is None:
         faults = list[str]()
-        columns, numbers = read_columns(text, source, _Row, faults, _something)
+        columns, numbers = read_columns(text, source, _Row, faults, _without_values)
+        if len(faults) > _MAX_FAULTS:
+            more = f"{source}: and {len(faults) - _MAX_FAULTS} more faults"
+            faults = [*faults[:_MAX_FAULTS], more]
         if faults:
-            more = (
-                [f"{source}: and {len(faults) - _MAX_FAULTS} more faults"]
-                if len(faults) > _MAX_FAULTS
-                else []
-            )
-            raise SceneError([*faults[:_MAX_FAULTS], *more])
-        quick = {name: np.array(values) for name, values in columns.items()}, np.array(numbers)
-    arrays, lines = quick
+            raise SceneError(faults)
+        parsed = {name: np.array(values) for name, values in columns.items()}, np.array(numbers)
+    arrays, lines = parsed
     if fault := unordered(arrays["time"]):
         raise SceneError([f"{source}:{lines[fault[0]]}: time: {fault[1]}"])
     return arrays, lines, digest
 
 
-def _something(names: Any) -> str:
+def _without_values(names: Any) -> str:
+    """Return what is wrong with the columns of a file that has none of the varying values; else an empty string."""
     return (
         "" if {*names} & {*VARYING} else f"only a time: a column of {', '.join(VARYING)} is missing"
     )
 
 
-def _quickly(text: str, source: str) -> tuple[dict[str, Array], Array] | None:
-    """What `read_columns` gives of a long file without faults, in a hundredth of the time; None where it has any."""
-    rows = text.split("\n")
-    plain = [
+def _parsed_by_numpy(text: str, source: str) -> tuple[dict[str, Array], Array] | None:
+    """Return what `read_columns` returns for a long file without faults, in a hundredth of the time; None otherwise."""
+    lines = text.split("\n")
+    numbers = [
         number
-        for number, line in enumerate(rows)
-        if (bare := line.strip()) and not bare.startswith("#")
+        for number, line in enumerate(lines)
+        if (stripped := line.strip()) and not stripped.startswith("#")
     ]
-    if len(plain) < 1000:
+    if len(numbers) < _MIN_ROWS:
         return None
     faults = list[str]()
-    head = "\n".join(rows[k] for k in plain[:2])
-    names = [*read_columns(head, source, _Row, faults, _something)[0]]
+    head = "\n".join(lines[k] for k in numbers[:2])
+    names = [*read_columns(head, source, _Row, faults, _without_values)[0]]
     try:
-        values = np.array([rows[k].split(",") for k in plain[1:]], dtype=float)
+        values = np.array([lines[k].split(",") for k in numbers[1:]], dtype=float)
     except ValueError:
         return None
-    if faults or values.shape != (len(plain) - 1, len(names)) or not np.isfinite(values).all():
+    if faults or values.shape != (len(numbers) - 1, len(names)) or not np.isfinite(values).all():
         return None
     units = [
         cell.partition("[")[2].strip().removesuffix("]").strip()
-        for cell in rows[plain[0]].split(",")
+        for cell in lines[numbers[0]].split(",")
     ]
     columns = dict[str, Array]()
-    known = attrs.fields_dict(_Row)
+    fields = attrs.fields_dict(_Row)
     for name, unit, column in zip(names, units, values.T, strict=True):
-        zero, one = (quantity(f"{size} {unit}", known[name].metadata["unit"]) for size in (0, 1))
-        columns[name] = zero + (one - zero) * column
-        check: Any = known[name].validator
-        try:  # at its ends, which are beyond the limits if any is
-            for end in (columns[name].min(), columns[name].max()) if check is not None else ():
-                check(None, known[name], float(end))
+        zero, unity = (quantity(f"{size} {unit}", fields[name].metadata["unit"]) for size in (0, 1))
+        columns[name] = zero + (unity - zero) * column
+        check: Any = fields[name].validator
+        try:  # the extremes violate the limits if any value does
+            for extreme in (columns[name].min(), columns[name].max()) if check is not None else ():
+                check(None, fields[name], float(extreme))
         except FieldError:
             return None
-    return columns, np.array(plain[1:]) + 1
+    return columns, np.array(numbers[1:]) + 1
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class History:
-    """How the operation goes over time."""
+    """The operation over time."""
 
-    #: Of each of `VARYING` [rad/s, N, rad, K], constant where nothing was given; of `OF_PARTS` where it was.
+    #: Time function of each of `VARYING` [rad/s, N, rad, K], constant where the scene gives none; of
+    #: `PART_TEMPERATURES` only where it gives one.
     courses: Mapping[str, Course]
-    given: tuple[str, ...]  # those that were
+    prescribed: tuple[str, ...]  # names of the values that have a time function in the scene
     end: float  # length of the run [s]
-    sha256: str = ""  # of the file; empty without one
-    #: What the bearing is put together along, where temperatures follow from its losses: tables then have one axis for
-    #: all of them.
+    sha256: str = ""  # hash of the file; empty without one
+    #: Path through temperatures that follow from the losses of the bearing: tables then have one axis for all of them.
     path: ThermalPath | None = None
 
     def at(self, t: Any) -> dict[str, Array]:
@@ -383,39 +419,38 @@ class History:
 
     @cached_property
     def spans(self) -> dict[str, tuple[float, float]]:
-        """Least and largest of each value during the run."""
+        """Smallest and largest of each value during the run."""
         return {name: course.span(self.end) for name, course in self.courses.items()}
 
     @cached_property
     def varies(self) -> tuple[str, ...]:
-        """What is not the same all the time."""
+        """Names of the values that are not constant during the run."""
         return tuple(name for name, (low, high) in self.spans.items() if low < high)
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """What tables of a bearing at rest depend on: `CONDITIONS` that have a course and are not those of a path."""
-        one_by_one = CONDITIONS if self.path is None else CONDITIONS[:1]
-        return tuple(name for name in one_by_one if name in self.courses)
+        """Names of `CONDITIONS` that have a time function and do not belong to a path."""
+        names = CONDITIONS if self.path is None else CONDITIONS[:1]
+        return tuple(name for name in names if name in self.courses)
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
         """Times of jumps and kinks within the run [s]."""
-        every = {one for course in self.courses.values() for one in course.breaks}
-        return tuple(sorted(one for one in every if 0.0 < one < self.end))
+        times = {time for course in self.courses.values() for time in course.breaks}
+        return tuple(sorted(time for time in times if 0.0 < time < self.end))
 
-    def rings_rest(self, begin: float, end: float) -> bool:
-        """Whether both rings stand still between two times [s]."""
+    def rings_rest(self, start: float, end: float) -> bool:
+        """Return whether both rings are at rest between two times [s]."""
         for name in ("inner_speed", "outer_speed"):
             course = self.courses[name]
-            first = max(int(np.searchsorted(course.begin, begin, side="right")) - 1, 0)
-            if course.powers[
-                first : max(int(np.searchsorted(course.begin, end, side="left")), first + 1)
-            ].any():
+            first = max(int(np.searchsorted(course.starts, start, side="right")) - 1, 0)
+            last = max(int(np.searchsorted(course.starts, end, side="left")), first + 1)
+            if course.powers[first:last].any():
                 return False
         return True
 
     def speeds_in_proportion(self) -> bool:
-        """Whether the ratio of the rings' speeds is that of one instant all the time, or one ring stands still."""
+        """Return whether the ratio of the ring speeds is constant, or one ring is at rest."""
         inner = self.courses["inner_speed"]
         outer = self.courses["outer_speed"]
         if (0.0, 0.0) in (self.spans["inner_speed"], self.spans["outer_speed"]):
@@ -426,7 +461,7 @@ class History:
         w_i = inner.at(t)
         w_o = outer.at(t)
         k = int(np.argmax(np.abs(w_i - w_o)))
-        apart = np.abs(w_i * w_o[k] - w_o * w_i[k])
-        return bool(
-            np.all(apart <= 1e-12 * max(np.abs(w_i).max(), np.abs(w_o).max()) ** 2)
-        ) and math.isfinite(w_i[k])
+        difference = np.abs(w_i * w_o[k] - w_o * w_i[k])
+        largest = max(np.abs(w_i).max(), np.abs(w_o).max())
+        in_proportion = bool(np.all(difference <= _PROPORTION_TOLERANCE * largest**2))
+        return in_proportion and math.isfinite(w_i[k])

@@ -1,9 +1,10 @@
-"""The way of a bearing through temperatures that change together: one line, however many parts have a temperature.
+"""Path of a bearing through temperatures that change together: one curve, whatever the number of temperatures.
 
-- Temperatures of oil, rings and rollers are functions of one time. A table over each of them would have four axes and
-  more; the way through them is a line, and a bearing is put together only on it.
-- Places on the line go from 0 to 1, with the time and with how far temperatures move in it: a fast beginning of a long
-  run has its share of them, and a place at which temperatures turn back is none at which the line stands still.
+- Temperatures of oil, rings and rollers are functions of time. A table over each of them would have four and more axes;
+  the path through them is a curve with one coordinate, and bearings are assembled along it only.
+- The coordinate goes from 0 to 1. Its rate combines the time and the arc length in the space of temperatures, as in
+  moving-mesh methods: a fast start of a long run has its fraction of the coordinate, and where the temperatures turn
+  back the coordinate still increases.
 """
 
 from collections.abc import Mapping
@@ -16,80 +17,110 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
 from rollslip.scene.changes import evolve
 from rollslip.structure import resolved
-from rollslip_studies.dynamics.history.time_functions import Course, through
+from rollslip_studies.dynamics.history.time_functions import Course, hermite
 
-__all__ = ["CLEARANCE", "ThermalPath", "changed"]
+__all__ = ["CLEARANCE", "ThermalPath", "with_changes"]
 
-#: Key of a scene that moves loads with temperatures.
+#: Key of a scene by which temperatures change the loads.
 CLEARANCE: Final = "bearing.radial_clearance"
 
 
 @attrs.frozen(eq=False)
 class ThermalPath:
-    """A line through what changes of a scene with its temperatures."""
+    """A curve through the values of a scene that change with its temperatures."""
 
-    #: What tells places of it apart: "temperature", the first of them, or "radial_clearance" where that changes too.
+    #: Quantity that labels points of the path: "radial_clearance" where that changes, else "temperature", the first
+    #: one.
     name: str
-    along: Course  # place on the line over time, from 0 to 1 and never back
-    courses: Mapping[
-        str, Course
-    ]  # what changes, by its key in the scene: its course over time, in SI units
-    error: float  # what the temperatures are known to [K]
+    coordinate: Course  # coordinate over time, increasing from 0 to 1
+    #: Values that change, by their key in the scene: time functions in SI units.
+    courses: Mapping[str, Course]
+    error: float  # error of the temperatures [K]
 
     @classmethod
-    def through(cls, times: Array, values: Mapping[str, Array], error: float) -> "ThermalPath":
-        """Return the line through values at times [s], (m,), ascending from 0; see `ThermalPath` for the others."""
+    def from_samples(cls, times: Array, values: Mapping[str, Array], error: float) -> "ThermalPath":
+        """Return the path through sampled values.
+
+        Parameters
+        ----------
+        times : ndarray, shape (m,)
+            Times [s], ascending from 0.
+        values : mapping
+            Values at these times by their key in the scene, (m,), in SI units.
+        error : float
+            Error of the temperatures [K].
+        """
         rates = {key: np.gradient(value, times) for key, value in values.items()}
-        of = np.array([rate for key, rate in rates.items() if key.endswith("temperature")])
-        fastest = np.abs(of).max(axis=0, initial=0.0)
-        far = float(np.trapezoid(fastest, times)) or 1.0
-        speed = np.hypot(fastest / far, 1.0 / times[-1])
-        place = np.concatenate(([0.0], np.cumsum(0.5 * np.diff(times) * (speed[1:] + speed[:-1]))))
-        courses = {key: through(times, value, rates[key]) for key, value in values.items()}
-        told = (
-            "radial_clearance"
-            if CLEARANCE in values and np.ptp(values[CLEARANCE]) > 0.0
-            else "temperature"
-        )
-        return cls(told, through(times, place / place[-1], speed / place[-1]), courses, error)
+        of_temperatures = [rate for key, rate in rates.items() if key.endswith("temperature")]
+        fastest = np.abs(np.array(of_temperatures)).max(axis=0, initial=0.0)
+        length = float(np.trapezoid(fastest, times)) or 1.0
+        rate = np.hypot(fastest / length, 1.0 / times[-1])
+        steps = 0.5 * np.diff(times) * (rate[1:] + rate[:-1])
+        coordinate = np.concatenate(([0.0], np.cumsum(steps)))
+        courses = {key: hermite(times, value, rates[key]) for key, value in values.items()}
+        name = "temperature"
+        if CLEARANCE in values and np.ptp(values[CLEARANCE]) > 0.0:
+            name = "radial_clearance"
+        along = hermite(times, coordinate / coordinate[-1], rate / coordinate[-1])
+        return cls(name, along, courses, error)
 
     @property
     def unit(self) -> str:
-        """SI unit of `value`: K only where loads stay, since bearings that differ by kelvins share theirs."""
+        """SI unit of `value`: m where the clearance changes, else K; bearings that differ in K alone share loads."""
         return "m" if self.name == "radial_clearance" else "K"
 
-    def value(self, place: float) -> float:
-        """Return the clearance [m], where that changes, else the first temperature [K], at a place."""
+    def value(self, coordinate: float) -> float:
+        """Return the clearance [m], where that changes, else the first temperature [K], at a coordinate."""
         key = CLEARANCE if self.unit == "m" else next(iter(self.courses))
-        return float(self.courses[key].at(self.time(place)))
+        return float(self.courses[key].at(self.time(coordinate)))
 
-    def time(self, place: float) -> float:
-        """Return the time at a place [s]."""
+    def time(self, coordinate: float) -> float:
+        """Return the time at a coordinate [s], by Brent's method to rounding."""
         from scipy.optimize import brentq
 
-        begin = self.along.begin
-        ends = self.along.powers[:, 0]
-        if place >= ends[-1]:
-            return float(begin[-1])
-        k = max(int(np.searchsorted(ends, place, side="right")) - 1, 0)
+        starts = self.coordinate.starts
+        nodes = self.coordinate.powers[:, 0]
+        if coordinate >= nodes[-1]:
+            return float(starts[-1])
+        k = max(int(np.searchsorted(nodes, coordinate, side="right")) - 1, 0)
         return float(
-            brentq(lambda t: float(self.along.at(t)) - place, begin[k], begin[k + 1], xtol=1e-300)
+            brentq(
+                lambda t: float(self.coordinate.at(t)) - coordinate,
+                starts[k],
+                starts[k + 1],
+                xtol=1e-300,
+            )
         )
 
-    def bearing(self, assembly: Assembly, place: float) -> Assembly:
-        """Return a bearing at a place."""
+    def bearing(self, assembly: Assembly, coordinate: float) -> Assembly:
+        """Return a bearing at the temperatures of a coordinate, assembled once.
 
-        def made() -> Assembly:
-            t = self.time(place)
-            return changed(
-                assembly, {key: float(course.at(t)) for key, course in self.courses.items()}
-            )
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing as the scene states it.
+        coordinate : float
+            Coordinate along the path, 0 to 1.
+        """
 
-        return assembly.cached("bearing on a path", (self, place), made)
+        def assembled() -> Assembly:
+            t = self.time(coordinate)
+            values = {key: float(course.at(t)) for key, course in self.courses.items()}
+            return with_changes(assembly, values)
+
+        return assembly.cached("bearing on a path", (self, coordinate), assembled)
 
 
-def changed(assembly: Assembly, changes: Mapping[str, float]) -> Assembly:
-    """Return a bearing with other values of its scene, in SI units by key; itself where they are its own."""
+def with_changes(assembly: Assembly, changes: Mapping[str, float]) -> Assembly:
+    """Return a bearing with other values of its scene; itself where they are its own.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    changes : mapping
+        Values in SI units by their key in the scene.
+    """
     scene = evolve(assembly.scene, dict(changes))
     if resolved(scene) == resolved(assembly.scene):
         return assembly

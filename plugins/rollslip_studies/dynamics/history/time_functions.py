@@ -1,10 +1,10 @@
-"""How ring speeds, load, its direction and temperature go over time: named shapes, tables, files of measured values.
+"""Time functions (courses) of ring speeds, load, its direction and temperature: named shapes and tables.
 
-- A course is a piecewise cubic, held before its first piece and constant in its last, so that it has no end. Straight
-  lines and smooth steps are that exactly; sines and decays are cubics through values and slopes, right to 3e-9 of what
-  they change by.
-- Where it jumps, it has the later value. Jumps and kinks are places where an integrator starts anew; of a table with
-  more than a thousand the sharpest thousand, the rest is left to its step control.
+- A course is a piecewise cubic polynomial of time, constant before its first piece and in its last, so that it has no
+  end. Straight lines and smooth steps are cubics exactly. Sines and exponential decays are cubic Hermite interpolants
+  through values and slopes, within 3e-9 of the amplitude.
+- At a jump a course has the later value. An integrator starts anew at jumps and kinks. Of a table with more than a
+  thousand kinks it does so at the sharpest thousand, and controls its step at the others.
 """
 
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ from rollslip.fields import FieldError, choice_of, field, non_negative, positive
 from rollslip.search import Array
 from rollslip.structure import fields_of
 
-#: Shape -> parameters that it needs, and that it may have.
+#: Shape -> parameters that it requires, and optional ones.
 SHAPES: Final[Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
     "table": (("time", "value"), ()),
     "ramp": (("to", "within"), ("from", "at")),
@@ -29,83 +29,104 @@ SHAPES: Final[Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
     "emergency-stop": (("within",), ("from", "to", "at")),
     "rotation": (("speed",), ("from", "at")),
 }
-#: Those that only a speed has, and only the direction of the load.
+#: Shapes that only a speed has.
 OF_SPEEDS: Final = ("run-up", "coast-down", "emergency-stop")
+#: Shapes that only the direction of the load has.
 OF_DIRECTION: Final = ("rotation",)
-#: Pieces of a period of a sine and of a time constant, and time constants after which nothing is left of a decay.
-_PER_PERIOD = 200
-_PER_CONSTANT = 32
-_CONSTANTS = 37
-#: Times at which an integrator starts anew, at most, but for jumps.
+#: Number of cubics for a period of a sine. Its error is (2 pi/200)^4/384 = 3e-9 of the amplitude; doubling the number
+#: divides that by 16.
+_PIECES_PER_PERIOD: Final = 200
+#: Number of cubics for a time constant of an exponential decay. Its error is (1/32)^4/384 = 3e-9 of the change.
+_PIECES_PER_TIME_CONSTANT: Final = 32
+#: Number of time constants after which a decay ends: exp(-37) = 9e-17, less than rounding of the change.
+_DECAY_TIME_CONSTANTS: Final = 37
+#: Maximum number of kinks at which an integrator starts anew. Halving it leaves more kinks to the step control;
+#: doubling it starts an integrator more often at small kinks of measured values. Chosen.
 _MAX_BREAKS: Final = 1000
-#: Periods of a sine that a run may have.
+#: Maximum number of periods of a sine in a run. It bounds the memory: 200 pieces of 40 bytes each for a period. Chosen.
 _MAX_PERIODS: Final = 10_000
 
 
 @attrs.frozen(eq=False)
 class Course:
-    """A value over time."""
+    """A time function: a value as a piecewise cubic polynomial of time."""
 
-    begin: Array  # times at which the pieces begin [s], ascending; of two at the same time the later one counts, (n,)
+    starts: Array  # times at which the pieces start [s], (n,), ascending; of two equal ones the later piece counts
     powers: Array  # coefficients of the powers 0 to 3 of the time since then, (n, 4); the last piece is constant
     breaks: tuple[float, ...] = ()  # times of jumps and kinks [s]
 
     def at(self, t: Any) -> Array:
         """Return the values at times [s], of any shape."""
         times = np.asarray(t, dtype=float)
-        k = np.maximum(np.searchsorted(self.begin, times, side="right") - 1, 0)
-        x = np.maximum(times - self.begin[k], 0.0)
+        k = np.maximum(np.searchsorted(self.starts, times, side="right") - 1, 0)
+        x = np.maximum(times - self.starts[k], 0.0)
         p = self.powers[k]
         return np.asarray(p[..., 0] + x * (p[..., 1] + x * (p[..., 2] + x * p[..., 3])))
 
     def scaled(self, factor: float) -> "Course":
-        """Return the course of so many times the value."""
+        """Return the course of the value times a factor."""
         return attrs.evolve(self, powers=factor * self.powers)
 
     def span(self, end: float) -> tuple[float, float]:
-        """Return its least and largest value from 0 to an end [s]."""
-        ends = np.append(self.begin[1:], np.inf)
-        low = np.clip(self.begin, 0.0, end)
-        high = np.clip(ends, 0.0, end)
+        """Return the smallest and the largest value from 0 to an end [s]: at ends of pieces or where the slope is 0."""
+        piece_ends = np.append(self.starts[1:], np.inf)
+        low = np.clip(self.starts, 0.0, end)
+        high = np.clip(piece_ends, 0.0, end)
         low[0] = 0.0
         inside = high > low if end > 0.0 else high >= low
-        inside |= (self.begin <= end) & (ends > end)
+        inside |= (self.starts <= end) & (piece_ends > end)
         _, b, c, d = self.powers.T
         with np.errstate(divide="ignore", invalid="ignore"):
             root = np.sqrt(c * c - 3.0 * b * d)
             q = -(c + np.copysign(root, c))
-            turns = np.concatenate((q / (3.0 * d), b / q))
-        begin, inner, to = (np.tile(part, 2) for part in (self.begin, low, high))
-        turns = np.where(np.isfinite(turns), turns + begin, inner)
-        places = np.clip(turns, inner, to)
-        k = np.tile(np.arange(self.begin.size), 4)
-        x = np.maximum(np.concatenate((low, high, places)) - self.begin[k], 0.0)
+            extrema = np.concatenate((q / (3.0 * d), b / q))
+        starts = np.tile(self.starts, 2)
+        lower = np.tile(low, 2)
+        extrema = np.where(np.isfinite(extrema), extrema + starts, lower)
+        extrema = np.clip(extrema, lower, np.tile(high, 2))
+        k = np.tile(np.arange(self.starts.size), 4)
+        x = np.maximum(np.concatenate((low, high, extrema)) - self.starts[k], 0.0)
         p = self.powers[k]
         values = (p[:, 0] + x * (p[:, 1] + x * (p[:, 2] + x * p[:, 3])))[np.tile(inside, 4)]
         return float(values.min()), float(values.max())
 
 
 def constant(value: float) -> Course:
-    """Return the course of what does not change."""
+    """Return the course of a constant value."""
     return Course(np.zeros(1), np.array([[value, 0.0, 0.0, 0.0]]))
 
 
 def table(time: Array, value: Array) -> Course:
-    """Return the course along straight lines between values, with a jump where two have the same time."""
+    """Return the course along straight lines between values, with a jump where two have the same time.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Times [s], ascending.
+    value : ndarray, shape (n,)
+        Values at these times.
+    """
     powers = np.zeros((time.size, 4))
-    apart = np.diff(time)
+    steps = np.diff(time)
     powers[:, 0] = value
-    powers[:-1, 1] = np.divide(np.diff(value), apart, out=np.zeros(apart.size), where=apart > 0.0)
-    jumps = time[1:][(apart == 0.0) & (np.diff(value) != 0.0)]
-    bends = np.abs(np.diff(powers[:, 1], prepend=0.0))
-    sharpest = np.argsort(bends, kind="stable")[::-1][:_MAX_BREAKS]
-    return Course(
-        time, powers, tuple(np.union1d(jumps, time[sharpest[bends[sharpest] > 0.0]]).tolist())
-    )
+    powers[:-1, 1] = np.divide(np.diff(value), steps, out=np.zeros(steps.size), where=steps > 0.0)
+    jumps = time[1:][(steps == 0.0) & (np.diff(value) != 0.0)]
+    kinks = np.abs(np.diff(powers[:, 1], prepend=0.0))
+    sharpest = np.argsort(kinks, kind="stable")[::-1][:_MAX_BREAKS]
+    breaks = np.union1d(jumps, time[sharpest[kinks[sharpest] > 0.0]])
+    return Course(time, powers, tuple(breaks.tolist()))
 
 
-def through(time: Array, value: Array, slope: Array) -> Course:
-    """Return the smooth course through values with these slopes, which stays at the last."""
+def hermite(time: Array, value: Array, slope: Array) -> Course:
+    """Return the cubic Hermite interpolant, which stays at the last value.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Times [s], ascending.
+    value, slope : ndarray, shape (n,)
+        Values and their derivatives [1/s] at these times.
+    """
     h = np.diff(time)
     rise = np.diff(value)
     powers = np.zeros((time.size, 4))
@@ -118,9 +139,9 @@ def through(time: Array, value: Array, slope: Array) -> Course:
 
 @attrs.frozen(kw_only=True)
 class CourseSettings:
-    """How one value of the operation goes over time: a shape and its parameters."""
+    """Settings of a time function: a shape and its parameters."""
 
-    #: Shapes that are not for this value -> whose they are.
+    #: Shapes that this value does not have -> the values that have them.
     others: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     shape: str = field(
@@ -195,11 +216,12 @@ class CourseSettings:
                 raise FieldError("time", fault[1])
 
     def _field(self, key: str) -> str:
+        """Return the name of the field of a key."""
         return "from_" if key == "from" else key
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Parameters of all shapes by key; None, or nothing, where they are not given."""
+        """Parameters of all shapes by key; None, or an empty tuple, where they are not given."""
         return {
             key: getattr(self, attribute.name)
             for key, attribute in fields_of(type(self))
@@ -207,9 +229,14 @@ class CourseSettings:
         }
 
     def course(self, now: float, end: float) -> Course:
-        """Return the course up to an end [s], at least, of a value that the operation states to be ``now``.
+        """Return the course.
 
-        That is what a change begins from where nothing else is said; of a run-up it is where the change leads.
+        Parameters
+        ----------
+        now : float
+            Value that the operation states. A change starts from it unless ``from`` is given; a run-up ends at it.
+        end : float
+            Time up to which the course is needed [s].
         """
         p = self.parameters
         at = p["at"] or 0.0
@@ -219,60 +246,78 @@ class CourseSettings:
             mean = now if p["mean"] is None else p["mean"]
             return _sine(mean, p["amplitude"], p["period"], p["phase"] or 0.0, end)
         if self.shape == "rotation":
-            begin = p["from"] or 0.0
-            left = max(end - at, 0.0)
-            turned = table(np.array([0.0, left]), begin + np.array([0.0, p["speed"] * left]))
-            return _after(at, begin, turned, breaks=(at,))
-        before, after = (now, 0.0) if self.shape in ("coast-down", "emergency-stop") else (0.0, now)
-        if self.shape in ("ramp", "step"):
-            before = now
+            return _rotation(at, p["from"] or 0.0, p["speed"], end)
+        before, after = self._default_values(now)
         start = before if p["from"] is None else p["from"]
-        end = after if p["to"] is None else p["to"]
+        target = after if p["to"] is None else p["to"]
         if self.shape == "step":
-            return table(np.array([0.0, at, at]), np.array([start, start, end]))
+            return table(np.array([0.0, at, at]), np.array([start, start, target]))
         if self.shape == "coast-down":
-            t = p["time_constant"] / _PER_CONSTANT * np.arange(_PER_CONSTANT * _CONSTANTS + 1)
-            left = np.exp(-t / p["time_constant"])
-            slope = -(start - end) / p["time_constant"] * left
-            return _after(at, start, through(t, end + (start - end) * left, slope), breaks=(at,))
+            return _decay(at, start, target, p["time_constant"])
         if self.shape == "run-up":
-            change = through(np.array([0.0, p["within"]]), np.array([start, end]), np.zeros(2))
+            change = hermite(np.array([0.0, p["within"]]), np.array([start, target]), np.zeros(2))
         else:
-            change = table(np.array([0.0, p["within"]]), np.array([start, end]))
-        return _after(at, start, change, breaks=(at, at + p["within"]))
+            change = table(np.array([0.0, p["within"]]), np.array([start, target]))
+        return _delayed(at, start, change, breaks=(at, at + p["within"]))
+
+    def _default_values(self, now: float) -> tuple[float, float]:
+        """Return the values before and after a change that are not given; now is that of the operation."""
+        if self.shape in ("coast-down", "emergency-stop"):
+            return now, 0.0
+        if self.shape in ("ramp", "step"):
+            return now, now
+        return 0.0, now
 
 
-def _after(at: float, value: float, change: Course, breaks: tuple[float, ...]) -> Course:
-    """A course that holds a value until its change begins."""
-    begin = change.begin
+def _delayed(at: float, value: float, change: Course, breaks: tuple[float, ...]) -> Course:
+    """Return a course that has a constant value until a change starts at a time [s]."""
+    starts = change.starts
     powers = change.powers
     if at > 0.0:
-        begin = np.concatenate(([0.0], begin + at))
+        starts = np.concatenate(([0.0], starts + at))
         powers = np.concatenate(([[value, 0.0, 0.0, 0.0]], powers))
-    return Course(begin, powers, tuple(one for one in breaks if one > 0.0))
+    return Course(starts, powers, tuple(time for time in breaks if time > 0.0))
+
+
+def _rotation(at: float, start: float, speed: float, end: float) -> Course:
+    """Return an angle [rad] that increases with a speed [rad/s] from a time [s] on."""
+    rest = max(end - at, 0.0)
+    change = table(np.array([0.0, rest]), start + np.array([0.0, speed * rest]))
+    return _delayed(at, start, change, breaks=(at,))
+
+
+def _decay(at: float, start: float, target: float, time_constant: float) -> Course:
+    """Return an exponential decay from a value to another from a time [s] on, with a time constant [s]."""
+    pieces = _PIECES_PER_TIME_CONSTANT * _DECAY_TIME_CONSTANTS
+    t = time_constant / _PIECES_PER_TIME_CONSTANT * np.arange(pieces + 1, dtype=float)
+    fraction = np.exp(-t / time_constant)
+    slope = -(start - target) / time_constant * fraction
+    change = hermite(t, target + (start - target) * fraction, slope)
+    return _delayed(at, start, change, breaks=(at,))
 
 
 def _sine(mean: float, amplitude: float, period: float, phase: float, end: float) -> Course:
+    """Return a sine with a period [s] and a phase [rad], up to an end [s]."""
     if not end / period <= _MAX_PERIODS:
         raise FieldError(
             "period", f"the run has {end / period:.3g} of them, more than {_MAX_PERIODS:,}"
         )
-    count = int(np.ceil(end / period * _PER_PERIOD)) + 2
-    t = np.linspace(0.0, period / _PER_PERIOD * (count - 1), count)
+    count = int(np.ceil(end / period * _PIECES_PER_PERIOD)) + 2
+    t = np.linspace(0.0, period / _PIECES_PER_PERIOD * (count - 1), count)
     angle = 2.0 * np.pi / period * t + phase
-    return through(
+    return hermite(
         t, mean + amplitude * np.sin(angle), 2.0 * np.pi / period * amplitude * np.cos(angle)
     )
 
 
 def unordered(times: Array) -> tuple[int, str] | None:
-    """Return the number of the first time that does not ascend, and what is wrong with it; None if nothing is."""
-    apart = np.diff(times)
-    back = np.flatnonzero(apart < 0.0)
-    if back.size:
-        k = int(back[0]) + 1
+    """Return the index of the first time [s] that does not ascend and what is wrong with it; None if all ascend."""
+    steps = np.diff(times)
+    descending = np.flatnonzero(steps < 0.0)
+    if descending.size:
+        k = int(descending[0]) + 1
         return k, f"{times[k]:g} s comes after {times[k - 1]:g} s: times must ascend"
-    thrice = np.flatnonzero((apart[1:] == 0.0) & (apart[:-1] == 0.0))
+    thrice = np.flatnonzero((steps[1:] == 0.0) & (steps[:-1] == 0.0))
     if thrice.size:
         k = int(thrice[0]) + 2
         return k, f"{times[k]:g} s stands there three times: twice is a jump, more have no meaning"

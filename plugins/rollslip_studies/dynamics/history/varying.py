@@ -1,4 +1,17 @@
-"""The motion of a bearing whose operation varies: `Varying` with its stations, and what studies ask of any motion."""
+"""The motion of a bearing along a history of its operation: ring speeds, load, its direction and temperatures.
+
+The rates of the motion are interpolated between *stations*, bearings at fixed operations (`interpolated_rates`). The
+compiled system `Varying` evaluates the history as piecewise cubics of time and blends the rates of the stations.
+
+`varying_motion` builds such a motion:
+
+1. Refuse histories that no level describes: rings at one speed, a turning load on tilted or shaped rings.
+2. Choose the axes of the interpolation: each load or temperature that varies, the difference of the ring speeds where
+   friction is effective, or one path through all temperatures.
+3. Fix the values that do not vary, and choose the tolerance of the tables of a station.
+4. Build the stations at both ends of all axes, so that a bearing that cannot be assembled is refused before a run.
+5. Pass the time functions, the axes and the stations to the compiled system.
+"""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -20,8 +33,8 @@ from rollslip_kernels.motion.varying import MAX_AXES, Varying
 from rollslip_studies.dynamics.history.interpolated_rates import (
     Axis,
     Stations,
-    of_bearing,
-    operated,
+    bearing_resolution,
+    with_operation,
 )
 from rollslip_studies.dynamics.history.settings import History
 from rollslip_studies.dynamics.history.temperature_path import ThermalPath
@@ -30,63 +43,78 @@ from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
-#: Share of the largest epicyclic speed of the cage below which no slip is told: it would refer to next to nothing.
-STILL: Final = 0.05
-#: Speeds over their typical ones below which a motion rests, at how many times it is looked for that, and the first of
-#: them in the time that the rings rest.
-_REST: Final = 1e-4
-_STOPS = 25
-_SOON = 1e-3
-#: Evenly spread instants of a history at which it is looked how fast a motion moves, and at most as many breaks.
-_LOOKS: Final = 9
-#: Share of the tolerance that loads and tables of a station may take.
-_TABLES: Final = 0.3
-#: Share of that between nodes of effective friction: how many there are differs from station to station, and the errors
-#: are relative to the largest friction, which at low speed is ten times that of most slips.
+#: Epicyclic cage speed, relative to its largest value in the history, below which no slip is reported: slip is relative
+#: to that speed. Doubling it reports slips over a shorter time of a run-up. Chosen.
+MIN_EPICYCLIC_FRACTION: Final = 0.05
+#: Speed, relative to its typical magnitude, below which a part is at rest. Doubling it stops the integration of a
+#: motion that coasts down a little earlier. Chosen; far below any speed that a result shows.
+_REST_SPEED: Final = 1e-4
+#: Number of times after the rings stop at which the motion is checked for rest. Halving it integrates bearings at rest
+#: longer, in steps below a microsecond; doubling it interrupts the integrator more often. Chosen.
+_REST_CHECKS: Final = 25
+#: First of these times, relative to the time that the rings are at rest; the others follow in a geometric series.
+#: Doubling it delays the first check. Chosen.
+_FIRST_REST_CHECK: Final = 1e-3
+#: Number of evenly spaced times at which the cost of a motion is sampled, and the maximum number of breaks that are
+#: added to them. Doubling it doubles the cost of an estimate and finds shorter peaks of speed. Chosen.
+_SAMPLES: Final = 9
+#: Fraction of the requested tolerance that loads and tables of a station may use. The interpolation between stations
+#: takes another (`interpolated_rates`). Doubling it makes tables coarser and lets their errors look like interpolation
+#: errors. Chosen.
+_TABLE_FRACTION: Final = 0.3
+#: Fraction of that tolerance for effective friction between its nodes. The number of nodes differs from station to
+#: station, and the errors are relative to the largest friction, which at low speed is ten times that at most slips.
+#: Doubling it makes these tables coarser. Chosen.
 _BETWEEN_NODES: Final = 0.1
+#: Number of times at which extreme speeds of the rings are sampled, in addition to the nodes of the time functions.
+#: Halving it may miss the peak of a short sine. Chosen; the evaluation is vectorised and costs less than a millisecond.
+_SPEED_SAMPLES: Final = 1001
 
 
 @attrs.frozen
 class PathAxis(Axis):
-    """Places on a path through temperatures."""
+    """Coordinates along a path through temperatures."""
 
     path: ThermalPath
 
     @property
     def unit(self) -> str:
-        """SI unit of the value: K only where loads stay, since bearings that differ by kelvins share theirs."""
+        """SI unit of the value: K where the clearance is constant, so that all stations share one load map; else m."""
         return self.path.unit
 
-    def value(self, place: float) -> float:
-        """Return what tells a place [K, m]."""
-        return self.path.value(place)
+    def value(self, coordinate: float) -> float:
+        """Return the first temperature [K], or the clearance [m], at a coordinate of the path."""
+        return self.path.value(coordinate)
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class PathStations(Stations):
-    """Stations of which the last axis is a path."""
+    """Stations whose last axis is a path through temperatures."""
 
-    def bearing(self, place: tuple[float, ...]) -> Assembly:
-        """Return the bearing at a place on the axes."""
-        known = self._bearings
+    def bearing(self, point: tuple[float, ...]) -> Assembly:
+        """Return the bearing at a point of the axes."""
+        cached = self._bearings
         axis = self.axes[-1]
-        if place not in known:
+        if point not in cached:
             assert isinstance(axis, PathAxis)
-            here = axis.path.bearing(self.assembly, place[-1])
-            same = {of.name: getattr(self, of.name) for of in attrs.fields(Stations) if of.init}
-            known[place] = Stations(**(same | {"assembly": here, "axes": self.axes[:-1]})).bearing(
-                place[:-1]
-            )
-        return known[place]
+            on_path = axis.path.bearing(self.assembly, point[-1])
+            fields = {
+                field.name: getattr(self, field.name)
+                for field in attrs.fields(Stations)
+                if field.init
+            }
+            others = Stations(**(fields | {"assembly": on_path, "axes": self.axes[:-1]}))
+            cached[point] = others.bearing(point[:-1])
+        return cached[point]
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class VaryingMotion(MovingBearing):
     """The motion of a bearing along a history."""
 
-    history: History  # how the operation goes over time
-    stations: Stations  # bearings between which its rates are interpolated
-    base: MovingBearing  # one of them
+    history: History  # the operation over time
+    stations: Stations  # bearings between which the rates are interpolated
+    base: MovingBearing  # the station at the upper ends of all axes
 
     @property
     def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
@@ -95,80 +123,95 @@ class VaryingMotion(MovingBearing):
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
-        """Times of jumps and kinks of the history, and those at which it is looked whether it came to rest [s]."""
-        known = self.history.breaks
+        """Times of jumps and kinks of the history, and times at which the motion is checked for rest [s]."""
+        of_history = self.history.breaks
         end = self.history.end
-        last = max(known, default=end)
+        last = max(of_history, default=end)
         if not self.history.rings_rest(last, end):
-            return known
-        return *known, *(last + (end - last) * np.geomspace(_SOON, 1.0, _STOPS)[:-1]).tolist()
+            return of_history
+        fractions = np.geomspace(_FIRST_REST_CHECK, 1.0, _REST_CHECKS)[:-1]
+        return *of_history, *(last + (end - last) * fractions).tolist()
 
     def at_rest(self, t: float, end: float, y: Array) -> bool:
-        """Return whether the bearing rests in a state, and does so up to a later time [s].
+        """Return whether the bearing is at rest in a state, and stays at rest until a later time [s].
 
-        So it does where rings and cage stand, and each roller stands too or is free. A stiff contact at rest makes an
-        integrator take one step of less than a microsecond after the other.
+        It is where rings and cage are at rest, and each roller is at rest too or is not accelerated by that time. A
+        stiff contact at rest would make an integrator take steps of less than a microsecond.
+
+        Parameters
+        ----------
+        t, end : float
+            Time of the state, and the later time [s].
+        y : ndarray, shape (n,)
+            The state, in the units of `units`.
         """
         if self.stations.level != "cage-set" or not self.history.rings_rest(t, end):
             return False
-        now = self.split(y)
+        state = self.split(y)
         scale = self.split(self.system.scale)
-        spins = np.abs(now["roller_spin"]) <= _REST * scale["roller_spin"]
-        if not (spins.any() and abs(now["cage_speed"]) <= _REST * scale["cage_speed"]):
+        resting = np.abs(state["roller_spin"]) <= _REST_SPEED * scale["roller_spin"]
+        if not (resting.any() and abs(state["cage_speed"]) <= _REST_SPEED * scale["cage_speed"]):
             return False
-        lost = (end - t) * np.abs(self.split(self.system(t, y))["roller_spin"])
-        return bool((spins | (lost <= _REST * scale["roller_spin"])).all())
+        change = (end - t) * np.abs(self.split(self.system(t, y))["roller_spin"])
+        return bool((resting | (change <= _REST_SPEED * scale["roller_spin"])).all())
 
     @property
     def tables(self) -> dict[str, str]:
-        """Attributes of a result that say how right the tables of one of the bearings are."""
+        """Attributes of a result with sizes and errors of the tables of one of the stations."""
         return self.base.tables
 
     @property
-    def way(self) -> str:
-        """How friction is evaluated, and what else there is a table of, in words."""
-        return self.base.way
+    def evaluation_method(self) -> str:
+        """How friction is evaluated, and which other tables there are, in words."""
+        return self.base.evaluation_method
 
     @property
     def tolerances(self) -> tuple[Array, Array]:
-        """Absolute and relative tolerances of the unknowns, those under the largest load."""
+        """Absolute and relative tolerances of the unknowns: those under the largest load."""
         return self.base.tolerances
 
-    def unslipped(self, t: Array) -> tuple[Array, Array]:
-        """Return the epicyclic speeds of cage and rollers at times [rad/s]; of the cage NaN where it is too slow."""
-        cage, roller = epicyclic(self.assembly, self.history, t)
-        slow = np.abs(cage) <= STILL * _fastest(self.assembly, self.history)
+    def epicyclic_speeds(self, t: Array) -> tuple[Array, Array]:
+        """Return the epicyclic speeds of cage and rollers at times [rad/s]; NaN where slip has no value."""
+        cage, roller = epicyclic_speeds(self.assembly, self.history, t)
+        slow = np.abs(cage) <= _min_epicyclic_speed(self.assembly, self.history)
         return np.where(slow, np.nan, cage), np.where(slow, np.nan, roller)
 
     def ring_speeds(self, t: Array) -> Array:
-        """Return the speeds of inner and outer ring at times [rad/s], in the sense of the cage's, (2, m)."""
-        now = self.history.at(t)
-        return np.array([self.direction * now["inner_speed"], self.direction * now["outer_speed"]])
+        """Return the speeds of inner and outer ring at times [rad/s], (2, m); positive in the sense of rolling."""
+        operation = self.history.at(t)
+        return np.array(
+            [self.direction * operation["inner_speed"], self.direction * operation["outer_speed"]]
+        )
 
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
-        """Return the state with these slips at the operation that the history begins with."""
+        """Return the state with these slips at the operation at the start of the history."""
         return self._state(0.0, cage_slip, roller_slip)
 
-    def looks(self) -> tuple[Array, Array]:
-        """Return instants of the history and states without slip there: where it breaks, and evenly over it."""
+    def sample_states(self) -> tuple[Array, Array]:
+        """Return times [s], (m,), at breaks of the history and evenly over it, and states without slip, (m, n)."""
         breaks = np.array(self.breaks)
-        even = np.linspace(0.0, self.history.end, _LOOKS)
-        times = np.union1d(even, breaks[:: 1 + breaks.size // _LOOKS])
+        even = np.linspace(0.0, self.history.end, _SAMPLES)
+        times = np.union1d(even, breaks[:: 1 + breaks.size // _SAMPLES])
         return times, np.array([self._state(float(t)) for t in times])
 
     def _state(self, t: float, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
-        now = {name: float(value) for name, value in self.history.at(t).items()}
-        cage, roller = (
-            float(one[0]) for one in epicyclic(self.assembly, self.history, np.full(1, t))
+        """Return the state with these slips at the operation at a time [s]."""
+        operation = {name: float(value) for name, value in self.history.at(t).items()}
+        cage_speed, roller_speed = (
+            float(speed[0])
+            for speed in epicyclic_speeds(self.assembly, self.history, np.full(1, t))
         )
-        speed = (1.0 - cage_slip) * cage
-        spin = (1.0 - roller_slip) * roller
-        if (now["inner_speed"], now["outer_speed"]) == self.stations.speeds:
+        cage_speed = (1.0 - cage_slip) * cage_speed
+        roller_speed = (1.0 - roller_slip) * roller_speed
+        if (operation["inner_speed"], operation["outer_speed"]) == self.stations.speeds:
             speeds = self.base.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
-            speed = float(speeds.cage_speed)
-            spin = float(speeds.roller_speed)
+            cage_speed = float(speeds.cage_speed)
+            roller_speed = float(speeds.roller_speed)
         return self.base.state_at(
-            speed, spin, now["radial_load"], self.direction * now["load_direction"]
+            cage_speed,
+            roller_speed,
+            operation["radial_load"],
+            self.direction * operation["load_direction"],
         )
 
     def state_at(
@@ -186,29 +229,33 @@ class VaryingMotion(MovingBearing):
         return self.base.angular_momentum(y)
 
     def error(self, refusal: Any) -> RollslipError:
-        """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
-        by = self.system.owner.refused_by
+        """Return the error for the ``reason`` of a ``RefusedError``, by the station that refused the state."""
+        refusing_system = self.system.owner.refused_by
         return next(
-            motion for motion in self.stations.motions.values() if motion.system.owner is by
+            motion
+            for motion in self.stations.motions.values()
+            if motion.system.owner is refusing_system
         ).error(refusal)
 
 
-def epicyclic(assembly: Assembly, history: History, t: Array) -> tuple[Array, Array]:
+def epicyclic_speeds(assembly: Assembly, history: History, t: Array) -> tuple[Array, Array]:
     """Return the epicyclic speeds of cage and rollers at times [rad/s], in the sense in which rolling is positive."""
     k = assembly.kinematics
-    now = history.at(t)
+    operation = history.at(t)
     inner = k.inner_radius
     outer = k.outer_radius
-    cage = k.direction * (inner * now["inner_speed"] + outer * now["outer_speed"]) / (inner + outer)
-    apart = k.direction * (now["inner_speed"] - now["outer_speed"])
-    return cage, inner * outer / (inner + outer) * apart / k.roller_radius
+    surface_speeds = inner * operation["inner_speed"] + outer * operation["outer_speed"]
+    cage = k.direction * surface_speeds / (inner + outer)
+    difference = k.direction * (operation["inner_speed"] - operation["outer_speed"])
+    return cage, inner * outer / (inner + outer) * difference / k.roller_radius
 
 
-def _fastest(assembly: Assembly, history: History) -> float:
-    """Largest epicyclic speed of the cage [rad/s]: at an instant of a thousand, a break or a node of a table."""
-    ends = [course.begin for name, course in history.courses.items() if name.endswith("_speed")]
-    times = np.concatenate((np.linspace(0.0, history.end, 1001), *ends))
-    return float(np.abs(epicyclic(assembly, history, times[times <= history.end])[0]).max())
+def _min_epicyclic_speed(assembly: Assembly, history: History) -> float:
+    """Return the epicyclic cage speed [rad/s] below which slip has no value; see `MIN_EPICYCLIC_FRACTION`."""
+    nodes = [course.starts for name, course in history.courses.items() if name.endswith("_speed")]
+    times = np.concatenate((np.linspace(0.0, history.end, _SPEED_SAMPLES), *nodes))
+    cage, _ = epicyclic_speeds(assembly, history, times[times <= history.end])
+    return MIN_EPICYCLIC_FRACTION * float(np.abs(cage).max())
 
 
 def varying_motion(
@@ -220,97 +267,65 @@ def varying_motion(
     planar: PlanarSettings | None = None,
     limit: Course | None = None,
 ) -> VaryingMotion:
-    """Build the motion of a bearing along a history."""
-    k = assembly.kinematics
-    spans = history.spans
+    """Build the motion of a bearing along a history.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing as the scene states it.
+    friction : FrictionSettings
+        Friction of the raceways.
+    history : History
+        The operation over time.
+    level : str
+        "cage-set", "pocket" or "planar".
+    planar : PlanarSettings, optional
+        Masses, damping and gravity of level planar; None at the other levels.
+    limit : Course, optional
+        Slip over time that is watched, for example that of skidding; none by default.
+
+    Raises
+    ------
+    DomainError
+        If the level or the friction does not describe this history.
+    SceneError
+        If a ring of the scene may not turn.
+    """
     speeds = _fastest_speeds(assembly, history)
-    if "load_direction" in history.given and (tilt := assembly.scene.operation.misalignment) != 0.0:
-        raise DomainError(
-            f"the load turns, and operation.misalignment, {tilt:g} rad, is about the line of a load that does not; "
-            "make it 0, or leave load_direction out"
-        )
-    top = max(map(abs, spans["inner_speed"])), max(map(abs, spans["outer_speed"]))
-    _refuse_turning(assembly, top, planar is not None)
-    if (
-        "load_direction" in history.given
-        and planar is None
-        and assembly.rings is not None
-        and _stands(assembly.rings)
-    ):
-        raise DomainError(
-            "the load turns, and rings or raceways that are not alike all round stand; choose level 'planar', or leave "
-            "load_direction out"
-        )
-    taken = set[str]().union(*(taken_from_scene(model) for model in assembly.cage.named))
-    # effective friction is an average over the loads, and a drag may take the load of its scene
-    read = planar is not None and not (friction.name == "effective" or "radial_load" in taken)
-    mapped = [name for name in history.conditions if not (read and name == "radial_load")]
-    axes = [Axis.of(name, *spans[name]) for name in mapped if name in history.varies]
-    if friction.name == "effective" and {"inner_speed", "outer_speed"} & {*history.varies}:
-        if not history.speeds_in_proportion():
-            raise DomainError(
-                "effective friction follows speeds that change in proportion, or of one ring alone; both change "
-                "differently here: conventional friction takes that"
-            )
-        axes.append(Axis("speed", 0.0, abs(speeds[0] - speeds[1])))
-    if (path := history.path) is not None:
-        axes.append(PathAxis(path.name, 0.0, 1.0, path))
-    if len(axes) > MAX_AXES:
-        over = ", ".join(axis.name.replace("_", " ") for axis in axes)
-        raise DomainError(
-            f"tables over {over} are more than {MAX_AXES} at once; keep some of them the same, or let "
-            "operation.temperature stand for the parts"
-        )
-    held = {name: spans[name][0] for name in history.conditions if name not in history.varies}
-    if read:
-        held["radial_load"] = spans["radial_load"][1]
-    steady = _held(assembly, held)
-    requested = assembly.scene.accuracy.of("cage_speed")
-    plain = attrs.evolve(friction, critical_slip=float("nan"))
-    if axes:  # tables differ by their errors, of which interpolation can make nothing better
-        plain = attrs.evolve(
-            plain,
-            tolerance=min(friction.table_tolerance(assembly), _TABLES * requested),
-            between_nodes=_BETWEEN_NODES,
-        )
-    if "radial_load" in history.varies and (planar is not None or friction.name == "conventional"):
-        plain = attrs.evolve(plain, like=_held(assembly, {"radial_load": spans["radial_load"][1]}))
-    stations = (Stations if path is None else PathStations)(
-        assembly=steady,
+    _check_tilt(assembly, history)
+    spans = history.spans
+    top_speeds = max(map(abs, spans["inner_speed"])), max(map(abs, spans["outer_speed"]))
+    _check_rings(assembly, history, top_speeds, planar is not None)
+    load_in_rates = _rates_take_load(assembly, friction, planar)
+    axes = _interpolation_axes(friction, history, speeds, load_in_rates)
+    fixed = {name: spans[name][0] for name in history.conditions if name not in history.varies}
+    if load_in_rates:
+        fixed["radial_load"] = spans["radial_load"][1]
+    stations = (Stations if history.path is None else PathStations)(
+        assembly=_with_fixed_values(assembly, fixed),
         speeds=speeds,
-        top_speeds=top,
-        axes=tuple(axes),
-        friction=plain,
+        top_speeds=top_speeds,
+        axes=axes,
+        friction=_station_friction(assembly, friction, history, axes, planar),
         level=level,
         planar=planar,
-        tolerance=requested,
+        tolerance=assembly.scene.accuracy.of("cage_speed"),
         speeds_vary=bool({"inner_speed", "outer_speed"} & {*history.varies}),
     )
     base = stations.motion(tuple(axis.high for axis in axes))
-    stations.motion(
-        tuple(axis.roots[0] for axis in axes)
-    )  # what cannot be put together is told before a run
-    courses = [
-        history.courses[name].scaled(k.direction)
-        for name in ("inner_speed", "outer_speed", "load_direction")
-    ]
-    courses.append(history.courses["radial_load"])
-    courses.append(constant(float("nan")) if limit is None else limit)
-    for axis in axes:
-        of_axis = axis.path.along if isinstance(axis, PathAxis) else history.courses.get(axis.name)
-        courses.append(
-            constant(0.0) if of_axis is None else of_axis
-        )  # of a speed, which the rates know
+    # a bearing that cannot be assembled at the lower ends is refused here, before a run
+    stations.motion(tuple(axis.initial_nodes[0] for axis in axes))
+    k = assembly.kinematics
     names = [axis.name for axis in axes]
     varying = Varying(
-        [(course.begin, course.powers) for course in courses],
-        [(axis.roots[0], axis.high) for axis in axes],
-        stations.around,
+        [(course.starts, course.powers) for course in _courses(history, axes, limit, k.direction)],
+        [(axis.initial_nodes[0], axis.high) for axis in axes],
+        stations.interpolation_cell,
         speed_axis=names.index("speed") if "speed" in names else -1,
         root_axis=names.index("radial_load") if "radial_load" in names else -1,
         cage_speed=list(base.names[0]).index("cage_speed"),
         inner_fraction=k.inner_radius / (k.inner_radius + k.outer_radius),
-        still=STILL * _fastest(assembly, history),
+        still=_min_epicyclic_speed(assembly, history),
         autonomous=not (history.varies or assembly.cage.drags.in_time),
         scale=base.system.scale,
     )
@@ -324,8 +339,104 @@ def varying_motion(
     )
 
 
-def _stands(rings: Rings) -> bool:
-    """Whether rings have a direction of their own, by a form, what pushes on them, stops or shapes of several waves."""
+def _check_tilt(assembly: Assembly, history: History) -> None:
+    """Refuse a load that turns on rings that are tilted about its line."""
+    tilt = assembly.scene.operation.misalignment
+    if "load_direction" in history.prescribed and tilt != 0.0:
+        raise DomainError(
+            f"the load turns, and operation.misalignment, {tilt:g} rad, is about the line of a load that does not; "
+            "make it 0, or leave load_direction out"
+        )
+
+
+def _rates_take_load(
+    assembly: Assembly, friction: FrictionSettings, planar: PlanarSettings | None
+) -> bool:
+    """Return whether the rates of a station follow the load of the moment, so that the load needs no axis.
+
+    Only those of plane motion do. Effective friction is an average over the loads, and a drag may take the load of its
+    scene.
+    """
+    of_scene = set[str]().union(*(taken_from_scene(model) for model in assembly.cage.named))
+    return planar is not None and not (friction.name == "effective" or "radial_load" in of_scene)
+
+
+def _interpolation_axes(
+    friction: FrictionSettings,
+    history: History,
+    speeds: tuple[float, float],
+    load_in_rates: bool,
+) -> tuple[Axis, ...]:
+    """Return the axes between whose nodes rates are interpolated; refuse more than the compiled system has."""
+    names = [
+        name
+        for name in history.conditions
+        if name in history.varies and not (load_in_rates and name == "radial_load")
+    ]
+    axes = [Axis.of(name, *history.spans[name]) for name in names]
+    if friction.name == "effective" and {"inner_speed", "outer_speed"} & {*history.varies}:
+        if not history.speeds_in_proportion():
+            raise DomainError(
+                "effective friction follows speeds that change in proportion, or of one ring alone; both change "
+                "differently here: conventional friction takes that"
+            )
+        axes.append(Axis("speed", 0.0, abs(speeds[0] - speeds[1])))
+    if history.path is not None:
+        axes.append(PathAxis(history.path.name, 0.0, 1.0, history.path))
+    if len(axes) > MAX_AXES:
+        over = ", ".join(axis.name.replace("_", " ") for axis in axes)
+        raise DomainError(
+            f"tables over {over} are more than {MAX_AXES} at once; keep some of them the same, or let "
+            "operation.temperature stand for the parts"
+        )
+    return tuple(axes)
+
+
+def _station_friction(
+    assembly: Assembly,
+    friction: FrictionSettings,
+    history: History,
+    axes: tuple[Axis, ...],
+    planar: PlanarSettings | None,
+) -> FrictionSettings:
+    """Return the friction of each station: with finer tables, since interpolation cannot reduce their errors."""
+    of_station = attrs.evolve(friction, critical_slip=float("nan"))
+    if axes:
+        requested = assembly.scene.accuracy.of("cage_speed")
+        of_station = attrs.evolve(
+            of_station,
+            tolerance=min(friction.table_tolerance(assembly), _TABLE_FRACTION * requested),
+            between_nodes=_BETWEEN_NODES,
+        )
+    if "radial_load" in history.varies and (planar is not None or friction.name == "conventional"):
+        largest_load = {"radial_load": history.spans["radial_load"][1]}
+        of_station = attrs.evolve(
+            of_station, fully_loaded=_with_fixed_values(assembly, largest_load)
+        )
+    return of_station
+
+
+def _courses(
+    history: History, axes: tuple[Axis, ...], limit: Course | None, direction: int
+) -> list[Course]:
+    """Return the time functions in the order of `Varying`: speeds, load direction, load, watched slip, axes."""
+    courses = [
+        history.courses[name].scaled(direction)
+        for name in ("inner_speed", "outer_speed", "load_direction")
+    ]
+    courses.append(history.courses["radial_load"])
+    courses.append(constant(float("nan")) if limit is None else limit)
+    for axis in axes:
+        course = (
+            axis.path.coordinate if isinstance(axis, PathAxis) else history.courses.get(axis.name)
+        )
+        # the axis of speed has no time function: the rates know the speeds
+        courses.append(constant(0.0) if course is None else course)
+    return courses
+
+
+def _has_direction(rings: Rings) -> bool:
+    """Return whether a ring has a direction: by a form, forces on it, stops or shapes of several waves."""
     return bool(rings.waves or rings.tables) or any(
         ring.stops is not None
         or np.any(ring.pushes)
@@ -334,50 +445,62 @@ def _stands(rings: Rings) -> bool:
     )
 
 
-def _refuse_turning(assembly: Assembly, top_speeds: tuple[float, float], planar: bool) -> None:
-    """Refuse what stands in the line of load and turns at some time."""
-    b = assembly.scene.bearing
-    models = assembly.scene.models
+def _check_rings(
+    assembly: Assembly, history: History, top_speeds: tuple[float, float], planar: bool
+) -> None:
+    """Refuse rings with a direction of their own where they turn, or where the load turns round them."""
     for ring, speed in zip(RINGS, top_speeds, strict=True):
-        if speed == 0.0:
-            continue
-        raceway = getattr(b, f"{ring}_raceway")
-        choice = getattr(models, f"{ring}_ring")
-        if raceway is not None and raceway.form and not planar:
-            raise DomainError(
-                f"the {ring} ring turns along the history, with the form of its raceway; choose level 'planar', which "
-                f"follows that, keep {ring}_speed at 0, or leave the form out"
-            )
-        if choice is not None:
-            at = Location(assembly.scene.origins, ("models", f"{ring}_ring"))
-            try:
-                structure_model("ring", {"model": choice.name, **choice.parameters}, at, []).shapes(
-                    b, ring, True
-                )
-            except FieldError as error:
-                raise SceneError([at.at(error.field).message(error.reason)]) from None
+        if speed != 0.0:
+            _check_turning_ring(assembly, ring, planar)
+    rings = assembly.rings
+    turns = "load_direction" in history.prescribed
+    if turns and not planar and rings is not None and _has_direction(rings):
+        raise DomainError(
+            "the load turns, and rings or raceways that are not alike all round stand; choose level 'planar', or leave "
+            "load_direction out"
+        )
 
 
-def _held(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
-    """The bearing at the values that stay the same, put together once."""
+def _check_turning_ring(assembly: Assembly, ring: str, planar: bool) -> None:
+    """Refuse a ring that turns at some time and whose form or model stands in the line of load."""
+    bearing = assembly.scene.bearing
+    raceway = getattr(bearing, f"{ring}_raceway")
+    choice = getattr(assembly.scene.models, f"{ring}_ring")
+    if raceway is not None and raceway.form and not planar:
+        raise DomainError(
+            f"the {ring} ring turns along the history, with the form of its raceway; choose level 'planar', which "
+            f"follows that, keep {ring}_speed at 0, or leave the form out"
+        )
+    if choice is not None:
+        location = Location(assembly.scene.origins, ("models", f"{ring}_ring"))
+        model = {"model": choice.name, **choice.parameters}
+        try:
+            structure_model("ring", model, location, []).shapes(bearing, ring, True)
+        except FieldError as error:
+            raise SceneError([location.at(error.field).message(error.reason)]) from None
+
+
+def _with_fixed_values(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
+    """Return the bearing at the values [N, K] that do not vary, cached so that it is assembled once."""
     return assembly.cached(
-        "held", (of_bearing(assembly), *values.items()), lambda: operated(assembly, values)
+        "fixed values",
+        (bearing_resolution(assembly), *values.items()),
+        lambda: with_operation(assembly, values),
     )
 
 
 def _fastest_speeds(assembly: Assembly, history: History) -> tuple[float, float]:
-    """Speeds of the rings where they turn fastest against each other, in the direction of the scene."""
+    """Return the speeds of both rings where their difference is largest [rad/s], in the direction of the scene."""
     inner = history.courses["inner_speed"]
     outer = history.courses["outer_speed"]
-    times = np.unique(
-        np.concatenate((np.linspace(0.0, history.end, 1001), inner.begin, outer.begin))
-    )
+    even = np.linspace(0.0, history.end, _SPEED_SAMPLES)
+    times = np.unique(np.concatenate((even, inner.starts, outer.starts)))
     times = times[(times >= 0.0) & (times <= history.end)]
     w_i = inner.at(times)
     w_o = outer.at(times)
     k = int(np.argmax(np.abs(w_i - w_o)))
-    apart = float(w_i[k] - w_o[k])
-    if apart == 0.0:
+    difference = float(w_i[k] - w_o[k])
+    if difference == 0.0:
         raise DomainError("nothing rolls at any time: the history keeps both rings at one speed")
-    sense = 1.0 if (apart > 0.0) == (assembly.kinematics.direction > 0) else -1.0
+    sense = 1.0 if (difference > 0.0) == (assembly.kinematics.direction > 0) else -1.0
     return sense * float(w_i[k]), sense * float(w_o[k])

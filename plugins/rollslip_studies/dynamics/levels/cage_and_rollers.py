@@ -1,8 +1,10 @@
-"""Motion of cage and rollers at the levels cage-set and pocket: the compiled system of a bearing, and its numbers.
+"""Motion of cage and rollers at the levels cage-set and pocket: the compiled system of a bearing, and its parameters.
 
-- Everything is in the sense in which rolling speeds are positive (``Kinematics``): times ``direction`` it is real.
-- The unknowns are y = [cage angle, cage speed | spin (, orbital speed, place in the pocket) of each roller | ledger].
-- What the rates do is recorded by the ledger as they do it, so its residuals measure the integrator and nothing else.
+- All speeds are in the sense in which rolling speeds are positive (``Kinematics``); times ``direction`` they are those
+  of the scene.
+- The unknowns: y = [cage angle, cage speed | spin (, orbital speed, position in the pocket) of each roller | ledger].
+- The ledger integrates work and impulse with the same rates as the motion, so that its residuals measure the error of
+  the integrator alone.
 """
 
 import math
@@ -22,20 +24,22 @@ from rollslip_studies.dynamics.levels.load_map import LoadMap, build_load_map, r
 from rollslip_studies.dynamics.levels.moving_bearing import (
     MovingBearing,
     pocket_contact,
-    ungoverned,
+    uncontrolled_scale,
 )
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 
-_BLOCKS: Final = {
+#: Level -> unknowns of each roller and their unit.
+_ROLLER_UNKNOWNS: Final = {
     "cage-set": {"roller_spin": "rad/s"},
     "pocket": {"roller_spin": "rad/s", "orbital_speed": "rad/s", "pocket_position": "m"},
 }
+#: Unknowns of the head and their unit.
 _HEAD: Final = {"cage_angle": "rad", "cage_speed": "rad/s"}
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class CarriedMotion(MovingBearing):
-    """The motion of a bearing whose rollers the cage carries round.
+    """The motion of a bearing whose rollers orbit with the cage.
 
     Attributes
     ----------
@@ -54,7 +58,7 @@ class CarriedMotion(MovingBearing):
     @property
     def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
         """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
-        return _HEAD, _BLOCKS[self.level], LEDGER
+        return _HEAD, _ROLLER_UNKNOWNS[self.level], LEDGER
 
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
         """Return the state with these slips, rollers in the middle of their pockets; 0 epicyclic, 1 at rest.
@@ -71,7 +75,7 @@ class CarriedMotion(MovingBearing):
         self, cage_speed: float, roller_speed: float, load: float = 0.0, direction: float = 0.0
     ) -> Array:
         """Return the state with these speeds [rad/s], rollers in the middle of their pockets whatever the load."""
-        block = [roller_speed - cage_speed, cage_speed, 0.0][: len(_BLOCKS[self.level])]
+        block = [roller_speed - cage_speed, cage_speed, 0.0][: len(_ROLLER_UNKNOWNS[self.level])]
         moving = [0.0, cage_speed, *block * self.assembly.scene.bearing.rollers]
         return np.array([*moving, *[0.0] * (self.system.n - len(moving))])
 
@@ -101,14 +105,14 @@ class CarriedMotion(MovingBearing):
         return self.assembly.roller_mass * self.assembly.kinematics.orbit_radius**2
 
     def error(self, refusal: Any) -> RollslipError:
-        """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
-        who, what = refusal
-        if who == "loads":
+        """Return the error for the ``reason`` of a ``RefusedError``: the refusing part and the value it refused."""
+        part, value = refusal
+        if part == "loads":
             a = self.assembly
             top = math.sqrt(self.loads.top / (a.roller_mass * a.kinematics.orbit_radius))
             return DomainError(
-                f"roller {what} is carried round faster than {format_quantity(top, 'rad/s', 4)}, up to which its loads "
-                "were worked out; check what drives the cage"
+                f"roller {value} is carried round faster than {format_quantity(top, 'rad/s', 4)}, up to which its "
+                "loads were worked out; check what drives the cage"
             )
         return super().error(refusal)
 
@@ -120,27 +124,27 @@ def carried_motion(
     level: str,
     loads: LoadMap | None = None,
     torques: Sequence[object] | None = None,
-    each: bool = False,
+    per_roller: bool = False,
 ) -> CarriedMotion:
     """Build the motion of a bearing whose scene has a cage.
 
-    Where rolling stops or turns back, films are those of an entrainment speed sqrt(u^2 + u_0^2), u_0 = 1 mm/s. At level
-    cage-set the pocket takes no part but for its friction, under the force that carries a roller round steadily.
+    Where rolling stops or reverses, films are those of an entrainment speed sqrt(u^2 + u_0^2), u_0 = 1 mm/s. At level
+    cage-set only the friction of the pocket counts, under the force that keeps a roller in its steady orbit.
 
     Parameters
     ----------
     assembly : Assembly
         The bearing.
     friction : FrictionSettings
-        Which friction, and what is watched.
+        Friction of the raceways, and the values that are watched.
     level : str
         "cage-set" (rollers at the cage's spacing) or "pocket" (within their pockets).
     loads : LoadMap, optional
         Loads per slice that were built before.
     torques : sequence of capsules, optional
         Drags ``rs_drag``, by default those of the scene.
-    each : bool
-        Whether `MovingBearing.of_each` is known.
+    per_roller : bool
+        Whether `MovingBearing.sliding_work_and_distance` is integrated.
 
     Raises
     ------
@@ -149,7 +153,7 @@ def carried_motion(
     ConvergenceError
         If loads or tables do not reach the tolerance.
     DomainError
-        If a law has no value at a speed that effective friction is tabulated over.
+        If a law has no value at a speed over which effective friction is tabulated.
     ValueError
         If the coefficient of constant friction is negative or its sliding speed not positive.
     """
@@ -182,10 +186,10 @@ def carried_motion(
         *of_raceways.capsules,
         cage.drags.capsules() if torques is None else torques,
         pocket_contact(assembly),
-        np.append(_scale(assembly, level), ungoverned(assembly, each)),
+        np.append(_scale(assembly, level), uncontrolled_scale(assembly, per_roller)),
         friction.critical_slip,
         friction.watched_film,
-        each,
+        per_roller,
     )
     system = System(carried.system())
     return CarriedMotion(
@@ -199,7 +203,7 @@ def carried_motion(
 
 
 def _resistance(assembly: Assembly) -> Any:
-    """Rolling resistance of the contacts of a ring without sliding, where there is any."""
+    """Return the rolling resistance of contacts without sliding, as a function of loads and ring; None without any."""
     if not assembly.inner.chain.resists:
         return None
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
@@ -207,10 +211,10 @@ def _resistance(assembly: Assembly) -> Any:
 
 
 def _scale(assembly: Assembly, level: str) -> Array:
-    """Typical magnitudes of the unknowns."""
+    """Return the typical magnitudes of the unknowns, to which tolerances are relative."""
     k = assembly.kinematics
     cage = assembly.cage
     spin = k.epicyclic_roller_speed
     orbital = k.roller_radius / k.orbit_radius * spin
-    block = [spin, orbital, max(cage.pocket_clearance, 1e-6)][: len(_BLOCKS[level])]
+    block = [spin, orbital, max(cage.pocket_clearance, 1e-6)][: len(_ROLLER_UNKNOWNS[level])]
     return np.array([1.0, orbital, *block * assembly.scene.bearing.rollers, *[1.0] * len(LEDGER)])

@@ -1,19 +1,24 @@
-"""Quasi-static loads of a roller as a function of where it is and how fast it is carried round.
+"""Tabulate the quasi-static loads of a roller over its position in the orbit and its orbital speed.
 
-- Equal rollers that a cage carries at its spacing are all loaded alike, each at its own place: instants of one pitch
-  and Z rollers are Z instants positions of one roller over the whole orbit.
-- The loads depend on the speed through centrifugal force only, and on that nearly linearly; on position they are
-  smooth but for the places where slices touch and part.
-- So: cubic Hermite over position, periodic, its slopes of fourth order and limited to what cannot turn negative; linear
-  over centrifugal force. Where no node is loaded nothing is. Positions are added where the forces, measured half-way
-  between them against the equilibrium, are off by more than the tolerance.
-- Over the centrifugal force intervals are halved until they are right half-way, and only those that somebody asks for:
-  a motion of the cage passes through few of the dozens that a map of all speeds has. Which they are does not depend on
-  who asked for others before. Cubics in place of straight lines do not save any: slices touch and part within most of
-  them.
-- The error is the share of a ring's load that is at the wrong place, the sum of |dQ| over the orbit relative to that of
-  Q: it bounds what friction is off by. The largest error of one force, where a contact parts, is mostly 2 to 8 times
-  that.
+- Equal rollers at the spacing of a cage are all loaded alike, each at its own position: the equilibrium at ``n``
+  positions of the cage within a pitch gives the loads of one roller at n Z positions of the orbit.
+- The loads depend on the orbital speed through the centrifugal force alone, and nearly linearly. They are smooth in the
+  position except where slices gain or lose contact.
+
+The method:
+
+1. Over position: periodic cubic Hermite interpolation with slopes of fourth order, limited so that no load becomes
+   negative. Where no node is loaded, no load is.
+2. Compare the forces half-way between positions with the equilibrium there. Double the positions until the error is
+   within half the tolerance.
+3. Over centrifugal force: linear interpolation. Halve an interval until the loads half-way in it are right within the
+   other half of the tolerance. Cubics would not save nodes: slices gain or lose contact within most intervals.
+4. Intervals are halved where a motion requests them: a motion passes through few of the dozens that a map of all speeds
+   has. The intervals do not depend on earlier requests.
+
+The error is the fraction of the load of a ring that is at the wrong position: the sum of |dQ| over the orbit relative
+to that of Q. It bounds the error of friction. The largest error of one force, where a contact is lost, is mostly 2 to 8
+times as large.
 """
 
 import itertools
@@ -34,26 +39,35 @@ from rollslip_studies.motion.spins import check_repeats
 
 _log = logging.getLogger(__name__)
 
+#: Number of positions within a pitch at first. Doubling it saves the first comparison of most maps, and makes maps of
+#: loose tolerances larger. Chosen.
 _FIRST_POSITIONS = 2
+#: Maximum number of positions within a pitch. Doubling it allows tighter tolerances, at twice the time and memory of
+#: those maps. Chosen.
 _MAX_POSITIONS = 256
+#: Maximum number of centrifugal forces; twice as many intervals may be checked. As `_MAX_POSITIONS`. Chosen.
 _MAX_FORCES = 1025
-#: Up to how many halvings between forces a map is measured between positions: it errs there alike at forces alike.
-_MEASURED = 2
-#: Times the tolerance that the share of the load at the wrong place along a roller may be between forces, where its
-#: sum is right: friction feels less of it. Under little but centrifugal force a contact is linear in that, and its
-#: slices are not.
-_ALONG = 4.0
-#: Equilibria that a map keeps: what is read of it is tables, and few intervals are looked at at a time.
-_KEPT = 24
+#: Number of halvings between the initial forces up to which the error between positions is measured. It is alike at
+#: similar forces. Each one more costs up to twice as many equilibria at twice the positions. Chosen.
+_MEASURED_HALVINGS = 2
+#: Factor by which the error of the loads of slices may exceed the tolerance between forces, where the error of their
+#: sum does not: friction depends less on the distribution along a roller. Under hardly any load except centrifugal
+#: force, the force of a contact is linear in that, and the loads of its slices are not. Halving it adds forces. Chosen.
+_SLICE_ERROR_FACTOR = 4.0
+#: Maximum number of cached equilibria over an orbit. Motions read tables, and refine few intervals at a time. Doubling
+#: it doubles the memory and rarely saves an equilibrium. Chosen.
+_MAX_CACHED_ORBITS = 24
 
 
 @attrs.frozen(eq=False)
 class LoadMap:
-    """Loads over orbital position and centrifugal force, worked out where they are asked for."""
+    """Loads over orbital position and centrifugal force, computed where a motion requests them."""
 
-    orbits: "Orbits"  # the equilibria that it is made of
-    widths: Array  # what turns loads into forces: widths of the slices [m], 1 in a map of forces, shape (n,)
-    #: What the map holds of the loads of a node, (2, K, n); by default these.
+    orbits: "Orbits"  # equilibria at the nodes
+    widths: (
+        Array  # factors from loads to forces, (n,): widths of the slices [m]; 1 in a map of forces
+    )
+    #: Function of the loads of a node, (2, K, n), that returns the tabulated values; by default the loads.
     channels_of: Callable[[Array], Array] | None = None
     _tables: dict[float, Array] = attrs.field(factory=dict, init=False, repr=False)
 
@@ -74,49 +88,58 @@ class LoadMap:
 
     @property
     def error(self) -> float:
-        """Largest share of the load of a ring at the wrong place, of what was asked for so far.
+        """Largest fraction of the load of a ring at the wrong position, over all intervals requested so far.
 
-        Half-way between positions and between forces.
+        It is measured half-way between positions and half-way between forces.
         """
         return self.orbits.over_position + self.orbits.over_force
 
     def interval(self, centrifugal: float) -> tuple[float, float]:
-        """Return the nodes of centrifugal force [N] between which loads are linear at one from 0 to the top."""
+        """Return the two nodes around a centrifugal force from 0 to the top, between which loads are linear [N]."""
         return self.orbits.interval(centrifugal)
 
     def loads(self, centrifugal: float) -> Array:
         """Return the loads at a node of centrifugal force [N], at equal steps of position from the line of load.
 
-        (channels, K, n): loads per length on inner and outer ring [N/m]; in a map of forces [N], n = 1, followed by the
-        rolling resistances on both [N] if there are any.
+        They have the shape (channels, K, n): loads per length on inner and outer ring [N/m]. In a map of forces they
+        are forces [N], n = 1, followed by the rolling resistances on both rings [N] if there are any.
         """
         loads = self.orbits.at(centrifugal)
         return loads if self.channels_of is None else self.channels_of(loads)
 
     def table(self, centrifugal: float) -> Array:
-        """Return loads and slopes at a node as the compiled motion reads them: (K + 1, 2, channels, n).
+        """Return loads and slopes at a node as the compiled motion reads them, (K + 1, 2, channels, n).
 
-        The first position stands there twice.
+        The last row repeats the first position.
         """
         if centrifugal not in self._tables:
             loads = self.loads(centrifugal)
             channels, positions, slices = loads.shape
             table = np.empty((positions + 1, 2, channels, slices))
-            table[:-1, 0], table[:-1, 1] = loads.swapaxes(0, 1), _slopes(loads).swapaxes(0, 1)
+            table[:-1, 0] = loads.swapaxes(0, 1)
+            table[:-1, 1] = _slopes(loads).swapaxes(0, 1)
             table[-1] = table[0]
             self._tables[centrifugal] = table
         return self._tables[centrifugal]
 
     def cell(self, centrifugal: float) -> tuple[float, float, Array, Array]:
-        """Return the interval of a centrifugal force [N] and the tables at its ends, as `Carried` asks for them."""
+        """Return the ends of the interval of a centrifugal force [N], and the tables there, as `Carried` takes them."""
         low, high = self.interval(centrifugal)
         return low, high, self.table(low), self.table(high)
 
     def at(self, psi: Array, centrifugal: float) -> Array:
-        """Loads at positions [rad], (m,), and a centrifugal force [N] up to the top: (channels, m, n)."""
-        place = np.asarray(psi) / (2.0 * np.pi) % 1.0 * self.positions
-        k = np.minimum(place.astype(int), self.positions - 1)
-        x = (place - k)[:, None, None]
+        """Return the loads at positions of a roller, (channels, m, n).
+
+        Parameters
+        ----------
+        psi : ndarray, shape (m,)
+            Positions from the line of load [rad].
+        centrifugal : float
+            Centrifugal force up to the top [N].
+        """
+        index = np.asarray(psi) / (2.0 * np.pi) % 1.0 * self.positions
+        k = np.minimum(index.astype(int), self.positions - 1)
+        x = (index - k)[:, None, None]
         low, high, below, above = self.cell(centrifugal)
         f = (centrifugal - low) / (high - low)
         table = (1.0 - f) * below + f * above
@@ -129,7 +152,7 @@ class LoadMap:
         return np.asarray(np.maximum(load, 0.0).swapaxes(0, 1))
 
     def forces(self, resistance: Callable[[Array, int], Array] | None = None) -> "LoadMap":
-        """Return the map of forces; ``resistance`` gives, of loads (m, n) on a ring (0, 1), the resistances (m,)."""
+        """Return the map of forces; ``resistance`` gives rolling resistances (m,) of loads (m, n) on a ring (0, 1)."""
 
         def forces_of(loads: Array) -> Array:
             forces = (loads @ self.widths)[..., None]
@@ -143,50 +166,67 @@ class LoadMap:
 
 
 def fastest(kinematics: Kinematics) -> float:
-    """Return the largest speed that a cage can be expected to have [rad/s]: that of a ring, or its epicyclic one."""
+    """Return the largest expected speed of a cage [rad/s]: that of a ring, or the epicyclic one."""
     speeds = kinematics.epicyclic_cage_speed, kinematics.inner_speed, kinematics.outer_speed
     return max(abs(speed) for speed in speeds)
 
 
 def build_load_map(
-    assembly: Assembly, tolerance: float, top_speed: float | None = None, least: float = 0.0
+    assembly: Assembly,
+    tolerance: float,
+    top_speed: float | None = None,
+    reference_force: float = 0.0,
 ) -> LoadMap:
-    """Build the map of a bearing.
+    """Build the map of a bearing, once for each bearing and each set of arguments.
 
     Parameters
     ----------
     assembly : Assembly
         The bearing.
     tolerance : float
-        Largest share of the load of a ring that may be at the wrong place.
+        Largest fraction of the load of a ring that may be at the wrong position.
     top_speed : float, optional
         Cage speed up to which the map goes [rad/s]; by default that of the faster ring.
-    least : float
-        Mean force of a roller on a ring [N] that errors are relative to at least: of a ring that carries next to
-        nothing the place of what it carries does not matter.
+    reference_force : float
+        Lower bound of the mean force of a roller on a ring [N] that errors are relative to, for a ring that carries
+        hardly any load.
 
     Raises
     ------
     ConvergenceError
-        If the tolerance is not reached with the most nodes, or the bearing finds no equilibrium.
+        If the maximum number of nodes does not reach the tolerance, or the bearing has no equilibrium.
     """
-    sides = ((raceway.deflection, raceway.conditions) for raceway in assembly.raceways)
-    key = (assembly.slices, assembly.resolution.quadrature, tolerance, top_speed, least, *sides)
+    raceways = ((raceway.deflection, raceway.conditions) for raceway in assembly.raceways)
+    key = (
+        assembly.slices,
+        assembly.resolution.quadrature,
+        tolerance,
+        top_speed,
+        reference_force,
+        *raceways,
+    )
     return assembly.cached(
-        "loads over the orbit", key, lambda: _built(assembly, tolerance, top_speed, least)
+        "loads over the orbit",
+        key,
+        lambda: _build_load_map(assembly, tolerance, top_speed, reference_force),
     )
 
 
-def _built(assembly: Assembly, tolerance: float, top_speed: float | None, least: float) -> LoadMap:
+def _build_load_map(
+    assembly: Assembly, tolerance: float, top_speed: float | None, reference_force: float
+) -> LoadMap:
     check_repeats(assembly)
-    per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
-    top = per_square * (fastest(assembly.kinematics) if top_speed is None else top_speed) ** 2
+    force_per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
+    top_speed = fastest(assembly.kinematics) if top_speed is None else top_speed
+    top = force_per_square * top_speed**2
     roots = tuple(sorted({0.0, min(assembly.centrifugal_force, top), top}))
     n_positions = _FIRST_POSITIONS
     known = dict[float, LoadDistribution]()
     while n_positions <= _MAX_POSITIONS:
-        orbits = Orbits(assembly, per_square, n_positions, roots, 0.5 * tolerance, least)
-        known = orbits.measured(known)
+        orbits = Orbits(
+            assembly, force_per_square, n_positions, roots, 0.5 * tolerance, reference_force
+        )
+        known = orbits.measure_positions(known)
         if orbits.over_position <= orbits.tolerance:
             return LoadMap(orbits, assembly.widths)
         n_positions *= 2
@@ -197,68 +237,93 @@ def _built(assembly: Assembly, tolerance: float, top_speed: float | None, least:
 
 
 class Orbits:
-    """Equilibria by centrifugal force at the positions of a map."""
+    """Equilibria over the orbit at the nodes of a map, by centrifugal force.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    force_per_square : float
+        Centrifugal force of a roller over the square of its orbital speed [N s2].
+    n_positions : int
+        Number of positions within a pitch.
+    roots : tuple of float
+        Centrifugal forces [N] between which intervals are halved, ascending from 0.
+    tolerance : float
+        Largest fraction of the load at the wrong position, half-way between positions and half-way between forces.
+    reference_force : float
+        Lower bound of the mean force of a roller on a ring [N] that this fraction is relative to.
+
+    Attributes
+    ----------
+    solved : dict
+        Loads over the orbit, (2, K, n), by centrifugal force.
+    accepted : dict
+        Whether the loads half-way in an interval of forces are within the tolerance, by its ends.
+    over_position, over_force : float
+        Largest fraction of the load at the wrong position, half-way between positions and half-way between forces.
+    """
 
     def __init__(
         self,
-        assembly: Assembly,  # the bearing
-        # Centrifugal force of a roller over the square of the speed that it is carried round with [N s2].
-        per_square: float,
-        n_positions: int,  # instants of a pitch
-        roots: tuple[
-            float, ...
-        ],  # centrifugal forces [N] between which intervals are halved, ascending from 0
-        # Largest share of the load at the wrong place, half-way between positions and half-way between forces.
+        assembly: Assembly,
+        force_per_square: float,
+        n_positions: int,
+        roots: tuple[float, ...],
         tolerance: float,
-        least: float,  # mean force of a roller on a ring [N] that this is a share of at least
+        reference_force: float,
     ) -> None:
         self.assembly = assembly
-        self.per_square = per_square
+        self.force_per_square = force_per_square
         self.n_positions = n_positions
         self.roots = roots
         self.tolerance = tolerance
-        self.least = least
+        self.reference_force = reference_force
         self.positions = n_positions * assembly.scene.bearing.rollers
         self.solved: dict[float, Array] = {}
-        #: whether intervals that were looked at are right half-way
-        self.right: dict[tuple[float, float], bool] = {}
-        #: largest share of the load at the wrong place half-way between positions, and between forces
+        self.accepted: dict[tuple[float, float], bool] = {}
         self.over_position = 0.0
         self.over_force = 0.0
 
     def at(self, force: float) -> Array:
-        """Loads of one roller over its orbit at a centrifugal force, (2, K, n)."""
+        """Return the loads of one roller over its orbit at a centrifugal force [N], (2, K, n)."""
         if force not in self.solved:
-            if len(self.right) > 2 * _MAX_FORCES:
+            if len(self.accepted) > 2 * _MAX_FORCES:
                 raise ConvergenceError(
                     f"{_MAX_FORCES} centrifugal forces leave more than {self.tolerance:.1e} of the load at the wrong "
                     f"place near {force:g} N; {COARSER_TABLES}"
                 )
-            found = self._orbit(
+            orbit = self._orbit(
                 self.assembly.load_distribution(self.n_positions, self._speed(force))
             )
-            while len(self.solved) >= _KEPT:
+            while len(self.solved) >= _MAX_CACHED_ORBITS:
                 del self.solved[next(iter(self.solved))]
-            self.solved[force] = found
+            self.solved[force] = orbit
         return self.solved[force]
 
     def interval(self, force: float) -> tuple[float, float]:
-        """Return the interval that holds a centrifugal force, right half-way."""
+        """Return the ends of the interval around a centrifugal force [N], halved until it is within the tolerance."""
         low, high = next(pair for pair in itertools.pairwise(self.roots) if force <= pair[1])
-        while not self._is_right(low, high):
+        while not self._is_linear(low, high):
             middle = 0.5 * (low + high)
             low, high = (low, middle) if force <= middle else (middle, high)
         return low, high
 
-    def measured(self, known: Mapping[float, LoadDistribution]) -> dict[float, LoadDistribution]:
-        """Measure the map between its positions, at the roots and where their intervals are halved first."""
+    def measure_positions(
+        self, known: Mapping[float, LoadDistribution]
+    ) -> dict[float, LoadDistribution]:
+        """Measure the error half-way between positions, at the initial forces and those of the first halvings.
+
+        Return the load distributions at twice the positions, by force; ``known`` are those of the coarser map, from
+        which the equilibrium starts.
+        """
         distributions = dict[float, LoadDistribution]()
 
         def measure(force: float) -> bool:
-            found = self.assembly.load_distribution(
+            distributions[force] = self.assembly.load_distribution(
                 2 * self.n_positions, self._speed(force), known.get(force)
             )
-            distributions[force], orbit = found, self._orbit(found)
+            orbit = self._orbit(distributions[force])
             true = orbit[:, 1::2]
             orbit = orbit[:, ::2]
             slopes = _slopes(orbit)
@@ -270,58 +335,64 @@ class Orbits:
             return self.over_position <= self.tolerance
 
         pairs = list(itertools.pairwise(self.roots))
-        enough = all(measure(force) for force in self.roots)
-        for _ in range(_MEASURED):
-            enough = enough and all(measure(0.5 * (low + high)) for low, high in pairs)
-            if not enough:
+        is_accurate = all(measure(force) for force in self.roots)
+        for _ in range(_MEASURED_HALVINGS):
+            is_accurate = is_accurate and all(measure(0.5 * (low + high)) for low, high in pairs)
+            if not is_accurate:
                 break
             halved = [
                 (low, 0.5 * (low + high), high)
                 for low, high in pairs
-                if not self._is_right(low, high)
+                if not self._is_linear(low, high)
             ]
             pairs = [pair for nodes in halved for pair in itertools.pairwise(nodes)]
         return distributions
 
     def _speed(self, force: float) -> float:
-        return math.sqrt(force / self.per_square)
+        """Return the orbital speed [rad/s] at a centrifugal force [N]."""
+        return math.sqrt(force / self.force_per_square)
 
-    def _orbit(self, found: LoadDistribution) -> Array:
+    def _orbit(self, distribution: LoadDistribution) -> Array:
+        """Return the loads of one roller over its orbit, (2, K, n), from those of all rollers."""
         rings = (
             load.swapaxes(0, 1).reshape(-1, self.assembly.slices)
-            for load in (found.inner_load, found.outer_load)
+            for load in (distribution.inner_load, distribution.outer_load)
         )
         return np.stack(tuple(rings))
 
-    def _is_right(self, low: float, high: float) -> bool:
-        """Whether loads are linear between two forces, half-way between them."""
-        if (low, high) in self.right:
-            return self.right[low, high]
-        off = 0.5 * (self.at(low) + self.at(high))
+    def _is_linear(self, low: float, high: float) -> bool:
+        """Return whether loads half-way between two forces are linear in the force, within the tolerance."""
+        if (low, high) in self.accepted:
+            return self.accepted[low, high]
+        error_of_loads = 0.5 * (self.at(low) + self.at(high))
         true = self.at(0.5 * (low + high))
-        off -= true
-        error = self._fraction(np.abs(off @ self.assembly.widths), true)
+        error_of_loads -= true
+        error = self._fraction(np.abs(error_of_loads @ self.assembly.widths), true)
         if error <= self.tolerance:
-            error = max(error, self._fraction(np.abs(off) @ self.assembly.widths, true) / _ALONG)
-        self.right[low, high] = error <= self.tolerance
-        if self.right[low, high]:
+            of_slices = self._fraction(np.abs(error_of_loads) @ self.assembly.widths, true)
+            error = max(error, of_slices / _SLICE_ERROR_FACTOR)
+        self.accepted[low, high] = error <= self.tolerance
+        if self.accepted[low, high]:
             self.over_force = max(self.over_force, error)
-        return self.right[low, high]
+        return self.accepted[low, high]
 
     def _misplaced(self, interpolated: Array, true: Array) -> float:
-        """Share of the load of a ring that is at the wrong place, the larger of both rings; loads (2, m, n)."""
+        """Return the fraction of the load of a ring at the wrong position, the larger of both; loads (2, m, n)."""
         return self._fraction(np.abs((interpolated - true) @ self.assembly.widths), true)
 
-    def _fraction(self, off: Array, true: Array) -> float:
-        """Share of the load of a ring that forces (2, m) are, the larger of both rings."""
-        whole = np.maximum((true @ self.assembly.widths).sum(axis=1), self.least * true.shape[1])
-        return float((off.sum(axis=1) / np.where(whole > 0.0, whole, 1.0)).max())
+    def _fraction(self, forces: Array, loads: Array) -> float:
+        """Return the sum of forces (2, m) relative to the load of the ring, the larger of both; loads (2, m, n)."""
+        whole = np.maximum(
+            (loads @ self.assembly.widths).sum(axis=1), self.reference_force * loads.shape[1]
+        )
+        return float((forces.sum(axis=1) / np.where(whole > 0.0, whole, 1.0)).max())
 
 
 def _slopes(loads: Array) -> Array:
-    """Derivatives over position, the last axis but one, times its step, limited so that nothing turns negative.
+    """Return derivatives over position, the last axis but one, times its step, limited so that loads are positive.
 
-    With |slope| <= 3 load at its ends, all Bernstein coefficients of a cell are positive or zero.
+    They are central differences of fourth order. With |slope| <= 3 load at its ends, all Bernstein coefficients of the
+    cubic of a cell are positive or zero.
     """
     around = np.concatenate((loads[..., -2:, :], loads, loads[..., :2, :]), axis=-2)
     slope = around[..., 3:-1, :] - around[..., 1:-3, :]
@@ -335,9 +406,21 @@ def _slopes(loads: Array) -> Array:
 
 
 def resistances(raceway: Raceway, load: Array, widths: Array, rolling_speed: float) -> Array:
-    """Rolling resistance [N] of contacts with loads per length [N/m], (m, n), that roll without sliding: (m,)."""
-    owner, slice_number = np.nonzero(load > 0.0)
-    slices = raceway.evaluate(load[owner, slice_number], rolling_speed, 0.0)
+    """Return the rolling resistance of contacts that roll without sliding [N], (m,).
+
+    Parameters
+    ----------
+    raceway : Raceway
+        The raceway, whose chain of laws gives the resistance.
+    load : ndarray, shape (m, n)
+        Loads per length of the slices [N/m].
+    widths : ndarray, shape (n,)
+        Widths of the slices [m].
+    rolling_speed : float
+        Mean surface speed of the contact [m/s].
+    """
+    contact, slice_number = np.nonzero(load > 0.0)
+    slices = raceway.evaluate(load[contact, slice_number], rolling_speed, 0.0)
     return np.asarray(
-        np.bincount(owner, slices.resistance * widths[slice_number], load.shape[0]), dtype=float
+        np.bincount(contact, slices.resistance * widths[slice_number], load.shape[0]), dtype=float
     )

@@ -1,4 +1,9 @@
-"""What the compiled motions of all levels have in common: names of the unknowns, the ledger, and errors in words."""
+"""The interface of a bearing in motion at any level: names of the unknowns, tolerances, ledger and errors.
+
+A compiled system gives the rates dy/dt of a bearing; an integrator marches them over time. The state y is [head |
+unknowns of each roller | ledger]. The ledger integrates work and impulse, so that the balances of energy and angular
+momentum can be checked.
+"""
 
 import abc
 import math
@@ -16,22 +21,31 @@ from rollslip_kernels.motion.system import System
 from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, RacewayFriction
 from rollslip_studies.motion.effective_table import table_records
 
-#: Friction coefficient of the traction under which a roller is taken to lean on its pocket, where that is a measure.
-_LEANING: Final = 0.05
-#: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
-_SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi
-#: Magnitude [J, m] of unknowns that no step is held to.
-_UNGOVERNED: Final = 1e15
-#: Level -> number of unknowns of the head and of each roller, where rings are rigid and round.
+#: Friction coefficient with which the typical force of a roller on its pocket is estimated. Doubling it doubles the
+#: absolute tolerance of the position in the pocket. Chosen: about the largest traction of a lubricated contact.
+_TYPICAL_FRICTION: Final = 0.05
+#: Factor of the squeeze film force of a cylinder on a flat wall per length, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt (Reynolds
+#: equation without side leakage).
+_SQUEEZE_FACTOR: Final = 3.0 * math.sqrt(2.0) * math.pi
+#: Typical magnitude [J, m] of unknowns without error control: so large that their errors never limit a step.
+_UNCONTROLLED: Final = 1e15
+#: Level -> number of unknowns of the head and of each roller, for rigid and round rings.
 _UNKNOWNS: Final = {"cage-set": (2, 1), "pocket": (2, 3), "planar": (10, 5)}
 
 
 def unknowns(level: str, assembly: Assembly) -> int:
-    """Return how many unknowns a level has, without those of the ledger.
+    """Return the number of unknowns of a level, without those of the ledger.
 
-    They are two more for each shape in which a ring yields, and one for each ring whose form turns.
+    There are two more for each shape of a flexible ring, and one for each ring whose form turns.
+
+    Parameters
+    ----------
+    level : str
+        "cage-set", "pocket" or "planar".
+    assembly : Assembly
+        The bearing.
     """
-    (head, roller) = _UNKNOWNS[level]
+    head, roller = _UNKNOWNS[level]
     rings = assembly.rings
     if level == "planar" and rings is not None:
         head += 2 * rings.parity.size + len({ring for periods, ring in rings.turns if periods})
@@ -39,34 +53,46 @@ def unknowns(level: str, assembly: Assembly) -> int:
 
 
 def check_moves(assembly: Assembly, level: str) -> None:
-    """Refuse a bearing that is known at steady slips alone, or at another level."""
+    """Refuse a bearing that only a steady study describes, or another level.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    level : str
+        "cage-set", "pocket" or "planar".
+
+    Raises
+    ------
+    SceneError
+        With the location of the setting that the level does not describe.
+    """
     operation = assembly.scene.operation
     heavy = assembly.weight_fraction > assembly.scene.accuracy.tolerance
-    bare = assembly.scene.models.neighbour_friction is not None
     weighs = operation.gravity_direction is not None and heavy and level != "planar"
-    for table, key, there, told in (
+    for is_refused, table, key, advice in (
         (
+            assembly.scene.models.neighbour_friction is not None,
             "models",
             "separator",
-            bare,
             "need a cage; for a full complement take the study of steady slips",
         ),
         (
+            operation.carrier is not None,
             "operation",
             "carrier",
-            operation.carrier is not None,
             "know no carrier; take the study of steady slips",
         ),
         (
+            weighs,
             "operation",
             "gravity_direction",
-            weighs,
             "take the weight of rollers at level 'planar' only; choose that",
         ),
     ):
-        if there:
+        if is_refused:
             where = Location(assembly.scene.origins, (table, key))
-            raise SceneError([where.message(f"motions in time {told}")])
+            raise SceneError([where.message(f"motions in time {advice}")])
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -75,9 +101,9 @@ class MovingBearing(abc.ABC):
 
     assembly: Assembly  # the bearing, with its resistance to rolling
     friction: RacewayFriction  # friction of inner and outer raceway
-    #: Its rates, Jacobian and watched values: cage slip less the critical one, film parameter less its limit, and at
-    #: level planar the largest approach at the inner ring, below zero where no roller carries it. Its owner, the
-    #: compiled motion, counts ``contacts_evaluated``.
+    #: Rates, Jacobian and watched values: cage slip minus the critical one, film parameter minus its limit, and at
+    #: level planar the largest approach at the inner ring, which is negative where no roller carries the ring. The
+    #: owner of the system, the compiled motion, counts ``contacts_evaluated``.
     system: System
 
     @property
@@ -87,19 +113,30 @@ class MovingBearing(abc.ABC):
 
     @abc.abstractmethod
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
-        """Return the state with these slips; 0 epicyclic, 1 at rest, 2 backwards."""
+        """Return the state (n,) with these slips: 0 epicyclic, 1 at rest, 2 backwards.
+
+        Parameters
+        ----------
+        cage_slip, roller_slip : float
+            Slip of the cage, and of the rollers about their own axes [1].
+        """
 
     @abc.abstractmethod
     def state_at(
         self, cage_speed: float, roller_speed: float, load: float, direction: float
     ) -> Array:
-        """Return the state with these speeds of the cage and of rollers relative to it [rad/s], all else at rest.
+        """Return the state (n,) with these speeds, and all else at rest.
 
-        ``load`` [N] and its ``direction`` [rad] count where the motion knows them.
+        Parameters
+        ----------
+        cage_speed, roller_speed : float
+            Speeds of the cage, and of rollers relative to it [rad/s].
+        load, direction : float
+            Radial load [N] and its direction [rad], at levels whose states depend on them.
         """
 
-    def looks(self) -> tuple[Array, Array]:
-        """Return times and states that tell how fast it moves before it has moved, (m,) and (m, n)."""
+    def sample_states(self) -> tuple[Array, Array]:
+        """Return times [s], (m,), and states (m, n) by which the cost of a motion is estimated before it is run."""
         return np.zeros(1), self.initial()[None]
 
     @abc.abstractmethod
@@ -112,7 +149,7 @@ class MovingBearing(abc.ABC):
 
     @property
     def direction(self) -> int:
-        """1 or -1: times it, speeds are the real ones."""
+        """1 or -1: factor from speeds of the motion to those of the scene."""
         return self.assembly.kinematics.direction
 
     @property
@@ -121,35 +158,43 @@ class MovingBearing(abc.ABC):
         return ()
 
     def at_rest(self, t: float, end: float, y: Array) -> bool:
-        """Return whether the bearing rests in a state, and does so up to a later time [s]."""
+        """Return whether the bearing is at rest in a state, and stays at rest until a later time [s].
+
+        Parameters
+        ----------
+        t, end : float
+            Time of the state, and the later time [s].
+        y : ndarray, shape (n,)
+            The state.
+        """
         return False
 
-    def unslipped(self, t: Array) -> tuple[Array, Array]:
-        """Return the speeds of cage and rollers without slip at times [rad/s], to which slips refer."""
+    def epicyclic_speeds(self, t: Array) -> tuple[Array, Array]:
+        """Return the speeds of cage and rollers without slip at times [rad/s], to which slips are relative."""
         k = self.assembly.kinematics
         return np.full(t.size, k.epicyclic_cage_speed), np.full(t.size, k.epicyclic_roller_speed)
 
     def ring_speeds(self, t: Array) -> Array:
-        """Return the speeds of inner and outer ring at times [rad/s], in the sense of the cage's, (2, m)."""
+        """Return the speeds of inner and outer ring at times [rad/s], (2, m); positive in the sense of rolling."""
         k = self.assembly.kinematics
         return np.outer([k.direction * k.inner_speed, k.direction * k.outer_speed], np.ones(t.size))
 
     @property
     def tables(self) -> dict[str, str]:
-        """Attributes of a result that say how right the tables are that the motion rests on."""
-        by_force = table_records(self.friction.by_force, "friction_tables")
+        """Attributes of a result with sizes and errors of the tables that the motion uses."""
+        by_force = table_records(self.friction.friction_tables, "friction_tables")
         return {**table_records(self.friction.tables), **by_force}
 
     @property
-    def way(self) -> str:
-        """How friction is evaluated, and what else there is a table of, in words."""
+    def evaluation_method(self) -> str:
+        """How friction is evaluated, and which other tables there are, in words."""
         friction = self.friction
-        said = FRICTION[friction.settings.name]
-        return f"{said}, {friction.way}" if friction.way else said
+        text = FRICTION[friction.settings.name]
+        return f"{text}, {friction.evaluation_method}" if friction.evaluation_method else text
 
     @property
     def units(self) -> dict[str, str]:
-        """Names of the unknowns and their units, in the order of y; those of a roller stand for one each."""
+        """Names of the unknowns and their units, in the order of y; those of a roller once for all rollers."""
         head, roller, ledger = self.names
         return {**head, **roller, **ledger}
 
@@ -162,24 +207,24 @@ class MovingBearing(abc.ABC):
     def tolerances(self) -> tuple[Array, Array]:
         """Absolute and relative tolerances of the unknowns, for a relative tolerance of 1.
 
-        They are the typical magnitudes of the unknowns and 1, but for a place in a pocket: the force there goes with
-        the depth of the contact, some tenths of a micron, and not with the clearance of some tenths of a millimetre
-        that it adds to. So of a place it is the depth under a traction of 0.05 of a roller's mean force, or of the
-        centrifugal one if that is larger, whatever the place.
+        They are the typical magnitudes of the unknowns and 1, except for the position in a pocket: the force there
+        depends on the depth of the contact, some tenths of a micrometre, and not on the clearance, some tenths of a
+        millimetre, that is part of the position. The tolerance of a position is therefore the depth under a traction
+        of 0.05 times the mean force of a roller, or the centrifugal force if that is larger.
         """
         absolute = self.system.scale
         relative = np.ones(self.system.n)
         if "pocket_position" in self.names[1]:
             a = self.assembly
-            at = list(self.names[1]).index("pocket_position")
+            column = list(self.names[1]).index("pocket_position")
             force = max(
                 a.scene.operation.radial_load / a.scene.bearing.rollers, a.centrifugal_force
             )
-            depth = _LEANING * force / a.cage.pocket_stiffness
-            half = 0.5 * a.cage.pocket_clearance
-            if 0.0 < depth < half:
-                self.parts(absolute)[1][:, at] = depth
-                self.parts(relative)[1][:, at] = depth / half
+            depth = _TYPICAL_FRICTION * force / a.cage.pocket_stiffness
+            half_clearance = 0.5 * a.cage.pocket_clearance
+            if 0.0 < depth < half_clearance:
+                self.parts(absolute)[1][:, column] = depth
+                self.parts(relative)[1][:, column] = depth / half_clearance
         return absolute, relative
 
     def parts(self, y: Array) -> tuple[Array, Array, Array]:
@@ -187,57 +232,64 @@ class MovingBearing(abc.ABC):
         y = np.asarray(y)
         head, roller, _ = map(len, self.names)
         rollers = self.assembly.scene.bearing.rollers
-        behind = head + rollers * roller  # of no states, too
+        ledger = head + rollers * roller
         return (
             y[..., :head],
-            y[..., head:behind].reshape(*y.shape[:-1], rollers, roller),
-            y[..., behind:],
+            y[..., head:ledger].reshape(*y.shape[:-1], rollers, roller),
+            y[..., ledger:],
         )
 
     def split(self, y: Array) -> dict[str, Array]:
-        """Return the unknowns of states (..., n) by name, (...) or, those of the rollers, (..., Z)."""
+        """Return the unknowns of states (..., n) by name, as views: (...), and (..., Z) for those of rollers."""
         unknowns: dict[str, Array] = {}
         for names, part in zip(self.names, self.parts(y), strict=True):
             unknowns |= {name: part[..., k] for k, name in enumerate(names)}
         return unknowns
 
     def works(self, y: Array) -> dict[str, Array]:
-        """Return what the ledger recorded of work done on the motion [J], what it lost being negative, by name."""
+        """Return the entries of the ledger that are work done on the motion [J], by name; losses are negative."""
         recorded = self.split(y)
         senses = {
             name: name.startswith("work_") - name.startswith("lost_") for name in self.names[2]
         }
         return {name: sense * recorded[name] for name, sense in senses.items() if sense}
 
-    def of_each(self, y: Array) -> tuple[Array, Array]:
-        """Return work [J] and distance [m] that each roller slid on inner and outer ring, (..., 2, Z) both.
+    def sliding_work_and_distance(self, y: Array) -> tuple[Array, Array]:
+        """Return the sliding work [J] and distance [m] of each roller on inner and outer ring, both (..., 2, Z).
 
-        They are integrated beside the ledger, whose losses at the rings are the sums of the works; known to a motion
-        that was made for it.
+        They are integrated together with the ledger, whose losses at the rings are the sums of the works, in a motion
+        that was built with ``per_roller``.
         """
-        behind = self.parts(y)[2][..., len(self.names[2]) :]
-        each = np.moveaxis(behind.reshape(*behind.shape[:-1], -1, 2, 2), -3, -1)
-        return each[..., 0, :, :], each[..., 1, :, :]
+        values = self.parts(y)[2][..., len(self.names[2]) :]
+        of_rollers = np.moveaxis(values.reshape(*values.shape[:-1], -1, 2, 2), -3, -1)
+        return of_rollers[..., 0, :, :], of_rollers[..., 1, :, :]
 
     def impulse(self, y: Array) -> Array:
-        """Return the angular momentum put in that the ledger recorded [N m s], (...)."""
+        """Return the angular impulse on the motion by the ledger [N m s], (...)."""
         recorded = self.split(y)
         return np.asarray(
             sum(recorded[name] for name in self.names[2] if name.startswith("impulse_"))
         )
 
     def energy_residual(self, y: Array) -> Array:
-        """Return what of the energy the ledger does not explain [J], for states (m, n) from the first on."""
+        """Return the change of energy minus that of the ledger [J], (m,), for states (m, n) since the first one."""
         residual = self.energy(y) - sum(self.works(y).values())
         return np.asarray(residual - residual[0])
 
     def momentum_residual(self, y: Array) -> Array:
-        """Return what of the angular momentum the ledger does not explain [N m s], for states (m, n)."""
+        """Return the change of angular momentum minus that of the ledger [N m s], (m,), for states (m, n)."""
         residual = self.angular_momentum(y) - self.impulse(y)
         return np.asarray(residual - residual[0])
 
     def outputs(self, t: Array, y: Array) -> dict[str, Array]:
-        """Return forces, speeds and film parameter of all contacts at stored states, see `Carried.outputs`.
+        """Return forces, speeds and film parameter of all contacts at stored states; see `Carried.outputs`.
+
+        Parameters
+        ----------
+        t : ndarray, shape (m,)
+            Times [s].
+        y : ndarray, shape (m, n)
+            States at these times.
 
         Raises
         ------
@@ -250,38 +302,45 @@ class MovingBearing(abc.ABC):
         return contacts
 
     def error(self, refusal: Any) -> RollslipError:
-        """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
-        who, what = refusal
-        if who == "drag":
+        """Return the error for the ``reason`` of a ``RefusedError``: the refusing part and the value it refused."""
+        part, value = refusal
+        if part == "drag":
             return DomainError(
                 "the drags give a torque that is not finite; check what drives the cage"
             )
-        ring = RINGS.index(who)
-        error = self.assembly.raceways[ring].chain.error(what, self.friction.slices[ring])
-        error.add_note(f"in a contact with the {who} ring")
+        ring = RINGS.index(part)
+        error = self.assembly.raceways[ring].chain.error(value, self.friction.slices[ring])
+        error.add_note(f"in a contact with the {part} ring")
         return error
 
 
-def ungoverned(assembly: Assembly, each: bool) -> Array:
-    """Return the magnitudes of what each roller does, so large that they set no step: the ledger's sums do."""
-    return np.full(4 * assembly.scene.bearing.rollers if each else 0, _UNGOVERNED)
+def uncontrolled_scale(assembly: Assembly, per_roller: bool) -> Array:
+    """Return the typical magnitudes of sliding work and distance of each roller, (4 Z,); empty without ``per_roller``.
+
+    They are so large that they limit no step: the ledger contains their sums.
+    """
+    return np.full(4 * assembly.scene.bearing.rollers if per_roller else 0, _UNCONTROLLED)
 
 
 def pocket_contact(assembly: Assembly) -> dict[str, float]:
-    """Return how a roller meets the walls of its pocket along the orbit, as the compiled systems take it."""
+    """Return the parameters of the contact of a roller and the walls of its pocket, for the compiled systems."""
     cage = assembly.cage
     k = assembly.kinematics
     film = 0.0
     if cage.pocket_contact == "film":
         viscosity = assembly.lubricant.at(assembly.scene.operation.temperature).viscosity
-        film = _SQUEEZE * viscosity * assembly.scene.bearing.roller_length * k.roller_radius**1.5
+        film = (
+            _SQUEEZE_FACTOR
+            * viscosity
+            * assembly.scene.bearing.roller_length
+            * k.roller_radius**1.5
+        )
+    friction = cage.drags.pocket_friction
     return {
         "half_clearance": 0.5 * cage.pocket_clearance,
         "stiffness": cage.pocket_stiffness,
         "damping": cage.pocket_damping,
-        "friction": 0.0
-        if cage.drags.pocket_friction is None
-        else cage.drags.pocket_friction.coefficient,
+        "friction": 0.0 if friction is None else friction.coefficient,
         "film": film,
         "roughness": assembly.inner.conditions.roughness,
     }

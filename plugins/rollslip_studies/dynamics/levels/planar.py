@@ -1,16 +1,17 @@
-"""Bearing, rollers and cage in plane motion: what the compiled system of `rollslip_kernels.motion.planar` is made of.
+"""Bearing, rollers and cage in plane motion: parameters and tables of the compiled `rollslip_kernels.motion.planar`.
 
 - The loads follow from the motion, by the deflection law of the contact model. So the clearance and the mass of the
-  inner ring matter, and a map of loads does not exist.
-- Along a history the systems read load and direction of the moment; tables reach as far as its largest load asks.
-- Rollers do not tilt, so that the force of one follows from its gap alone: it is tabulated over the root of the gap,
-  over which it is smooth but for a bend where each slice first touches. The error is that against all slices half-way
-  between nodes. Deeper than the table goes, and where friction looks at slices, forces come from the slices.
-- A profile that is the same to both ends tilts none, and anything else is refused.
-- A land's film carries and drags at once: a drag that describes it in another way is left out, not added.
-- Rings that yield and raceways out of round are those of `bent_rings`.
-- The start is the equilibrium of the bearing at the cage speed it starts with, so that rollers are at rest along the
-  radius but for what friction, gravity and m w^2 rho leave, which is small against the contact forces.
+  inner ring matter, and there is no load map.
+- Along a history the systems read the current load and its direction; tables reach as far as its largest load requires.
+- Rollers do not tilt, so that the force of a roller follows from its gap alone. It is tabulated over the root of the
+  gap, over which it is smooth except for a kink where each slice first touches. The error is measured against all
+  slices half-way between nodes. Beyond the table, and where friction evaluates slices, forces come from the slices.
+- A symmetric profile does not tilt rollers; any other one is refused.
+- The film of a land carries and drags at once. A drag law that describes this film is omitted, so that it does not
+  count twice.
+- Flexible rings and raceways out of round are those of `bent_rings`.
+- The start is the equilibrium of the bearing at the initial cage speed, so that rollers have no radial acceleration
+  except for friction, gravity and m w^2 rho, which are small against the contact forces.
 """
 
 import math
@@ -30,34 +31,40 @@ from rollslip.models import DragModel
 from rollslip_kernels.motion.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
-from rollslip_studies.dynamics.levels.bent_rings import BentRings, bent_rings, turned
+from rollslip_studies.dynamics.levels.bent_rings import BentRings, bent_rings, rotated
 from rollslip_studies.dynamics.levels.load_map import resistances
 from rollslip_studies.dynamics.levels.moving_bearing import (
     MovingBearing,
     pocket_contact,
-    ungoverned,
+    uncontrolled_scale,
 )
 from rollslip_studies.dynamics.levels.raceway_friction import (
-    DEEP,
+    DEFLECTION_FORCE_FACTOR,
     FrictionSettings,
     raceway_friction,
     usual_force,
 )
 from rollslip_studies.motion.effective_table import table_records
 
-_SWING: Final = (
-    30.0  # deflections by which the motion of rollers along the radius is measured, see _scale
-)
-_CELLS: Final = 64  # of the table of rolling resistance over sqrt(Q)
-_PRESSED: Final = (
-    2.0  # times the largest force at rest up to which tables of rings that yield reach, at least
-)
-#: Error of the table of forces, relative to a force or to this share of the usual one, and its first and most cells.
+#: Factor from the typical deflection of a contact to the magnitude of radial motion of rollers, to which tolerances are
+#: relative. Halving it makes 1.6 to 1.9 times more steps at 1; see `_scale` for the measurement.
+_SWING_FACTOR: Final = 30.0
+#: Number of cells of the table of rolling resistance over sqrt(Q), over which it is nearly linear. Chosen.
+_RESISTANCE_CELLS: Final = 64
+#: Largest force of tables of flexible rings, relative to the largest force at rest. Beyond it forces come from the
+#: slices. Chosen: a margin for the motion.
+_REST_FORCE_FACTOR: Final = 2.0
+#: Error of the table of forces, relative to a force or to a light one. Doubling it halves the cells. Chosen: below the
+#: usual tolerances of an integrator.
 _FORCE_ERROR = 3e-5
-_LIGHT = 1e-2
+#: Lower bound of the force that this error is relative to, over the usual force of a roller. Chosen.
+_LIGHT_FORCE = 1e-2
+#: Number of cells of a table of forces at first; doubled until its error is small. Chosen: most bearings need more.
 _FIRST_CELLS = 512
+#: Maximum number of cells of a table of forces: 2 MB. More are needed only where a law or profile has a jump.
 _MAX_CELLS = 65536
-#: Approaches of a roller and a raceway [m] at which their force is evaluated to find that of a given force.
+#: Approaches of a roller and a raceway [m] at which their force is evaluated to find that of a given force. Chosen: any
+#: contact is between 1 nm and 1 mm.
 _APPROACHES: Final = np.geomspace(1e-9, 1e-3, 601)
 
 #: Unknowns of the head, of each roller and of the ledger, in order -> their unit.
@@ -81,18 +88,20 @@ ROLLER: Final = {
     "radial_speed": "m/s",
 }
 LEDGER: Final = LEDGER_UNITS
+#: What guides a cage, in the numbers of the compiled system.
+_GUIDANCES: Final = ("roller", "inner", "outer")
 
 
 @attrs.frozen(kw_only=True)
 class PlanarSettings:
-    """What plane motion needs beyond the bearing and its cage."""
+    """Parameters of plane motion in addition to those of the bearing and its cage."""
 
     inner_ring_mass: float = field(
         unit="kg",
         doc="mass that moves with the inner ring: the ring and its share of the shaft",
         validator=positive,
         usual=(1e-3, 1e5),
-        possible=(1e-9, 1e15),  # one that nothing moves too
+        possible=(1e-9, 1e15),  # up to a ring that practically does not move
     )
     contact_damping: float = field(
         default=0.3,
@@ -143,18 +152,17 @@ class PlanarSettings:
 
 @attrs.frozen(eq=False, kw_only=True)
 class ForceTable:
-    """Force of a roller on a raceway by its gap, the approach from first touch on: cubic on cells equal in its root."""
+    """Force of a roller on a raceway over its gap, the approach since contact: cubic on equal cells of its root."""
 
     deepest: float  # largest gap [m]
-    coefficients: Array  # (cells, 4): of the powers of the place in a cell, 0 to 1 [N]
-    #: Largest error against all slices, half-way between nodes, relative to the force or to a light one [1].
+    coefficients: Array  # (cells, 4): coefficients of the powers of the fraction of a cell [N]
+    #: Largest error against all slices half-way between nodes, relative to the force or to a light force [1].
     error: float
-    #: Force below which the error is relative to it: a hundredth of a roller's share of load and centrifugal force [N].
-    light: float
+    light: float  # lower bound of the force that the error is relative to [N]
 
     @property
     def record(self) -> dict[str, float]:
-        """Size and error by name, as results keep them."""
+        """Size and error by name, as results store them."""
         return {
             "cells": len(self.coefficients),
             "deepest": self.deepest,
@@ -168,30 +176,31 @@ class PlanarMotion(MovingBearing):
     """The plane motion of a bearing."""
 
     settings: PlanarSettings  # masses, damping and gravity
-    contacts: tuple[
-        Slices, ...
-    ]  # tables of inner and outer raceway that the deflection law works in
-    planar: Planar  # the compiled system; ``deflections_evaluated`` counts
-    #: Forces of a roller on both raceways by its gap; none where they come from the slices.
+    contacts: tuple[Slices, ...]  # work arrays of the deflection law, of inner and outer raceway
+    planar: Planar  # the compiled system; it counts ``deflections_evaluated``
+    #: Tables of the forces of a roller on both raceways; none where they come from the slices.
     forces: tuple[ForceTable, ...] = ()
-    bent: BentRings | None = None  # rings that are not rigid and round
+    bent: BentRings | None = (
+        None  # flexible rings and forms; None if both rings are rigid and round
+    )
 
     @property
     def tables(self) -> dict[str, str]:
-        """Attributes of a result that say how right the tables are that the motion rests on."""
+        """Attributes of a result with sizes and errors of the tables that the motion uses."""
         return {**super().tables, **table_records(self.forces, "force_tables")}
 
     @property
-    def way(self) -> str:
-        """How friction is evaluated, and where the forces of rollers come from, in words."""
+    def evaluation_method(self) -> str:
+        """How friction is evaluated, and how the forces of rollers are, in words."""
+        of_friction = super().evaluation_method
         if not self.forces:
-            return f"{super().way}; forces of rollers from every slice"
-        cells = max(len(t.coefficients) for t in self.forces)
-        most = max(table.error for table in self.forces)
+            return f"{of_friction}; forces of rollers from every slice"
+        cells = max(len(table.coefficients) for table in self.forces)
+        error = max(table.error for table in self.forces)
         deepest = 1e6 * min(table.deepest for table in self.forces)
         return (
-            f"{super().way}; forces of rollers from a table of {cells} cells over the root of the gap, within "
-            f"{most:.1e} of every slice, and from the slices at gaps above {deepest:.2g} um"
+            f"{of_friction}; forces of rollers from a table of {cells} cells over the root of the gap, within "
+            f"{error:.1e} of every slice, and from the slices at gaps above {deepest:.2g} um"
         )
 
     @property
@@ -200,7 +209,7 @@ class PlanarMotion(MovingBearing):
         return HEAD if self.bent is None else {**HEAD, **self.bent.names}, ROLLER, LEDGER
 
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
-        """Return the state at t = 0: equilibrium at these slips, cage centred, rollers in mid-pocket."""
+        """Return the state at t = 0: equilibrium at these slips, cage centred, rollers in the middle of the pockets."""
         speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
         load = self.assembly.scene.operation.radial_load
         return self.state_at(float(speeds.cage_speed), float(speeds.roller_speed), load)
@@ -208,7 +217,7 @@ class PlanarMotion(MovingBearing):
     def state_at(
         self, cage_speed: float, roller_speed: float, load: float, direction: float = 0.0
     ) -> Array:
-        """Return the state with these speeds [rad/s] in equilibrium under a load, as `initial` does."""
+        """Return the state with these speeds [rad/s] in equilibrium under a load [N] in a direction [rad]."""
         k = self.assembly.kinematics
         b = self.assembly.scene.bearing
         # the load and the weight of the ring together pull along one line
@@ -223,13 +232,13 @@ class PlanarMotion(MovingBearing):
             self.assembly.load_case(1, force),
             psi=psi - line,
             radial_load=math.hypot(x, y),
-            rings=None if self.bent is None else turned(self.bent.rings, line),
+            rings=None if self.bent is None else rotated(self.bent.rings, line),
             body_force=(0.0, 0.0),
         )
-        held = solve_equilibrium(case, self.assembly.raceways)
+        equilibrium = solve_equilibrium(case, self.assembly.raceways)
         state = np.zeros(self.system.n)
         head, rollers, _ = self.parts(state)
-        along, across = held.displacement[0]
+        along, across = equilibrium.displacement[0]
         head[:2] = (
             along * math.cos(line) - across * math.sin(line),
             along * math.sin(line) + across * math.cos(line),
@@ -237,40 +246,41 @@ class PlanarMotion(MovingBearing):
         head[8] = cage_speed
         rollers[:, 1] = cage_speed
         rollers[:, 2] = roller_speed - cage_speed
-        rollers[:, 3] = held.roller_shift[0]
+        rollers[:, 3] = equilibrium.roller_shift[0]
         if self.bent is not None:
-            shapes = held.deflection.shape[1]
-            head[len(HEAD) : len(HEAD) + shapes] = held.deflection[0]
-            rollers[:, 3] += self.bent.shift(psi[0], held.deflection[0])
+            deflection = equilibrium.deflection[0]
+            head[len(HEAD) : len(HEAD) + deflection.size] = deflection
+            rollers[:, 3] += self.bent.shift(psi[0], deflection)
         return state
 
     def energy(self, y: Array) -> Array:
-        """Return the kinetic energy [J], (...), and what rings that yield store.
+        """Return the kinetic energy plus the elastic energy of flexible rings [J], (...).
 
-        What contacts store is the elastic work of the ledger, negative.
+        The elastic energy of contacts is the elastic work of the ledger with the opposite sign.
         """
         u = self.split(y)
         m = self.assembly.roller_mass
         inertia = self.spin_inertia
         cage = self.assembly.cage
         radius = self.assembly.kinematics.orbit_radius + u["radial_position"]
-        moving = (
+        of_rollers = (
             m * (u["radial_speed"] ** 2 + (radius * u["orbital_speed"]) ** 2)
             + inertia * u["roller_spin"] ** 2
         )
         ring = self.settings.inner_ring_mass * (u["inner_ring_vx"] ** 2 + u["inner_ring_vy"] ** 2)
-        held = (
+        of_cage = (
             cage.mass * (u["cage_vx"] ** 2 + u["cage_vy"] ** 2)
             + cage.inertia * u["cage_speed"] ** 2
         )
         across = u["cage_vy"] * np.cos(u["cage_angle"]) - u["cage_vx"] * np.sin(u["cage_angle"])
-        found = (
-            0.5 * (moving.sum(axis=-1) + ring + held) + cage.unbalance * u["cage_speed"] * across
+        energy = (
+            0.5 * (of_rollers.sum(axis=-1) + ring + of_cage)
+            + cage.unbalance * u["cage_speed"] * across
         )
         if self.bent is not None:
             shapes = self.parts(y)[0][..., len(HEAD) : len(HEAD) + 2 * self.bent.shapes]
-            found = found + self.bent.energy(*np.split(shapes, 2, axis=-1))
-        return np.asarray(found)
+            energy = energy + self.bent.energy(*np.split(shapes, 2, axis=-1))
+        return np.asarray(energy)
 
     def angular_momentum(self, y: Array) -> Array:
         """Return the angular momentum about the axis of the outer ring [N m s], (...)."""
@@ -278,37 +288,37 @@ class PlanarMotion(MovingBearing):
         cage = self.assembly.cage
         w = u["cage_speed"]
         radius = self.assembly.kinematics.orbit_radius + u["radial_position"]
-        moving = (
+        of_rollers = (
             self.assembly.roller_mass * radius**2 * u["orbital_speed"]
             - self.spin_inertia * u["roller_spin"]
         )
         ring = u["inner_ring_x"] * u["inner_ring_vy"] - u["inner_ring_y"] * u["inner_ring_vx"]
-        held = (
+        of_cage = (
             cage.mass * (u["cage_x"] * u["cage_vy"] - u["cage_y"] * u["cage_vx"]) + cage.inertia * w
         )
         c = np.cos(u["cage_angle"])
         s = np.sin(u["cage_angle"])
-        swing = c * u["cage_vy"] - s * u["cage_vx"] + w * (u["cage_x"] * c + u["cage_y"] * s)
+        of_unbalance = c * u["cage_vy"] - s * u["cage_vx"] + w * (u["cage_x"] * c + u["cage_y"] * s)
         return np.asarray(
-            moving.sum(axis=-1)
+            of_rollers.sum(axis=-1)
             + self.settings.inner_ring_mass * ring
-            + held
-            + cage.unbalance * swing
+            + of_cage
+            + cage.unbalance * of_unbalance
         )
 
     def error(self, refusal: Any) -> RollslipError:
-        """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
-        who, what = refusal
-        if who in ("inner ring", "cage", "shape of a ring"):
+        """Return the error for the ``reason`` of a ``RefusedError``: the refusing part and the value it refused."""
+        part, value = refusal
+        if part in ("inner ring", "cage", "shape of a ring"):
             return DomainError(
-                f"the {who} is displaced by {what[0]:.3g} m, beyond what small displacements describe (a tenth of the "
-                f"roller's radius, {what[1]:.3g} m); check what holds it: load, clearances and stiffnesses"
+                f"the {part} is displaced by {value[0]:.3g} m, beyond what small displacements describe (a tenth of "
+                f"the roller's radius, {value[1]:.3g} m); check what holds it: load, clearances and stiffnesses"
             )
-        ring, _, deflection = who.partition(" ")
+        ring, _, deflection = part.partition(" ")
         if not deflection:
             return super().error(refusal)
-        at = RINGS.index(ring)
-        error = self.assembly.raceways[at].deflection.error(what, self.contacts[at])
+        number = RINGS.index(ring)
+        error = self.assembly.raceways[number].deflection.error(value, self.contacts[number])
         error.add_note(f"in a contact with the {ring} ring")
         return error
 
@@ -319,29 +329,29 @@ def planar_motion(
     friction: FrictionSettings,
     top_speeds: tuple[float, float] | None = None,
     *,
-    each: bool = False,
+    per_roller: bool = False,
 ) -> PlanarMotion:
     """Build the plane motion of a bearing whose scene has a cage.
 
     Parameters
     ----------
     assembly : Assembly
-        The bearing. A drag of its cage that describes the film of the land is left out: the land itself is here.
+        The bearing. A drag of its cage that describes the film of the land is omitted: the motion has the land itself.
     settings : PlanarSettings
         Masses, damping and gravity.
     friction : FrictionSettings
-        Which friction, what is watched, and whether forces may come from a table.
+        Friction of the raceways, the values that are watched, and whether forces may come from a table.
     top_speeds : tuple of two floats, optional
-        Largest speeds of inner and outer ring [rad/s], if they are not those of the scene.
-    each : bool
-        Whether `MovingBearing.of_each` is known.
+        Largest speeds of inner and outer ring [rad/s]; by default those of the scene.
+    per_roller : bool
+        Whether `MovingBearing.sliding_work_and_distance` is integrated.
 
     Raises
     ------
     SceneError
         If the cage is wrong.
     DomainError
-        If the scene tilts rollers or rings, or has rings of which plane motion knows nothing.
+        If the scene tilts rollers or rings, or has rings that plane motion does not describe.
     ConvergenceError
         If tables do not reach the tolerance.
     """
@@ -364,34 +374,30 @@ def planar_motion(
     of_raceways = raceway_friction(a, friction)
     contacts = tuple(Slices(b.rollers * a.slices, raceway.conditions) for raceway in a.raceways)
     direction = k.direction
-    down = settings.gravity_direction
-    down = (o.gravity_direction or 0.0) if down is None else down
-    settings = attrs.evolve(settings, gravity_direction=down)
-    oil = a.lubricant.at(o.temperature).viscosity
-    roughness = a.inner.conditions.roughness
-    guidance = ("roller", "inner", "outer").index(cage.guidance)
-    torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
-    heaviest = a if friction.like is None else friction.like
-    most = DEEP * usual_force(heaviest)
-    if (
-        bent is not None
-    ):  # forms and what pushes on rings press rollers far beyond their share of the load
-        most = max(most, _PRESSED * float(heaviest.load_distribution(1).outer_force.max()))
-    forces = _force_tables(a, most) if friction.tabulated and not of_raceways.by_slices else ()
+    gravity_direction = settings.gravity_direction
+    if gravity_direction is None:
+        gravity_direction = o.gravity_direction or 0.0
+        settings = attrs.evolve(settings, gravity_direction=gravity_direction)
+    fully_loaded = a if friction.fully_loaded is None else friction.fully_loaded
+    largest_force = _largest_force(fully_loaded, bent)
+    forces: tuple[ForceTable, ...] = ()
+    if friction.tabulated and not of_raceways.uses_slices:
+        forces = _force_tables(a, largest_force)
+    scale = _scale(fully_loaded, cage, bent)
     planar = Planar(
         of_raceways.capsules,
         [raceway.deflection.kernel for raceway in a.raceways],
         contacts,
         a.drop,
         a.widths,
-        [capsule for model, capsule in torques if not (guidance and _of_land(model))],
+        _drag_capsules(cage),
         b.rollers,
-        guidance,
-        np.append(_scale(heaviest, cage, bent), ungoverned(a, each)),
-        each=each,
+        _GUIDANCES.index(cage.guidance),
+        np.append(scale, uncontrolled_scale(a, per_roller)),
+        each=per_roller,
         forces=[(table.deepest, table.coefficients) for table in forces],
-        resistances=None if friction.name == "conventional" else _resistances(a, most),
-        rings=None if bent is None else bent.given,
+        resistances=None if friction.name == "conventional" else _resistances(a, largest_force),
+        rings=None if bent is None else bent.system_arguments,
         critical_slip=friction.critical_slip,
         film_limit=friction.watched_film,
         inner_radius=k.inner_radius,
@@ -407,8 +413,8 @@ def planar_motion(
         cage_mass=cage.mass,
         cage_inertia=cage.inertia,
         unbalance=cage.unbalance,
-        gravity_x=settings.gravity * math.cos(down),
-        gravity_y=settings.gravity * math.sin(down) * direction,
+        gravity_x=settings.gravity * math.cos(gravity_direction),
+        gravity_y=settings.gravity * math.sin(gravity_direction) * direction,
         damping=settings.contact_damping,
         load=o.radial_load,
         direction=direction,
@@ -417,7 +423,7 @@ def planar_motion(
         if cage.pocket_radial_clearance is None
         else cage.pocket_radial_clearance / 2,
         **{f"pocket_{name}": value for name, value in pocket_contact(a).items()},
-        **_land(cage, settings, oil, roughness),
+        **_land(a, settings),
     )
     return PlanarMotion(
         assembly=a,
@@ -425,23 +431,48 @@ def planar_motion(
         friction=of_raceways,
         contacts=contacts,
         planar=planar,
-        system=System(planar.system(_swing_frequency(heaviest, settings, bent))),
+        system=System(planar.system(_swing_frequency(fully_loaded, settings, bent))),
         forces=forces,
         bent=bent,
     )
 
 
-def _of_land(model: DragModel) -> bool:
-    """A drag that takes the clearance of the land describes its film."""
+def _largest_force(a: Assembly, bent: BentRings | None) -> float:
+    """Return the largest force of a roller that tables serve [N].
+
+    Forms and forces on rings press rollers far beyond their fraction of the load.
+    """
+    largest = DEFLECTION_FORCE_FACTOR * usual_force(a)
+    if bent is not None:
+        at_rest = float(a.load_distribution(1).outer_force.max())
+        largest = max(largest, _REST_FORCE_FACTOR * at_rest)
+    return largest
+
+
+def _drag_capsules(cage: Cage) -> list[object]:
+    """Return the compiled drags of a cage, without those that describe the film of a land that guides it."""
+    torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
+    guided_by_land = cage.guidance != _GUIDANCES[0]
+    return [capsule for model, capsule in torques if not (guided_by_land and _is_land_drag(model))]
+
+
+def _is_land_drag(model: DragModel) -> bool:
+    """Return whether a drag describes the film of the land: whether it takes the clearance of the land."""
     return any(f.metadata.get("from_scene") == "land_clearance" for f in attrs.fields(type(model)))  # type: ignore[arg-type]
 
 
-def _land(cage: Cage, settings: PlanarSettings, oil: float, roughness: float) -> dict[str, float]:
-    """The land: R eta L^3/c^3 against squeeze, 2 pi eta L R^3/c against shear, its film no thinner than roughness."""
-    # without a land these are not used
-    radius, width, clearance = (
-        x or 1.0 for x in (cage.land_radius, cage.land_width, cage.land_clearance)
-    )
+def _land(a: Assembly, settings: PlanarSettings) -> dict[str, float]:
+    """Return the parameters of the land for the compiled system; without a land they are not used.
+
+    Its short journal bearing film has R eta L^3/c^3 against squeeze, 2 pi eta L R^3/c against shear, and is no thinner
+    than the roughness.
+    """
+    cage = a.cage
+    oil = a.lubricant.at(a.scene.operation.temperature).viscosity
+    roughness = a.inner.conditions.roughness
+    radius = cage.land_radius or 1.0
+    width = cage.land_width or 1.0
+    clearance = cage.land_clearance or 1.0
     return {
         "land_radius": radius,
         "land_clearance": clearance,
@@ -454,34 +485,49 @@ def _land(cage: Cage, settings: PlanarSettings, oil: float, roughness: float) ->
     }
 
 
-def _force_tables(a: Assembly, most: float) -> tuple[ForceTable, ...]:
-    """Tables of both raceways, or none: a law in Python may depend on more than the gap."""
+def _force_tables(a: Assembly, largest_force: float) -> tuple[ForceTable, ...]:
+    """Return the tables of both raceways, or none: a law in Python may depend on more than the gap."""
     if any(raceway.deflection.alone for raceway in a.raceways):
         return ()
-    tables = [force_table(a, raceway, most) for raceway in a.raceways]
+    tables = [force_table(a, raceway, largest_force) for raceway in a.raceways]
     return tuple(table for table in tables if table is not None) if None not in tables else ()
 
 
-def force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None:
-    """Return the force of a roller by its gap, up to a force; made once for a bearing.
+def force_table(a: Assembly, raceway: Raceway, largest_force: float) -> ForceTable | None:
+    """Return the force of a roller by its gap, cached for a bearing; None if no table has a small error.
 
-    Cells are halved until the force half-way between nodes is right to 3e-5 of it or of a light one; None if that takes
-    more than 65536.
+    The table is a piecewise cubic Hermite interpolant over the root of the gap. Its cells are halved until the error
+    half-way between nodes is within 3e-5 of the force or of a light one, up to 65536 cells.
+
+    Parameters
+    ----------
+    a : Assembly
+        The bearing.
+    raceway : Raceway
+        The raceway, with its deflection law.
+    largest_force : float
+        Force up to which the table reaches [N].
     """
-    key = most, raceway.conditions, raceway.deflection.models, a.drop.tobytes(), a.widths.tobytes()
-    return a.cached("force by gap", key, lambda: _force_table(a, raceway, most))
+    key = (
+        largest_force,
+        raceway.conditions,
+        raceway.deflection.models,
+        a.drop.tobytes(),
+        a.widths.tobytes(),
+    )
+    return a.cached("force by gap", key, lambda: _build_force_table(a, raceway, largest_force))
 
 
-def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None:
+def _build_force_table(a: Assembly, raceway: Raceway, largest_force: float) -> ForceTable | None:
     drop = a.drop - a.drop.min()
-    light = _LIGHT * most / DEEP
+    light = _LIGHT_FORCE * largest_force / DEFLECTION_FORCE_FACTOR
 
     def forces(root: Array) -> Array:
-        """Force and its derivative by the root of the gap, (2, m)."""
+        """Return the force [N] and its derivative with respect to the root of the gap [N/m^0.5], (2, m)."""
         load, stiffness = a.deflect((root**2)[:, None] - drop, raceway.ring)
         return np.stack((load @ a.widths, stiffness @ a.widths * 2.0 * root))
 
-    beyond = int(np.searchsorted(forces(np.sqrt(_APPROACHES))[0], most))
+    beyond = int(np.searchsorted(forces(np.sqrt(_APPROACHES))[0], largest_force))
     deepest = float(_APPROACHES[min(beyond, _APPROACHES.size - 1)])
     cells = _FIRST_CELLS
     root = np.linspace(0.0, math.sqrt(deepest), cells + 1)
@@ -489,58 +535,65 @@ def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | Non
     while True:
         step = root[1]
         half_way = forces(root[:-1] + 0.5 * step)
-        (force, after), (slope, ahead) = (
-            (row[:-1], row[1:]) for row in (known[0], known[1] * step)
-        )
-        wrong = 0.5 * (force + after) + 0.125 * (slope - ahead) - half_way[0]
-        error = float((np.abs(wrong) / np.maximum(half_way[0], light)).max())
+        slopes = known[1] * step
+        left = known[0][:-1]
+        right = known[0][1:]
+        left_slope = slopes[:-1]
+        right_slope = slopes[1:]
+        difference = 0.5 * (left + right) + 0.125 * (left_slope - right_slope) - half_way[0]
+        error = float((np.abs(difference) / np.maximum(half_way[0], light)).max())
         if error <= _FORCE_ERROR:
             break
         if 2 * cells > _MAX_CELLS:  # a profile or law with a jump
             return None
-        both = np.empty((2, 2 * cells + 1))
-        both[:, ::2] = known
-        both[:, 1::2] = half_way
+        merged = np.empty((2, 2 * cells + 1))
+        merged[:, ::2] = known
+        merged[:, 1::2] = half_way
         cells = 2 * cells
-        known = both
+        known = merged
         root = np.linspace(0.0, math.sqrt(deepest), cells + 1)
-    rise = after - force
-    powers = np.stack(
-        (force, slope, 3.0 * rise - 2.0 * slope - ahead, slope + ahead - 2.0 * rise), axis=1
-    )
+    rise = right - left
+    quadratic = 3.0 * rise - 2.0 * left_slope - right_slope
+    cubic = left_slope + right_slope - 2.0 * rise
+    powers = np.stack((left, left_slope, quadratic, cubic), axis=1)
     return ForceTable(deepest=deepest, coefficients=powers, error=error, light=light)
 
 
-def _resistances(a: Assembly, most: float) -> list[tuple[float, Array]] | None:
-    """Rolling resistance of a contact at epicyclic speed, at equal steps of sqrt(Q), by which it is nearly linear."""
-    return (
-        [_resistance(a, raceway, most) for raceway in a.raceways] if a.inner.chain.resists else None
-    )
+def _resistances(a: Assembly, largest_force: float) -> list[tuple[float, Array]] | None:
+    """Return tables of the rolling resistance of a contact on both raceways; None if the laws have none."""
+    if not a.inner.chain.resists:
+        return None
+    return [_resistance_table(a, raceway, largest_force) for raceway in a.raceways]
 
 
-def _resistance(a: Assembly, raceway: Raceway, most: float) -> tuple[float, Array]:
+def _resistance_table(a: Assembly, raceway: Raceway, largest_force: float) -> tuple[float, Array]:
+    """Return a step of sqrt(Q) [N^0.5], over which rolling resistance is nearly linear, and the resistances [N].
+
+    They are those at epicyclic speed.
+    """
     load, _ = a.deflect(_APPROACHES[:, None] - (a.drop - a.drop.min()), raceway.ring)
     force = load @ a.widths
-    load = load[force <= most]
-    force = force[force <= most]
+    load = load[force <= largest_force]
+    force = force[force <= largest_force]
     rolling = float(a.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    root = np.linspace(0.0, math.sqrt(force[-1]), _CELLS + 1)
+    root = np.linspace(0.0, math.sqrt(force[-1]), _RESISTANCE_CELLS + 1)
     known = np.concatenate(([0.0], resistances(raceway, load, a.widths, rolling)))
     return float(root[1]), np.interp(root, np.concatenate(([0.0], np.sqrt(force))), known)
 
 
 def _swing_frequency(a: Assembly, settings: PlanarSettings, bent: BentRings | None) -> float:
-    """Angular frequency of a roller between the rings [rad/s], at most: with the whole load on one.
+    """Return an upper bound of the angular frequency of a roller between the rings [rad/s].
 
-    Its square is the stiffness of both contacts over the roller's mass, and that of half as many contacts as there are
-    rollers over the mass of the inner ring, which swings against them. The stiffness rises but slowly with the load.
+    The whole load is on one roller. The square of the frequency is the stiffness of both contacts over the mass of the
+    roller, plus the stiffness of half as many contacts as there are rollers over the mass of the inner ring, which
+    oscillates against them. The stiffness increases only slowly with the load.
     """
     weight = settings.inner_ring_mass * settings.gravity
-    most = a.scene.operation.radial_load + weight + a.centrifugal_force
+    force = a.scene.operation.radial_load + weight + a.centrifugal_force
     stiffness = []
     for ring in RINGS:
         load, slope = a.deflect(_APPROACHES[:, None] - (a.drop - a.drop.min()), ring)
-        stiffness.append(float(np.interp(most, load @ a.widths, slope @ a.widths)))
+        stiffness.append(float(np.interp(force, load @ a.widths, slope @ a.widths)))
     inner, outer = stiffness
     others = 0.5 * a.scene.bearing.rollers * inner / settings.inner_ring_mass
     if bent is not None:
@@ -549,13 +602,13 @@ def _swing_frequency(a: Assembly, settings: PlanarSettings, bent: BentRings | No
 
 
 def _scale(a: Assembly, cage: Cage, bent: BentRings | None) -> Array:
-    """Typical magnitudes: deflections, what they are passed through in, the epicyclic speeds and their energies.
+    """Return typical magnitudes of the unknowns: deflections, their speeds, epicyclic speeds, and their energies.
 
-    Between its raceways a roller swings at some 20 kHz, hardly damped, by little: held to a tolerance of its own
-    deflection that would set the step of all else. With `_SWING` of it there are 1.6 to 1.9 times fewer steps, and
-    speeds and places of cage, rollers and pockets have the same error. Normal forces err by 0.4 to 1.6 per mille of
-    the largest at a tolerance of 1e-5, where it was 0.03 to 0.7 (18 runs of the 1032930, 5 ms with all guidances,
-    against a tolerance of 1e-10).
+    Between its raceways a roller oscillates at some 20 kHz with small amplitude and hardly any damping. A tolerance
+    relative to its deflection would set the step of the whole motion. With `_SWING_FACTOR` times the deflection there
+    are 1.6 to 1.9 times fewer steps, and speeds and positions of cage, rollers and pockets have the same error. Normal
+    forces have an error of 0.4 to 1.6 per mille of the largest at a tolerance of 1e-5, instead of 0.03 to 0.7 (18 runs
+    of the 1032930, 5 ms with all guidances, against a tolerance of 1e-10).
     """
     b = a.scene.bearing
     k = a.kinematics
@@ -565,11 +618,11 @@ def _scale(a: Assembly, cage: Cage, bent: BentRings | None) -> Array:
     speed = length * math.sqrt(force / (length * a.roller_mass))
     orbit = max(abs(k.epicyclic_cage_speed), 1.0)
     spin = k.epicyclic_roller_speed
-    play = max(cage.pocket_clearance / 2, length)
-    head = [length, length, speed, speed, play, play, speed, speed, orbit, 1.0]
-    roller = [play, orbit, spin, _SWING * length, _SWING * speed]
+    clearance = max(cage.pocket_clearance / 2, length)
+    head = [length, length, speed, speed, clearance, clearance, speed, speed, orbit, 1.0]
+    roller = [clearance, orbit, spin, _SWING_FACTOR * length, _SWING_FACTOR * speed]
     energy = 0.5 * (cage.inertia + b.rollers * a.roller_mass * k.orbit_radius**2) * orbit**2
     ledger = [energy if unit == "J" else 2.0 * energy / orbit for unit in LEDGER.values()]
-    of_rings = {"m": _SWING * length, "m/s": _SWING * speed, "rad": 1.0}
+    of_rings = {"m": _SWING_FACTOR * length, "m/s": _SWING_FACTOR * speed, "rad": 1.0}
     head += [of_rings[unit] for unit in ({} if bent is None else bent.names).values()]
     return np.array([*head, *roller * b.rollers, *ledger])

@@ -1,10 +1,17 @@
-"""Friction of both raceways by the name that a study gives it: what the compiled systems of the dynamics work with.
+"""Friction of both raceways in a bearing in motion: effective, conventional or constant.
 
-- Without tilt the loads of a roller's slices follow from its force. So conventional friction of a roller is tabulated
-  over force, sliding and rolling speed: the same law, not an average. The error is that against all slices at random
-  contacts; nodes are added along the axis that errs most until it is within the tolerance of tables.
-- The chain stays for all else: tilted rollers, laws in Python, a table that does not get there, contacts outside it,
-  and film parameters. `RacewayFriction.way` says which it is.
+Without tilt the loads of the slices of a roller follow from its force. So conventional friction of a roller is
+tabulated over force, sliding and rolling speed: the same law, not an average. `_build_friction_table` does that:
+
+1. Choose the scale V_s of the sliding speed over which friction of light and heavy contacts is interpolated best.
+2. Evaluate the chain of laws at the nodes: equal steps of u/(u + u_s), r/(r + r_s) with r = sqrt(Q), V/(|V| + V_s).
+3. Compare a piecewise cubic interpolation with the sum over all slices at random contacts.
+4. If the error exceeds the tolerance, find the axis with the largest error half-way between its nodes, and double the
+   nodes of that axis.
+5. Stop without a table if several refinements in a row do not reduce the error, or the table becomes too large.
+
+All other cases evaluate the chain of laws for every slice: tilted rollers, laws in Python, tables that do not reach the
+tolerance, contacts outside a table, and film parameters. `RacewayFriction.evaluation_method` says which it is.
 """
 
 import logging
@@ -35,60 +42,84 @@ FRICTION: Final = {
     "constant": "one coefficient",
 }
 
-_SLICED: Final = "at every step"
-#: Times the usual force of a roller, its share of load and its centrifugal force, up to which deflection is tabulated,
-#: from which on friction is, and below which its error is that of a light contact; and the largest force of the bearing
-#: at its epicyclic speed, up to which friction is.
-DEEP = 10.0
-_LEAST = 1e-6
-_LIGHT = 1e-2
-_HEAVY = 1.5
-#: Rolling speeds over the epicyclic one, and the largest sliding speed over it, of a table of friction.
-_SPEEDS = (0.4, 1.6)
-_REACH = 2.5
-#: The rolling speed over the epicyclic one that stands for u_s: friction turns where it is slow.
-_SLOW: Final = 0.5
-#: Nodes of rolling speed, of force and on either side of no sliding at first, and the most of all together.
+#: How friction is evaluated without a table, in words.
+_AT_EVERY_STEP: Final = "at every step"
+#: Force, relative to the usual force of a roller (its fraction of the load plus its centrifugal force), up to which
+#: deflection is tabulated. Doubling it makes tables less dense; beyond it forces come from the slices. Chosen.
+DEFLECTION_FORCE_FACTOR = 10.0
+#: Force, relative to the usual one, from which on friction is tabulated. Below it the chain of laws is evaluated; as
+#: the coordinate is the square root, doubling it hardly changes the table. Chosen.
+_MIN_FORCE = 1e-6
+#: Lower bound of the force that the error of friction is relative to, over the usual one. Halving it requires smaller
+#: absolute errors of light contacts, whose friction hardly counts. Chosen.
+_LIGHT_FORCE = 1e-2
+#: Force, relative to the largest one at the epicyclic cage speed, up to which friction is tabulated. Doubling it leaves
+#: fewer contacts to the chain of laws and makes the table less dense. Chosen.
+_MAX_FORCE = 1.5
+#: Smallest and largest rolling speed of a table, relative to the epicyclic one. A wider range needs more nodes; outside
+#: it the chain of laws is evaluated. Chosen.
+_ROLLING_SPEEDS = (0.4, 1.6)
+#: Largest sliding speed of a table, relative to the epicyclic rolling speed. Rollers at rest slide at less than
+#: twice that speed. Chosen.
+_MAX_SLIDING = 2.5
+#: Scale u_s of the coordinate u/(u + u_s), relative to the epicyclic rolling speed. Smaller scales concentrate nodes at
+#: slow rolling, where friction changes most. Chosen.
+_ROLLING_SCALE: Final = 0.5
+#: Initial number of nodes of rolling speed, of force, and of sliding speed on each side of zero. Axes are doubled where
+#: needed, so that twice as many save refinements and make tables of loose tolerances larger. Chosen.
 _FIRST_NODES = (5, 17, 24)
+#: Maximum number of nodes of a table in all: 2.4 MB. Doubling it allows smaller errors at twice the time. Chosen.
 _MAX_NODES = 300_000
-#: What more nodes have to leave of the error at most, and how often in a row they may fail to before there is no table.
+#: Ratio of the error after a refinement to the smallest one before, above which the refinement failed. Chosen: a cubic
+#: of a smooth function would gain a factor of 16, at a kink a factor of 2.
 _GAIN = 0.9
-_VAIN = 4
-#: Slices below which the chain costs no more than a table.
-_FEW: Final = 13
-#: Instants over which effective friction is a mean where forms turn: over sixteen times as many it differs by < 1e-4.
-_TURNS: Final = 64
-#: Random contacts at which a table is held against the slices.
+#: Number of refinements in a row that may fail before there is no table. One per axis, and one more. Doubling it costs
+#: time where a law has a jump.
+_MAX_FAILED_REFINEMENTS = 4
+#: Number of slices below which the chain of laws takes no longer than a table.
+_MIN_SLICES: Final = 13
+#: Number of roller positions over which effective friction is averaged where forms of rings turn. With sixteen times as
+#: many, it changes by less than 1e-4.
+_TURNING_POSITIONS: Final = 64
+#: Number of random contacts at which a table is compared with the slices. Doubling it doubles the time of a comparison
+#: and finds slightly larger errors. Chosen.
 _PROBES: Final = 600
-#: Sliding speeds over the rolling speed among which that is chosen over which friction rises, by so many nodes.
-_SCALES: Final = np.geomspace(1e-3, 1.0, 13)
-_RISE: Final = 64
+#: Candidates for the scale V_s of the sliding speed, relative to the rolling speed. Chosen: a step of a factor of 1.8.
+_SLIDING_SCALES: Final = np.geomspace(1e-3, 1.0, 13)
+#: Number of nodes on each side of zero sliding with which the candidates are compared. Chosen.
+_SCALE_NODES: Final = 64
+#: Gaps [m] between which the force of a roller is interpolated as a start of Newton's method. Chosen: any contact is
+#: between 1 pm and 1 mm.
+_GAPS: Final = np.geomspace(1e-12, 1e-3, 901)
+#: Number of Newton steps for the gap of a force: the force is nearly a power of the gap (10/9), so that two reach
+#: rounding; one more for the profile.
+_NEWTON_STEPS: Final = 3
 
 
 @attrs.frozen(kw_only=True)
 class FrictionSettings:
-    """Which friction the contacts of a moving bearing have, and which of its values are watched.
+    """Friction of the contacts of a bearing in motion, and the values that are watched.
 
     Parameters
     ----------
     name : str
         One of `FRICTION`.
     tabulated : bool
-        Whether what follows from a roller's force may come from tables; if not, from the slices at every evaluation.
+        Whether quantities that follow from the force of a roller may come from tables; if not, they come from the
+        slices at every evaluation.
     effective_over : str
-        What effective friction is tabulated over: "sliding-speed", or "slips" for sliding and rolling speed.
+        Variables of tables of effective friction: "sliding-speed", or "slips" for sliding and rolling speed.
     coefficient, transition : float
         Constant friction: mu_0, and the sliding speed V_s [m/s] in mu_0 V/sqrt(V^2 + V_s^2).
     tolerance : float, optional
-        Error of loads and tables, by default that of the resolution.
+        Error of loads and tables; by default that of the resolution.
     critical_slip, film_limit : float
-        Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
+        Cage slip and film parameter that are watched; NaN for none. Only conventional friction has a film parameter.
     between_nodes : float
-        Share, up to 1, of what tables of effective friction may leave between their nodes that is aimed at.
-    like : Assembly, optional
-        The bearing under its largest load: tables of conventional friction are made for its forces and kept with it, so
-        that bearings that differ by their load alone share them, and so are those of plane motion. By default the
-        bearing itself.
+        Target of the error of tables of effective friction between their nodes, as a fraction of the allowed error.
+    fully_loaded : Assembly, optional
+        The bearing under its largest load. Tables of conventional friction and of plane motion are built for its forces
+        and cached with it, so that bearings that differ by their load alone share them. By default the bearing itself.
     """
 
     name: str
@@ -100,47 +131,50 @@ class FrictionSettings:
     critical_slip: float = math.nan
     film_limit: float = math.nan
     between_nodes: float = 1.0
-    like: Assembly | None = None
+    fully_loaded: Assembly | None = None
 
     @property
     def watched_film(self) -> float:
-        """Film parameter that is watched, NaN where friction knows no film."""
+        """Film parameter that is watched; NaN where friction has none."""
         return self.film_limit if self.name == "conventional" else math.nan
 
     def table_tolerance(self, assembly: Assembly) -> float:
-        """Error of loads and tables of a bearing."""
+        """Return the error that loads and tables of a bearing may have, relative."""
         return assembly.resolution.table_tolerance if self.tolerance is None else self.tolerance
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class _Grid:
-    """Nodes of a table of friction: of rolling speed, of force, and on either side of no sliding."""
+    """Coordinates and nodes of a table of friction: rolling speed, force, and sliding speed of both signs."""
 
     sliding_scale: float  # V_s [m/s] of V/(|V| + V_s)
-    sliding_end: float  # its last node
+    sliding_end: float  # last node of that coordinate
     root_scale: float = 1.0  # r_s [N^0.5] of r/(r + r_s), r = sqrt(Q)
-    root_ends: tuple[float, float] = (0.0, 0.5)  # its first and last node
+    root_ends: tuple[float, float] = (0.0, 0.5)  # first and last node of that coordinate
     speed_scale: float = 1.0  # u_s [m/s] of u/(u + u_s)
-    speed_ends: tuple[float, float] = (0.0, 0.5)  # its first and last node
-    nodes: tuple[int, int, int] = _FIRST_NODES
+    speed_ends: tuple[float, float] = (0.0, 0.5)  # first and last node of that coordinate
+    nodes: tuple[int, int, int] = (
+        _FIRST_NODES  # number of nodes: speed, root, sliding on each side of zero
+    )
 
     def speed(self, fraction: Array) -> Array:
-        """Rolling speed at shares 0 to 1 of its nodes."""
-        at = _between(self.speed_ends, fraction)
-        return np.asarray(self.speed_scale * at / (1.0 - at))
+        """Return the rolling speed [m/s] at fractions 0 to 1 of its axis."""
+        x = _between(self.speed_ends, fraction)
+        return np.asarray(self.speed_scale * x / (1.0 - x))
 
     def force(self, fraction: Array) -> Array:
-        """Force at them."""
-        at = _between(self.root_ends, fraction)
-        return np.asarray((self.root_scale * at / (1.0 - at)) ** 2)
+        """Return the force [N] at fractions 0 to 1 of its axis."""
+        x = _between(self.root_ends, fraction)
+        return np.asarray((self.root_scale * x / (1.0 - x)) ** 2)
 
     def sliding(self, fraction: Array) -> Array:
-        """Sliding speed at them, from -1 to 1."""
-        at = self.sliding_end * fraction
-        return np.asarray(at * self.sliding_scale / (1.0 - np.abs(at)))
+        """Return the sliding speed [m/s] at fractions -1 to 1 of its axis."""
+        x = self.sliding_end * fraction
+        return np.asarray(x * self.sliding_scale / (1.0 - np.abs(x)))
 
 
 def _between(ends: tuple[float, float], fraction: Array) -> Array:
+    """Return the coordinate at a fraction between its first and last node."""
     low, high = ends
     return low + (high - low) * fraction
 
@@ -149,15 +183,15 @@ def _between(ends: tuple[float, float], fraction: Array) -> Array:
 class FrictionTable(_Grid):
     """Conventional friction of a roller over force, sliding and rolling speed, as `compiled.with_table` takes it."""
 
-    #: F/sqrt(Q) [N^0.5] and, if there is any, the same of the rolling resistance, over rolling speed, force and sliding
+    #: F/sqrt(Q) [N^0.5] and, if there is any, rolling resistance over sqrt(Q); over rolling speed, force, sliding
     #: speed.
     values: Array
-    #: Largest error at random contacts: of traction relative to the largest friction coefficient times the force, or a
-    #: light one, of rolling resistance relative to the largest [1].
+    #: Largest error at random contacts [1]: of traction relative to the largest friction coefficient times the force
+    #: (or a light force), of rolling resistance relative to its largest value.
     error: float
 
-    def of(self, raceway: object) -> object:
-        """Return a compiled conventional raceway with this table."""
+    def tabulated(self, raceway: object) -> object:
+        """Return a compiled conventional raceway that reads this table."""
         return compiled.with_table(
             raceway,
             self.values,
@@ -171,7 +205,7 @@ class FrictionTable(_Grid):
 
     @property
     def record(self) -> dict[str, object]:
-        """Size and error by name, as results keep them."""
+        """Size and error by name, as results store them."""
         speeds = [self.speed_scale * end / (1.0 - end) for end in self.speed_ends]
         return {"nodes": list(self.values.shape[1:]), "error": self.error, "rolling_speed": speeds}
 
@@ -180,38 +214,38 @@ class FrictionTable(_Grid):
 class RacewayFriction:
     """Friction of inner and outer raceway."""
 
-    settings: FrictionSettings  # which friction it is
-    capsules: tuple[object, object]  # of `rollslip_kernels.motion.raceway`
-    slices: tuple[Slices, ...] = ()  # tables that conventional friction works in
-    tables: tuple[EffectiveTable, ...] = ()  # what effective friction is taken from
-    #: What conventional friction is taken from without tilt; none where it comes from the slices.
-    by_force: tuple[FrictionTable, ...] = ()
-    way: str = ""  # which way conventional friction is evaluated, in words
+    settings: FrictionSettings  # kind of friction
+    capsules: tuple[object, object]  # compiled raceways of `rollslip_kernels.motion.raceway`
+    slices: tuple[Slices, ...] = ()  # work arrays of conventional friction
+    tables: tuple[EffectiveTable, ...] = ()  # tables of effective friction
+    #: Tables of conventional friction without tilt; none where it comes from the slices.
+    friction_tables: tuple[FrictionTable, ...] = ()
+    evaluation_method: str = ""  # how conventional friction is evaluated, in words
 
     @property
-    def by_slices(self) -> bool:
-        """Whether friction looks at the slices of a roller at every evaluation."""
-        return self.settings.name == "conventional" and not self.by_force
+    def uses_slices(self) -> bool:
+        """Whether every evaluation of friction evaluates the slices of a roller."""
+        return self.settings.name == "conventional" and not self.friction_tables
 
 
 def usual_force(assembly: Assembly) -> float:
-    """Return a roller's share of the load, and its centrifugal force [N]; at least 0.1 N."""
+    """Return the usual force of a roller [N]: its fraction of the load plus its centrifugal force plus 0.1 N."""
     fraction = assembly.scene.operation.radial_load / assembly.scene.bearing.rollers
     return fraction + assembly.centrifugal_force + 0.1
 
 
 def _forces(assembly: Assembly) -> tuple[float, float]:
-    """Return the usual force of a roller, and the largest that tables of its friction serve [N]."""
+    """Return the usual force of a roller, and the largest force of tables of its friction [N]."""
     usual = usual_force(assembly)
     at_rest = assembly.load_distribution(1)
     heaviest = max(
         float((load @ assembly.widths).max()) for load in (at_rest.inner_load, at_rest.outer_load)
     )
-    return usual, max(_HEAVY * heaviest, usual)
+    return usual, max(_MAX_FORCE * heaviest, usual)
 
 
 def tilts(assembly: Assembly) -> bool:
-    """Return whether rollers or rings tilt: by the scene, or by a profile that differs to its two ends."""
+    """Return whether rollers or rings tilt: by misalignment, or by a profile that is not symmetric."""
     drop = assembly.drop
     return assembly.scene.operation.misalignment != 0.0 or not np.allclose(
         drop, drop[::-1], rtol=1e-9, atol=1e-15
@@ -221,7 +255,17 @@ def tilts(assembly: Assembly) -> bool:
 def raceway_friction(
     assembly: Assembly, settings: FrictionSettings, loads: LoadMap | None = None
 ) -> RacewayFriction:
-    """Return the friction of both raceways."""
+    """Return the friction of both raceways.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing, with its resistance to rolling.
+    settings : FrictionSettings
+        Kind of friction.
+    loads : LoadMap, optional
+        Loads over which effective friction is averaged; by default they are computed where they are needed.
+    """
     rollers = assembly.scene.bearing.rollers
     if settings.name == "constant":
         inner, outer = (
@@ -230,220 +274,263 @@ def raceway_friction(
         )
         return RacewayFriction(settings, (inner, outer))
     if settings.name == "conventional":
-        slices = tuple(
-            Slices(rollers * assembly.slices, raceway.conditions) for raceway in assembly.raceways
-        )
-        for table in slices if assembly.inner.chain.placed else ():
-            table.places()  # which the motion fills
-        inner, outer = (
-            compiled.conventional(
-                *(r.chain.kernel, table, rollers, assembly.widths, r.chain.resists),
-                *(assembly.position, assembly.across(r.ring)),
-            )
-            for r, table in zip(assembly.raceways, slices, strict=True)
-        )
-        tables, way = _by_force(assembly, settings) if settings.tabulated else ((), _SLICED)
-        if tables:
-            inner, outer = (
-                table.of(raceway) for table, raceway in zip(tables, (inner, outer), strict=True)
-            )
-        return RacewayFriction(settings, (inner, outer), slices=slices, by_force=tables, way=way)
-    tolerance = settings.table_tolerance(assembly)
-    if loads is None and assembly.rings is not None and assembly.rings.turning:  # in plane motion
-        of = (
-            assembly.slices,
-            assembly.resolution.quadrature,
-            *(raceway.deflection for raceway in assembly.raceways),
-        )
-        held = assembly.cached("loads over turns", of, partial(assembly.load_distribution, _TURNS))
-        effective = tuple(
-            _table(assembly, ring, load.reshape(-1, assembly.slices), held, settings)
-            for ring, load in enumerate((held.inner_load, held.outer_load))
-        )
-    else:
-        loads = build_load_map(assembly, tolerance) if loads is None else loads
-        of_orbit = loads.loads(min(assembly.centrifugal_force, loads.top))
-        effective = tuple(
-            _table(assembly, ring, of_orbit[ring], loads.orbits, settings) for ring in (0, 1)
-        )
+        return _conventional_friction(assembly, settings)
+    effective = _effective_tables(assembly, settings, loads)
     inner, outer = (table.raceway(rollers) for table in effective)
     return RacewayFriction(settings, (inner, outer), tables=effective)
 
 
-def _table(
+def _conventional_friction(assembly: Assembly, settings: FrictionSettings) -> RacewayFriction:
+    """Return friction by the chain of laws, from tables over force and both speeds where these are possible."""
+    rollers = assembly.scene.bearing.rollers
+    slices = tuple(
+        Slices(rollers * assembly.slices, raceway.conditions) for raceway in assembly.raceways
+    )
+    if assembly.inner.chain.placed:
+        for table in slices:
+            table.places()  # allocates the columns of positions that the motion fills
+    inner, outer = (
+        compiled.conventional(
+            raceway.chain.kernel,
+            table,
+            rollers,
+            assembly.widths,
+            raceway.chain.resists,
+            assembly.position,
+            assembly.max_transverse_speed(raceway.ring),
+        )
+        for raceway, table in zip(assembly.raceways, slices, strict=True)
+    )
+    tables: tuple[FrictionTable, ...] = ()
+    method = _AT_EVERY_STEP
+    if settings.tabulated:
+        tables, method = _friction_tables(assembly, settings)
+    if tables:
+        inner, outer = (
+            table.tabulated(raceway) for table, raceway in zip(tables, (inner, outer), strict=True)
+        )
+    return RacewayFriction(
+        settings, (inner, outer), slices=slices, friction_tables=tables, evaluation_method=method
+    )
+
+
+def _effective_tables(
+    assembly: Assembly, settings: FrictionSettings, loads: LoadMap | None
+) -> tuple[EffectiveTable, ...]:
+    """Return the tables of effective friction of both raceways, averaged over the loads of an orbit."""
+    if loads is None and assembly.rings is not None and assembly.rings.turning:
+        key = (
+            assembly.slices,
+            assembly.resolution.quadrature,
+            *(raceway.deflection for raceway in assembly.raceways),
+        )
+        distribution = assembly.cached(
+            "loads over turns", key, partial(assembly.load_distribution, _TURNING_POSITIONS)
+        )
+        return tuple(
+            _effective_table(
+                assembly, ring, load.reshape(-1, assembly.slices), distribution, settings
+            )
+            for ring, load in enumerate((distribution.inner_load, distribution.outer_load))
+        )
+    if loads is None:
+        loads = build_load_map(assembly, settings.table_tolerance(assembly))
+    of_orbit = loads.loads(min(assembly.centrifugal_force, loads.top))
+    return tuple(
+        _effective_table(assembly, ring, of_orbit[ring], loads.orbits, settings) for ring in (0, 1)
+    )
+
+
+def _effective_table(
     assembly: Assembly, ring: int, load: Array, loads: object, settings: FrictionSettings
 ) -> EffectiveTable:
-    """Return the effective friction of a ring at the epicyclic speed, made once for a bearing and its loads."""
+    """Return the effective friction of a ring at the epicyclic speed, cached for a bearing and its loads."""
     raceway = assembly.raceways[ring]
-    of = (
+    options = (
         settings.table_tolerance(assembly),
         settings.effective_over == "slips",
         settings.between_nodes,
     )
-    key = ring, loads, raceway.conditions, raceway.chain.models, raceway.chain.bounds, *of
+    key = ring, loads, raceway.conditions, raceway.chain.models, raceway.chain.bounds, *options
     return assembly.cached(
-        "effective friction", key, lambda: effective_table(assembly, raceway, load, *of)
+        "effective friction", key, lambda: effective_table(assembly, raceway, load, *options)
     )
 
 
-def _by_force(
+def _reason_against_table(assembly: Assembly) -> str:
+    """Return why conventional friction of a bearing is not tabulated; empty if it may be."""
+    if tilts(assembly):
+        return "rollers tilt, so that the loads along one do not follow from its force"
+    if assembly.slices < _MIN_SLICES:
+        return f"{assembly.slices} slices cost no more than a table of them"
+    if assembly.inner.chain.placed:
+        return "a law reads where slices are"
+    if any(raceway.chain.alone for raceway in assembly.raceways):
+        return "a law runs in Python, and may depend on more than a table knows"
+    return ""
+
+
+def _friction_tables(
     assembly: Assembly, settings: FrictionSettings
 ) -> tuple[tuple[FrictionTable, ...], str]:
-    """Tables of both raceways, or none, and which way that is in words; made once for a bearing."""
-    if tilts(assembly):
-        return (
-            (),
-            f"{_SLICED}: rollers tilt, so that the loads along one do not follow from its force",
-        )
-    if assembly.slices < _FEW:
-        return (), f"{_SLICED}: {assembly.slices} slices cost no more than a table of them"
-    if assembly.inner.chain.placed:
-        return (), f"{_SLICED}: a law reads where slices are"
-    if any(raceway.chain.alone for raceway in assembly.raceways):
-        return (), f"{_SLICED}: a law runs in Python, and may depend on more than a table knows"
+    """Return the tables of both raceways, or none, and how friction is evaluated in words; cached for a bearing."""
+    if reason := _reason_against_table(assembly):
+        return (), f"{_AT_EVERY_STEP}: {reason}"
     tolerance = settings.table_tolerance(assembly)
     tables = list[FrictionTable]()
-    like = assembly if settings.like is None else settings.like
-    forces = _forces(like)
+    fully_loaded = assembly if settings.fully_loaded is None else settings.fully_loaded
+    forces = _forces(fully_loaded)
     for raceway in assembly.raceways:
         key = (
-            *(raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance),
-            *(assembly.drop.tobytes(), assembly.widths.tobytes(), *forces),
+            raceway.conditions,
+            raceway.chain.models,
+            raceway.chain.bounds,
+            tolerance,
+            assembly.drop.tobytes(),
+            assembly.widths.tobytes(),
+            *forces,
         )
-        table = like.cached(
-            "friction by force", key, partial(_friction_table, assembly, raceway, tolerance, forces)
-        )
+        build = partial(_build_friction_table, assembly, raceway, tolerance, forces)
+        table = fully_loaded.cached("friction by force", key, build)
         if isinstance(table, str):
-            return (), f"{_SLICED}: {table}"
+            return (), f"{_AT_EVERY_STEP}: {table}"
         tables.append(table)
-    most = max(table.error for table in tables)
-    return tuple(
-        tables
-    ), f"from a table over force and both speeds, within {most:.1e} of it, at every step outside it"
+    error = max(table.error for table in tables)
+    return (
+        tuple(tables),
+        f"from a table over force and both speeds, within {error:.1e} of it, at every step outside it",
+    )
 
 
-def _friction_table(
+def _build_friction_table(
     assembly: Assembly, raceway: Raceway, tolerance: float, forces: tuple[float, float]
 ) -> FrictionTable | str:
-    """The table of a raceway, or why there is none."""
-    law = _OfRoller(assembly, raceway)
-    (usual, most) = forces
+    """Return the table of a raceway, or the reason why there is none."""
+    law = _RollerFriction(assembly, raceway)
+    usual, largest = forces
     speed = abs(float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling))
     if not speed > 0.0:
         return "nothing rolls at the epicyclic speed"
     root_scale = math.sqrt(usual)
-    first = math.sqrt(_LEAST * usual)
-    last = math.sqrt(most)
-    roots = (first / (first + root_scale), last / (last + root_scale))
-    slow, fast = _SPEEDS
-    speeds = (slow / (slow + _SLOW), fast / (fast + _SLOW))
+    first = math.sqrt(_MIN_FORCE * usual)
+    last = math.sqrt(largest)
+    slow, fast = _ROLLING_SPEEDS
     nodes = [*_FIRST_NODES]
     values = None
     axis = 0
-    least = math.inf
-    vain = 0
+    smallest_error = math.inf
+    failed_refinements = 0
     try:
-        scale = law.scale((usual, last**2), speed)
+        scale = law.best_sliding_scale((usual, last**2), speed)
         while True:
             of_speed, of_root, of_sliding = nodes
-            at = _Grid(
+            grid = _Grid(
                 sliding_scale=scale,
-                sliding_end=_REACH * speed / (_REACH * speed + scale),
+                sliding_end=_MAX_SLIDING * speed / (_MAX_SLIDING * speed + scale),
                 root_scale=root_scale,
-                root_ends=roots,
-                speed_scale=_SLOW * speed,
-                speed_ends=speeds,
+                root_ends=(first / (first + root_scale), last / (last + root_scale)),
+                speed_scale=_ROLLING_SCALE * speed,
+                speed_ends=(slow / (slow + _ROLLING_SCALE), fast / (fast + _ROLLING_SCALE)),
                 nodes=(of_speed, of_root, of_sliding),
             )
-            values = law.on(at, values, axis)
-            if (error := law.error(at, values, usual)) <= tolerance:
+            values = law.values_at_nodes(grid, values, axis)
+            error = law.error(grid, values, usual)
+            if error <= tolerance:
                 break
-            least, vain = (error, 0) if error < _GAIN * least else (least, vain + 1)
-            errors = [law.error(at, values, usual, axis) for axis in range(3)]
+            failed_refinements += 1
+            if error < _GAIN * smallest_error:
+                smallest_error = error
+                failed_refinements = 0
+            errors = [law.error(grid, values, usual, axis) for axis in range(3)]
             axis = int(np.argmax(errors))
             nodes[axis] = 2 * nodes[axis] - (axis < 2)
-            if nodes[0] * nodes[1] * (2 * nodes[2] + 1) > _MAX_NODES or vain == _VAIN:
+            n_nodes = nodes[0] * nodes[1] * (2 * nodes[2] + 1)
+            if n_nodes > _MAX_NODES or failed_refinements == _MAX_FAILED_REFINEMENTS:
                 return (
                     f"a table of it on the {raceway.ring} ring would err by {error:.1e}, more than the {tolerance:.1e} "
                     "that tables may leave"
                 )
-    except (
-        RollslipError
-    ) as refused:  # where the motion need never go: if it does, that is told there
-        return f"a law of the {raceway.ring} ring ends where a table of it would have to reach ({refused})"
-    return FrictionTable(**attrs.asdict(at, recurse=False), values=values, error=error)
+    except RollslipError as refusal:
+        # the motion may never reach such a contact; if it does, the law refuses it there
+        return f"a law of the {raceway.ring} ring ends where a table of it would have to reach ({refusal})"
+    return FrictionTable(**attrs.asdict(grid, recurse=False), values=values, error=error)
 
 
-class _OfRoller:
-    """What the chain of a raceway makes of a roller, by its force: F and the rolling resistance over sqrt(Q)."""
+class _RollerFriction:
+    """Friction of a roller by its force, from the chain of laws of a raceway: F and rolling resistance over sqrt(Q)."""
 
     def __init__(self, assembly: Assembly, raceway: Raceway) -> None:
         self.assembly = assembly
         self.raceway = raceway
-        self.drop, self.at = np.unique(assembly.drop - assembly.drop.min(), return_inverse=True)
-        self.widths = np.bincount(self.at, assembly.widths)
-        self.gaps = np.geomspace(1e-12, 1e-3, 901)
-        self.forces = self._loads(self.gaps) @ self.widths
-        self.at_random: Array | None = None
+        # slices of equal drop have equal loads: they are evaluated once, with the sum of their widths
+        self.drop, same_drop = np.unique(assembly.drop - assembly.drop.min(), return_inverse=True)
+        self.widths = np.bincount(same_drop, assembly.widths)
+        self.forces = self._loads(_GAPS) @ self.widths
+        self.at_random: Array | None = None  # true values at the random contacts
 
     def _loads(self, gap: Array) -> Array:
         return self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)[0]
 
     def loads(self, force: Array) -> Array:
-        """Loads per length of the slices at forces [N], (m, n)."""
-        force, place = np.unique(force, return_inverse=True)
-        known = self.forces > 0.0
-        gap = np.exp(np.interp(np.log(force), np.log(self.forces[known]), np.log(self.gaps[known])))
-        for _ in range(
-            3
-        ):  # F goes nearly with the gap to the power of 10/9 and what the profile adds
+        """Return the loads per length of the slices at forces [N], (m, n), by Newton's method for the gap."""
+        force, index = np.unique(force, return_inverse=True)
+        touching = self.forces > 0.0
+        gap = np.exp(
+            np.interp(np.log(force), np.log(self.forces[touching]), np.log(_GAPS[touching]))
+        )
+        for _ in range(_NEWTON_STEPS):
             load, stiffness = self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)
-            found = load @ self.widths
+            of_gap = load @ self.widths
             slope = stiffness @ self.widths
-            gap = gap + (force - found) / slope
-        return self._loads(gap)[place]
+            gap = gap + (force - of_gap) / slope
+        return self._loads(gap)[index]
 
-    def _each(self, load: Array, sliding: Array, rolling: Array) -> Array:
-        """F and the rolling resistance over sqrt(Q), (1 or 2, m), of loads (m, n) at speeds (m,)."""
+    def _of_loads(self, load: Array, sliding: Array, rolling: Array) -> Array:
+        """Return F and the rolling resistance over sqrt(Q), (1 or 2, m), of loads (m, n) at speeds (m,)."""
         loaded = load > 0.0
-        count = np.count_nonzero(loaded, axis=1)  # every roller has some: its force is above zero
-        film = np.hypot(rolling, compiled.REST_SPEED)
-        done = self.raceway.evaluate(
-            load[loaded], np.repeat(film, count), np.repeat(sliding, count)
+        count = np.count_nonzero(loaded, axis=1)  # above zero for each roller, as its force is
+        film_speed = np.hypot(rolling, compiled.REST_SPEED)
+        slices = self.raceway.evaluate(
+            load[loaded], np.repeat(film_speed, count), np.repeat(sliding, count)
         )
         widths = np.broadcast_to(self.widths, load.shape)[loaded]
         first = np.cumsum(count) - count
-        parts = [done.friction * done.load] + (
-            [done.resistance] if self.raceway.chain.resists else []
-        )
+        parts = [slices.friction * slices.load]
+        if self.raceway.chain.resists:
+            parts.append(slices.resistance)
         return np.array([np.add.reduceat(part * widths, first) for part in parts]) / np.sqrt(
             load @ self.widths
         )
 
-    def scale(self, forces: tuple[float, ...], speed: float) -> float:
-        """The speed V_s over which friction of usual and of heavy contacts, slow and fast, is best taken."""
-        fraction = np.linspace(-1.0, 1.0, 2 * _RISE + 1)
-        both = np.sort(np.concatenate((fraction, fraction[:-1] + 0.5 / _RISE)))
-        contacts = [(force, factor) for force in forces for factor in _SPEEDS]
-        loads = self.loads(np.array([force for force, _ in contacts])).repeat(both.size, axis=0)
-        rolling = np.array([factor for _, factor in contacts]).repeat(both.size) * speed
-        best = math.inf
-        chosen = speed
-        for scale in (_SCALES * speed).tolist():
-            at = _Grid(sliding_scale=scale, sliding_end=_REACH * speed / (_REACH * speed + scale))
-            sliding = np.tile(at.sliding(both), len(contacts))
+    def best_sliding_scale(self, forces: tuple[float, ...], speed: float) -> float:
+        """Return the scale V_s [m/s] with the smallest interpolation error at forces [N], slow and fast rolling."""
+        fraction = np.linspace(-1.0, 1.0, 2 * _SCALE_NODES + 1)
+        nodes_and_middles = np.sort(np.concatenate((fraction, fraction[:-1] + 0.5 / _SCALE_NODES)))
+        size = nodes_and_middles.size
+        contacts = [(force, factor) for force in forces for factor in _ROLLING_SPEEDS]
+        loads = self.loads(np.array([force for force, _ in contacts])).repeat(size, axis=0)
+        rolling = np.array([factor for _, factor in contacts]).repeat(size) * speed
+        smallest_error = math.inf
+        best = speed
+        for scale in (_SLIDING_SCALES * speed).tolist():
+            grid = _Grid(
+                sliding_scale=scale,
+                sliding_end=_MAX_SLIDING * speed / (_MAX_SLIDING * speed + scale),
+            )
+            sliding = np.tile(grid.sliding(nodes_and_middles), len(contacts))
             error = 0.0
-            for values in self._each(loads, sliding, rolling)[0].reshape(len(contacts), -1):
-                found = _interpolated(values[::2], [_places(both[1::2], _RISE)])
-                error = max(error, float(np.abs(found - values[1::2]).max() / np.abs(values).max()))
-            if error < best:
-                best = error
-                chosen = scale
-        return chosen
+            for values in self._of_loads(loads, sliding, rolling)[0].reshape(len(contacts), -1):
+                middles = [_sliding_cells(nodes_and_middles[1::2], _SCALE_NODES)]
+                difference = np.abs(_interpolated(values[::2], middles) - values[1::2])
+                error = max(error, float(difference.max() / np.abs(values).max()))
+            if error < smallest_error:
+                smallest_error = error
+                best = scale
+        return best
 
-    def on(self, at: _Grid, known: Array | None = None, axis: int = 0) -> Array:
-        """Values on all nodes, (1 or 2, speeds, roots, slidings); every other one along an axis may be known."""
-        speeds, roots, half = at.nodes
+    def values_at_nodes(self, grid: _Grid, known: Array | None = None, axis: int = 0) -> Array:
+        """Return the values at all nodes, (1 or 2, speeds, roots, slidings); ``known`` are every other of an axis."""
+        speeds, roots, half = grid.nodes
         fractions = [
             np.linspace(0.0, 1.0, speeds),
             np.linspace(0.0, 1.0, roots),
@@ -452,84 +539,86 @@ class _OfRoller:
         if known is not None:
             fractions[axis] = fractions[axis][1::2]
         V, u = (
-            grid.ravel() for grid in np.meshgrid(at.sliding(fractions[2]), at.speed(fractions[0]))
+            mesh.ravel()
+            for mesh in np.meshgrid(grid.sliding(fractions[2]), grid.speed(fractions[0]))
         )
         rows = []
-        for load in self.loads(at.force(fractions[1])):
-            values = self._each(np.broadcast_to(load, (V.size, load.size)), V, u)
+        for load in self.loads(grid.force(fractions[1])):
+            values = self._of_loads(np.broadcast_to(load, (V.size, load.size)), V, u)
             rows.append(values.reshape(-1, fractions[0].size, fractions[2].size))
         values = np.stack(rows, axis=2)
         if known is None:
             return values
-        between = np.moveaxis(np.empty((len(values), speeds, roots, 2 * half + 1)), axis + 1, 0)
-        between[::2] = np.moveaxis(known, axis + 1, 0)
-        between[1::2] = np.moveaxis(values, axis + 1, 0)
-        return np.moveaxis(between, 0, axis + 1)
+        merged = np.moveaxis(np.empty((len(values), speeds, roots, 2 * half + 1)), axis + 1, 0)
+        merged[::2] = np.moveaxis(known, axis + 1, 0)
+        merged[1::2] = np.moveaxis(values, axis + 1, 0)
+        return np.moveaxis(merged, 0, axis + 1)
 
-    def error(self, at: _Grid, values: Array, usual: float, axis: int | None = None) -> float:
-        """Largest error at random contacts, or half-way between nodes of one axis and on nodes of the others."""
+    def error(self, grid: _Grid, values: Array, usual: float, axis: int | None = None) -> float:
+        """Return the largest error of an interpolation, relative to the largest friction coefficient times the force.
+
+        It is measured at random contacts or, with an axis, half-way between its nodes and on nodes of the others.
+        """
         fractions = np.random.default_rng(1).uniform(size=(3, _PROBES))
         fractions[2] = 2.0 * fractions[2] - 1.0
         if axis is not None:
-            for k, nodes in enumerate(at.nodes):
+            for k, nodes in enumerate(grid.nodes):
                 cells = nodes - (k < 2)
-                off = 0.5 if k == axis else 0.0
-                fractions[k] = (
-                    np.clip(np.floor(fractions[k] * cells), -cells if k == 2 else 0, cells - 1)
-                    + off
-                ) / cells
-        force = at.force(fractions[1])
-        sliding = at.sliding(fractions[2])
-        speed = at.speed(fractions[0])
+                first = -cells if k == 2 else 0
+                shift = 0.5 if k == axis else 0.0
+                cell = np.clip(np.floor(fractions[k] * cells), first, cells - 1)
+                fractions[k] = (cell + shift) / cells
+        force = grid.force(fractions[1])
+        sliding = grid.sliding(fractions[2])
+        speed = grid.speed(fractions[0])
         true = self.at_random if axis is None else None
         if true is None:
-            true = self._each(self.loads(force), sliding, speed)
-            self.at_random = (
-                true if axis is None else self.at_random
-            )  # the same contacts however many nodes there are
-        places = [
-            _whole(fractions[0], at.nodes[0]),
-            _whole(fractions[1], at.nodes[1]),
-            _places(fractions[2], at.nodes[2]),
+            true = self._of_loads(self.loads(force), sliding, speed)
+            if axis is None:  # the random contacts do not depend on the number of nodes
+                self.at_random = true
+        cells_of_probes = [
+            _cells(fractions[0], grid.nodes[0]),
+            _cells(fractions[1], grid.nodes[1]),
+            _sliding_cells(fractions[2], grid.nodes[2]),
         ]
-        found = np.array([_interpolated(part, places) for part in values])
-        wrong = np.abs(found - true) * np.sqrt(force)
-        size = np.maximum(force, _LIGHT * usual)
-        coefficient = np.abs(true[0]) * np.sqrt(force) / size
-        errors = [wrong[0] / (float(coefficient.max()) * size)]
-        if len(wrong) > 1:
-            errors.append(wrong[1] / float((np.abs(true[1]) * np.sqrt(force)).max()))
+        interpolated = np.array([_interpolated(part, cells_of_probes) for part in values])
+        difference = np.abs(interpolated - true) * np.sqrt(force)
+        reference = np.maximum(force, _LIGHT_FORCE * usual)
+        coefficient = np.abs(true[0]) * np.sqrt(force) / reference
+        errors = [difference[0] / (float(coefficient.max()) * reference)]
+        if len(difference) > 1:
+            errors.append(difference[1] / float((np.abs(true[1]) * np.sqrt(force)).max()))
         return float(np.max(errors))
 
 
-def _whole(fraction: Array, nodes: int) -> tuple[Array, Array]:
-    """First of the four nodes about a place, and the place from it on."""
-    place = fraction * (nodes - 1)
-    first = np.clip(np.floor(place).astype(int) - 1, 0, nodes - 4)
-    return first, place - first
+def _cells(fraction: Array, nodes: int) -> tuple[Array, Array]:
+    """Return the index of the first of four nodes about a fraction of an axis, and the distance from it in cells."""
+    index = fraction * (nodes - 1)
+    first = np.clip(np.floor(index).astype(int) - 1, 0, nodes - 4)
+    return first, index - first
 
 
-def _places(fraction: Array, half: int) -> tuple[Array, Array]:
-    """The same over the sliding speed, where no four nodes reach across zero."""
-    place = half * (fraction + 1.0)
+def _sliding_cells(fraction: Array, half: int) -> tuple[Array, Array]:
+    """Return what `_cells` does for the sliding speed, where no four nodes reach across zero."""
+    index = half * (fraction + 1.0)
     low = np.where(fraction >= 0.0, half, 0)
-    first = np.clip(np.floor(place).astype(int) - 1, low, low + half - 3)
-    return first, place - first
+    first = np.clip(np.floor(index).astype(int) - 1, low, low + half - 3)
+    return first, index - first
 
 
-def _interpolated(values: Array, places: Sequence[tuple[Array, Array]]) -> Array:
-    """Cubic between four nodes along every axis, as friction_table.h has it."""
-    new = len(places) * (np.newaxis,)
-    found = values[
+def _interpolated(values: Array, cells: Sequence[tuple[Array, Array]]) -> Array:
+    """Return the cubic Lagrange interpolation between four nodes along every axis, as friction_table.h computes it."""
+    new = len(cells) * (np.newaxis,)
+    result = values[
         tuple(
             (first + np.arange(4)[:, np.newaxis])[(*new[:axis], slice(None), *new[axis + 1 :])]
-            for axis, (first, _) in enumerate(places)
+            for axis, (first, _) in enumerate(cells)
         )
     ]
-    for _, t in places:
+    for _, t in cells:
         weights = [
             np.prod([(t - k) / (node - k) for k in range(4) if k != node], axis=0)
             for node in range(4)
         ]
-        found = np.einsum("nm,n...m->...m", weights, found)
-    return np.asarray(found)
+        result = np.einsum("nm,n...m->...m", weights, result)
+    return np.asarray(result)
