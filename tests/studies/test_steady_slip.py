@@ -696,7 +696,7 @@ def test_a_limit_is_the_least_or_the_largest_after_the_side_of_its_branch(values
             "radial_load_limit_slip": 0.4,
         }
     )
-    assert findings._limit(dataset, "radial_load").startswith(f"the {which} radial load at which")
+    assert findings._describe_limit(dataset, "radial_load").startswith(f"the {which} radial load at which")
 
 
 @attrs.frozen

@@ -8,7 +8,7 @@ from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
 from rollslip.results.words import Status, describe_running, describe_skidding
 from rollslip_studies.steady_slip.findings import (
-    LOAD_OF_OTHERS,
+    UNCOMPUTED_MINIMUM_LOAD,
     next_of_others,
     reserve_row,
     slip_row,
@@ -68,7 +68,10 @@ class EffectiveFrictionAccount(PlainAccount):
             return Answer(commands=next_of_others(dataset))
         slip = dataset["steady_cage_slip"].item()
         status = dataset["steady_status"].item()
-        rows = [slip_row(dataset, slip, str(status), known=1, within=_WITHIN), LOAD_OF_OTHERS]
+        rows = [
+            slip_row(dataset, slip, str(status), known=1, within=_WITHIN),
+            UNCOMPUTED_MINIMUM_LOAD,
+        ]
         if "drag_reserve" in dataset:
             reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
             rows.append(reserve_row(*reserve, known=1, within=_WITHIN, slip=slip))
