@@ -1,4 +1,4 @@
-"""Fit parameters of an oil and of a traction model to measured friction."""
+"""Campaign fit: parameters of an oil and of a traction model, from measured friction."""
 
 import os
 from collections.abc import Callable, Iterable
@@ -60,7 +60,7 @@ class FitSettings(Campaign):
     )
 
     def plan(self) -> "tuple[RigProblem, list[Parameter]]":
-        """Read data and rig, and find what is to be fitted."""
+        """Return the problem that data and rig state, and the parameters to fit."""
         from rollslip_campaigns.fit.fit import plan_fit
 
         return plan_fit(self)
@@ -68,14 +68,14 @@ class FitSettings(Campaign):
     def run(
         self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
     ) -> "xr.Dataset":
-        """Fit."""
+        """Return the fit, with statuses of parameters that the data do not determine."""
         from rollslip_campaigns.fit.fit import run_fit
 
-        problem, wanted = made
-        return run_fit(problem, wanted, show)
+        problem, parameters = made
+        return run_fit(problem, parameters, show)
 
     def write(self, dataset: "xr.Dataset", folder: Path) -> str:
-        """Write the oil too; return version, data and models."""
+        """Write the oil too; return a line of version, data and models."""
         from rollslip_campaigns.fit.findings import headline
         from rollslip_campaigns.fit.oil import write_oil
 

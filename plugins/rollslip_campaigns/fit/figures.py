@@ -1,4 +1,4 @@
-"""Figures of a fit: friction measured and fitted, the residuals, and the profile likelihood of each parameter."""
+"""Draw the figures of a fit: friction measured and fitted, residuals, and the likelihood profile of each parameter."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["figures"]
 
+#: Style of measured points: open circles.
 _OPEN: Final[Mapping[str, Any]] = {
     "marker": "o",
     "markersize": 3,
@@ -36,10 +37,14 @@ _OPEN: Final[Mapping[str, Any]] = {
 
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the figures; give name, caption and figure of each."""
+    """Yield name, caption and figure of each figure."""
     name = Path(dataset.attrs["source"]).name
-    held = _held(dataset)[0]
-    yield "fit", f"Friction measured ({name}) and fitted{held and ', ' + held}.", _fit(dataset)
+    constant = _operating_points(dataset)[0]
+    yield (
+        "fit",
+        f"Friction measured ({name}) and fitted{constant and ', ' + constant}.",
+        _fit(dataset),
+    )
     caption = "Residuals over their standard deviation; the band is two of it."
     yield "fit-residuals", caption, _residuals(dataset)
     if dataset.sizes["fitted_parameter"]:
@@ -47,19 +52,20 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         yield "fit-profiles", caption, _profiles(dataset)
 
 
-def _held(dataset: "xr.Dataset") -> tuple[str, list[str]]:
-    """What a rig held at all operating points, and what was different at each."""
+def _operating_points(dataset: "xr.Dataset") -> tuple[str, list[str]]:
+    """Return what all operating points have in common, and the differences of each, as texts."""
     columns = {"point_temperature": "K", "point_pressure": "Pa", "point_speed": "m/s"}
     texts = {
         name: [format_quantity(float(v), unit, 3) for v in dataset[name]]
         for name, unit in columns.items()
     }
-    common = [said[0] for said in texts.values() if len(set(said)) == 1]
-    different = [said for said in texts.values() if len(set(said)) > 1]
+    common = [column[0] for column in texts.values() if len(set(column)) == 1]
+    different = [column for column in texts.values() if len(set(column)) > 1]
     return ", ".join(common), [", ".join(row) for row in zip(*different, strict=True)]
 
 
 def _fit(dataset: "xr.Dataset") -> "Figure":
+    """Return a figure of measured friction with the fitted curve of each operating point."""
     sheet = Sheet()
     axes = sheet.axes
     slip = dataset["slide_roll_ratio"].to_numpy()
@@ -71,24 +77,27 @@ def _fit(dataset: "xr.Dataset") -> "Figure":
         axes.errorbar(
             100 * slip[rows], friction[rows], error, color=colour, linestyle="none", elinewidth=0.6, **_OPEN
         )  # fmt: skip
-        one = dataset.isel(point=point)
+        selected = dataset.isel(point=point)
         (line,) = axes.plot(
-            100 * one["curve_slip"], one["curve_friction"], color=colour, linewidth=1.0, label=label
+            100 * selected["curve_slip"],
+            selected["curve_friction"],
+            color=colour,
+            linewidth=1.0,
+            label=label,
         )
         if label:
             sheet.handles.append(line)
-    many = (
-        ""
-        if sheet.handles or dataset.sizes["point"] == 1
-        else f"{dataset.sizes['point']} operating points"
-    )
-    words = ", ".join(filter(None, ("measured", many, _held(dataset)[0])))
-    sheet.key(words, color="0.3", linestyle="none", **_OPEN)
+    count = ""
+    if not sheet.handles and dataset.sizes["point"] > 1:
+        count = f"{dataset.sizes['point']} operating points"
+    label = ", ".join(filter(None, ("measured", count, _operating_points(dataset)[0])))
+    sheet.key(label, color="0.3", linestyle="none", **_OPEN)
     axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
-    return sheet.done(_over(dataset), axis_label(dataset["friction"], r"$\mu$", "–"))
+    return sheet.done(_slip_label(dataset), axis_label(dataset["friction"], r"$\mu$", "–"))
 
 
 def _residuals(dataset: "xr.Dataset") -> "Figure":
+    """Return a figure of the residuals over their standard deviation."""
     sheet = Sheet()
     axes = sheet.axes
     slip = dataset["slide_roll_ratio"].to_numpy()
@@ -103,22 +112,24 @@ def _residuals(dataset: "xr.Dataset") -> "Figure":
         if label:
             sheet.handles.append(line)
     axes.set_ylim(*(np.array([-1.1, 1.1]) * max(3.0, np.abs(residual).max())))
-    return sheet.done(_over(dataset), "Residual / standard deviation [–]")
+    return sheet.done(_slip_label(dataset), "Residual / standard deviation [–]")
 
 
-def _over(dataset: "xr.Dataset") -> str:
+def _slip_label(dataset: "xr.Dataset") -> str:
+    """Return the label of the axis of the slide-roll ratio."""
     return axis_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio")
 
 
 def _points(dataset: "xr.Dataset") -> Iterator[tuple[int, Any, str]]:
-    """Number, colour and label of each operating point; no labels where they would fill the page."""
+    """Yield number, colour and label of each operating point; no labels where they would fill the page."""
     count = dataset.sizes["point"]
-    labels = _held(dataset)[1]
+    labels = _operating_points(dataset)[1]
     for point, colour in enumerate(light_to_dark()(np.linspace(1.0, 0.0, count)[::-1])):
         yield point, colour, labels[point] if 1 < count <= 12 else ""
 
 
 def _profiles(dataset: "xr.Dataset") -> "Figure":
+    """Return a figure of the likelihood profile of each parameter, and of the parabola of its covariance."""
     names = dataset["fitted_parameter"].values
     columns = min(names.size, 3)
     rows = -(-names.size // columns)
@@ -128,12 +139,12 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
     limits = dataset["rise_limit"].to_numpy()
     linear = False
     for axes, name in zip(panels, names, strict=False):
-        one = dataset.sel(parameter=name)
-        # people's unit, taken from how the value is shown to them
-        SI = one["unit"].item()
-        best = float(one["value"])
+        selected = dataset.sel(parameter=name)
+        # the unit in which the value is printed
+        SI = selected["unit"].item()
+        best = float(selected["value"])
         unit = shown_unit(best, SI)
-        held = converted(one["profile_value"].to_numpy(), SI, unit)
+        values = converted(selected["profile_value"].to_numpy(), SI, unit)
         best = converted(best, SI, unit)
         for limit, level in zip(limits, dataset["level"].values, strict=True):
             axes.axhline(limit, color="0.6", linewidth=0.6, zorder=0)
@@ -145,14 +156,14 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
                 va="bottom",
                 ha="center",
             )
-        error = math.sqrt(float(one["covariance"].sel(with_parameter=name)))
+        error = math.sqrt(float(selected["covariance"].sel(with_parameter=name)))
         if math.isfinite(error):
-            change = np.log(held / best) if held.min() > 0.0 < best else held - best
-            axes.plot(held, (change / error) ** 2, color=RING_COLOURS["outer"], linewidth=1.0)
+            change = np.log(values / best) if values.min() > 0.0 < best else values - best
+            axes.plot(values, (change / error) ** 2, color=RING_COLOURS["outer"], linewidth=1.0)
             linear = True
-        axes.plot(held, one["profile_rise"], color=RING_COLOURS["inner"])
+        axes.plot(values, selected["profile_rise"], color=RING_COLOURS["inner"])
         axes.plot(best, 0.0, color=RING_COLOURS["inner"], clip_on=False, **MARKER)
-        if held.min() > 0.0 and held.max() > 5.0 * held.min():
+        if values.min() > 0.0 and values.max() > 5.0 * values.min():
             axes.set_xscale("log")
         axes.set_ylim(0.0, 1.6 * limits[-1])
         axes.set_xlabel(f"{name} [{unit_label(unit)}]")

@@ -1,6 +1,6 @@
-"""What a fit has found, in words and as plain values: parameters, their intervals, and what the table does not say.
+"""Report on a fit: parameters with intervals, correlations, and what the data do not determine.
 
-There is no number without a meaning: what the data do not determine is null, with a sentence beside it.
+A value that the data do not determine is None, with a status that says so.
 """
 
 import json
@@ -22,20 +22,23 @@ if TYPE_CHECKING:
 
 __all__ = ["FitAccount", "headline", "parameter_rows"]
 
-#: What a side without a limit says, unless the data themselves give none.
+#: Part of the status of a side whose limit is not known, in contrast to one that the data do not limit.
 UNKNOWN: Final = "is not known"
-#: Correlation from which on two parameters are told to stand for each other: the error of either is seven times what it
-#: would be if the other was known.
-_ALIKE: Final = 0.99
-#: What the columns of the parameters are.
+#: Status of a parameter whose interval has both limits.
+DETERMINED: Final = "determined"
+#: Correlation above which two parameters are reported as exchangeable: the error of either is then at least seven
+#: times, 1/sqrt(1 - 0.99^2), what it would be if the other was known. Doubling the distance from 1 reports five times.
+_MIN_EXCHANGEABLE: Final = 0.99
+#: Headings of the table of parameters.
 _HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data tell")
 
 
 def headline(dataset: "xr.Dataset") -> str:
-    """Return the first line about a fit: version, data and hash, models, with the packages of others."""
+    """Return the first line of a report: version, data with hash, and models with third-party packages."""
     a = dataset.attrs
     models = (
-        (of["kind"], of["name"], of["package"], of["version"]) for of in json.loads(a["models"])
+        (model["kind"], model["name"], model["package"], model["version"])
+        for model in json.loads(a["models"])
     )
     return first_line(json.loads(a["packages"])["rollslip"], a["source"], a["data_sha256"], models)
 
@@ -44,41 +47,44 @@ def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
     """Return rows of parameter, value, standard error, 68 % and 95 % interval and status."""
     rows = []
     limits = zip(dataset["interval"].to_numpy(), dataset["limit_status"].to_numpy(), strict=True)
-    for one, (intervals, statuses) in zip(rows_along(dataset, "parameter"), limits, strict=True):
-        unit = one["unit"]
-        value = one["value"]
-        error = one["standard_error"]
+    for row, (intervals, statuses) in zip(rows_along(dataset, "parameter"), limits, strict=True):
+        unit = row["unit"]
+        value = row["value"]
+        error = row["standard_error"]
         fraction = f"{100 * error / abs(value):.2g} %" if value else format_quantity(error, unit, 2)
         unknown = [UNKNOWN in status for status in statuses]
         rows.append(
             (
-                one["parameter"],
+                row["parameter"],
                 format_quantity(value, unit, 4),
                 "-" if math.isnan(error) else fraction,
                 *(_interval(ends, unit, unknown) for ends in intervals),
-                one["status"],
+                row["status"],
             )
         )
     return rows
 
 
 def _interval(limits: NDArray[np.float64], unit: str, unknown: Sequence[bool]) -> str:
+    """Return an interval in words: "none" where the data give no limit, "?" where it is not known."""
     low, high = (
-        format_quantity(float(limit), unit, 4) if math.isfinite(limit) else "?" * open_
-        for limit, open_ in zip(limits, unknown, strict=True)
+        format_quantity(float(limit), unit, 4) if math.isfinite(limit) else "?" * is_unknown
+        for limit, is_unknown in zip(limits, unknown, strict=True)
     )
     if low == high == "?":
         return "not known"
     if "?" in (low, high):
         return f"{low or 'none'} to {high or 'none'}"
     if low and high:
-        number, _, same = low.partition(" ")
-        return f"{number if high.endswith(f' {same}') else low} to {high}"
-    return f"above {low}" if low else f"below {high}" if high else "none"
+        number, _, low_unit = low.partition(" ")
+        return f"{number if high.endswith(f' {low_unit}') else low} to {high}"
+    if low:
+        return f"above {low}"
+    return f"below {high}" if high else "none"
 
 
 class FitAccount(Account):
-    """How a fit is told: with a table of its parameters."""
+    """Reports a fit with a table of its parameters."""
 
     units: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("chi2", "correlation", "freedom", "operating_points", "rows", "scatter", "spread"), "1"
@@ -87,24 +93,24 @@ class FitAccount(Account):
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say of every parameter what the data tell."""
+        """Return a sentence on each parameter: value, interval and status."""
         return {
             name: [f"{value}, 95 %: {limits}; {status}"]
             for name, value, _, _, limits, status in parameter_rows(dataset)
         }
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
-        """Return all that is said."""
+        """Return the sentences on all parameters."""
         return [f"{name}: {text}" for name, (text,) in self.topics(dataset).items()]
 
     @staticmethod
     def lines(dataset: "xr.Dataset") -> list[str]:
-        """Return what the table does not say: the scatter, the strongest correlations, and what they mean."""
+        """Return lines on the scatter, the strongest correlations, and exchangeable parameters."""
         a = dataset.attrs
         largest = float(np.abs(dataset["friction"]).max())
         chi2 = f", chi2 {a['chi2']:.4g}" if "chi2" in a else ""
         points = f"{dataset.sizes['point']} operating point{'s' * (dataset.sizes['point'] > 1)}"
-        said = [
+        lines = [
             f"{dataset.sizes['row']} rows at {points}, {a['freedom']} degrees of freedom"
             f"{chi2}; residuals of {a['scatter']:.3g}, {a['scatter'] / largest:.2%} of the largest friction; "
             f"uncertainties {a['uncertainties']}"
@@ -116,7 +122,7 @@ class FitAccount(Account):
         ]
         if pairs:
             strongest = sorted(pairs, key=lambda pair: -abs(correlation[pair]))[:3]
-            said.append(
+            lines.append(
                 "correlation: "
                 + ", ".join(
                     f"{names[j]} with {names[i]} {_correlation(correlation[i, j])}"
@@ -124,15 +130,15 @@ class FitAccount(Account):
                 )
             )
         for i, j in pairs:
-            if (r := abs(correlation[i, j])) >= _ALIKE:
+            if (r := abs(correlation[i, j])) >= _MIN_EXCHANGEABLE:
                 factor = 1.0 / math.sqrt(max(1.0 - r**2, 1e-24))
-                said.append(
+                lines.append(
                     f"{names[j]} and {names[i]} stand for each other: the data tell a combination of them, and the "
                     f"error of either is {factor:.2g} times what it would be if the other was known; leave out the one "
                     "that is known from elsewhere, or measure where they act differently, at other pressures, "
                     "temperatures or slips"
                 )
-        return said
+        return lines
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the parameters with their errors and intervals."""
@@ -140,19 +146,19 @@ class FitAccount(Account):
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return a fit as plain values; a value without meaning is null, with its status beside it."""
+        """Return a fit as plain values; a value that is not determined is None, with its status."""
         a = dataset.attrs
         others = dataset["with_parameter"].to_numpy().tolist()
         parameters = {}
-        for k, one in enumerate(rows_along(dataset, "parameter")):
+        for k, row in enumerate(rows_along(dataset, "parameter")):
             intervals, statuses, correlation = (
                 dataset[name].to_numpy()[k].tolist()
                 for name in ("interval", "limit_status", "correlation")
             )
-            parameters[one["parameter"]] = {
-                **{name: one[name] for name in ("unit", "meaning", "value", "start_value")},
-                "standard_error": or_none(one["standard_error"]),
-                "status": one["status"],
+            parameters[row["parameter"]] = {
+                **{name: row[name] for name in ("unit", "meaning", "value", "start_value")},
+                "standard_error": or_none(row["standard_error"]),
+                "status": row["status"],
                 "interval 68 %": [*map(or_none, intervals[0])],
                 "interval 95 %": [*map(or_none, intervals[1])],
                 "limit_status": dict(zip(("lower", "upper"), statuses, strict=True)),
@@ -178,6 +184,7 @@ class FitAccount(Account):
 
 
 def _correlation(r: float) -> str:
+    """Return a correlation as text, with more digits close to 1."""
     return f"{r:.3f}" if abs(r) < 0.999 else f"{r:.6f}"
 
 

@@ -1,6 +1,10 @@
-"""Fits parameters of an oil and of a traction model to what a traction rig has measured.
+"""Fit parameters of an oil and of a traction model to friction measured on a traction rig.
 
-A parameter that the data do not see is not fitted but kept, and said to be.
+1. Fit all requested parameters by least squares (`rollslip_campaigns.fit.least_squares`).
+2. Take the parameters without any limit at 95 %. Change each alone by a factor of ten either way; its effect is the
+   largest change of friction.
+3. If the smallest effect does not exceed the scatter of the data, fix this parameter at its initial value, state so in
+   its status, and go on at step 1 without it. Otherwise stop.
 """
 
 import math
@@ -34,48 +38,59 @@ if TYPE_CHECKING:
 
 __all__ = ["plan_fit", "run_fit"]
 
-#: Factor by which a parameter is moved either way, to see whether the data see it at all.
-VARIED: Final = 10.0
+#: Factor by which a parameter is changed either way, to estimate its effect on friction. Doubling it fixes fewer
+#: parameters at their initial values. Chosen: on a logarithmic scale half of the range that is searched.
+EFFECT_FACTOR: Final = 10.0
 
 
 def plan_fit(requested: "FitSettings") -> tuple[RigProblem, list[Parameter]]:
-    """Read data and rig, and return the problem with what is to be fitted."""
-    read = requested.data if isinstance(requested.data, RigData) else read_data(requested.data)
+    """Return the problem that a data file and a rig file state, and the parameters to fit."""
+    data = requested.data if isinstance(requested.data, RigData) else read_data(requested.data)
     rig = requested.rig
     if not isinstance(rig, Rig):
-        rig = load_rig(Path(read.source).with_name("rig.toml") if rig is None else rig)
-    problem = rig_problem(read, rig, requested.traction, requested.film)
+        rig = load_rig(Path(data.source).with_name("rig.toml") if rig is None else rig)
+    problem = rig_problem(data, rig, requested.traction, requested.film)
     return problem, parameters_named(problem, requested.parameters)
 
 
-def run_fit(problem: RigProblem, wanted: list[Parameter], report: Report) -> "xr.Dataset":
-    """Fit."""
-    begin = time.perf_counter()
-    fitted = _fit(problem, wanted, report)
-    return dataset_of(problem, fitted, wanted, time.perf_counter() - begin)
+def run_fit(problem: RigProblem, requested: list[Parameter], report: Report) -> "xr.Dataset":
+    """Return the fit of the requested parameters.
+
+    Parameters
+    ----------
+    problem : RigProblem
+        Measured contacts with oil and models.
+    requested : list of Parameter
+        Parameters to fit; those that the data do not determine are fixed.
+    report : callable
+        Receives the progress: a text, and the fraction that is done.
+    """
+    start = time.perf_counter()
+    fit = _fit(problem, requested, report)
+    return dataset_of(problem, fit, requested, time.perf_counter() - start)
 
 
-def _fit(problem: RigProblem, wanted: list[Parameter], report: Report) -> Fit:
-    """Fit, and again without the parameters that turn out not to matter, one by one."""
-    free = wanted
-    kept = dict[str, str]()
+def _fit(problem: RigProblem, requested: list[Parameter], report: Report) -> Fit:
+    """Fit, and again without the parameters that have no effect, the one with the smallest effect first."""
+    free = requested
+    fixed = dict[str, str]()
     largest = float(np.abs(problem.data.columns["friction"]).max())
     while True:
-        fitted = fit_parameters(problem, free, kept, report=report)
+        fit = fit_parameters(problem, free, fixed, report=report)
         unlimited = [
             k
-            for k, profile in enumerate(fitted.estimate.profiles)
+            for k, profile in enumerate(fit.estimate.profiles)
             if not np.isfinite(profile.limits[-1]).any()
         ]
-        effects = {k: _effect(fitted, k) for k in unlimited}
+        effects = {k: _effect(fit, k) for k in unlimited}
         k, (effect, ends) = min(
             effects.items(), key=lambda item: item[1][0], default=(0, (math.inf, ""))
         )
-        scatter = float(np.sqrt(np.mean(fitted.sigma**2)))
+        scatter = float(np.sqrt(np.mean(fit.sigma**2)))
         if effect > scatter:
-            return fitted
-        kept[free[k].name] = (
-            f"not determined, kept at {free[k].shown(free[k].start)}: from {ends} it changes friction by at most "
+            return fit
+        fixed[free[k].name] = (
+            f"not determined, kept at {free[k].format(free[k].start)}: from {ends} it changes friction by at most "
             f"{100 * effect / largest:.2g} % of its largest value, the data scatter by {100 * scatter / largest:.2g} %"
         )
         free = [p for p in free if p is not free[k]]
@@ -84,38 +99,56 @@ def _fit(problem: RigProblem, wanted: list[Parameter], report: Report) -> Fit:
 def fit_parameters(
     problem: RigProblem,
     free: list[Parameter],
-    kept: Mapping[str, str] = {},
+    fixed: Mapping[str, str] = {},
     *,
     profiles: bool = True,
     report: Report = lambda text, fraction: None,
 ) -> Fit:
-    """Fit some parameters, all of them, with or without their profiles."""
+    """Return the fit of some parameters.
+
+    Parameters
+    ----------
+    problem : RigProblem
+        Measured contacts with oil and models.
+    free : list of Parameter
+        Parameters to fit.
+    fixed : mapping
+        Statuses of parameters that are not fitted, by name.
+    profiles : bool
+        Whether likelihood profiles are followed.
+    report : callable
+        Receives the progress.
+    """
     measured = problem.data.columns["friction"]
     uncertainty = problem.data.columns.get("friction_uncertainty")
-    # without uncertainties all rows weigh alike; the size keeps residuals of order 1
+    # without uncertainties all rows have the same weight; the size keeps residuals of order 1
     size = float(np.sqrt(np.mean(measured**2))) or 1.0
     weight = np.full(measured.size, size) if uncertainty is None else uncertainty
     residuals = partial(misfit, problem, free, weight)
     known = uncertainty is not None
     estimated = estimate(residuals, *bounds_of(free), known=known, profiles=profiles, report=report)
-    return Fit(problem=problem, parameters=free, weight=weight, kept=dict(kept), estimate=estimated)
+    return Fit(
+        problem=problem, parameters=free, weight=weight, fixed=dict(fixed), estimate=estimated
+    )
 
 
-def _effect(fitted: Fit, k: int) -> tuple[float, str]:
-    """Largest change of friction by a parameter alone, infinite where the law has no value, and how far it moved."""
-    parameter = fitted.parameters[k]
-    best = fitted.estimate.best.x
+def _effect(fit: Fit, k: int) -> tuple[float, str]:
+    """Return the largest change of friction by parameter k alone, and its range; infinite if the law has no value."""
+    parameter = fit.parameters[k]
+    best = fit.estimate.best.x
     changes = list[Array]()
     ends = list[str]()
-    here = fitted.friction(best)
+    friction = fit.friction(best)
     for sign in (-1.0, 1.0):
         x = best.copy()
         x[k] = np.clip(
-            x[k] + sign * math.log(VARIED), parameter.x(parameter.low), parameter.x(parameter.high)
+            x[k] + sign * math.log(EFFECT_FACTOR),
+            parameter.x(parameter.low),
+            parameter.x(parameter.high),
         )
-        ends.append(parameter.shown(parameter.value(x[k])))
+        ends.append(parameter.format(parameter.value(x[k])))
         try:
-            changes.append(fitted.friction(x) - here)
+            changes.append(fit.friction(x) - friction)
         except (FieldError, DomainError):
             return math.inf, ""
     return float(np.abs(changes).max()), " to ".join(ends)

@@ -1,14 +1,20 @@
-"""Least squares with an account of what the data tell: several starts, covariance, profile likelihood.
+"""Nonlinear least squares in bounds with uncertainty: multiple starts, covariance, and profile likelihood.
 
-Decisions:
+1. Minimise the sum of squares from the origin and from eight starts around it, which are the points of an additive
+   recurrence (a low-discrepancy sequence), by the trust-region method "dogbox" of `scipy.optimize.least_squares`.
+2. Take the lowest minimum. Its Jacobian gives the covariance, which is exact for a linear law, and the principal
+   directions by a singular value decomposition.
+3. For each parameter, walk from the minimum to both sides, with all others fitted anew, until chi2 has risen by the
+   95 % quantile (profile likelihood). Steps grow by half, and shrink to a quarter where the walk is stopped.
+4. Find the limits by Brent's method between the points of the walk where chi2 passes the quantiles.
+5. If a profile comes below the minimum, minimise from there and go on at step 2.
 
-- Coordinates are such that 1 is a large step (`rollslip_campaigns.fit.fit` takes the logarithm over the start), and the
-  search is bounded: a parameter that the data do not see must not run away.
-- The covariance of the Jacobian takes the law for linear. The profile does not: it follows one parameter, with all
-  others fitted anew at each of its values, until chi2 has risen by the quantile. Where it does not, there is no limit,
-  or none is known, because another has met a bound or the law has no value there.
+- Coordinates are such that 1 is a large step (`rollslip_campaigns.fit.problem` takes the logarithm over the start). The
+  search is bounded, so that a parameter which does not change the residuals cannot diverge.
+- A side has no limit where chi2 does not rise, and an unknown limit where another parameter meets its bound or the law
+  has no value.
 - A residual function returns NaN where the law has no value; the search turns back there.
-- Nothing here knows of oil.
+- Nothing in this module depends on oils.
 """
 
 import math
@@ -26,26 +32,127 @@ from rollslip.search import Array
 
 Indices = NDArray[np.intp]
 Residuals = Callable[[Array], Array]
-#: Told how far something is, in words and as a share.
+#: Receives progress: a text, and the fraction that is done.
 Report: TypeAlias = Callable[[str, float], None]
+#: Why a side of a profile has no limit: see `LikelihoodProfile.stops`.
 Stop: TypeAlias = tuple[int, ...] | None
 
-#: Of the intervals: one standard deviation of a normal distribution, and 95 %.
+#: Levels of confidence of the intervals: one standard deviation of a normal distribution, and 95 %.
 LEVELS: Final = (math.erf(math.sqrt(0.5)), 0.95)
-#: Points of a profile on either side of the estimate.
+#: Points of a profile on either side of the estimate; for drawing only. Each costs a search; chosen.
 PROFILE_POINTS: Final = 15
 
-_STEP = 1e-5  # of the central difference: its two errors are both about 1e-11
-_EVALUATIONS = 200  # of a search, far more than one that converges needs
-_OTHER_STARTS = 8
-_SPREAD = math.log(5.0)  # of the other starts
-_RANK = 1e-9  # singular values below this share of the largest are rounding
-_ROUNDING = 1e-9  # share of the data below which residuals are rounding
+
+@attrs.frozen
+class _SearchSettings:
+    """Settings of one minimisation, and of its starts.
+
+    Attributes
+    ----------
+    step : float
+        Step of the central differences of the Jacobian, in coordinates of order 1. The error of truncation, step^2, and
+        that of rounding, 1e-16/step, are then both about 1e-11; doubling it makes truncation four times larger.
+    max_evaluations : int
+        Evaluations of the residuals by one search; far more than a search that converges needs. Doubling it delays the
+        error of one that does not.
+    other_starts : int
+        Starts around the origin. Doubling it finds more of the other minima in twice the time; chosen.
+    spread : float
+        Half width of the cube of these starts: a factor of 5 in a logarithmic parameter. Chosen; a larger one starts
+        where laws have no value.
+    ftol, xtol, gtol : float
+        Relative tolerances of chi2, of x, and of the gradient in SciPy's search: close to rounding, because a profile
+        compares values of chi2 that differ by 1e-3 of the variance.
+    """
+
+    step: float = 1e-5
+    max_evaluations: int = 200
+    other_starts: int = 8
+    spread: float = math.log(5.0)
+    ftol: float = 1e-12
+    xtol: float = 1e-10
+    gtol: float = 1e-12
+
+
+_SEARCH: Final = _SearchSettings()
+
+
+@attrs.frozen
+class _UncertaintySettings:
+    """Limits between what residuals determine and rounding.
+
+    Attributes
+    ----------
+    rank : float
+        Singular values of the Jacobian below this fraction of the largest are rounding: differences have errors of
+        1e-11. Doubling it changes nothing except for nearly degenerate parameters.
+    min_scale : float
+        Smallest standard deviation of a residual, where data fit exactly: rounding of friction over its size.
+    min_part : float
+        Part of a parameter in an undetermined direction above which the parameter has no covariance. Chosen; smaller
+        parts are rounding of directions.
+    bound_distance : float
+        Distance from a bound, in coordinates of order 1, below which a parameter is at this bound. Chosen; searches end
+        within 1e-10.
+    bound_slope : float
+        Fall of chi2, in variances per unit of x beyond a bound, above which the bound is active. Chosen: far below the
+        quantiles, so that an active bound does not change a limit unnoticed.
+    """
+
+    rank: float = 1e-9
+    min_scale: float = 1e-9
+    min_part: float = 1e-4
+    bound_distance: float = 1e-6
+    bound_slope: float = 0.1
+
+
+_UNCERTAINTY: Final = _UncertaintySettings()
+
+
+@attrs.frozen
+class _ProfileSettings:
+    """Walk along a profile.
+
+    Attributes
+    ----------
+    max_step : float
+        Largest first step, in coordinates of order 1; the first step is half the way to the limit of the largest
+        quantile by the covariance, if that is shorter. Doubling it saves searches and misses rises in between.
+    unknown_step : float
+        First step of a parameter without a covariance. Chosen.
+    growth : float
+        Factor of a step after the previous one. Doubling it reaches flat ends sooner, with a coarser walk.
+    shrinkage : float
+        Factor of a step after a point without a value, or with another parameter at a bound.
+    min_step : float
+        Fraction of the first step at which shrinking stops: five times a quarter.
+    lower_minimum : float
+        Fall of chi2 below the minimum, in variances, that counts as a lower minimum rather than as rounding.
+    crossing_tolerance : float
+        Tolerance of a limit, as a fraction of the step of the walk.
+    reach : float
+        Extent of the drawn curve over the distance of the limit.
+    open_reach : float
+        Extent of the drawn curve where there is no limit: a factor of ten in a logarithmic parameter.
+    """
+
+    max_step: float = 0.25
+    unknown_step: float = 0.05
+    growth: float = 1.5
+    shrinkage: float = 4.0
+    min_step: float = 1e-3
+    lower_minimum: float = 1e-3
+    crossing_tolerance: float = 1e-6
+    reach: float = 1.2
+    open_reach: float = math.log(10.0)
+
+
+_PROFILE: Final = _ProfileSettings()
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class Minimum:
-    """Where a search ended: ``x``, its residuals and their Jacobian."""
+    """The end of a search: its start, ``x``, chi2, residuals (n,) and their Jacobian (n, parameters)."""
 
     start: Array
     x: Array
@@ -66,10 +173,10 @@ class LikelihoodProfile:
     limits : ndarray
         Shape (level, side), NaN where there is none.
     ends : tuple of float
-        Lowest and highest x looked at.
+        Lowest and highest x of the walk.
     stops : tuple
-        Why each side ended there without a limit: the other parameters that were held by a bound of theirs, none where
-        x itself met its bound; None where the law has no value beyond.
+        Why each side ended there without a limit: the other parameters whose bounds were active, none where x itself
+        met its bound; None where the law has no value beyond.
     """
 
     x: Array
@@ -88,16 +195,16 @@ class LeastSquaresEstimate:
     best : Minimum
         The lowest minimum found.
     others : tuple of Minimum or None
-        Where the searches ended, that from the origin first; None where the law has no value at the start.
+        Ends of the searches, that from the origin first; None where the law has no value at the start.
     freedom : int
         Degrees of freedom.
     scale : float
         Standard deviation of a residual: 1 if it is known, otherwise estimated.
     covariance : ndarray
-        Of x, NaN for parameters without one.
+        Covariance of x, (parameters, parameters); NaN for parameters without one.
     spread, directions : ndarray
-        Standard deviations along the principal directions of the Jacobian, ascending, and these, shape (direction,
-        parameter); infinite where the data do not tell.
+        Standard deviations along the principal directions of the Jacobian, ascending, and these directions, shape
+        (direction, parameter); infinite where the data do not determine a direction.
     quantiles : tuple of float
         Rise of chi2 over the variance at which the intervals of `LEVELS` end.
     profiles : tuple of LikelihoodProfile
@@ -115,8 +222,8 @@ class LeastSquaresEstimate:
     profiles: tuple[LikelihoodProfile, ...]
 
 
-class _LowerFoundError(Exception):
-    """The profile came below the minimum; ``x`` is where."""
+class _LowerMinimumError(Exception):
+    """A profile came below the minimum, at ``x``."""
 
     def __init__(self, x: Array) -> None:
         self.x = x
@@ -131,31 +238,37 @@ def estimate(
     profiles: bool = True,
     report: Report = lambda text, fraction: None,
 ) -> LeastSquaresEstimate:
-    """Minimise squared residuals from the origin and from eight starts around it, and tell the uncertainty."""
+    """Return the lowest minimum of squared residuals from nine starts, with its uncertainty.
+
+    Parameters
+    ----------
+    residuals : callable
+        Residuals (n,) at coordinates (parameters,); NaN where the law has no value.
+    low, high : array
+        Bounds of the coordinates, (parameters,).
+    known : bool
+        Whether the standard deviation of a residual is 1; otherwise it is estimated.
+    profiles : bool
+        Whether profiles are followed.
+    report : callable
+        Receives the progress.
+
+    Raises
+    ------
+    ConvergenceError
+        If the search from the best start does not converge.
+    """
     count = low.size
-    # a sequence that fills the cube evenly: powers of the root of g^(d + 1) = g + 1
-    root = 2.0
-    for _ in range(50):
-        root = (1.0 + root) ** (1.0 / (count + 1))
-    points = np.outer(np.arange(1, _OTHER_STARTS + 1), root ** -np.arange(1.0, count + 1)) % 1.0
-    around = np.clip(_SPREAD * (2.0 * points - 1.0), low, high) if count else np.zeros((0, 0))
-    # following a profile takes about as many searches as there are parameters
-    searches = 1 + len(around)
-    each = count
-    total = searches + count * each * profiles
-
-    def searched(number: int, start: Array) -> Minimum | None:
-        report(f"search {number + 1} of {searches}", number / total)
-        return minimise(residuals, start, low, high)
-
-    def followed(k: int) -> LikelihoodProfile:
-        report(f"profile {k + 1} of {count}", (searches + k * each) / total)
-        return _profile(
-            residuals, best, k, low, high, scale, quantiles, math.sqrt(covariance[k, k])
-        )
-
-    minima = tuple(searched(number, x) for number, x in enumerate((np.zeros(count), *around)))
-    best = min((one for one in minima if one is not None), key=lambda one: one.chi2)
+    starts = _starts(low, high)
+    # a profile takes about as many searches as there are parameters
+    total = len(starts) + count * count * profiles
+    minima = list[Minimum | None]()
+    for number, start in enumerate(starts):
+        report(f"search {number + 1} of {len(starts)}", number / total)
+        minima.append(minimise(residuals, start, low, high))
+    best = min(
+        (minimum for minimum in minima if minimum is not None), key=lambda minimum: minimum.chi2
+    )
     while True:
         if not best.converged:
             raise ConvergenceError(
@@ -163,31 +276,48 @@ def estimate(
                 "start nearer"
             )
         freedom = best.residuals.size - count
-        scale = 1.0 if known else max(math.sqrt(best.chi2 / freedom), _ROUNDING)
+        scale = 1.0 if known else max(math.sqrt(best.chi2 / freedom), _UNCERTAINTY.min_scale)
         covariance, spread, directions = _uncertainty(best.jacobian, scale)
         quantiles = _quantiles(freedom, known=known)
+        curves = list[LikelihoodProfile]()
         try:
-            curves = tuple(followed(k) for k in range(count if profiles else 0))
-        except _LowerFoundError as lower:
-            better = minimise(residuals, lower.x, low, high)
-            assert better is not None  # the profile has been there
-            best = better
+            for k in range(count if profiles else 0):
+                report(f"profile {k + 1} of {count}", (len(starts) + k * count) / total)
+                walk = _ProfileWalk(residuals, best, k, low, high, scale)
+                curves.append(walk.profile(quantiles, math.sqrt(covariance[k, k])))
+        except _LowerMinimumError as lower:
+            minimum = minimise(residuals, lower.x, low, high)
+            assert minimum is not None  # the law has a value there
+            best = minimum
             continue
         return LeastSquaresEstimate(
             best=best,
-            others=minima,
+            others=tuple(minima),
             freedom=freedom,
             scale=scale,
             covariance=covariance,
             spread=spread,
             directions=directions,
             quantiles=quantiles,
-            profiles=curves,
+            profiles=tuple(curves),
         )
 
 
+def _starts(low: Array, high: Array) -> list[Array]:
+    """Return the origin and the starts around it, by an additive recurrence that fills the cube evenly."""
+    count = low.size
+    if not count:
+        return [np.zeros(0)]
+    root = 2.0  # of g^(d + 1) = g + 1, by fixed-point iteration to rounding
+    for _ in range(50):
+        root = (1.0 + root) ** (1.0 / (count + 1))
+    numbers = np.arange(1, _SEARCH.other_starts + 1)
+    points = np.outer(numbers, root ** -np.arange(1.0, count + 1)) % 1.0
+    return [np.zeros(count), *np.clip(_SEARCH.spread * (2.0 * points - 1.0), low, high)]
+
+
 def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Minimum | None:
-    """Return where a search ends, or None if the law has no value at its start."""
+    """Return the end of a search from a start in bounds, or None if the law has no value at its start."""
     from scipy.optimize import least_squares
 
     first = residuals(start)
@@ -206,10 +336,10 @@ def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Min
         bounds=(low, high),
         method="dogbox",  # trf creeps towards a bound
         x_scale="jac",
-        ftol=1e-12,
-        xtol=1e-10,
-        gtol=1e-12,
-        max_nfev=_EVALUATIONS,
+        ftol=_SEARCH.ftol,
+        xtol=_SEARCH.xtol,
+        gtol=_SEARCH.gtol,
+        max_nfev=_SEARCH.max_evaluations,
     )
     return Minimum(
         start=start,
@@ -222,131 +352,153 @@ def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Min
 
 
 def _jacobian(residuals: Residuals, x: Array) -> Array:
-    """Central differences; one-sided at the edge of where the law has a value."""
+    """Return the Jacobian by central differences; one-sided where the law has no value on one side."""
     columns = []
     for k in range(x.size):
         step = np.zeros_like(x)
-        step[k] = _STEP
+        step[k] = _SEARCH.step
         above = residuals(x + step)
         below = residuals(x - step)
         here = None if np.all(np.isfinite(above)) and np.all(np.isfinite(below)) else residuals(x)
         if here is None:
-            columns.append((above - below) / (2 * _STEP))
+            columns.append((above - below) / (2 * _SEARCH.step))
         else:
-            columns.append(np.where(np.isfinite(above), above - here, here - below) / _STEP)
+            columns.append(np.where(np.isfinite(above), above - here, here - below) / _SEARCH.step)
     return np.nan_to_num(np.column_stack(columns))
 
 
 def _uncertainty(jacobian: Array, scale: float) -> tuple[Array, Array, Array]:
-    """Covariance, standard deviations along the principal directions (ascending) and these."""
+    """Return the covariance, the standard deviations along the principal directions (ascending), and these."""
     _, values, directions = np.linalg.svd(jacobian, full_matrices=False)
-    seen = values > _RANK * values.max(initial=0.0)
+    determined = values > _UNCERTAINTY.rank * values.max(initial=0.0)
     spread = np.full(values.size, np.inf)
-    spread[seen] = scale / values[seen]
-    part = directions[seen] * spread[seen, None]
+    spread[determined] = scale / values[determined]
+    part = directions[determined] * spread[determined, None]
     covariance = part.T @ part
-    blind = np.any(np.abs(directions[~seen]) > 1e-4, axis=0)
-    covariance[blind, :] = covariance[:, blind] = np.nan
+    undetermined = np.any(np.abs(directions[~determined]) > _UNCERTAINTY.min_part, axis=0)
+    covariance[undetermined, :] = covariance[:, undetermined] = np.nan
     return covariance, spread, directions
 
 
 def _quantiles(freedom: int, *, known: bool) -> tuple[float, ...]:
-    """Quantiles of chi2 with one degree of freedom, or of F(1, n - p) where the variance is estimated."""
+    """Return the quantiles of chi2 with one degree of freedom, or of F(1, n - p) where the variance is estimated."""
     from scipy.special import ndtri, stdtrit
 
     upper = [(1.0 + level) / 2.0 for level in LEVELS]
     return tuple(float(ndtri(p) if known else stdtrit(freedom, p)) ** 2 for p in upper)
 
 
-def _held(minimum: Minimum, low: Array, high: Array, scale: float) -> Indices:
-    """Parameters at a bound, beyond which chi2 would fall by more than a tenth of a variance for each unit of x."""
-    fall = np.abs(minimum.jacobian.T @ minimum.residuals) * 2 / scale**2
-    at_bound = (minimum.x - low < 1e-6) | (high - minimum.x < 1e-6)
-    return np.flatnonzero(at_bound & (fall > 0.1))
+def _active_bounds(minimum: Minimum, low: Array, high: Array, scale: float) -> Indices:
+    """Return the parameters at a bound beyond which chi2 would fall."""
+    slope = np.abs(minimum.jacobian.T @ minimum.residuals) * 2 / scale**2
+    distance = _UNCERTAINTY.bound_distance
+    at_bound = (minimum.x - low < distance) | (high - minimum.x < distance)
+    return np.flatnonzero(at_bound & (slope > _UNCERTAINTY.bound_slope))
 
 
-def _crossing(rise: Callable[[float], float], quantile: float, near: float, far: float) -> float:
-    """Where the rise passes a quantile."""
-    from scipy.optimize import brentq
+@attrs.define(eq=False)
+class _ProfileWalk:
+    """Walk along the profile of parameter k of a minimum."""
 
-    return float(
-        brentq(lambda value: rise(value) - quantile, near, far, xtol=1e-6 * abs(far - near))
-    )
+    residuals: Residuals
+    best: Minimum
+    k: int
+    low: Array
+    high: Array
+    scale: float
+    #: The other parameters by the value of k at which they were fitted: starts of the next searches.
+    others: dict[float, Array] = attrs.field(init=False)
+    #: Values of k at which chi2 rises only because the others meet their bounds.
+    bounded: dict[float, Stop] = attrs.field(factory=dict, init=False)
 
+    def __attrs_post_init__(self) -> None:
+        self.others = {float(self.best.x[self.k]): np.delete(self.best.x, self.k)}
 
-def _profile(
-    residuals: Residuals,
-    best: Minimum,
-    k: int,
-    low: Array,
-    high: Array,
-    scale: float,
-    quantiles: tuple[float, ...],
-    error: float,
-) -> LikelihoodProfile:
-    """Follow parameter k to both sides, until chi2 has risen by the largest quantile or the search ends."""
-    rest = np.delete(best.x, k)
-    at = {float(best.x[k]): rest}  # the others, where they were fitted last
-    bounded = dict[float, Stop]()  # where chi2 rises only because the search of others ends
-
-    def rise(value: float) -> float:
-        """Rise of chi2 over the variance; infinite where the law has no value."""
-        near = at[min(at, key=lambda known: abs(known - value))]
-        lowest = minimise(
-            lambda x: residuals(np.insert(x, k, value)), near, np.delete(low, k), np.delete(high, k)
-        )
-        if lowest is None:
+    def rise(self, value: float) -> float:
+        """Return the rise of chi2 over the variance at a value of k; infinite where the law has no value."""
+        k = self.k
+        start = self.others[min(self.others, key=lambda fitted: abs(fitted - value))]
+        low = np.delete(self.low, k)
+        high = np.delete(self.high, k)
+        minimum = minimise(lambda x: self.residuals(np.insert(x, k, value)), start, low, high)
+        if minimum is None:
             return math.inf
-        risen = (lowest.chi2 - best.chi2) / scale**2
-        if risen < -1e-3:
-            raise _LowerFoundError(np.insert(lowest.x, k, value))
-        at[value] = lowest.x
-        held = _held(lowest, np.delete(low, k), np.delete(high, k), scale)
-        if held.size:
-            bounded[value] = tuple(int(j) for j in held + (held >= k))
-        return max(risen, 0.0)
+        rise = (minimum.chi2 - self.best.chi2) / self.scale**2
+        if rise < -_PROFILE.lower_minimum:
+            raise _LowerMinimumError(np.insert(minimum.x, k, value))
+        self.others[value] = minimum.x
+        active = _active_bounds(minimum, low, high, self.scale)
+        if active.size:
+            self.bounded[value] = tuple(int(j) for j in active + (active >= k))
+        return max(rise, 0.0)
 
-    limits = np.full((len(quantiles), 2), np.nan)
-    ends = []
-    stops = list[Stop]()
-    sides = []
-    for side, (sign, bound) in enumerate(((-1.0, low[k]), (1.0, high[k]))):
-        inside = float(best.x[k])
-        last = 0.0
+    def profile(self, quantiles: tuple[float, ...], error: float) -> LikelihoodProfile:
+        """Return the profile, from a walk to both sides; `error` is the standard error of k, or NaN."""
+        k = self.k
+        best = self.best.x[k]
+        limits = np.full((len(quantiles), 2), np.nan)
+        ends = list[float]()
+        stops = list[Stop]()
+        sides = []
+        for side, (sign, bound) in enumerate(((-1.0, self.low[k]), (1.0, self.high[k]))):
+            walk, stop = self._walk(sign, quantiles[-1], error)
+            end, last = walk[-1]
+            for level, quantile in enumerate(quantiles):
+                limits[level, side] = self._limit(walk, quantile)
+            ends.append(end)
+            stops.append(() if end == bound or last >= quantiles[-1] else stop)
+            limit = limits[-1, side]
+            reach = _PROFILE.open_reach
+            if np.isfinite(limit):
+                reach = _PROFILE.reach * abs(limit - best)
+            edge = float(best) + sign * min(reach, abs(end - best))
+            x = np.linspace(best, edge, PROFILE_POINTS + 1)[1:]
+            sides.append(np.column_stack((x, [self.rise(float(value)) for value in x])))
+        curve = np.concatenate((sides[0][::-1], [[best, 0.0]], sides[1]))
+        return LikelihoodProfile(
+            x=curve[:, 0],
+            rise=curve[:, 1],
+            limits=limits,
+            ends=(ends[0], ends[1]),
+            stops=(stops[0], stops[1]),
+        )
+
+    def _walk(
+        self, sign: float, quantile: float, error: float
+    ) -> tuple[list[tuple[float, float]], Stop]:
+        """Return the points (value, rise) of one side, and what stopped the last step that was refused."""
+        low = self.low[self.k]
+        high = self.high[self.k]
+        bound = low if sign < 0.0 else high
+        value = float(self.best.x[self.k])
+        rise = 0.0
         stop: Stop = ()
-        step = min(math.sqrt(quantiles[-1]) * error / 2, 0.25) if error > 0.0 else 0.05
-        least = 1e-3 * step
-        # the parts of the walk, between which chi2 rises through a quantile
-        walk = [(inside, 0.0)]
-        while last < quantiles[-1] and inside != bound and step > least:
-            outside = float(np.clip(inside + sign * step, low[k], high[k]))
-            risen = rise(outside)
-            if math.isinf(risen) or outside in bounded:
-                step = step / 4
-                stop = bounded.get(outside)
+        step = _PROFILE.unknown_step
+        if error > 0.0:
+            step = min(math.sqrt(quantile) * error / 2, _PROFILE.max_step)
+        smallest = _PROFILE.min_step * step
+        walk = [(value, 0.0)]
+        while rise < quantile and value != bound and step > smallest:
+            trial = float(np.clip(value + sign * step, low, high))
+            trial_rise = self.rise(trial)
+            if math.isinf(trial_rise) or trial in self.bounded:
+                step = step / _PROFILE.shrinkage
+                stop = self.bounded.get(trial)
                 continue
-            inside = outside
-            last = risen
-            step = 1.5 * step
-            walk.append((inside, last))
-        for level, quantile in enumerate(quantiles):
-            for (near, before), (far, after) in pairwise(walk):
-                if before < quantile <= after:
-                    limits[level, side] = _crossing(rise, quantile, near, far)
-                    break
-        ends.append(inside)
-        stops.append(() if inside == bound or last >= quantiles[-1] else stop)
-        # drawn a little beyond the limit, and to a tenth or ten times where there is none
-        shown = limits[-1, side]
-        reach = 1.2 * abs(shown - best.x[k]) if np.isfinite(shown) else math.log(10.0)
-        edge = float(best.x[k]) + sign * min(reach, abs(inside - best.x[k]))
-        x = np.linspace(best.x[k], edge, PROFILE_POINTS + 1)[1:]
-        sides.append(np.column_stack((x, [rise(float(value)) for value in x])))
-    curve = np.concatenate((sides[0][::-1], [[best.x[k], 0.0]], sides[1]))
-    return LikelihoodProfile(
-        x=curve[:, 0],
-        rise=curve[:, 1],
-        limits=limits,
-        ends=(ends[0], ends[1]),
-        stops=(stops[0], stops[1]),
-    )
+            value = trial
+            rise = trial_rise
+            step = _PROFILE.growth * step
+            walk.append((value, rise))
+        return walk, stop
+
+    def _limit(self, walk: list[tuple[float, float]], quantile: float) -> float:
+        """Return where the rise first passes a quantile, by Brent's method; NaN where it does not."""
+        from scipy.optimize import brentq
+
+        for (near, before), (far, after) in pairwise(walk):
+            if before < quantile <= after:
+                tolerance = _PROFILE.crossing_tolerance * abs(far - near)
+                return float(
+                    brentq(lambda value: self.rise(value) - quantile, near, far, xtol=tolerance)
+                )
+        return math.nan

@@ -1,4 +1,4 @@
-"""The fitted oil as a file that a scene can use: the ``[lubricant]`` table of the rig file with the fitted values."""
+"""Write the fitted oil as a file for scenes: the ``[lubricant]`` table of the rig file with the fitted values."""
 
 import json
 import os
@@ -49,9 +49,9 @@ def write_oil(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
 
 
 def _toml(value: Any) -> str:
-    """A value as TOML; numbers with all their digits."""
+    """Return a value as TOML; numbers with all their digits."""
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{key} = {_toml(inner)}" for key, inner in value.items()) + " }"
     if isinstance(value, list):
         return "[" + ", ".join(map(_toml, value)) + "]"
-    return json.dumps(value, ensure_ascii=False)  # its texts and numbers are TOML's too
+    return json.dumps(value, ensure_ascii=False)  # texts and numbers are the same in TOML

@@ -1,10 +1,11 @@
-"""The contacts that a rig has measured, under the laws that bearings run, and what of these laws can be fitted.
+"""State the problem of a fit: measured contacts of a rig, the laws that bearings use, and the parameters of these laws.
 
-- What is fitted is the chain that bearings run, contact, film, oil and traction in their compiled form. A measured film
-  takes the place of the film model.
-- Positive parameters are fitted as logarithms: errors are shares, and nothing turns negative.
-- alpha keeps its course with temperature: `pressure_viscosity` is fitted as its factor, and told as the value at the
-  median temperature of the data. A constant would lose gamma, on which the heating of the film depends.
+- The law is the chain that bearings use: contact, film, oil and traction in their compiled form. A measured film takes
+  the place of the film model.
+- Positive parameters are fitted as logarithms, so that errors are relative and values stay positive.
+- The pressure-viscosity coefficient alpha keeps its dependence on temperature: `pressure_viscosity` is fitted as a
+  factor of it, and reported as the value at the median temperature of the data. A constant alpha would lose gamma, on
+  which the heating of the film depends.
 """
 
 import math
@@ -33,20 +34,24 @@ from rollslip_campaigns.measurement.rig import Rig, RigData
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 Indices = NDArray[np.intp]
+#: A model: its name, a table with ``model`` and its parameters, or an object.
 Raw: TypeAlias = str | Mapping[str, object] | SliceModel
 
-#: Rows belong to one operating point if they differ from the next one by less: K, and shares of load and speed.
-SAME: Final = (1.0, 0.03, 0.03)
-#: Factor from their start to both ends of the range in which parameters are searched.
-SEARCH: Final = 100.0
+#: Gaps of temperature [K] and of the logarithms of load and rolling speed, above which sorted rows belong to different
+#: operating points. Doubling one merges operating points; chosen to exceed the scatter of a controlled rig and to stay
+#: below the steps of its operation.
+OPERATING_POINT_GAPS: Final = (1.0, 0.03, 0.03)
+#: Factor from the initial value of a parameter to both bounds of its search. Doubling it finds values further away and
+#: starts searches where laws have no value; chosen.
+SEARCH_FACTOR: Final = 100.0
 
 
-# What is measured, under the laws -----------------------------------------------------------------------------------
+# Measured contacts -----------------------------------------------------------------------------------------------
 
 
 @attrs.define(eq=False, kw_only=True)
 class RigProblem:
-    """The measured contacts, with oil and models; `film` is None where the film is measured."""
+    """Measured contacts with oil and models; `film` is None where the film is measured."""
 
     data: RigData
     rig: Rig
@@ -99,14 +104,14 @@ class RigProblem:
         return {"contact": self.contact, **film, "traction": self.traction}
 
     def chain_of(self, traction: TractionModel) -> Chain:
-        """Return the bound stages with a traction model."""
+        """Return the bound chain of laws with a traction model."""
         law = self.lubricant.pressure_viscosity_law
         *before, last = ({**self.models, "traction": traction}).values()
         slopes = self.lubricant.slopes
         return Chain(*(with_law(model, law) for model in before), law, with_law(last, law, slopes))
 
     def conditions(self, lubricant: Lubricant, temperature: float) -> Conditions:
-        """Return what the contacts of one temperature share."""
+        """Return the conditions that all contacts of one temperature have in common."""
         contact = self.rig.rig
         return Conditions(
             length=math.nan if contact.length is None else contact.length,
@@ -118,7 +123,7 @@ class RigProblem:
         )
 
     def friction(self, lubricant: Lubricant, chain: Chain) -> Array:
-        """Return the friction of all rows; the tables keep what led to it."""
+        """Return the friction of all rows; film and pressure remain in `tables`."""
         friction = np.empty(len(self.data))
         for temperature, rows, slices in self.tables:
             slices.conditions = self.conditions(lubricant, temperature)
@@ -131,7 +136,17 @@ class RigProblem:
 def rig_problem(
     data: RigData, rig: Rig, traction: Raw | None = None, film: Raw | None = None
 ) -> RigProblem:
-    """Put the measured contacts under the laws of a rig file, or under other models."""
+    """Return the problem of measured contacts with the models of a rig file, or with other models.
+
+    Parameters
+    ----------
+    data : RigData
+        Measured friction.
+    rig : Rig
+        Geometry, oil and models.
+    traction, film : str, mapping or SliceModel, optional
+        Models in place of those of the rig file.
+    """
     where = Location(rig.origins)
     problems = list[str]()
     measured = "film_thickness" in data.columns
@@ -171,7 +186,7 @@ def _model(
     problems: list[str],
     constants: Any,
 ) -> Any:
-    """Return the model that is asked for, or else that of the rig file; its parameters there hold for its name."""
+    """Return the requested model, by default that of the rig file, whose parameters apply to its name."""
     if given is None or given == choice.name:
         raw = {"model": choice.name, **choice.parameters}
         return structure_model(kind, raw, where.at("models").at(kind), problems, constants)
@@ -179,7 +194,7 @@ def _model(
 
 
 def _check(problem: RigProblem, where: Location) -> None:
-    """Refuse temperatures outside the oil's range, and models that read what is not given."""
+    """Raise `SceneError` for temperatures outside the range of the oil, and for data that models need and lack."""
     problems = []
     for temperature, rows, _ in problem.tables:
         try:
@@ -206,17 +221,19 @@ def _check(problem: RigProblem, where: Location) -> None:
 
 
 def operating_points(problem: RigProblem) -> list[Indices]:
-    """Rows that a rig held at one temperature, load and speed, each set in the order of slip."""
+    """Return the rows of each operating point (one temperature, load and speed), in the order of slip."""
     c = problem.data.columns
     sets = [np.arange(len(problem.data))]
     for values, gap in zip(
-        (c["temperature"], np.log(problem.load), np.log(c["rolling_speed"])), SAME, strict=True
+        (c["temperature"], np.log(problem.load), np.log(c["rolling_speed"])),
+        OPERATING_POINT_GAPS,
+        strict=True,
     ):
-        parted = []
+        split = []
         for rows in sets:
             ordered = rows[np.argsort(values[rows], kind="stable")]
-            parted += np.split(ordered, np.flatnonzero(np.diff(values[ordered]) > gap) + 1)
-        sets = parted
+            split += np.split(ordered, np.flatnonzero(np.diff(values[ordered]) > gap) + 1)
+        sets = split
     return [rows[np.argsort(c["slide_roll_ratio"][rows], kind="stable")] for rows in sets]
 
 
@@ -225,10 +242,20 @@ def operating_points(problem: RigProblem) -> list[Indices]:
 
 @attrs.frozen(kw_only=True)
 class Parameter:
-    """What can be fitted: its value is ``unit_value`` times what stands under ``key`` of the oil or the traction model.
+    """Parameter of the oil or of the traction model that can be fitted.
 
-    ``x`` is its coordinate in the fit: the logarithm of its value over the start, or, for one that may change its sign,
-    its change over the size of the start.
+    Attributes
+    ----------
+    name, unit, doc : str
+        Name, SI unit and description.
+    start, low, high : float
+        Initial value, and bounds of the search.
+    key : tuple of str
+        Field of the oil, or path of fields of the traction model.
+    of_oil : bool
+        Whether it belongs to the oil.
+    unit_value : float
+        Value of the parameter over that of the field.
     """
 
     name: str
@@ -243,16 +270,16 @@ class Parameter:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether it stays positive."""
+        """Whether it stays positive, so that its logarithm is fitted."""
         return self.low > 0.0
 
     @property
     def size(self) -> float:
-        """What a change of 1 of ``x`` means for one that may change its sign."""
+        """Change of the value for a change of 1 of the coordinate, where the sign may change."""
         return abs(self.start) or 1.0
 
     def value(self, x: Any) -> Any:
-        """Return the values of coordinates."""
+        """Return the values at coordinates: logarithms of the ratio to the initial value, or changes over the size."""
         return self.start * np.exp(x) if self.logarithmic else self.start + self.size * x
 
     def x(self, value: float) -> float:
@@ -261,33 +288,36 @@ class Parameter:
             math.log(value / self.start) if self.logarithmic else (value - self.start) / self.size
         )
 
-    def shown(self, value: float) -> str:
-        """Show a value to people."""
+    def format(self, value: float) -> str:
+        """Return a value with its unit, as text."""
         return format_quantity(value, self.unit, 4)
 
 
-def _search(start: float, low: float | None, high: float | None) -> dict[str, float]:
-    """Ends of the search within the limits of a field; the lower one is positive for a parameter that stays so."""
+def _search_bounds(start: float, low: float | None, high: float | None) -> dict[str, float]:
+    """Return the bounds of the search within the limits of a field; positive for a positive parameter."""
     if start > 0.0 and low is not None and low >= 0.0:
-        ends = start / SEARCH, start * SEARCH
+        lower = start / SEARCH_FACTOR
+        upper = start * SEARCH_FACTOR
     else:
-        reach = SEARCH * (abs(start) or 1.0)
-        ends = start - reach, start + reach
+        reach = SEARCH_FACTOR * (abs(start) or 1.0)
+        lower = start - reach
+        upper = start + reach
     return {
-        "low": max(ends[0], -math.inf if low is None else low),
-        "high": min(ends[1], math.inf if high is None else high),
+        "low": max(lower, -math.inf if low is None else low),
+        "high": min(upper, math.inf if high is None else high),
     }
 
 
-#: Values of an oil that are not fitted: their factors are, or nothing in a contact reads them, or chains hold them.
-_BY_FACTOR: Final = (
+#: Values of an oil that are not fitted: a factor of them is fitted instead, no law of a contact reads them, or bound
+#: chains store them.
+_NOT_FITTED: Final = (
     "viscosity", "thermoviscosity", "pressure_thermoviscosity", "density", "eyring_stress_slope", "shear_modulus_slope",
     "pressure_exponent_factor",
 )  # fmt: skip
 
 
 def _fittable(problem: RigProblem) -> Iterator[Parameter]:
-    """All that can be fitted; NaN starts what the oil does not give."""
+    """Yield all parameters that can be fitted; the initial value is NaN where the oil states none."""
     oil = problem.lubricant
     own = {attribute.name for attribute in attrs.fields(Lubricant)}
     temperature = float(np.quantile(problem.data.columns["temperature"], 0.5, method="lower"))
@@ -297,7 +327,7 @@ def _fittable(problem: RigProblem) -> Iterator[Parameter]:
         name = attribute.name
         unit = attribute.metadata["unit"]
         doc = attribute.metadata["doc"]
-        if unit in (None, "K") or name not in own or name in _BY_FACTOR:
+        if unit in (None, "K") or name not in own or name in _NOT_FITTED:
             continue
         value = getattr(state if hasattr(state, name) else oil, name)
         start = math.nan if value is None else float(value)
@@ -310,7 +340,7 @@ def _fittable(problem: RigProblem) -> Iterator[Parameter]:
         names.add(name)
         yield Parameter(
             name=name, unit=unit, doc=doc, start=start, key=(key,), of_oil=True, unit_value=unit_value,
-            **_search(start, 0.0, None),
+            **_search_bounds(start, 0.0, None),
         )  # fmt: skip
     for path, value, attribute in _numbers(problem.traction):
         name = ".".join(path)
@@ -318,12 +348,12 @@ def _fittable(problem: RigProblem) -> Iterator[Parameter]:
         yield Parameter(
             name=f"traction.{name}" if name in names else name,
             unit=attribute.metadata["unit"], doc=attribute.metadata["doc"], start=value, key=path, of_oil=False,
-            **_search(value, *limits),
+            **_search_bounds(value, *limits),
         )  # fmt: skip
 
 
 def _numbers(model: Any) -> "Iterator[tuple[tuple[str, ...], float, attrs.Attribute[Any]]]":
-    """Path, value and field of the numbers of a model and of the models in it."""
+    """Yield path, value and field of all numbers of a model and of its inner models."""
     for attribute in attrs.fields(type(model)):
         value = getattr(model, attribute.name)
         if "kind" in attribute.metadata:
@@ -333,13 +363,21 @@ def _numbers(model: Any) -> "Iterator[tuple[tuple[str, ...], float, attrs.Attrib
         elif (
             isinstance(value, float)
             and attribute.metadata.get("unit") is not None
-            and attribute.name not in _BY_FACTOR
+            and attribute.name not in _NOT_FITTED
         ):
             yield (attribute.name,), value, attribute
 
 
 def parameters_named(problem: RigProblem, names: str | Iterable[str]) -> list[Parameter]:
-    """Return the parameters of these names."""
+    """Return the parameters with the given names.
+
+    Parameters
+    ----------
+    problem : RigProblem
+        Measured contacts with oil and models.
+    names : str or iterable of str
+        Names, or one text with commas between them.
+    """
     known = {parameter.name: parameter for parameter in _fittable(problem)}
     names = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
     chosen = [known[name] for name in names if name in known]
@@ -364,7 +402,7 @@ def parameters_named(problem: RigProblem, names: str | Iterable[str]) -> list[Pa
 def _without_start(
     problem: RigProblem, names: Iterable[str], known: Mapping[str, Parameter]
 ) -> Iterator[str]:
-    """Say which names nothing is known of, or nothing to start from."""
+    """Yield faults: names that are not known, and parameters without an initial value."""
     for name in names:
         if name not in known:
             near = ", ".join(nearest(name, known, cutoff=0.0))
@@ -379,36 +417,35 @@ def _without_start(
 def with_values(
     problem: RigProblem, parameters: Sequence[Parameter], values: Iterable[float]
 ) -> tuple[Lubricant, TractionModel]:
-    """Return oil and traction model with values in place of their own."""
+    """Return oil and traction model with the given values of parameters."""
     oil: dict[str, Any] = {}
     traction = problem.traction
     for parameter, value in zip(parameters, values, strict=True):
         own = float(value) / parameter.unit_value
         (key, *_) = parameter.key
         if not parameter.of_oil:
-            traction = _with(traction, parameter.key, own)
+            traction = _replace_field(traction, parameter.key, own)
         else:
             oil[key] = Constant(own) if key == "conductivity" else own
     return attrs.evolve(problem.lubricant, **oil) if oil else problem.lubricant, traction
 
 
-def _with(model: Any, path: tuple[str, ...], value: float) -> Any:
-    inner = value if len(path) == 1 else _with(getattr(model, path[0]), path[1:], value)
+def _replace_field(model: Any, path: tuple[str, ...], value: float) -> Any:
+    """Return a model with a value in the field at a path."""
+    inner = value if len(path) == 1 else _replace_field(getattr(model, path[0]), path[1:], value)
     return attrs.evolve(model, **{path[0]: inner})
 
 
 def friction_at(problem: RigProblem, parameters: Sequence[Parameter], x: Array) -> Array:
     """Return the friction of all rows at coordinates of parameters."""
-    lubricant, traction = with_values(
-        problem, parameters, [p.value(one) for p, one in zip(parameters, x, strict=True)]
-    )
-    return problem.friction(
-        lubricant, problem.chain if traction is problem.traction else problem.chain_of(traction)
-    )
+    values = [p.value(coordinate) for p, coordinate in zip(parameters, x, strict=True)]
+    lubricant, traction = with_values(problem, parameters, values)
+    chain = problem.chain if traction is problem.traction else problem.chain_of(traction)
+    return problem.friction(lubricant, chain)
 
 
 def misfit(problem: RigProblem, parameters: Sequence[Parameter], weight: Array, x: Array) -> Array:
-    """Return calculated less measured friction of all rows, over a weight; NaN where the law has no value."""
+    """Return computed less measured friction of all rows over a weight; NaN where the law has no value."""
     measured = problem.data.columns["friction"]
     try:
         return np.asarray((friction_at(problem, parameters, x) - measured) / weight)
@@ -417,5 +454,5 @@ def misfit(problem: RigProblem, parameters: Sequence[Parameter], weight: Array, 
 
 
 def bounds_of(parameters: Iterable[Parameter]) -> Array:
-    """Return the lowest and the highest coordinates of parameters, shape (2, parameters)."""
+    """Return the bounds of the coordinates of parameters, shape (2, parameters)."""
     return np.array([[p.x(p.low), p.x(p.high)] for p in parameters]).reshape(-1, 2).T

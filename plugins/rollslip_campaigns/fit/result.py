@@ -1,8 +1,8 @@
-"""What a fit has found, as a dataset.
+"""Write a fit as a dataset, with statuses and warnings.
 
-- There is no number without a meaning: what the data do not determine is NaN, with a sentence beside it.
-- The intervals are those of the profile likelihood; the covariance stands beside them.
-- The oil is the ``[lubricant]`` table of the rig file with the fitted values in it, so that it is read as that one was.
+- A value that the data do not determine is NaN, with a status that says so.
+- Intervals are those of the profile likelihood; the covariance is stored as well.
+- The oil is the ``[lubricant]`` table of the rig file with the fitted values, and is read in the same way.
 """
 
 import hashlib
@@ -32,7 +32,7 @@ from rollslip.search import Array
 from rollslip.structure import resolved
 from rollslip.studies import validity
 from rollslip.units import format_quantity
-from rollslip_campaigns.fit.findings import UNKNOWN, parameter_rows
+from rollslip_campaigns.fit.findings import DETERMINED, UNKNOWN, parameter_rows
 from rollslip_campaigns.fit.least_squares import LEVELS, PROFILE_POINTS, LeastSquaresEstimate, Stop
 from rollslip_campaigns.fit.problem import (
     Indices,
@@ -49,23 +49,32 @@ if TYPE_CHECKING:
 
 __all__ = ["Fit", "dataset_of"]
 
-#: Points of a drawn curve.
+#: Points of a drawn curve; doubling it changes figures and files only. Chosen.
 CURVE_POINTS: Final = 201
-#: Probability below which chance is not believed.
-_UNLIKELY: Final = 0.01
-#: Slide-roll ratio where one surface stands; residuals that are rounding, relative to the largest friction.
-_OPPOSED = 2.0
-_ROUNDED = 1e-9
+#: Probability below which a deviation is not attributed to chance, in the tests of chi2 and of signs of residuals.
+#: Doubling it doubles the fraction of good fits with a warning. Chosen, a usual level of significance.
+_SIGNIFICANCE: Final = 0.01
+#: Slide-roll ratio of a contact with one surface at rest; above it, surfaces run against each other.
+_MAX_SLIDE_ROLL = 2.0
+#: Fraction of the largest friction below which residuals are rounding, so that their order says nothing. Doubling it
+#: changes nothing for measured data.
+_RESIDUAL_ROUNDING = 1e-9
+#: Component of a parameter in the weakest principal direction above which the status names this parameter. Doubling it
+#: names fewer parameters; chosen.
+_MIN_COMPONENT = 0.1
+#: Rise of chi2, in variances, above which another minimum is a different one; below, searches ended beside each other.
+#: Doubling it changes nothing for separate minima. Chosen.
+_MIN_OTHER_RISE = 0.01
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class Fit:
-    """What was found: the estimate of the parameters that the data see, and why the others were kept."""
+    """Estimate of the parameters that the data determine, and the statuses of those that were fixed."""
 
     problem: RigProblem
     parameters: list[Parameter]
     weight: Array
-    kept: dict[str, str]
+    fixed: dict[str, str]
     estimate: LeastSquaresEstimate
 
     @property
@@ -84,11 +93,13 @@ class Fit:
         return self.estimate.scale * self.weight
 
     def values_at(self, x: Array) -> list[float]:
-        """Values of the parameters at their coordinates."""
-        return [float(p.value(one)) for p, one in zip(self.parameters, x, strict=True)]
+        """Return the values of the parameters at coordinates."""
+        return [
+            float(p.value(coordinate)) for p, coordinate in zip(self.parameters, x, strict=True)
+        ]
 
     def friction(self, x: Array) -> Array:
-        """Friction of all rows."""
+        """Return the friction of all rows at coordinates, (rows,)."""
         return friction_at(self.problem, self.parameters, x)
 
 
@@ -96,22 +107,39 @@ class Fit:
 
 
 def dataset_of(
-    problem: RigProblem, fitted: Fit, wanted: Sequence[Parameter], wall_time: float
+    problem: RigProblem, fit: Fit, requested: Sequence[Parameter], wall_time: float
 ) -> "xr.Dataset":
-    """Return what was found about the parameters that were asked for, see `rollslip_campaigns.fit.fit.fit`."""
+    """Return a fit as a dataset.
+
+    Parameters
+    ----------
+    problem : RigProblem
+        Measured contacts with oil and models.
+    fit : Fit
+        The fit of those parameters that the data determine.
+    requested : sequence of Parameter
+        All parameters that were requested.
+    wall_time : float
+        Time [s] of the fit.
+
+    Returns
+    -------
+    xarray.Dataset
+        See `rollslip.fit`. Standard errors and limits that the data do not determine are NaN; ``status`` and
+        ``limit_status`` say why.
+    """
     import xarray as xr
 
-    fitted_friction = fitted.friction(
-        fitted.estimate.best.x
-    )  # the tables of the problem now hold its film
+    # this evaluation also stores the film in the tables of the problem
+    fitted_friction = fit.friction(fit.estimate.best.x)
     film = np.empty(len(problem.data))
     for _, rows, slices in problem.tables:
         film[rows] = slices.film_thickness
     sets = operating_points(problem)
     c = problem.data.columns
     variables = {
-        **_of_parameters(fitted, wanted),
-        **_of_searches(fitted),
+        **_parameter_variables(fit, requested),
+        **_search_variables(fit),
         "slide_roll_ratio": ("row", c["slide_roll_ratio"], about("1", "slide-roll ratio")),
         "rolling_speed": ("row", c["rolling_speed"], about("m/s", "rolling speed")),
         "load_per_length": ("row", problem.load, about("N/m", "normal force per length")),
@@ -122,24 +150,24 @@ def dataset_of(
         "residual": (
             "row",
             c["friction"] - fitted_friction,
-            about("1", "measured less fitted friction"),
+            about("1", "measured less fit friction"),
         ),
         "uncertainty": (
             "row",
-            fitted.sigma,
+            fit.sigma,
             about("1", "standard deviation of the friction, given or estimated"),
         ),
-        "operating_point": ("row", _numbered(sets), about("1", "operating point")),
+        "operating_point": ("row", _point_numbers(sets), about("1", "operating point")),
         "line": ("row", np.array(problem.data.lines), about("1", "line of the data file")),
-        **_curves(fitted, sets),
+        **_curves(fit, sets),
     }
-    names, used = ([p.name for p in parameters] for parameters in (wanted, fitted.parameters))
+    names, determined = ([p.name for p in parameters] for parameters in (requested, fit.parameters))
     coordinates = {
         "parameter": ("parameter", _texts(names), about("1", "parameter")),
         "with_parameter": ("with_parameter", _texts(names), about("1", "parameter")),
         "fitted_parameter": (
             "fitted_parameter",
-            _texts(used),
+            _texts(determined),
             about("1", "parameter that the data see"),
         ),
         "level": ("level", np.array(LEVELS), about("1", "level of confidence")),
@@ -148,67 +176,69 @@ def dataset_of(
     dataset = xr.Dataset(variables, coords=coordinates)
     known = "friction_uncertainty" in c
     dataset.attrs |= {
-        "freedom": fitted.estimate.freedom,
+        "freedom": fit.estimate.freedom,
         "scatter": float(np.sqrt(np.mean(dataset["residual"].to_numpy() ** 2))),
         "uncertainties": "given" if known else "estimated from the residuals",
-        "warnings": json.dumps(_warnings(fitted, sets)),
+        "warnings": json.dumps(_warnings(fit, sets)),
         "wall_time": wall_time,
     }
-    if known:  # otherwise it is a sum of squares without a scale
-        dataset.attrs["chi2"] = fitted.estimate.best.chi2
-    dataset.attrs |= _provenance(fitted, dataset)
+    if known:  # otherwise chi2 has no scale
+        dataset.attrs["chi2"] = fit.estimate.best.chi2
+    dataset.attrs |= _provenance(fit, dataset)
     return dataset
 
 
 def _texts(values: Any) -> NDArray[Any]:
+    """Return texts as an array."""
     return np.array(values, dtype=str)
 
 
-def _of_parameters(fitted: Fit, wanted: Sequence[Parameter]) -> dict[str, Any]:
-    """Variables of all parameters; those that were kept have a value and a status only."""
-    estimate = fitted.estimate
-    used = fitted.parameters
-    place = [wanted.index(p) for p in used]
+def _parameter_variables(fit: Fit, requested: Sequence[Parameter]) -> dict[str, Any]:
+    """Return the variables of all parameters; a fixed one has a value and a status only."""
+    estimate = fit.estimate
+    parameters = fit.parameters
+    position = [requested.index(p) for p in parameters]
     unit = "see unit"
-    n = len(wanted)
+    n = len(requested)
     points = 2 * PROFILE_POINTS + 1
 
-    def whole(values: Any, *shape: int) -> Array:
-        all_parameters = np.full((n, *shape), np.nan)
-        all_parameters[place] = np.array(values, dtype=float).reshape(len(used), *shape)
-        return all_parameters
+    def for_all(values: Any, *shape: int) -> Array:
+        expanded = np.full((n, *shape), np.nan)
+        expanded[position] = np.array(values, dtype=float).reshape(len(parameters), *shape)
+        return expanded
 
-    value = np.array([p.start for p in wanted])
-    value[place] = fitted.values
+    value = np.array([p.start for p in requested])
+    value[position] = fit.values
     # covariances are of the logarithm, or of the value itself where the sign may change
-    size = np.array([1.0 if p.logarithmic else p.size for p in used])
+    size = np.array([1.0 if p.logarithmic else p.size for p in parameters])
     covariance = np.full((n, n), np.nan)
-    covariance[np.ix_(place, place)] = estimate.covariance * np.outer(size, size)
+    covariance[np.ix_(position, position)] = estimate.covariance * np.outer(size, size)
     error = np.sqrt(np.diag(covariance))
-    limits = [p.value(profile.limits) for p, profile in zip(used, estimate.profiles, strict=True)]
-    status = [fitted.kept.get(p.name, "") for p in wanted]
-    limit_status = [["not determined"] * 2 for _ in wanted]
-    for k, words in zip(place, _words(fitted), strict=True):
-        status[k], limit_status[k] = words
+    limits = [
+        p.value(profile.limits) for p, profile in zip(parameters, estimate.profiles, strict=True)
+    ]
+    status, limit_status = _all_statuses(fit, requested)
     absolute = error * np.array(
-        [v if p.logarithmic else 1.0 for p, v in zip(wanted, value, strict=True)]
+        [v if p.logarithmic else 1.0 for p, v in zip(requested, value, strict=True)]
     )
-    determined = np.array([words == "determined" for words in status])
-    held = [p.value(profile.x) for p, profile in zip(used, estimate.profiles, strict=True)]
+    determined = np.array([text == DETERMINED for text in status])
+    profile_values = [
+        p.value(profile.x) for p, profile in zip(parameters, estimate.profiles, strict=True)
+    ]
     return {
         "unit": (
             "parameter",
-            _texts([p.unit for p in wanted]),
+            _texts([p.unit for p in requested]),
             about("1", "unit of the parameter"),
         ),
         "meaning": (
             "parameter",
-            _texts([p.doc for p in wanted]),
+            _texts([p.doc for p in requested]),
             about("1", "what the parameter is"),
         ),
         "start_value": (
             "parameter",
-            [p.start for p in wanted],
+            [p.start for p in requested],
             about(unit, "value before the fit"),
         ),
         "value": ("parameter", value, about(unit, "value")),
@@ -219,7 +249,7 @@ def _of_parameters(fitted: Fit, wanted: Sequence[Parameter]) -> dict[str, Any]:
         ),
         "interval": (
             ("parameter", "level", "side"),
-            whole(limits, len(LEVELS), 2),
+            for_all(limits, len(LEVELS), 2),
             about(unit, "interval of confidence after the profile likelihood"),
         ),
         "status": ("parameter", _texts(status), about("1", "what the data tell")),
@@ -240,12 +270,12 @@ def _of_parameters(fitted: Fit, wanted: Sequence[Parameter]) -> dict[str, Any]:
         ),
         "profile_value": (
             ("parameter", "profile_point"),
-            whole(held, points),
+            for_all(profile_values, points),
             about(unit, "value held"),
         ),
         "profile_rise": (
             ("parameter", "profile_point"),
-            whole([profile.rise for profile in estimate.profiles], points),
+            for_all([profile.rise for profile in estimate.profiles], points),
             about("1", "rise of chi2 over the variance"),
         ),
         "rise_limit": (
@@ -256,14 +286,24 @@ def _of_parameters(fitted: Fit, wanted: Sequence[Parameter]) -> dict[str, Any]:
     }
 
 
-def _of_searches(fitted: Fit) -> dict[str, Any]:
-    """Variables about where searches ended, and of the principal directions."""
-    estimate = fitted.estimate
-    ends = np.full((len(estimate.others), 2, len(fitted.parameters)), np.nan)
+def _all_statuses(fit: Fit, requested: Sequence[Parameter]) -> tuple[list[str], list[list[str]]]:
+    """Return the statuses of all requested parameters, and those of their lower and upper limits."""
+    fitted = dict(zip((p.name for p in fit.parameters), _statuses(fit), strict=True))
+    statuses = [
+        fitted.get(p.name, (fit.fixed.get(p.name, ""), ["not determined", "not determined"]))
+        for p in requested
+    ]
+    return [status for status, _ in statuses], [limits for _, limits in statuses]
+
+
+def _search_variables(fit: Fit) -> dict[str, Any]:
+    """Return the variables of the ends of all searches, and of the principal directions."""
+    estimate = fit.estimate
+    ends = np.full((len(estimate.others), 2, len(fit.parameters)), np.nan)
     chi2 = np.full(len(estimate.others), np.nan)
     for k, minimum in enumerate(estimate.others):
         if minimum is not None:
-            ends[k] = [fitted.values_at(minimum.start), fitted.values_at(minimum.x)]
+            ends[k] = [fit.values_at(minimum.start), fit.values_at(minimum.x)]
             chi2[k] = minimum.chi2
     return {
         "search_start": (
@@ -290,67 +330,67 @@ def _of_searches(fitted: Fit) -> dict[str, Any]:
     }
 
 
-def _words(fitted: Fit) -> list[tuple[str, list[str]]]:
-    """Say of each fitted parameter what the data tell, and of both its limits."""
-    estimate = fitted.estimate
-    said = []
-    for parameter, profile in zip(fitted.parameters, estimate.profiles, strict=True):
-        given = np.isfinite(profile.limits[-1])
-        sides = [
-            "found"
-            if limit
-            else _no_limit(fitted, side, parameter.shown(parameter.value(end)), stop)
-            for side, limit, end, stop in zip(
-                ("lower", "upper"), given, profile.ends, profile.stops, strict=True
-            )
-        ]
-        if given.all():
-            status = "determined"
-        elif given.any():
-            status = sides[int(np.argmin(given))]
+def _statuses(fit: Fit) -> list[tuple[str, list[str]]]:
+    """Return for each fitted parameter its status, and the statuses of its lower and upper limit."""
+    estimate = fit.estimate
+    statuses = []
+    for parameter, profile in zip(fit.parameters, estimate.profiles, strict=True):
+        has_limit = np.isfinite(profile.limits[-1])
+        sides = ["found", "found"]
+        for k, side in enumerate(("lower", "upper")):
+            if not has_limit[k]:
+                end = parameter.format(parameter.value(profile.ends[k]))
+                sides[k] = _describe_open_side(fit, side, end, profile.stops[k])
+        if has_limit.all():
+            status = DETERMINED
+        elif has_limit.any():
+            status = sides[int(np.argmin(has_limit))]
         else:
             weakest = np.abs(estimate.directions[int(np.argmax(estimate.spread))])
             partners = [
-                p.name for p, part in zip(fitted.parameters, weakest, strict=True) if part > 0.1
+                p.name
+                for p, component in zip(fit.parameters, weakest, strict=True)
+                if component > _MIN_COMPONENT
             ]
             together = f"only a combination of {' and '.join(partners)} is"
             status = f"not determined: {together if len(partners) > 1 else '; '.join(sides)}"
-        said.append((status, sides))
-    return said
+        statuses.append((status, sides))
+    return statuses
 
 
-def _no_limit(fitted: Fit, side: str, end: str, stop: Stop) -> str:
-    """Say of a side without a limit how far was looked, and whether that is what the data say."""
+def _describe_open_side(fit: Fit, side: str, end: str, stop: Stop) -> str:
+    """Return the status of a side without a limit: how far was searched, and what stopped the search."""
     if stop is None:
         return f"the {side} limit {UNKNOWN}: searched to {end}, the law has no value beyond"
     if not stop:
         return f"the data give no {side} limit, searched to {end}"
-    held = [fitted.parameters[j] for j in stop]
+    bounded = [fit.parameters[j] for j in stop]
     ranges = " and ".join(
-        f"{p.name} (searched from {p.shown(p.low)} to {p.shown(p.high)})" for p in held
+        f"{p.name} (searched from {p.format(p.low)} to {p.format(p.high)})" for p in bounded
     )
     return (
         f"the {side} limit {UNKNOWN}: searched to {end}, beyond which {ranges} would have to leave its range; start "
-        f"{' or '.join(p.name for p in held)} elsewhere, or fit without it"
+        f"{' or '.join(p.name for p in bounded)} elsewhere, or fit without it"
     )
 
 
-def _numbered(sets: Sequence[Indices]) -> Indices:
+def _point_numbers(sets: Sequence[Indices]) -> Indices:
+    """Return the number of the operating point of each row."""
     numbers = np.empty(sum(rows.size for rows in sets), dtype=np.intp)
     for k, rows in enumerate(sets):
         numbers[rows] = k
     return numbers
 
 
-def _curves(fitted: Fit, sets: Sequence[Indices]) -> dict[str, Any]:
-    """The fitted curve of each operating point, at its mean conditions, and these."""
-    problem = fitted.problem
-    (lubricant, traction) = fitted.laws
+def _curves(fit: Fit, sets: Sequence[Indices]) -> dict[str, Any]:
+    """Return the fitted curve of each operating point at its mean conditions, and these conditions."""
+    problem = fit.problem
+    lubricant, traction = fit.laws
     chain = problem.chain_of(traction)
     c = problem.data.columns
     slip = np.empty((len(sets), CURVE_POINTS))
     friction = np.empty((len(sets), CURVE_POINTS))
-    held = np.empty((3, len(sets)))
+    conditions = np.empty((3, len(sets)))
     for k, rows in enumerate(sets):
         measured = c["slide_roll_ratio"][rows]
         temperature = float(c["temperature"][rows].mean())
@@ -371,7 +411,7 @@ def _curves(fitted: Fit, sets: Sequence[Indices]) -> dict[str, Any]:
         )
         chain(slices)
         friction[k] = slices.friction
-        held[:, k] = (temperature, slices.pressure[0], speed)
+        conditions[:, k] = (temperature, slices.pressure[0], speed)
     return {
         "curve_slip": (("point", "curve_point"), slip, about("1", "slide-roll ratio")),
         "curve_friction": (
@@ -379,99 +419,107 @@ def _curves(fitted: Fit, sets: Sequence[Indices]) -> dict[str, Any]:
             friction,
             about("1", "fitted friction coefficient"),
         ),
-        "point_temperature": ("point", held[0], about("K", "temperature")),
-        "point_pressure": ("point", held[1], about("Pa", "mean Hertz pressure")),
-        "point_speed": ("point", held[2], about("m/s", "rolling speed")),
+        "point_temperature": ("point", conditions[0], about("K", "temperature")),
+        "point_pressure": ("point", conditions[1], about("Pa", "mean Hertz pressure")),
+        "point_speed": ("point", conditions[2], about("m/s", "rolling speed")),
     }
 
 
 # Warnings -----------------------------------------------------------------------------------------------------------
 
 
-def _warnings(fitted: Fit, sets: Sequence[Indices]) -> list[str]:
-    """Say what a reader of the result has to know."""
+def _warnings(fit: Fit, sets: Sequence[Indices]) -> list[str]:
+    """Return the warnings about a fit."""
     from scipy.special import chdtrc
 
-    problem = fitted.problem
-    estimate = fitted.estimate
-    said = []
+    problem = fit.problem
+    estimate = fit.estimate
+    warnings = []
     if (
         "friction_uncertainty" in problem.data.columns
-        and chdtrc(estimate.freedom, estimate.best.chi2) < _UNLIKELY
+        and chdtrc(estimate.freedom, estimate.best.chi2) < _SIGNIFICANCE
     ):
-        said.append(
+        warnings.append(
             f"the model does not fit the data within their uncertainties (chi2 {estimate.best.chi2:.4g} at "
             f"{estimate.freedom} degrees of freedom): values and intervals hold only as far as it does"
         )
     slides = np.abs(problem.data.columns["slide_roll_ratio"])
-    if many := int(np.count_nonzero(slides > _OPPOSED)):
-        said.append(
-            f"{many} of {slides.size} rows have a slide-roll ratio above 2, at most {slides.max():.3g}, as surfaces "
+    if count := int(np.count_nonzero(slides > _MAX_SLIDE_ROLL)):
+        warnings.append(
+            f"{count} of {slides.size} rows have a slide-roll ratio above 2, at most {slides.max():.3g}, as surfaces "
             "that run against each other have; so has per cent under [1]: then write slide_roll_ratio [%]"
         )
     largest = float(np.abs(problem.data.columns["friction"]).max())
-    exact = float(np.abs(estimate.best.residuals * fitted.weight).max()) <= _ROUNDED * largest
-    chance = 1.0 if exact else _chance_of_order(estimate.best.residuals, sets)
-    if chance < _UNLIKELY:
-        said.append(
+    is_exact = (
+        float(np.abs(estimate.best.residuals * fit.weight).max()) <= _RESIDUAL_ROUNDING * largest
+    )
+    chance = 1.0 if is_exact else _sign_test(estimate.best.residuals, sets)
+    if chance < _SIGNIFICANCE:
+        warnings.append(
             f"the residuals are not random along the curves (probability {chance:.1g}): the model misses something "
             "that the data show, and the intervals, which take the errors for independent, are too narrow"
         )
-    said += _other_minima(fitted)
+    warnings += _other_minima(fit)
     error = np.sqrt(np.diag(estimate.covariance))
-    bent = [
+    nonlinear = [
         p.name
-        for p, x, profile, width in zip(
-            fitted.parameters, estimate.best.x, estimate.profiles, error, strict=True
+        for p, x, profile, error_of_x in zip(
+            fit.parameters, estimate.best.x, estimate.profiles, error, strict=True
         )
         if np.isfinite(profile.limits[-1]).all()
-        and not np.all(_same_size(profile.limits[0] - x, width))
+        and not np.all(_same_size(profile.limits[0] - x, error_of_x))
     ]
-    if bent:
-        said.append(
-            f"the law is far from linear within the intervals of {', '.join(bent)}: what follows from the covariance, "
-            "standard error and correlation, does not hold; the intervals do"
+    if nonlinear:
+        warnings.append(
+            f"the law is far from linear within the intervals of {', '.join(nonlinear)}: what follows from the "
+            "covariance, standard error and correlation, does not hold; the intervals do"
         )
-    fitted.friction(estimate.best.x)  # the tables keep what was evaluated last
-    rows = [validity.Filled("", slices, np.ones(len(slices))) for _, _, slices in problem.tables]
-    # oil and traction are what is fitted: within the data their values make up for what the laws are off
-    given = [model for kind, model in problem.models.items() if kind != "traction"]
-    said += [
-        one.text for one in validity.told(validity.outside(given, rows), None, what="of the rows")
+    fit.friction(estimate.best.x)  # stores film and pressure of the fit in the tables
+    rows = [
+        validity.RingSlices("", slices, np.ones(len(slices))) for _, _, slices in problem.tables
     ]
-    return said
+    # oil and traction are fitted: within the data their values compensate the deviations of their laws
+    not_fitted = [model for kind, model in problem.models.items() if kind != "traction"]
+    warnings += [
+        message.text
+        for message in validity.validity_messages(
+            validity.range_excesses(not_fitted, rows), None, what="of the rows"
+        )
+    ]
+    return warnings
 
 
 def _same_size(distances: Array, width: float) -> NDArray[np.bool_]:
-    """Whether distances are within a factor of two of the width expected."""
+    """Return whether distances are within a factor of two of the expected width."""
     fraction = np.abs(distances) / width
     return np.asarray((fraction > 0.5) & (fraction < 2.0))
 
 
-def _other_minima(fitted: Fit) -> list[str]:
-    estimate = fitted.estimate
+def _other_minima(fit: Fit) -> list[str]:
+    """Return a warning if searches ended in another minimum."""
+    estimate = fit.estimate
     rises = [
         (end, (end.chi2 - estimate.best.chi2) / estimate.scale**2)
         for end in estimate.others
         if end is not None
     ]
-    elsewhere = [(end, rise) for end, rise in rises if end.converged and rise > 0.01]
-    if not elsewhere:
+    different = [(end, rise) for end, rise in rises if end.converged and rise > _MIN_OTHER_RISE]
+    if not different:
         return []
-    second, rise = min(elsewhere, key=lambda pair: pair[1])
-    values = zip(fitted.parameters, fitted.values_at(second.x), strict=True)
-    at = ", ".join(f"{p.name} {p.shown(value)}" for p, value in values)
-    judged = (
-        "which the data do not exclude" if rise < estimate.quantiles[-1] else "which fits worse"
-    )
+    second, rise = min(different, key=lambda pair: pair[1])
+    values = zip(fit.parameters, fit.values_at(second.x), strict=True)
+    at = ", ".join(f"{p.name} {p.format(value)}" for p, value in values)
+    fit_quality = "which fits worse"
+    if rise < estimate.quantiles[-1]:
+        fit_quality = "which the data do not exclude"
     return [
-        f"{len(elsewhere)} of {len(estimate.others)} searches ended in another minimum, {judged} (chi2 higher by "
+        f"{len(different)} of {len(estimate.others)} searches ended in another minimum, {fit_quality} (chi2 higher by "
         f"{rise:.3g} variances): {at}"
     ]
 
 
-def _chance_of_order(residuals: Array, sets: Sequence[Indices]) -> float:
-    """Probability that random residuals change their sign along the curves as seldom as these do."""
+def _sign_test(residuals: Array, sets: Sequence[Indices]) -> float:
+    """Return the probability of so few changes of sign along the curves if the residuals are random (binomial test)."""
     from scipy.special import bdtr
 
     changes = sum(int(np.count_nonzero(np.diff(residuals[rows] > 0.0))) for rows in sets)
@@ -481,8 +529,9 @@ def _chance_of_order(residuals: Array, sets: Sequence[Indices]) -> float:
 # Origin -------------------------------------------------------------------------------------------------------------
 
 
-def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
-    problem = fitted.problem
+def _provenance(fit: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return the attributes on data, rig, models, citations and packages."""
+    problem = fit.problem
     models = problem.models
     oil = problem.lubricant
     rig = problem.rig
@@ -508,63 +557,59 @@ def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
         lubricant=describe_lubricant(oil),
         **describe_citations(cited([*models.values(), oil.pressure_viscosity_law], oil.references)),
         evaluations=problem.evaluated,
-        **_tables(fitted, dataset),
+        **_tables(fit, dataset),
     )
 
 
-def _tables(fitted: Fit, dataset: "xr.Dataset") -> dict[str, str]:
-    """Tables of a scene with what was fitted, as JSON."""
-    problem = fitted.problem
-    values = fitted.values
+def _tables(fit: Fit, dataset: "xr.Dataset") -> dict[str, str]:
+    """Return the tables of a scene with the fitted values, as JSON."""
+    problem = fit.problem
+    values = fit.values
     oil = {
         p.key[0]: value / p.unit_value
-        for p, value in zip(fitted.parameters, values, strict=True)
+        for p, value in zip(fit.parameters, values, strict=True)
         if p.of_oil
     }
-    written = resolved(problem.rig.lubricant)
+    table = resolved(problem.rig.lubricant)
     at = " to ".join(
         dict.fromkeys(
             format_quantity(T, "K", 4) for T, *_ in (problem.tables[0], problem.tables[-1])
         )
     )
     film = "measured film" if problem.film is None else f"film {problem.film.name}"
-    values_told = ", ".join(
+    described = ", ".join(
         f"{name} {value} (95 %: {limits}; {status})"
         for name, value, _, _, limits, status in parameter_rows(dataset)
     )
     source = (
         f"Fitted by rollslip {importlib.metadata.version('rollslip')} to {Path(problem.data.source).name} (sha256 "
-        f"{problem.data.sha256}) with traction {problem.traction.name} and {film} at {at}: {values_told}."
+        f"{problem.data.sha256}) with traction {problem.traction.name} and {film} at {at}: {described}."
     )
-    source = " ".join(filter(None, (str(written.get("source", "")), source)))
-    found = {
-        p.key: value for p, value in zip(fitted.parameters, values, strict=True) if not p.of_oil
-    }
+    source = " ".join(filter(None, (str(table.get("source", "")), source)))
+    fitted = {p.key: value for p, value in zip(fit.parameters, values, strict=True) if not p.of_oil}
     constants: dict[str, Any] = {**problem.lubricant.models}
-    for path, value in found.items():
+    for path, value in fitted.items():
         law = problem.traction
         for name in path[:-1]:
             law = getattr(law, name)
         constants[law.name] = {**constants.get(law.name, {}), path[-1]: value}
     models = {"models": constants} if constants else {}
-    tables = {"lubricant_table": json.dumps({**written, **oil, **models, "source": source})}
-    if found:
-        tables["traction_table"] = json.dumps(_model_table(fitted.laws[1], found))
+    tables = {"lubricant_table": json.dumps({**table, **oil, **models, "source": source})}
+    if fitted:
+        tables["traction_table"] = json.dumps(_model_table(fit.laws[1], fitted))
     return tables
 
 
 def _model_table(
-    model: SliceModel, left: Collection[tuple[str, ...]], *at: str
+    model: SliceModel, omitted: Collection[tuple[str, ...]], *prefix: str
 ) -> dict[str, object]:
-    """A model as a scene writes it, less what stands with the oil, by paths from ``at``."""
+    """Return the table of a model in a scene, without the fields at omitted paths, which the table of the oil has."""
     table: dict[str, object] = {"model": model.name}
     for attribute in getattr(model, "__attrs_attrs__", ()):
         value = getattr(model, attribute.name)
-        path = (*at, attribute.name)
-        if (
-            attribute.metadata.get("key", attribute.name) is not None and path not in left
-        ):  # what the oil puts in
+        path = (*prefix, attribute.name)
+        if attribute.metadata.get("key", attribute.name) is not None and path not in omitted:
             table[attribute.name] = (
-                _model_table(value, left, *path) if isinstance(value, SliceModel) else value
+                _model_table(value, omitted, *path) if isinstance(value, SliceModel) else value
             )
     return table
