@@ -15,9 +15,9 @@ from output import BLACK, BLUE, ORANGE, figure, percent, save_figure, write_tabl
 
 from rollslip import evolve, load_scene, run
 from rollslip_studies.dynamics.findings import (
-    difference,
     energy_closure,
     momentum_closure,
+    relative_difference,
     unslipped_cage_speed,
 )
 
@@ -68,7 +68,7 @@ def frictions():
 
     for name, data in found.items():
         apart = [
-            100 * np.abs(difference(reference, data, which)).max()
+            100 * np.abs(relative_difference(reference, data, which)).max()
             for which in ("cage_speed", "roller_speed")
         ]
         closures = energy_closure(data), momentum_closure(data)
@@ -120,7 +120,7 @@ def draw(found, steady):
         "effective": {"color": BLUE},
         "effective, over both slips": {"color": ORANGE},
     }.items():
-        gap = 100 * difference(found["conventional"], found[name], "cage_speed")
+        gap = 100 * relative_difference(found["conventional"], found[name], "cage_speed")
         axes[2].plot(found["conventional"].time, gap, linewidth=1.0, label=name, **style)
     axes[2].axhline(0, color="0.6", linewidth=0.8)
     axes[0].set(title="cage [rpm]", xlabel="time [s]")

@@ -20,11 +20,11 @@ from rollslip.results.report import write_report
 from rollslip_studies.dynamics.figures import _Cells, _other_events, motion_figures, plot_together
 from rollslip_studies.dynamics.findings import (
     DynamicsAccount,
-    difference,
     energy_closure,
     ledger,
     ledger_table,
     momentum_closure,
+    relative_difference,
     turnover,
     unslipped_cage_speed,
     unslipped_roller_speed,
@@ -278,13 +278,16 @@ def test_motions_are_drawn_together_in_the_same_bytes(tmp_path, pair):
 
 
 def test_the_difference_is_that_of_the_speeds(pair):
-    found = difference(pair["conventional"], pair["effective"], "cage_speed")
+    found = relative_difference(pair["conventional"], pair["effective"], "cage_speed")
     time = pair["conventional"]["time"].to_numpy()
     # closed form: both relax from zero slip within 0.1 s; the instants of the other are 1 ms apart
     expected = -0.003 * (1.0 - np.exp(-time / 0.1))
     assert np.abs(found - expected).max() < 0.033 * 0.01**2 / 8 * 1.01
     assert (
-        np.abs(difference(pair["conventional"], pair["conventional"], "roller_speed")).max() == 0.0
+        np.abs(
+            relative_difference(pair["conventional"], pair["conventional"], "roller_speed")
+        ).max()
+        == 0.0
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from rollslip.results.dataset import about
-from rollslip_studies.dynamics.findings import DynamicsAccount, compared
+from rollslip_studies.dynamics.findings import DynamicsAccount, describe_differences
 
 INNER = 82.5e-3
 ROLLER = 7.5e-3
@@ -326,6 +326,10 @@ def told_together():
         relaxing(0.0, 0.033, 0.1), points=501, friction="effective", real_time_factor=75.0
     )
     return (
-        "\n".join(compared({"conventional": motion(relaxing(0.0, 0.03, 0.1)), "effective": slow}))
+        "\n".join(
+            describe_differences(
+                {"conventional": motion(relaxing(0.0, 0.03, 0.1)), "effective": slow}
+            )
+        )
         + "\n"
     )

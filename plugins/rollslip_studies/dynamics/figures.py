@@ -28,9 +28,9 @@ from rollslip.search import Array
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.findings import (
     common_times,
-    compared,
-    difference,
+    describe_differences,
     ledger,
+    relative_difference,
     skidding_passages,
     skidding_slip,
     turnover,
@@ -123,7 +123,9 @@ def plot_together(datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[Pa
         yield "dynamics-together", caption, _together(datasets)
 
     return save_figures(
-        drawn(), " ".join(f"{text[:1].upper()}{text[1:]}." for text in compared(datasets)), folder
+        drawn(),
+        " ".join(f"{text[:1].upper()}{text[1:]}." for text in describe_differences(datasets)),
+        folder,
     )
 
 
@@ -212,7 +214,7 @@ def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
         _line(sheet, panels[0, 1], time, curve, **style)
         if dataset is not reference:
             for axes, variable in zip(panels[1], ("cage_speed", "roller_speed"), strict=True):
-                gap = 100 * difference(reference, dataset, variable)
+                gap = 100 * relative_difference(reference, dataset, variable)
                 _line(sheet, axes, scale * common_times(reference, dataset), gap, **style)
     panels[0, 0].set_ylabel("Cage speed [rpm]")
     panels[0, 1].set_ylabel(f"Speed of {shown} [rpm]")

@@ -1,4 +1,4 @@
-"""What a motion in time says: its single values as a record, tables and sentences, from the dataset alone."""
+"""Results of a motion as record, tables and sentences, from its dataset alone."""
 
 import json
 import math
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-#: An event is the passing of the slip at which the cage runs away if this stands in what it is called.
+#: Part of the names of events that are passages of the slip at which skidding begins.
 SKIDDING: Final = "skidding"
 #: Attributes of a result on the onset of skidding: slip, drag and status.
 ONSET: Final = ("skidding_slip", "limit_drag", "skidding_status")
-#: Entries of the ledger, as the kernels call them, in words.
+#: Entry of the ledger in the kernels -> its name in tables and figures.
 _ENTRIES: Final = {
     "work_rings": "rings",
     "work_load": "load",
@@ -40,35 +40,41 @@ _ENTRIES: Final = {
     "lost_pockets": "pockets",
     "lost_land": "lands of the cage",
 }
-#: Attributes that count what a motion took.
+#: Attributes that count the work of the integration.
 _COUNTS: Final = ("steps", "rejected", "rate_evaluations", "jacobians", "contacts_evaluated")
-#: Share of the slip of running away from which on effective friction is not trusted.
-_NEAR: Final = 0.5
-#: What a result of an older version says.
-_OLD: Final = "this result does not say where skidding begins; run it again"
-#: Kinds of events that are spoken of one by one; the others are counted.
-_KINDS = 5
+#: Fraction of the skidding slip from which on effective friction is doubted: its limit drag is off by up to 23 %
+#: (docs/trust/skidding.rst). Doubled, the advice comes only when the cage skids. Chosen.
+_NEAR_SKIDDING: Final = 0.5
+#: Least ratio of a speed to that without slip from which the latter is computed. Halved, rounding counts twice as much.
+#: Chosen.
+_MIN_SPEED_RATIO: Final = 1e-3
+#: Status of skidding of results of versions that did not compute it.
+_UNKNOWN_STATUS: Final = "this result does not say where skidding begins; run it again"
+#: Kinds of events, and passages of the skidding slip, that have a sentence each; further ones are counted. Doubled,
+#: answers get up to ten lines longer. Chosen.
+_MAX_SENTENCES = 5
 
 
 def unslipped_cage_speed(dataset: "xr.Dataset") -> float:
-    """Cage speed of pure rolling [rad/s], NaN if the cage stood still all the time."""
+    """Return the cage speed of pure rolling [rad/s], NaN if the cage was at rest all the time."""
     return _unslipped(dataset["cage_speed"].to_numpy(), dataset["cage_slip"].to_numpy())
 
 
 def unslipped_roller_speed(dataset: "xr.Dataset") -> float:
-    """Spin of a roller of pure rolling, relative to the cage [rad/s]; NaN if none ever turned."""
+    """Return the spin of a roller in pure rolling, relative to the cage [rad/s]; NaN if none ever turned."""
     return _unslipped(
         dataset["roller_speed"].to_numpy().ravel(), dataset["roller_slip"].to_numpy().ravel()
     )
 
 
 def _unslipped(speed: Array, slip: Array) -> float:
-    turning = np.abs(1.0 - slip) > 1e-3  # else the quotient is rounding
+    """Return the speed without slip, the median over all samples with a speed."""
+    turning = np.abs(1.0 - slip) > _MIN_SPEED_RATIO
     return float(np.median(speed[turning] / (1.0 - slip[turning]))) if np.any(turning) else math.nan
 
 
 def ledger(dataset: "xr.Dataset") -> dict[str, Array]:
-    """Return the work since the start [J] of each entry of the ledger, by its name in words; none that did nothing."""
+    """Return the work since the start [J] of each entry of the ledger, by its name; no entry without work."""
     return {
         _ENTRIES.get(str(name), str(name)): work
         for name, work in zip(
@@ -79,28 +85,31 @@ def ledger(dataset: "xr.Dataset") -> dict[str, Array]:
 
 
 def turnover(dataset: "xr.Dataset") -> float:
-    """Energy that was turned over since the start [J]: what came in, which is also what went out or was stored."""
+    """Return the energy turnover since the start [J]: the input, which is output and stored energy, too."""
     works = np.abs(dataset["work_done"].isel(time=-1).to_numpy()).sum()
     energy = dataset["energy"].to_numpy()
     return 0.5 * float(works + abs(energy[-1] - energy[0]))
 
 
 def energy_closure(dataset: "xr.Dataset") -> float:
-    """Largest residual of the energy ledger over the energy turned over; NaN if none was."""
-    return _over(dataset["energy_residual"], turnover(dataset))
+    """Return the largest residual of the energy ledger over the energy turnover; NaN without turnover."""
+    return _relative_residual(dataset["energy_residual"], turnover(dataset))
 
 
 def momentum_closure(dataset: "xr.Dataset") -> float:
-    """Largest residual of the angular momentum over its largest value; NaN if there was none."""
-    return _over(dataset["momentum_residual"], float(np.abs(dataset["angular_momentum"]).max()))
+    """Return the largest residual of the angular momentum over its largest value; NaN without angular momentum."""
+    return _relative_residual(
+        dataset["momentum_residual"], float(np.abs(dataset["angular_momentum"]).max())
+    )
 
 
-def _over(residual: "xr.DataArray", size: float) -> float:
+def _relative_residual(residual: "xr.DataArray", size: float) -> float:
+    """Return the largest residual over a size; NaN if that is 0."""
     return float(np.abs(residual).max()) / size if size > 0.0 else math.nan
 
 
 def smallest_film(dataset: "xr.Dataset") -> dict[str, float]:
-    """Smallest film parameter at each ring, NaN where it is not known or no roller was loaded."""
+    """Return the smallest film parameter at each ring; NaN if it is not known, or no roller was loaded."""
     films = {
         str(ring): dataset["film_parameter"].sel(ring=ring).to_numpy()
         for ring in dataset["ring"].to_numpy()
@@ -112,7 +121,7 @@ def smallest_film(dataset: "xr.Dataset") -> dict[str, float]:
 
 
 class DynamicsAccount(Account):
-    """How a motion is told: with its energy ledger and its events."""
+    """Answer, topics, record and tables of a motion, with its energy ledger and its events."""
 
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
         "level": ("level of the motion", ""),
@@ -140,36 +149,36 @@ class DynamicsAccount(Account):
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return the slip at the end, along a history the largest, and measures of damage on the way."""
+        """Return the slip at the end, along a history the largest slip, and the measures of damage."""
         slip = history_findings.row(dataset) if history_findings.along(dataset) else row(dataset)
-        cut = dataset.attrs["outcome"] in ("failed", "interrupted")
-        faults = (outcome(dataset).partition(": ")[2],) if cut else ()
+        ended_early = dataset.attrs["outcome"] in ("failed", "interrupted")
+        faults = (outcome(dataset).partition(": ")[2],) if ended_early else ()
         return Answer(
             rows=(slip, *damage.rows(dataset)), commands=next_of_others(dataset), faults=faults
         )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say what a motion found, by what it is about, the most important first; no sentence has its full stop."""
-        said = {
+        """Return the sentences on a motion by topic, the most important first; no sentence has its full stop."""
+        sentences = {
             "motion": [outcome(dataset)],
-            "steady slip": [_steady(dataset)],
-            "skidding": _skidding_sentences(dataset),
-            "slip at largest traction": [_critical(dataset)],
-            "largest slip": [_largest(dataset)],
-            "events": _events(dataset),
-            "film": [_films(dataset)],
-            "cage": _cage(dataset),
-            "steps": _steps(dataset),
-            "ledger": [_ledger(dataset)],
-            "cost": [_cost(dataset)],
+            "steady slip": [_describe_steady_slip(dataset)],
+            "skidding": _describe_skidding(dataset),
+            "slip at largest traction": [_describe_critical_slip(dataset)],
+            "largest slip": [_describe_largest_slips(dataset)],
+            "events": _describe_events(dataset),
+            "film": [_describe_films(dataset)],
+            "cage": _describe_cage(dataset),
+            "steps": _describe_step_error(dataset),
+            "ledger": [_describe_ledger(dataset)],
+            "cost": [_describe_cost(dataset)],
         }
-        told = {about: texts for about, texts in said.items() if texts}
-        return history_findings.told(dataset, told) | damage.over_motion(dataset)
+        topics = {topic: texts for topic, texts in sentences.items() if texts}
+        return history_findings.told(dataset, topics) | damage.over_motion(dataset)
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return the single values of a motion; what has no value is None."""
+        """Return the single values of a motion; None in place of NaN."""
         a = dataset.attrs
         slip = dataset["cage_slip"].to_numpy()
         values: dict[str, Any] = {
@@ -183,7 +192,7 @@ class DynamicsAccount(Account):
             "steady_status": str(a["steady_status"]),
             "largest_cage_slip": float(np.nanmax(slip)) if np.isfinite(slip).any() else math.nan,
             "final_cage_slip": float(slip[-1]),
-            **dict(zip(ONSET, _away(a), strict=True)),
+            **dict(zip(ONSET, _skidding_onset(a), strict=True)),
             "critical_cage_slip": float(a["critical_cage_slip"]),
             "critical_status": str(a["critical_status"]),
             **{
@@ -210,10 +219,10 @@ class DynamicsAccount(Account):
         }
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
-        """Return the energy ledger, and the events by kind: how often, when first and last."""
+        """Return the energy ledger, and number, first and last time of the events of each kind."""
         events = [
-            [what, str(len(p)), *(f"{time:.4g} s" for time in (min(p)[0], max(p)[0]))]
-            for what, p in _passages(dataset).items()
+            [what, str(len(passages)), f"{min(passages)[0]:.4g} s", f"{max(passages)[0]:.4g} s"]
+            for what, passages in _passages(dataset).items()
         ]
         return [
             Table("Energy ledger", *ledger_table(dataset)),
@@ -226,7 +235,7 @@ class DynamicsAccount(Account):
 
 
 def _passages(dataset: "xr.Dataset") -> dict[str, list[tuple[float, bool]]]:
-    """Events by what they are called: times, and whether they were passed while rising."""
+    """Return time and direction (True while rising) of the events, by their meaning."""
     found: dict[str, list[tuple[float, bool]]] = {}
     columns = (dataset[name].to_numpy() for name in ("event_what", "event_time", "event_rising"))
     for what, time, rising in zip(*columns, strict=True):
@@ -234,26 +243,24 @@ def _passages(dataset: "xr.Dataset") -> dict[str, list[tuple[float, bool]]]:
     return found
 
 
-def _away(attributes: Mapping[str, Any]) -> tuple[float, float, str]:
-    """Where the cage runs away: slip, drag and status."""
+def _skidding_onset(attributes: Mapping[str, Any]) -> tuple[float, float, str]:
+    """Return slip, drag [N m] and status of the onset of skidding."""
     slip, drag = (float(attributes.get(name, math.nan)) for name in ONSET[:2])
-    return slip, drag, str(attributes.get("skidding_status", _OLD))
-
-
-def headline(dataset: "xr.Dataset") -> str:
-    """Say where the cage runs away."""
-    return describe_skidding(*_away(dataset.attrs))
+    return slip, drag, str(attributes.get("skidding_status", _UNKNOWN_STATUS))
 
 
 def skidding_slip(dataset: "xr.Dataset") -> float:
-    """Cage slip at which the cage runs away, NaN where it is not known."""
-    return _away(dataset.attrs)[0]
+    """Return the cage slip at which skidding begins, NaN where it is not known."""
+    return _skidding_onset(dataset.attrs)[0]
 
 
 def skidding_passages(dataset: "xr.Dataset") -> list[tuple[float, bool]]:
-    """Times at which cage slip passed that at which the cage runs away, in order, and whether it was rising."""
+    """Return times at which the cage slip passed the skidding slip, in order, and whether it was rising."""
     return sorted(
-        p for what, passages in _passages(dataset).items() if SKIDDING in what for p in passages
+        passage
+        for what, passages in _passages(dataset).items()
+        if SKIDDING in what
+        for passage in passages
     )
 
 
@@ -272,34 +279,44 @@ def ledger_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]
     ]
 
 
-def compared(datasets: "Mapping[str, xr.Dataset]") -> list[str]:
-    """Say how motions of one bearing differ from the first of them: steady slip, speed on the way, time they took."""
+def describe_differences(datasets: "Mapping[str, xr.Dataset]") -> list[str]:
+    """Describe how motions of one bearing differ from the first: steady slip, speeds, time of the integration."""
     (first, reference), *others = datasets.items()
-    said = [f"{name}: {_steady(dataset)}" for name, dataset in datasets.items()]
+    sentences = [f"{name}: {_describe_steady_slip(dataset)}" for name, dataset in datasets.items()]
+    reference_speed = 1.0 - float(reference.attrs["steady_cage_slip"])
+    reference_factor = float(reference.attrs["real_time_factor"])
     for name, dataset in others:
-        gap = np.abs(difference(reference, dataset, "cage_speed")).max(initial=0.0)
-        said.append(
-            f"the cage speed of {name} is never further than {_fraction(gap)} of its largest from that of {first}"
+        gap = np.abs(relative_difference(reference, dataset, "cage_speed")).max(initial=0.0)
+        sentences.append(
+            f"the cage speed of {name} is never further than {_percent(gap)} of its largest from that of {first}"
         )
-        steady = [1.0 - float(one.attrs["steady_cage_slip"]) for one in (dataset, reference)]
-        if _is_steady(reference) and _is_steady(dataset) and steady[1] != 0.0:
-            said.append(
-                f"the steady cage speed of {name} differs by {100 * (steady[0] / steady[1] - 1.0):+.2g} %"
+        if _is_steady(reference) and _is_steady(dataset) and reference_speed != 0.0:
+            ratio = (1.0 - float(dataset.attrs["steady_cage_slip"])) / reference_speed
+            sentences.append(
+                f"the steady cage speed of {name} differs by {100 * (ratio - 1.0):+.2g} %"
             )
-        speeds = [float(one.attrs["real_time_factor"]) for one in (dataset, reference)]
-        if min(speeds) > 0.0 and max(speeds) < math.inf:
-            said.append(f"{name} is {speeds[0] / speeds[1]:.3g} times as fast as {first}")
-    return said
+        factor = float(dataset.attrs["real_time_factor"])
+        if min(factor, reference_factor) > 0.0 and max(factor, reference_factor) < math.inf:
+            sentences.append(f"{name} is {factor / reference_factor:.3g} times as fast as {first}")
+    return sentences
 
 
-def difference(reference: "xr.Dataset", dataset: "xr.Dataset", name: str) -> Array:
-    """Difference of a speed from that of a reference over the reference's largest, at the instants that both cover.
+def relative_difference(reference: "xr.Dataset", dataset: "xr.Dataset", name: str) -> Array:
+    """Return the difference of a speed from that of a reference over the largest speed of the reference.
 
-    A speed of many rollers is that of their mean. The result has a value for each instant of the reference up to the
-    last of the shorter motion.
+    A speed of many rollers is their mean. There is a value for each time of the reference that both motions cover.
+
+    Parameters
+    ----------
+    reference : xarray.Dataset
+        The result to compare with.
+    dataset : xarray.Dataset
+        The result.
+    name : str
+        Name of the speed.
     """
     times = common_times(reference, dataset)
-    one, other = (
+    reference_speed, speed = (
         np.interp(
             times,
             run["time"].to_numpy(),
@@ -308,11 +325,12 @@ def difference(reference: "xr.Dataset", dataset: "xr.Dataset", name: str) -> Arr
         for run in (reference, dataset)
     )
     largest = float(np.abs(reference[name]).max())
-    return np.asarray((other - one) / largest if largest > 0.0 else other - one)
+    difference = speed - reference_speed
+    return np.asarray(difference / largest if largest > 0.0 else difference)
 
 
 def common_times(reference: "xr.Dataset", dataset: "xr.Dataset") -> Array:
-    """Instants of a reference that another motion covers too."""
+    """Return the times of a reference that another motion covers, too."""
     times = reference["time"].to_numpy()
     others = dataset["time"].to_numpy()
     return np.asarray(times[(times >= others[0]) & (times <= others[-1])])
@@ -321,156 +339,183 @@ def common_times(reference: "xr.Dataset", dataset: "xr.Dataset") -> Array:
 # Sentences ----------------------------------------------------------------------------------------------------------
 
 
-def _fraction(value: float) -> str:
+def _percent(value: float) -> str:
+    """Return a fraction in per cent."""
     return f"{100 * value:.3g} %"
 
 
 def _time(seconds: float) -> str:
+    """Return a time with its unit."""
     return f"t = {seconds:.3g} s"
 
 
 def outcome(dataset: "xr.Dataset") -> str:
-    """Say how the motion ended, and why if it did not come to its end."""
+    """Describe how the motion ended, and why if it was not at its end."""
     a = dataset.attrs
-    who = f"{a['level']}, {a['friction']} friction, {a['integrator']}"
+    motion = f"{a['level']}, {a['friction']} friction, {a['integrator']}"
     end = f"{a['outcome']} at {_time(float(dataset['time'][-1]))}"
-    why = str(a["outcome_message"]).strip().rstrip(".") or "no reason is known"
+    reason = str(a["outcome_message"]).strip().rstrip(".") or "no reason is known"
     if a["outcome"] == "finished":
-        return f"{who}: {end}"
-    return f"{who}: {why if why.startswith(a['outcome']) else f'{end}: {why}'}; what was computed is kept"
+        return f"{motion}: {end}"
+    text = reason if reason.startswith(a["outcome"]) else f"{end}: {reason}"
+    return f"{motion}: {text}; what was computed is kept"
 
 
 def _is_steady(dataset: "xr.Dataset") -> bool:
+    """Return whether the slip of a motion is steady at its end."""
     return bool(dataset.attrs["steady_status"] == "steady")
 
 
 def row(dataset: "xr.Dataset") -> Row:
-    """Return the row of the slip at the end; none is known of a motion that is not steady."""
+    """Return the row of the steady slip, without a value if the motion is not steady."""
     slip = float(dataset.attrs["steady_cage_slip"]) if _is_steady(dataset) else math.nan
     if math.isnan(slip):
-        return Row(key="cage_slip", label="cage slip", text="not steady", note=_steady(dataset))
+        return Row(
+            key="cage_slip",
+            label="cage slip",
+            text="not steady",
+            note=_describe_steady_slip(dataset),
+        )
     return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), note="mean of the last orbit",
                known=1, within=0.1)  # fmt: skip
 
 
-def _steady(dataset: "xr.Dataset") -> str:
+def _describe_steady_slip(dataset: "xr.Dataset") -> str:
+    """Describe the steady slip, or why the slip is not steady."""
     a = dataset.attrs
     if _is_steady(dataset):
-        return f"steady cage slip {_fraction(float(a['steady_cage_slip']))}, the mean of the last orbit"
-    why = str(a["steady_status"])
-    what = f"cage slip is {why}" if why.startswith("not ") else f"no steady cage slip: {why}"
+        return f"steady cage slip {_percent(float(a['steady_cage_slip']))}, the mean of the last orbit"
+    status = str(a["steady_status"])
+    is_adjective = status.startswith("not ")
+    text = f"cage slip is {status}" if is_adjective else f"no steady cage slip: {status}"
     last = float(dataset["cage_slip"][-1])
-    return what if math.isnan(last) else f"{what}; at the end it is {_fraction(last)}"
+    return text if math.isnan(last) else f"{text}; at the end it is {_percent(last)}"
 
 
-def _critical(dataset: "xr.Dataset") -> str:
+def _describe_critical_slip(dataset: "xr.Dataset") -> str:
+    """Describe the slip at the largest traction of the inner ring."""
     a = dataset.attrs
     critical = float(a["critical_cage_slip"])
-    rests_on = str(a.get("curves_with", ""))
+    text = "slip at largest traction of the inner ring's friction curve"
     if math.isnan(critical):
-        said = f"slip at largest traction of the inner ring's friction curve unknown: {a['critical_status']}"
+        text = f"{text} unknown: {a['critical_status']}"
     else:
-        said = f"slip at largest traction of the inner ring's friction curve {_fraction(critical)} {rests_on}".rstrip()
+        text = f"{text} {_percent(critical)} {a.get('curves_with', '')}".rstrip()
     first = float(a.get("first_maximum_slip", math.nan))
     if first < (math.inf if math.isnan(critical) else critical):
-        said += f"; friction falls already from a slip of {_fraction(first)} on, then rises again"
-    return said
+        text += f"; friction falls already from a slip of {_percent(first)} on, then rises again"
+    return text
 
 
-def _skidding_sentences(dataset: "xr.Dataset") -> list[str]:
+def _describe_skidding(dataset: "xr.Dataset") -> list[str]:
+    """Describe where skidding begins, and when the cage slip passed it."""
     a = dataset.attrs
     slip = dataset["cage_slip"].to_numpy()
-    away = skidding_slip(dataset)
-    said = [headline(dataset)]
-    if math.isnan(away):
-        return said
-    if a["friction"] == "effective" and slip.max() > _NEAR * away:
-        said.append(
-            f"{EFFECTIVE_FRICTION_ERROR}, and slip comes near: run with --set study.{a['study']}.friction=conventional to be sure"
+    limit = skidding_slip(dataset)
+    sentences = [describe_skidding(*_skidding_onset(a))]
+    if math.isnan(limit):
+        return sentences
+    if a["friction"] == "effective" and slip.max() > _NEAR_SKIDDING * limit:
+        sentences.append(
+            f"{EFFECTIVE_FRICTION_ERROR}, and slip comes near: run with --set study.{a['study']}.friction=conventional "
+            "to be sure"
         )
-    value = f"the {_fraction(away)} at which skidding begins"
+    value = f"the {_percent(limit)} at which skidding begins"
     passages = skidding_passages(dataset)
     if not passages:
-        return [*said, f"cage slip stays {'below' if slip.max() <= away else 'beyond'} {value}"]
-    begun = len(said)
-    said += (
-        [f"cage slip begins at {_fraction(float(slip[0]))}, beyond {value}"]
-        if slip[0] > away
-        else []
-    )
-    for k, (time, rising) in enumerate(passages):
-        if not rising:
-            said.append(f"cage slip fell below {value} at {_time(time)}")
-            continue
-        sentence = f"cage slip passed {value} at {_time(time)} while rising: the rollers' drive falls from there on, "
-        if k + 1 < len(passages):
-            sentence += "but the cage came back"
-        elif _is_steady(dataset):
-            sentence += "but the cage settled beyond it"
-        elif a["outcome"] == "stopped":
-            sentence += "and the cage was beyond it when the run was stopped"
-        elif slip[-1] >= slip.max():
-            sentence += "and the cage still skids at the end"
-        else:
-            sentence += "and the cage was still beyond it at the end"
-        said.append(sentence)
-    if len(said) - begun > _KINDS:
-        between = f"it passed {value} {len(said) - begun - 2} more times in between"
-        said = [*said[: begun + 1], between, said[-1]]
-    return said
+        side = "below" if slip.max() <= limit else "beyond"
+        return [*sentences, f"cage slip stays {side} {value}"]
+    events = [
+        _describe_passage(dataset, value, passage, is_last=k + 1 == len(passages))
+        for k, passage in enumerate(passages)
+    ]
+    if slip[0] > limit:
+        events.insert(0, f"cage slip begins at {_percent(float(slip[0]))}, beyond {value}")
+    if len(events) > _MAX_SENTENCES:
+        between = f"it passed {value} {len(events) - 2} more times in between"
+        events = [events[0], between, events[-1]]
+    return sentences + events
 
 
-def _largest(dataset: "xr.Dataset") -> str:
+def _describe_passage(
+    dataset: "xr.Dataset", value: str, passage: tuple[float, bool], is_last: bool
+) -> str:
+    """Describe a passage of the slip at which skidding begins, and what followed."""
+    time, rising = passage
+    if not rising:
+        return f"cage slip fell below {value} at {_time(time)}"
+    slip = dataset["cage_slip"].to_numpy()
+    if not is_last:
+        end = "but the cage came back"
+    elif _is_steady(dataset):
+        end = "but the cage settled beyond it"
+    elif dataset.attrs["outcome"] == "stopped":
+        end = "and the cage was beyond it when the run was stopped"
+    elif slip[-1] >= slip.max():
+        end = "and the cage still skids at the end"
+    else:
+        end = "and the cage was still beyond it at the end"
+    return f"cage slip passed {value} at {_time(time)} while rising: the rollers' drive falls from there on, {end}"
+
+
+def _describe_largest_slips(dataset: "xr.Dataset") -> str:
+    """Describe the largest slips of the cage and of a roller."""
     times, cage, rollers = (
         dataset[name].to_numpy() for name in ("time", "cage_slip", "roller_slip")
     )
     k = int(np.argmax(cage))
     i, j = np.unravel_index(np.argmax(rollers), rollers.shape)
     return (
-        f"largest cage slip {_fraction(float(cage[k]))} at {_time(times[k])}; largest slip of a roller "
-        f"{_fraction(float(rollers[i, j]))}, roller {dataset['roller'].to_numpy()[j]} at {_time(times[i])}"
+        f"largest cage slip {_percent(float(cage[k]))} at {_time(times[k])}; largest slip of a roller "
+        f"{_percent(float(rollers[i, j]))}, roller {dataset['roller'].to_numpy()[j]} at {_time(times[i])}"
     )
 
 
-def _events(dataset: "xr.Dataset") -> list[str]:
-    said = []
+def _describe_events(dataset: "xr.Dataset") -> list[str]:
+    """Describe the events that are not passages of the skidding slip."""
+    sentences = []
     others = [(what, sorted(p)) for what, p in _passages(dataset).items() if SKIDDING not in what]
-    for what, passages in others[:_KINDS]:
-        times = [time for time, _ in passages]
-        many = f"{len(times)} times, first at {_time(times[0])}, last at {_time(times[-1])}"
-        said.append(f"{what}: {many if len(times) > 1 else f'at {_time(times[0])}'}")
-    if len(others) > _KINDS:
-        rest = sum(len(passages) for _, passages in others[_KINDS:])
-        said.append(f"{rest} more events of {len(others) - _KINDS} other kinds")
-    return said
+    for what, passages in others[:_MAX_SENTENCES]:
+        times = f"at {_time(passages[0][0])}"
+        if len(passages) > 1:
+            times = f"{len(passages)} times, first {times}, last at {_time(passages[-1][0])}"
+        sentences.append(f"{what}: {times}")
+    if len(others) > _MAX_SENTENCES:
+        rest = sum(len(passages) for _, passages in others[_MAX_SENTENCES:])
+        sentences.append(f"{rest} more events of {len(others) - _MAX_SENTENCES} other kinds")
+    return sentences
 
 
-def _films(dataset: "xr.Dataset") -> str:
+def _describe_films(dataset: "xr.Dataset") -> str:
+    """Describe the smallest film parameters."""
     known = {ring: film for ring, film in smallest_film(dataset).items() if not math.isnan(film)}
     if not known:
         loaded = bool(np.any(dataset["normal_force"].to_numpy() > 0.0))
-        why = dataset["film_parameter"].attrs["film_status"] if loaded else "no roller was loaded"
-        return f"film parameter unknown: {why}"
+        status = dataset["film_parameter"].attrs["film_status"]
+        return f"film parameter unknown: {status if loaded else 'no roller was loaded'}"
     return "smallest film parameter " + ", ".join(
         f"{film:.3g} at the {ring} ring" for ring, film in known.items()
     )
 
 
-def _cage(dataset: "xr.Dataset") -> list[str]:
+def _describe_cage(dataset: "xr.Dataset") -> list[str]:
+    """Describe the drag on the cage, and its contacts."""
     drags = json.loads(dataset.attrs["drag"])
-    named = "; ".join(f"{one['name']}, {one['equation']}" for one in drags)
-    said = [f"drag on the cage: {named}" if drags else "no drag on the cage: nothing holds it back"]
+    equations = "; ".join(f"{drag['name']}, {drag['equation']}" for drag in drags)
+    sentences = ["no drag on the cage: nothing holds it back"]
+    if drags:
+        sentences = [f"drag on the cage: {equations}"]
     if "pocket_force" in dataset:
-        largest = format_quantity(float(np.abs(dataset["pocket_force"]).max()), "N", 3)
-        said.append(f"largest force between a roller and the cage {largest}")
+        force = format_quantity(float(np.abs(dataset["pocket_force"]).max()), "N", 3)
+        sentences.append(f"largest force between a roller and the cage {force}")
     if "land_eccentricity" in dataset:
-        said.append(
-            f"largest eccentricity of the cage on its lands {float(dataset['land_eccentricity'].max()):.3g}"
-        )
-    return said
+        eccentricity = float(dataset["land_eccentricity"].max())
+        sentences.append(f"largest eccentricity of the cage on its lands {eccentricity:.3g}")
+    return sentences
 
 
-def _steps(dataset: "xr.Dataset") -> list[str]:
+def _describe_step_error(dataset: "xr.Dataset") -> list[str]:
+    """Describe an error of the steps that exceeds the tolerance."""
     rows = json.loads(dataset.attrs.get("accuracy", "[]"))
     return [
         f"the cage speed may be off by {row['estimated']:.1e} of its largest at an instant, more than the tolerance of "
@@ -480,45 +525,44 @@ def _steps(dataset: "xr.Dataset") -> list[str]:
     ]
 
 
-def _ledger(dataset: "xr.Dataset") -> str:
+def _describe_ledger(dataset: "xr.Dataset") -> str:
+    """Describe the residuals of energy and angular momentum."""
     size = turnover(dataset)
     momentum = momentum_closure(dataset)
+    text = "no energy was turned over"
     if size > 0.0:
-        said = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {format_energy(size)} turned over"
-    else:
-        said = "no energy was turned over"
-    return (
-        said
-        if math.isnan(momentum)
-        else f"{said}, angular momentum to {momentum:.1e} of its largest"
-    )
+        text = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {format_energy(size)} turned over"
+    if math.isnan(momentum):
+        return text
+    return f"{text}, angular momentum to {momentum:.1e} of its largest"
 
 
-def _cost(dataset: "xr.Dataset") -> str:
+def _describe_cost(dataset: "xr.Dataset") -> str:
+    """Describe the work of the integration."""
     a = dataset.attrs
     rejected = f"{a['rejected']:,} rejected" if a["rejected"] >= 0 else "rejected ones not counted"
     factor = float(a["real_time_factor"])
-    speed = (
-        f"{factor:.3g} times as fast as real time"
-        if 1.0 <= factor < math.inf
-        else f"{1.0 / factor:.3g} times slower than real time"
-        if 0.0 < factor < 1.0
-        else "its time was not taken"
-    )
+    speed = "its time was not taken"
+    if 1.0 <= factor < math.inf:
+        speed = f"{factor:.3g} times as fast as real time"
+    elif 0.0 < factor < 1.0:
+        speed = f"{1.0 / factor:.3g} times slower than real time"
     return (
         f"{a['steps']:,} steps ({rejected}), {a['rate_evaluations']:,} evaluations of the rates, {a['jacobians']:,} "
-        f"Jacobians, {a['contacts_evaluated']:,} contacts evaluated; {speed}{_held(a)}"
+        f"Jacobians, {a['contacts_evaluated']:,} contacts evaluated; {speed}{_describe_frozen_friction(a)}"
     )
 
 
-def _held(attributes: Mapping[str, Any]) -> str:
-    """For how long friction was held, and by how much it was off then; empty where it was evaluated every time."""
+def _describe_frozen_friction(attributes: Mapping[str, Any]) -> str:
+    """Describe for how long friction was linearised between its evaluations, and the error; empty if never."""
     if "friction_held" not in attributes:
         return ""
-    held, off, most = (attributes[f"friction_{what}"] for what in ("held", "off", "most_off"))
+    interval, error, max_error = (
+        attributes[f"friction_{name}"] for name in ("held", "off", "most_off")
+    )
     return (
-        f"; friction was evaluated every {held:.2g} s, linear in speed and time in between, and off by {off:.1e} of it "
-        f"when it was again, by {most:.1e} at most"
+        f"; friction was evaluated every {interval:.2g} s, linear in speed and time in between, and off by {error:.1e} "
+        f"of it when it was again, by {max_error:.1e} at most"
     )
 
 
