@@ -91,7 +91,7 @@ REQUESTED = {
 }
 
 
-@pytest.mark.parametrize("asked", REQUESTED)
+@pytest.mark.parametrize("requested", REQUESTED)
 def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(
     requested, tmp_path, monkeypatch
 ):

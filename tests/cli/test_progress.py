@@ -21,7 +21,7 @@ NAN = math.nan
 
 
 @pytest.mark.parametrize(
-    ("elapsed", "since", "share", "left", "seconds", "expected"),
+    ("elapsed", "since", "fraction", "left", "seconds", "expected"),
     [
         (30.0, 0.0, 0.25, NAN, NAN, 90.0),  # three times what it has taken
         (40.0, 10.0, 0.25, NAN, NAN, 80.0),  # ten seconds later

@@ -149,7 +149,7 @@ def test_forces_of_teeth_move_a_rim_as_a_frame_of_beams_does(acts):
 
 
 @pytest.mark.parametrize(
-    ("n", "share", "off"), [*((n, 0.02, 0.01) for n in (0, 2, 3, 6)), (2, 0.1, 0.0025)]
+    ("n", "fraction", "off"), [*((n, 0.02, 0.01) for n in (0, 2, 3, 6)), (2, 0.1, 0.0025)]
 )
 def test_a_thin_annulus_is_a_beam(n, fraction, off):
     h = fraction * R

@@ -61,7 +61,7 @@ def answer(*arguments):
     return ""
 
 
-@pytest.mark.parametrize("share", [16, pytest.param(150, marks=pytest.mark.faults)])
+@pytest.mark.parametrize("fraction", [16, pytest.param(150, marks=pytest.mark.faults)])
 def test_changed_attributes_are_told_or_refused_in_one_sentence(
     result, tmp_path, monkeypatch, capsys, fraction
 ):
@@ -94,7 +94,7 @@ def test_changed_attributes_are_told_or_refused_in_one_sentence(
 
 @pytest.mark.parametrize("attribute", ["curves", "validity"])
 def test_a_report_with_figures_of_changed_attributes_is_refused(result, tmp_path, attribute):
-    save(result.assign_attrs({attribute: '{"told": [7]}'}), tmp_path / "r.nc")
+    save(result.assign_attrs({attribute: '{"messages": [7]}'}), tmp_path / "r.nc")
     said = answer("report", tmp_path / "r.nc", "--out", tmp_path / "r.html")
     assert said.startswith(f"{tmp_path / 'r.nc'}: cannot be read as a result of its study: "), said
     assert not (tmp_path / "r.html").exists()

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.quick
 @attrs.frozen(kw_only=True)
 class Row:
     speed: float = parameter(unit="m/s", doc="speed", validator=positive)
-    fraction: float | None = parameter(default=None, unit="1", doc="share")
+    fraction: float | None = parameter(default=None, unit="1", doc="fraction")
 
 
 def read(text, **options):
@@ -22,8 +22,8 @@ def read(text, **options):
 
 
 def test_columns_are_read_in_si_in_the_order_of_the_file():
-    columns, lines, faults = read('# rig\nshare [%], "speed [km/h]"\n\n5, 36\r\n -1e1 ,"3.6"\n')
-    assert columns == {"share": [0.05, -0.1], "speed": [10.0, 1.0]}
+    columns, lines, faults = read('# rig\nfraction [%], "speed [km/h]"\n\n5, 36\r\n -1e1 ,"3.6"\n')
+    assert columns == {"fraction": [0.05, -0.1], "speed": [10.0, 1.0]}
     assert (lines, faults) == ((4, 5), [])
 
 
@@ -33,13 +33,13 @@ def test_a_column_with_a_default_may_be_left_out():
 
 def test_faults_of_the_header_come_before_those_of_the_rows():
     faults = read(
-        "sped [m/s], share [m], share [1]\n1, 2\n0, x, 1",
+        "sped [m/s], fraction [m], fraction [1]\n1, 2\n0, x, 1",
         check=lambda names: f"{len(names)} columns",
     )[2]
     assert faults == [
         "data.csv:1: 'sped': unknown column; did you mean speed?",
-        "data.csv:1: share: '1 m' is a length, here a plain number is expected, such as 0.1",
-        "data.csv:1: share: stands there twice",
+        "data.csv:1: fraction: '1 m' is a length, here a plain number is expected, such as 0.1",
+        "data.csv:1: fraction: stands there twice",
         "data.csv:1: speed: missing, but required (speed)",
         "data.csv:1: 3 columns",
         "data.csv:2: 2 values under 3 columns",

@@ -38,7 +38,7 @@ def test_a_class_is_made_from_raw_values() -> None:
         "span": ["1 %", 0.3],
         "limit": "70 degC",
         "inner": "moes",
-        "share": 1,
+        "fraction": 1,
     }
     law = structure(Law, raw, "law", problems)
     assert problems == []

@@ -284,7 +284,7 @@ def offered_by(module: ModuleType, kind: Kind) -> list[Any]:
 
     hook = kind.hook
     manager = pluggy.PluginManager("rollslip")
-    requested = ModuleType("asked")
+    requested = ModuleType("requested")
     # that of a stranger's kind stands nowhere else; to add all specifications takes longer than many a model
     setattr(requested, hook, getattr(hookspecs, hook, None) or hookspecs.hookspec(lambda: ()))
     manager.add_hookspecs(requested)

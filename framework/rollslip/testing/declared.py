@@ -31,7 +31,7 @@ class _Watched(Slices):
 
     def __getattribute__(self, name: str) -> Any:
         if name in COLUMNS:
-            super().__getattribute__("asked").add(name)
+            super().__getattribute__("requested").add(name)
         return super().__getattribute__(name)
 
 
@@ -39,7 +39,7 @@ def _usual(model: SliceModel, locked: Collection[str] = ()) -> _Watched:
     """Return slices of usual values; what is not read is NaN, and what is locked cannot be written to."""
     conditions = Conditions(**typical_values(model, members(model, CONDITIONS)))
     slices = _Watched.__new__(_Watched)
-    object.__setattr__(slices, "asked", set())
+    object.__setattr__(slices, "requested", set())
     slices.__init__(4, conditions, **typical_values(model, members(model, COLUMNS)))  # type: ignore[misc]
     for name in COLUMNS:
         column = getattr(slices, name)
