@@ -36,9 +36,9 @@ COARSE = {"accuracy.slices": 5, "study.friction-curve.points": 5}
 
 def nothing(work, points):
     """Compute points that are one number: what is left is the engine."""
-    from rollslip_campaigns.sweep.definition import here
+    from rollslip_campaigns.sweep.definition import installed_versions
     from rollslip_campaigns.sweep.journal import Row
-    from rollslip_campaigns.sweep.point import Done
+    from rollslip_campaigns.sweep.point import TaskResult
 
     about = {
         "dims": (),
@@ -48,7 +48,7 @@ def nothing(work, points):
     }
     layout = json.dumps({"variables": {"critical_friction": about}, "coords": {}})
     rows = (Row(number, "", "ok", "", 0.0, layout, bytes(8)) for number, _ in points)
-    return Done(tuple(rows), here(work.packages))
+    return TaskResult(tuple(rows), installed_versions(work.packages))
 
 
 def memory():
@@ -98,13 +98,13 @@ def one_sweep(kind, name, points, address):
     """Run a sweep in this process; return what it took."""
     import rollslip
     from rollslip_campaigns.sweep import run as sweep_run
-    from rollslip_campaigns.sweep.folder import begin, finish
+    from rollslip_campaigns.sweep.folder import create_folder, write_result
 
     made = planned(kind, points)
     parameters = {"dask": {"scheduler": address}, "serial": {}}.get(name, {"count": WORKERS})
     engine = rollslip.get_model("engine", name, **parameters)
     with tempfile.TemporaryDirectory() as folder:
-        kept = begin(made, Path(folder))
+        kept = create_folder(made, Path(folder))
         forget_peak()
         before, _ = memory()
         clock = time.perf_counter()
@@ -117,7 +117,7 @@ def one_sweep(kind, name, points, address):
         _, run = memory()
         forget_peak()
         collecting = time.perf_counter()
-        finish(made, kept)
+        write_result(made, kept)
         collecting = time.perf_counter() - collecting
         _, collected = memory()
     assert settled.progress.counts == {"ok": points}, settled.progress.counts

@@ -20,7 +20,7 @@ from output import DOCS, write_table
 from rollslip import sweep
 from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
-from rollslip_campaigns.sweep.figures import models_apart
+from rollslip_campaigns.sweep.figures import describe_models
 from rollslip_campaigns.uncertainty import UncertaintySettings
 from rollslip_campaigns.uncertainty.margin import run_margin
 
@@ -53,7 +53,7 @@ def percent(fraction):
 
 if __name__ == "__main__":
     found = run_margin(
-        UncertaintySettings(SCENE, samples=2048, indices=64).plan(), KEPT, said=print
+        UncertaintySettings(SCENE, samples=2048, indices=64).plan(), KEPT, print_line=print
     )
     figures(
         found,
@@ -108,7 +108,7 @@ if __name__ == "__main__":
     for (key, names), figure in ((LAWS, "margin_laws"), (FILMS, "margin_films")):
         apart = sweep(SCENE, {**SCATTER, key: names}, samples=256, study="effective-friction")
         figures(apart, sweep_models=figure)
-        print(models_apart(apart))
+        print(describe_models(apart))
         slips = apart.critical_cage_slip.sel(ring="inner").fillna(np.inf)
         for name in names:
             values = np.quantile(

@@ -15,7 +15,7 @@ from rollslip.bearing.critical import slip_grid
 from rollslip.scene.changes import evolve
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
-from rollslip_campaigns.sweep.point import _TOGETHER, _Task, compute
+from rollslip_campaigns.sweep.point import _BATCH_SIZE, _Task, compute
 from rollslip_campaigns.uncertainty import UncertaintySettings
 from rollslip_studies.effective_friction.raceways import (
     agree_together,
@@ -31,7 +31,7 @@ OUTPUTS = ("critical_cage_slip", "critical_friction")
 
 def together(cases):
     """Samples that are evaluated together, all of them in turn."""
-    return [cases[k : k + _TOGETHER] for k in range(0, len(cases), _TOGETHER)]
+    return [cases[k : k + _BATCH_SIZE] for k in range(0, len(cases), _BATCH_SIZE)]
 
 
 def least(step, inputs):
@@ -50,7 +50,7 @@ if __name__ == "__main__":
     points = [(number, sweep.design.changes(number)) for number in range(SAMPLES)]
     work = attrs.evolve(work, outputs=named_outputs(study_class(sweep.study), OUTPUTS))
     task = _Task(work)
-    resolution = work.resolutions.of({})
+    resolution = work.resolutions.lookup({})
     study = settings(sweep.scene, sweep.study)[sweep.study]
     slip = slip_grid(study.max_cage_slip, study.points)
     compute(work, points)  # whatever is made once

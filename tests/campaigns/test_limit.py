@@ -217,7 +217,8 @@ def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_p
     whole = run_limit(made, tmp_path / "whole")
     (tmp_path / "part").mkdir()
     run_sweep(
-        attrs.evolve(made.sweep, selected=made.first[:3]), open_or_create(made.sweep, tmp_path / "part")
+        attrs.evolve(made.sweep, selected=made.first[:3]),
+        open_or_create(made.sweep, tmp_path / "part"),
     )
     again = run_limit(made, tmp_path / "part")
     assert again.drop_vars("seconds").identical(

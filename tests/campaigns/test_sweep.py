@@ -38,9 +38,16 @@ from rollslip_campaigns.sweep import point
 from rollslip_campaigns.sweep import run as sweep_run
 from rollslip_campaigns.sweep.definition import Resolutions, installed_versions
 from rollslip_campaigns.sweep.findings import SweepAccount, axis_keys
-from rollslip_campaigns.sweep.folder import create_folder, write_result, read_status
-from rollslip_campaigns.sweep.journal import STATUSES, Journal, Row, journal_files, sessions, point_states
-from rollslip_campaigns.sweep.point import TaskResult, _packed, compute
+from rollslip_campaigns.sweep.folder import create_folder, read_status, write_result
+from rollslip_campaigns.sweep.journal import (
+    STATUSES,
+    Journal,
+    Row,
+    journal_files,
+    point_states,
+    sessions,
+)
+from rollslip_campaigns.sweep.point import TaskResult, _pack_values, compute
 from rollslip_campaigns.sweep.result import collect
 from rollslip_campaigns.sweep.run import run_sweep
 from rollslip_campaigns.sweep.sampling import parse_over, parse_overs, plain_names, probabilities
@@ -569,7 +576,7 @@ def test_single_values_words_and_ragged_ones_come_together(tmp_path):
                 np.array(["stable", "unstable"][: len(slips)]),
                 about,
             )
-        layout, numbers, texts = _packed(variables, {})
+        layout, numbers, texts = _pack_values(variables, {})
         journal.write([Row(number, "", "ok", "", 0.0, layout, numbers, texts)])
     journal.close("complete")
     found = collect(sweep, tmp_path)
@@ -872,7 +879,9 @@ def test_the_pace_of_points_is_looked_at_as_long_as_processes_take_to_start(
         pace = paces[min(len(taken), len(paces) - 1)]
         taken.append(len(points))
         clock[0] += 0.25
-        return TaskResult(tuple(Row(n, "", "ok", "", pace) for n, _ in points), installed_versions(work.packages))
+        return TaskResult(
+            tuple(Row(n, "", "ok", "", pace) for n, _ in points), installed_versions(work.packages)
+        )
 
     monkeypatch.setattr(sweep_run, "compute", paced)
     monkeypatch.setattr(sweep_run, "cores", lambda: 2)

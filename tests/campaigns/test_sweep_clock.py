@@ -9,7 +9,7 @@ import pytest
 
 import rollslip
 from rollslip_campaigns.sweep.command import sweep_standing
-from rollslip_campaigns.sweep.folder import begin, finish, status
+from rollslip_campaigns.sweep.folder import create_folder, read_status, write_result
 from rollslip_campaigns.sweep.journal import Journal, Row, sessions
 from rollslip_campaigns.sweep.run import run_sweep
 from rollslip_campaigns.sweep.sweep import plan_sweep
@@ -36,7 +36,7 @@ def clock(monkeypatch):
 
 @pytest.mark.parametrize("hours", [HOURS, -HOURS])
 def test_a_clock_that_is_set_while_points_are_computed_loses_nothing(hours, clock, tmp_path):
-    folder = begin(planned(), tmp_path / "s")
+    folder = create_folder(planned(), tmp_path / "s")
     told = []
 
     def report(progress):
@@ -56,7 +56,7 @@ def test_a_clock_that_is_set_while_points_are_computed_loses_nothing(hours, cloc
 def test_the_last_run_is_the_last_whatever_its_clock_says(hours, clock, tmp_path):
     """Two of six points in the first run and two in the second, each half a second after it begins."""
     sweep = planned()
-    folder = begin(sweep, tmp_path / "s")
+    folder = create_folder(sweep, tmp_path / "s")
     numbers = itertools.count()
     for _ in range(2):
         journal = Journal(folder, {"engine": "serial", "sweep": sweep.hash})
@@ -66,7 +66,7 @@ def test_the_last_run_is_the_last_whatever_its_clock_says(hours, clock, tmp_path
         journal.close("interrupted")
         clock[0] += hours
     clock[0] -= hours
-    found = status(folder, errors=3)
+    found = read_status(folder, errors=3)
     assert [number for number, *_ in found.errors] == [1, 2, 3]
     assert found.left == pytest.approx(2 * 0.25, rel=0.5)
     assert 0.0 <= found.quiet < 60.0
@@ -79,12 +79,14 @@ def test_a_sweep_is_gone_on_with_after_its_clock_was_set(hours, clock, tmp_path)
     """What failed before is computed again, and counts; what is known stays."""
     sweep = planned()
     reference = rollslip.sweep(SCENE, OVER, study="friction-curve", output=("friction",))
-    folder = begin(sweep, tmp_path / "s")
+    folder = create_folder(sweep, tmp_path / "s")
     journal = Journal(folder, {"engine": "serial", "sweep": sweep.hash})
     journal.write([Row(0, "", "crashed", "a test", 0.2)])
     journal.close("interrupted")
     clock[0] += hours
-    run_sweep(sweep, folder, engine=rollslip.get_model("engine", "serial"), again=("crashed",))
-    assert status(folder).counts == {"ok": 6}
-    assert status(folder).errors == []
-    assert np.array_equal(finish(sweep, folder)["friction"], reference["friction"])
+    run_sweep(
+        sweep, folder, engine=rollslip.get_model("engine", "serial"), retry_statuses=("crashed",)
+    )
+    assert read_status(folder).counts == {"ok": 6}
+    assert read_status(folder).errors == []
+    assert np.array_equal(write_result(sweep, folder)["friction"], reference["friction"])

@@ -30,8 +30,8 @@ from faulty_points import (
     sweep,
     until,
 )
-from rollslip_campaigns.sweep.folder import status
-from rollslip_campaigns.sweep.journal import journals, states
+from rollslip_campaigns.sweep.folder import read_status
+from rollslip_campaigns.sweep.journal import journal_files, point_states
 from rollslip_plugins import engines
 
 SLOW = ["--set", "models.traction.seconds=0.2 s"]
@@ -124,7 +124,7 @@ def test_a_folder_has_one_run_at_a_time(folder, reference):
     process.kill()
     process.communicate()
     assert "serial: 1 points, was killed" in sweep(folder, "status", "s").stdout
-    assert len(journals(folder / "s")) == 1
+    assert len(journal_files(folder / "s")) == 1
     gone_on_with(folder, reference, "--engine", "serial")
 
 
@@ -153,7 +153,7 @@ def test_a_point_that_kills_its_process_is_the_only_one_lost(folder):
     assert "ZeroDivisionError: one over nothing; raised by evaluate()" in str(
         found["message"].values[2]
     )
-    assert sorted(number for number, *_ in status(folder / "s").errors) == [
+    assert sorted(number for number, *_ in read_status(folder / "s").errors) == [
         1,
         2,
     ]  # in the order in which they ended
@@ -303,7 +303,7 @@ def test_a_journal_that_must_not_grow_ends_the_run_and_loses_nothing(folder):
     )
     assert "journal-000000.sqlite: cannot be written (" in done.stderr
     assert "what was done is kept; go on with: rollslip sweep resume s" in done.stderr
-    kept = 200 - states(folder / "s", 200).count(0)
+    kept = 200 - point_states(folder / "s", 200).count(0)
     assert 0 < kept < 200
     said = json.loads(sweep(folder, "resume", "s", "--engine", "serial", "--json").stdout)
     assert said["run"]["computed"] == 200 - kept
@@ -371,7 +371,7 @@ def test_a_task_of_dask_ends_whatever_becomes_of_its_result(fetched, ended):
     """The connection breaks while a result is on its way, or the scheduler forgets the task: no future stays open."""
 
     class Client:
-        status = "running"
+        read_status = "running"
         loop = SimpleNamespace(add_callback=lambda function: asyncio.run(function()))
 
         def submit(self, fn, *arguments, pure):

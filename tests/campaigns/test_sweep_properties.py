@@ -25,7 +25,7 @@ import rollslip
 from rollslip.engine import Engine
 from rollslip.errors import BusyError, EngineError, OutputError
 from rollslip_campaigns.sweep.findings import SweepAccount
-from rollslip_campaigns.sweep.folder import create_folder, write_result, read_status
+from rollslip_campaigns.sweep.folder import create_folder, read_status, write_result
 from rollslip_campaigns.sweep.journal import (
     FAILED,
     STATUSES,
@@ -33,9 +33,9 @@ from rollslip_campaigns.sweep.journal import (
     Row,
     journal_files,
     only_writer,
+    point_states,
     records,
     running,
-    point_states,
 )
 from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.result import collect

@@ -90,7 +90,9 @@ def test_a_point_that_a_run_contradicts_is_told_of(tmp_path, monkeypatch):
 
 def test_motions_in_time_are_not_made_again():
     assert (
-        deviations_from_run(SimpleNamespace(study="dynamics"), xr.Dataset({"status": ("point", ["ok"])}))
+        deviations_from_run(
+            SimpleNamespace(study="dynamics"), xr.Dataset({"status": ("point", ["ok"])})
+        )
         == []
     )
 

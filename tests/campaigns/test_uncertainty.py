@@ -27,10 +27,10 @@ from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
 from rollslip.units import quantity
 from rollslip_campaigns.sweep import folder as swept
-from rollslip_campaigns.sweep.figures import models_apart
+from rollslip_campaigns.sweep.figures import describe_models
 from rollslip_campaigns.sweep.findings import SweepAccount
 from rollslip_campaigns.sweep.journal import FAILED, STATUSES
-from rollslip_campaigns.sweep.run import Progress, Settled
+from rollslip_campaigns.sweep.run import Progress, SweepOutcome
 from rollslip_campaigns.uncertainty import UncertaintySettings, estimators
 from rollslip_campaigns.uncertainty import margin as allowable
 from rollslip_campaigns.uncertainty.findings import UncertaintyAccount
@@ -222,7 +222,7 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     monkeypatch.setattr(
         swept,
         "run_sweep",
-        lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False),
+        lambda *args, **options: SweepOutcome(Progress(64, {}, 0, 0.0), "", "", False),
     )
     monkeypatch.setattr(swept, "collect", lambda sweep, folder: _points(status, slips))
     found = run_margin(made, tmp_path / "failed")
@@ -248,11 +248,13 @@ def _of_points(points, monkeypatch, folder, **options):
     """A result of points that nobody computes, and what was said on the way."""
     said = []
     monkeypatch.setattr(
-        swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+        swept,
+        "run_sweep",
+        lambda *args, **options: SweepOutcome(Progress(1, {}, 0, 0.0), "", "", False),
     )
     monkeypatch.setattr(swept, "collect", points)
     return run_margin(
-        UncertaintySettings(uncertain(**ALPHA), **options).plan(), folder, said=said.append
+        UncertaintySettings(uncertain(**ALPHA), **options).plan(), folder, print_line=said.append
     ), said
 
 
@@ -351,7 +353,7 @@ def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
     monkeypatch.setattr(allowable, "_FIRST_BATCH", 64)
 
     def points(sweep, folder):
-        n = len(sweep.only)
+        n = len(sweep.selected)
         return _points(["ok"] * n, np.full(n, np.nan))
 
     found, _ = _of_points(
@@ -364,7 +366,7 @@ def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_p
     monkeypatch.setattr(allowable, "_FIRST_BATCH", 16)
 
     def points(sweep, folder):
-        n = len(sweep.only)
+        n = len(sweep.selected)
         values = np.linspace(0.1, 0.2, n)
         return _points(["ok"] * n, np.where(np.arange(n) < 32, np.nan, values))
 
@@ -395,7 +397,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
         patch.setattr(
             swept,
             "run_sweep",
-            lambda *args, **options: Settled(Progress(16, {}, 0, 0.0), "", "", False),
+            lambda *args, **options: SweepOutcome(Progress(16, {}, 0, 0.0), "", "", False),
         )
         patch.setattr(swept, "collect", lambda sweep, folder: _points(ends, slips))
         found = run_margin(sixteen(), tmp_path_factory.mktemp("ends"))
@@ -460,7 +462,7 @@ def test_intervals_that_end_a_run_are_wider_for_it(tmp_path, monkeypatch):
     ends = {}
     for until in (None, 1e-9):
         found, _ = _of_points(
-            lambda sweep, folder: _points(["ok"] * len(sweep.only), values[: len(sweep.only)]),
+            lambda sweep, folder: _points(["ok"] * len(sweep.selected), values[: len(sweep.selected)]),
             monkeypatch, tmp_path / str(until), samples=256, probability=0.8, until=until,
         )  # fmt: skip
         ends[until] = float(found.allowable_low), float(found.allowable_high)
@@ -496,7 +498,9 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
         return _points(["timed-out"] * 8, np.full(8, np.nan))
 
     monkeypatch.setattr(
-        swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+        swept,
+        "run_sweep",
+        lambda *args, **options: SweepOutcome(Progress(1, {}, 0, 0.0), "", "", False),
     )
     monkeypatch.setattr(swept, "collect", points)
     out = tmp_path / "made"
@@ -572,7 +576,7 @@ def test_models_whose_samples_lie_beyond_the_range_are_not_told_apart_by_numbers
         {"ring": ["inner"], "models.film": ["a", "b"]},
         {"axes": json.dumps(["models.film"])},
     )
-    assert models_apart(dataset).endswith(f": {said}.")
+    assert describe_models(dataset).endswith(f": {said}.")
 
 
 def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
@@ -585,7 +589,9 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
         return _points(np.where(lost, "crashed", "ok"), slips)
 
     monkeypatch.setattr(
-        swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+        swept,
+        "run_sweep",
+        lambda *args, **options: SweepOutcome(Progress(1, {}, 0, 0.0), "", "", False),
     )
     monkeypatch.setattr(swept, "collect", points)
     found = run_margin(made, tmp_path / "made")

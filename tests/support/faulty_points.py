@@ -15,7 +15,7 @@ import numpy as np
 
 import rollslip
 from packages import install
-from rollslip_campaigns.sweep.journal import journals, sessions
+from rollslip_campaigns.sweep.journal import journal_files, sessions
 
 MODEL = """\
 import os, signal, sys, time
@@ -162,7 +162,7 @@ def until(holds, seconds: float = 90.0) -> None:
 
 def points(folder: Path) -> int:
     """Return the number of rows that are safe in the journals."""
-    return sum(one.rows for one in sessions(folder)) if journals(folder) else 0
+    return sum(one.rows for one in sessions(folder)) if journal_files(folder) else 0
 
 
 def result(folder: Path):

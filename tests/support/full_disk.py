@@ -13,8 +13,8 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 from faulty_points import FACTORS, prepare, result, same, sweep
-from rollslip_campaigns.sweep.folder import status
-from rollslip_campaigns.sweep.journal import journals, sessions, states
+from rollslip_campaigns.sweep.folder import read_status
+from rollslip_campaigns.sweep.journal import journal_files, point_states, sessions
 
 MANY = ["--over", "models.traction.factor=0.01:0.3:200", "--output", "friction,film_thickness"]
 MANY += ["--set", "study.friction-curve.points=40"]
@@ -75,10 +75,10 @@ def whole(disk: Path) -> None:
         "sweep.nc",
         "sweep.lock",
         "filler",
-        *(path.name for path in journals(disk)),
+        *(path.name for path in journal_files(disk)),
     }
     assert names(disk) <= known, names(disk)
-    for path in journals(disk):
+    for path in journal_files(disk):
         with closing(sqlite3.connect(path)) as connection:
             assert connection.execute("pragma integrity_check").fetchone() == ("ok",)
 
@@ -93,15 +93,15 @@ def the_journal_grows_until_the_disk_is_full(folder: Path, *engine: str) -> None
     )
     assert "what was done is kept; go on with: rollslip sweep resume s" in done.stderr
     whole(folder / "s")
-    kept = 200 - states(folder / "s", 200).count(0)
+    kept = 200 - point_states(folder / "s", 200).count(0)
     assert 0 < kept < 200
-    assert status(folder / "s").done == kept
+    assert read_status(folder / "s").done == kept
     # as full as before, it does not get further, and loses nothing
     done = sweep(folder, "resume", "s", *engine, code=2)
     assert "cannot be written (" in done.stderr
     whole(folder / "s")
     free(folder / "s")
-    kept = 200 - states(folder / "s", 200).count(0)
+    kept = 200 - point_states(folder / "s", 200).count(0)
     sweep(folder, "resume", "s", *engine)
     assert sum(one.rows for one in sessions(folder / "s")) == 200
     assert sessions(folder / "s")[-1].rows == 200 - kept
@@ -130,7 +130,7 @@ def the_disk_is_full_when_a_run_goes_on(folder: Path, *engine: str) -> None:
     done = sweep(folder, "retry", "s", "--failed", *engine, code=2)
     assert "journal-000001.sqlite: cannot be written (" in done.stderr
     assert names(folder / "s") == before | {"filler"}
-    assert status(folder / "s").counts == {"ok": 1, "crashed": 1}
+    assert read_status(folder / "s").counts == {"ok": 1, "crashed": 1}
 
 
 def the_result_does_not_fit_on_the_disk(folder: Path, *engine: str) -> None:

@@ -43,13 +43,20 @@ class ExplorerSettings(OfPoints):
     over: Mapping[str, object] | Sequence[str] | str = setting(
         "What moves: LOW:HIGH or LOW:HIGH:NODES with units, or models A,B; by default load, speed, temperature, "
         "clearance and the law of traction.",
-        default=(), metavar="KEY=VALUES", many=True, first=True,
+        default=(),
+        metavar="KEY=VALUES",
+        many=True,
+        first=True,
         more='A mapping of keys to "LOW:HIGH" or "LOW:HIGH:NODES", or to lists of models.',
-    )  # fmt: skip
+    )
     checks: int = setting(
-        "Random places at which it is checked against runs, for each combination of models.", of=int, default=24,
-        least=0, metavar="N", shown=True,
-    )  # fmt: skip
+        "Random places at which it is checked against runs, for each combination of models.",
+        of=int,
+        default=24,
+        least=0,
+        metavar="N",
+        shown=True,
+    )
     out: Any = setting(
         "", more="The file, of which an older one is replaced; by default SCENE-explorer.html here."
     )

@@ -35,9 +35,9 @@ def run_explorer(
         made = plan_sweep(
             planned.scene, over, study=EffectiveFriction.name, output=[*GROUPS, "angle"], **how
         )
-        points = Points.of(made, folder / of, lambda text: None, lambda now: show(*now.told))
+        points = Points.in_folder(made, folder / of, lambda text: None, lambda now: show(*now.summary))
         points.compute()
-        found = _whole(points.collected())
+        found = _whole(points.collect())
         return found.rename({name: key for key, name in made.names.items()})
 
     choices: dict[str, object] = {key: list(names) for key, names in planned.choices.items()}

@@ -48,9 +48,12 @@ class LimitSettings(OfPoints):
 
     over: Mapping[str, object] | Sequence[str] | str = setting(
         "What moves, with units; LOW:HIGH:COUNT says how many values are computed first.  [default: 9]",
-        default=attrs.NOTHING, metavar="KEY=LOW:HIGH", many=True, first=True,
+        default=attrs.NOTHING,
+        metavar="KEY=LOW:HIGH",
+        many=True,
+        first=True,
         more='A mapping of the key to "LOW:HIGH", or the text "KEY=LOW:HIGH".',
-    )  # fmt: skip
+    )
     keep: str = setting(
         "The limit of a result, or OUTPUT>=VALUE.",
         default=attrs.NOTHING,
@@ -74,7 +77,7 @@ class LimitSettings(OfPoints):
         """Search in a folder."""
         from rollslip_campaigns.limit.limit import run_limit
 
-        return run_limit(made, folder, said=said, report=lambda now: show(*now.told))
+        return run_limit(made, folder, print_line=said, report=lambda now: show(*now.summary))
 
     def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return what computes points that failed again."""

@@ -44,9 +44,12 @@ class LimitAccount(Account):
         """Return what was found, by what it is about."""
         found = {"limit": [headline(dataset)]}
         others = {
-            "width": _unknown(dataset), "jump": _jumps(dataset), "course": _course(dataset),
-            "values missing": _without(dataset), "points failed": _failed(dataset),
-        }  # fmt: skip
+            "width": _unknown(dataset),
+            "jump": _jumps(dataset),
+            "course": _course(dataset),
+            "values missing": _without(dataset),
+            "points failed": _failed(dataset),
+        }
         return found | {name: lines for name, lines in others.items() if lines}
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Run one study at many points."""
+"""Campaign ``sweep``: run one study at many points."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class SweepSettings(OfPoints):
-    """Compute a study of SCENE at many points, and keep everything in a folder.
+    """Compute a study of SCENE at many points, and store everything in a folder.
 
     Returns
     -------
@@ -50,10 +50,12 @@ class SweepSettings(OfPoints):
 
     over: Mapping[str, object] | Sequence[str] | str | None = setting(
         "What is varied: A,B,C or LOW:HIGH:COUNT, with units, or LOW:HIGH:COUNT:log; LOW:HIGH for samples.",
-        metavar="KEY=VALUES", many=True, first=True,
+        metavar="KEY=VALUES",
+        many=True,
+        first=True,
         more='A mapping of keys to lists of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", or, to be sampled, '
         '"LOW:HIGH" or "LOW:HIGH:log". Tables [sweep] and [uncertainty] of the scene count too.',
-    )  # fmt: skip
+    )
     samples: int | None = setting(
         "Samples of ranges and of what is uncertain.", of=int, least=1, metavar="N"
     )
@@ -63,23 +65,26 @@ class SweepSettings(OfPoints):
     seed: int | None = setting("Seed of the samples.", of=int, least=0, metavar="N")
     study: str | None = setting("Only this study.", metavar="STUDY")
     output: Sequence[str] | str = setting(
-        "Variable to keep; may be repeated.", default=(), metavar="NAME", many=True,
+        "Variable to keep; may be repeated.",
+        default=(),
+        metavar="NAME",
+        many=True,
         more="Several in a text have commas between them; by default the main ones.",
-    )  # fmt: skip
+    )
 
     def plan(self) -> "Sweep":
-        """Check the sweep and lay out its points."""
-        from rollslip_campaigns.sweep.folder import planned
+        """Check the settings and plan the points."""
+        from rollslip_campaigns.sweep.folder import plan_requested
 
-        return planned(self)
+        return plan_requested(self)
 
     def run(
         self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
     ) -> "xr.Dataset":
         """Compute the points in a folder."""
-        from rollslip_campaigns.sweep.folder import begin, finish
+        from rollslip_campaigns.sweep.folder import create_folder, write_result
         from rollslip_campaigns.sweep.run import run_sweep
 
-        kept = begin(made, folder)
-        run_sweep(made, kept, said=said, report=lambda now: show(*now.told))
-        return finish(made, kept)
+        create_folder(made, folder)
+        run_sweep(made, folder, print_line=said, report=lambda now: show(*now.summary))
+        return write_result(made, folder)

@@ -1,4 +1,4 @@
-"""The commands `rollslip sweep`: run, resume, retry and status; what they print before and meanwhile."""
+"""The commands ``rollslip sweep``: run, resume, retry and status, and the texts that they print."""
 
 import json
 import shlex
@@ -26,15 +26,15 @@ from rollslip_campaigns.sweep import SweepSettings
 
 if TYPE_CHECKING:
     from rollslip_campaigns.sweep.definition import Sweep
-    from rollslip_campaigns.sweep.folder import Status
+    from rollslip_campaigns.sweep.folder import SweepStatus
     from rollslip_campaigns.sweep.run import Progress
 
 
-class _Steps(click.Group):
-    """The commands of a sweep; a scene in the place of one is told from a mistyped one."""
+class _SweepCommands(click.Group):
+    """The commands of a sweep; the message about an unknown command recognises a scene without a command."""
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """Find the command, or say that one is missing before the scene."""
+        """Find the command; if the first argument is a scene, raise an error with the command to write."""
         from rollslip.scene.reading import shipped_scenes
 
         if self.get_command(ctx, args[0]) is None and (
@@ -46,20 +46,20 @@ class _Steps(click.Group):
         return super().resolve_command(ctx, args)
 
 
-sweep = _Steps("sweep", help=SweepSettings.summary)
+sweep = _SweepCommands("sweep", help=SweepSettings.summary)
 
 
 @results_options("Folder for the sweep, new or empty.", overwrite=False)
 @json_option
 def _sweep_run(requested: SweepSettings, about: str, results: Results) -> None:
-    from rollslip_campaigns.sweep.folder import begin
+    from rollslip_campaigns.sweep.folder import create_folder
 
-    made = requested.plan()
-    warn(made.unusual)
+    planned = requested.plan()
+    warn(planned.unusual)
     if not results.as_json:
-        click.echo("\n".join(made.told))
-    results.go_to(requested.place(made, about))
-    _run_sweep(made, begin(made, results.target), (), results)
+        click.echo("\n".join(planned.told))
+    results.go_to(requested.place(planned, about))
+    _run_sweep(planned, create_folder(planned, results.target), (), results)
 
 
 sweep.command("run")(with_settings(SweepSettings, _sweep_run))
@@ -76,8 +76,8 @@ def sweep_resume(
     """Compute the points of the sweep in FOLDER that are not done yet."""
     from rollslip_campaigns.sweep.sweep import open_sweep, with_engine
 
-    made = with_engine(open_sweep(folder), engine, time_limit)
-    _run_sweep(made, folder, (), results)
+    planned = with_engine(open_sweep(folder), engine, time_limit)
+    _run_sweep(planned, folder, (), results)
 
 
 @sweep.command("retry")
@@ -113,8 +113,8 @@ def sweep_retry(
         raise click.UsageError(
             f"no point fails as {', '.join(unknown)}; there are: {', '.join(FAILED)}"
         )
-    made = with_engine(open_sweep(folder), engine, time_limit)
-    _run_sweep(made, folder, FAILED if failed else tuple(statuses), results)
+    planned = with_engine(open_sweep(folder), engine, time_limit)
+    _run_sweep(planned, folder, FAILED if failed else tuple(statuses), results)
 
 
 @sweep.command("status")
@@ -129,118 +129,122 @@ def sweep_retry(
 )
 @json_option
 def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
-    """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
+    """Show the status of the sweep in FOLDER, also while it runs: points by status, time left, last errors."""
     from rollslip.cli.units import with_units
-    from rollslip_campaigns.sweep.folder import status
+    from rollslip_campaigns.sweep.folder import read_status
 
-    found = status(folder, errors)
-    print_either(as_json, with_units(found.as_dict()), "\n".join(sweep_standing(found)))
+    status = read_status(folder, errors)
+    print_either(as_json, with_units(status.as_dict()), "\n".join(sweep_standing(status)))
 
 
-def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Results) -> None:
-    """Run a sweep in its folder and tell what came of it."""
+def _run_sweep(
+    planned: "Sweep", folder: Path, retry_statuses: Sequence[str], results: Results
+) -> None:
+    """Run a sweep in its folder and print its results."""
     import os
 
     from rollslip.errors import BusyError, EngineError, OutputError
-    from rollslip_campaigns.sweep.run import described, run_sweep
+    from rollslip_campaigns.sweep.run import describe_outcome, run_sweep
 
-    go_on = f"go on with: {shlex.join(['rollslip', 'sweep', 'resume', str(folder)])}"
+    resume = f"go on with: {shlex.join(['rollslip', 'sweep', 'resume', str(folder)])}"
     try:
         with progress("sweep") as show:
-            settled = run_sweep(
-                made,
+            outcome = run_sweep(
+                planned,
                 folder,
-                again=tuple(again),
-                said=lambda text: click.echo(f"  {text}", err=results.as_json),
-                report=lambda now: show(*now.told),
+                retry_statuses=tuple(retry_statuses),
+                print_line=lambda text: click.echo(f"  {text}", err=results.as_json),
+                report=lambda now: show(*now.summary),
             )
     except KeyboardInterrupt:
-        click.echo(f"interrupted at once; what was done is kept; {go_on}", err=True)
+        click.echo(f"interrupted at once; what was done is kept; {resume}", err=True)
         sys.stdout.flush()
-        os._exit(INTERRUPTED)  # a thread that still computes would be waited for
+        os._exit(INTERRUPTED)  # sys.exit would wait for threads that still compute
     except BusyError:
         raise
     except (EngineError, OutputError) as error:
-        raise type(error)(f"{error}\nwhat was done is kept; {go_on}") from error
-    if settled.interrupted:
-        click.echo(f"interrupted: {sweep_progress(settled.progress)}; {go_on}", err=True)
+        raise type(error)(f"{error}\nwhat was done is kept; {resume}") from error
+    if outcome.interrupted:
+        click.echo(f"interrupted: {sweep_progress(outcome.progress)}; {resume}", err=True)
         sys.exit(INTERRUPTED)
     try:
-        _tell_sweep(made, folder, described(settled), results)
+        _report_sweep(planned, folder, describe_outcome(outcome), results)
     except KeyboardInterrupt:
-        click.echo(f"interrupted; all points are kept; {go_on}", err=True)
+        click.echo(f"interrupted; all points are kept; {resume}", err=True)
         sys.exit(INTERRUPTED)
 
 
-def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Results) -> None:
-    """Write the dataset of a sweep and say what is in it."""
+def _report_sweep(planned: "Sweep", folder: Path, run: dict[str, object], results: Results) -> None:
+    """Save the dataset of a sweep and print its results."""
     from rollslip.cli import console
     from rollslip.cli.units import with_units
     from rollslip.results.accounts import account_of
-    from rollslip_campaigns.sweep.folder import RESULT, finish
+    from rollslip_campaigns.sweep.folder import RESULT, write_result
 
-    dataset = finish(made, folder)
+    dataset = write_result(planned, folder)
     account = account_of(dataset)
-    found = account.record(dataset)
+    record = account.record(dataset)
     files = [
         RESULT,
-        *(results.show({"sweep": dataset}, folder) if not found["counts"]["pending"] else []),
+        *(results.show({"sweep": dataset}, folder) if not record["counts"]["pending"] else []),
     ]
     if results.as_json:
         print_json(
             {
-                "scene": made.given.source,
-                "sweep_hash": made.hash,
-                "study": made.study,
+                "scene": planned.given.source,
+                "sweep_hash": planned.hash,
+                "study": planned.study,
                 "run": with_units(run),
             }
-            | with_units(found, dataset)
+            | with_units(record, dataset)
             | {"folder": str(folder), "files": files}
         )
     else:
         console.print_found(dataset, "  ")
         click.echo(f"written to {folder}: {', '.join(files)}")
     warn(json.loads(dataset.attrs["left"]))
-    if found["counts"]["ok"] < sum(found["counts"].values()):
-        told = shlex.join(["rollslip", "sweep", "status", str(folder)])
-        click.echo(f"some points have no result; see: {told}", err=True)
-        if found["counts"]["pending"]:
-            told = shlex.join(["rollslip", "sweep", "resume", str(folder)])
+    if record["counts"]["ok"] < sum(record["counts"].values()):
+        command = shlex.join(["rollslip", "sweep", "status", str(folder)])
+        click.echo(f"some points have no result; see: {command}", err=True)
+        if record["counts"]["pending"]:
+            command = shlex.join(["rollslip", "sweep", "resume", str(folder)])
             click.echo(
-                f"{found['counts']['pending']} of them are not computed yet; go on with: {told}",
+                f"{record['counts']['pending']} of them are not computed yet; go on with: {command}",
                 err=True,
             )
         sys.exit(SOME_FAILED)
 
 
-# What is said ---------------------------------------------------------------------------------------------------------
+# Texts ----------------------------------------------------------------------------------------------------------------
 
 
-def sweep_progress(of: "Progress") -> str:
-    """Return how far a sweep is, in one line."""
+def sweep_progress(progress: "Progress") -> str:
+    """Return the progress of a sweep in one line."""
     from rollslip.results.words import duration
 
-    left = f", {duration(of.left)} left" if of.left is not None else ""
-    return f"{of.told[0]}{left}"
+    left = f", {duration(progress.left)} left" if progress.left is not None else ""
+    return f"{progress.summary[0]}{left}"
 
 
-def sweep_standing(of: "Status") -> list[str]:
-    """Return how a sweep stands, line by line."""
+def sweep_standing(status: "SweepStatus") -> list[str]:
+    """Return the status of a sweep, line by line."""
     from rollslip.results.words import duration
 
-    lines = [f"sweep of {of.study} in {of.folder}: {of.done} of {of.total} points done"]
-    lines += [f"  {name}: {count}" for name, count in of.counts.items()]
-    if of.done < of.total:
-        lines.append(f"  not yet: {of.total - of.done}")
-        if of.left is not None and of.quiet is not None:
+    lines = [
+        f"sweep of {status.study} in {status.folder}: {status.done} of {status.total} points done"
+    ]
+    lines += [f"  {name}: {count}" for name, count in status.counts.items()]
+    if status.done < status.total:
+        lines.append(f"  not yet: {status.total - status.done}")
+        if status.left is not None and status.quiet is not None:
             lines.append(
-                f"  at the last pace {duration(of.left)} left; the last point came {duration(of.quiet)} ago"
+                f"  at the last pace {duration(status.left)} left; the last point came {duration(status.quiet)} ago"
             )
-    for writer in of.writers:
+    for writer in status.writers:
         ended = writer["ended"] or (
-            "runs" if of.running and writer is of.writers[-1] else "was killed"
+            "runs" if status.running and writer is status.writers[-1] else "was killed"
         )
         who = f"{writer['host']} process {writer['process']}, {writer['engine']}"
         lines.append(f"  {who}: {writer['points']} points, {ended}")
-    lines += [f"  point {number} {status}: {message}" for number, status, message in of.errors]
+    lines += [f"  point {number} {code}: {message}" for number, code, message in status.errors]
     return lines

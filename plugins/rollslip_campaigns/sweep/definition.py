@@ -1,7 +1,8 @@
-"""What a sweep is: the points of a study, what they share, and what tells one sweep from another.
+"""Data classes of a sweep: its points, the data that all points share, and the facts that identify it.
 
-- Its facts are the resolved scene, study, outputs, design, resolutions and the versions of the packages.
-- Neither engine nor time limit belong to the facts: they change when a result is there, not what it is.
+- The facts of a sweep are the resolved scene, study, outputs, design, resolutions and the versions of the packages.
+  Their SHA-256 hash identifies the sweep.
+- Engine and time limit do not belong to the facts, because they change the duration of a sweep and not its results.
 """
 
 import hashlib
@@ -24,32 +25,41 @@ from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.sampling import SAMPLINGS, Design, plain_names
 from rollslip_studies.variation.distributions import Uncertainty, shown
 
-__all__ = ["OF_POINTS", "Resolutions", "Sweep", "SweepTable", "SweepWork", "here", "name_of"]
+__all__ = [
+    "POINT_VARIABLES",
+    "Resolutions",
+    "Sweep",
+    "SweepTable",
+    "SweepWork",
+    "combination_name",
+    "installed_versions",
+]
 
 
-#: Variables of a sweep about its points.
-OF_POINTS: Final = ("status", "message", "seconds")
+#: Variables of a result that describe the points themselves, besides the outputs of the study.
+POINT_VARIABLES: Final = ("status", "message", "seconds")
 
 
 @attrs.frozen(kw_only=True)
 class Resolutions:
-    """The resolutions of a sweep.
+    """The resolutions with which the points of a sweep are computed.
 
     Attributes
     ----------
     deciding : tuple of str
-        Keys whose values decide which one a point takes.
+        Keys of the scene whose values decide which resolution a point has.
     chosen : mapping
-        Values of these keys, as JSON -> resolution. A point whose values are not here is computed as its scene states.
+        Values of these keys, as JSON (`combination_name`) -> resolution. A point whose values are not in the mapping
+        has the resolution that its scene states.
     """
 
     deciding: tuple[str, ...] = ()
     chosen: Mapping[str, Resolution] = attrs.field(factory=dict)
 
-    def of(self, changes: Mapping[str, object]) -> Resolution | None:
-        """Return the resolution of a point, None if it is computed as the scene states."""
+    def lookup(self, changes: Mapping[str, object]) -> Resolution | None:
+        """Return the resolution of a point by its changes of the scene, None for that which the scene states."""
         return (
-            self.chosen.get(name_of([changes.get(key) for key in self.deciding]))
+            self.chosen.get(combination_name([changes.get(key) for key in self.deciding]))
             if self.chosen
             else None
         )
@@ -57,17 +67,17 @@ class Resolutions:
     @property
     def facts(self) -> dict[str, dict[str, object]]:
         """The resolutions as plain values."""
-        return {name: attrs.asdict(one) for name, one in self.chosen.items()}
+        return {name: attrs.asdict(resolution) for name, resolution in self.chosen.items()}
 
 
-def name_of(values: Sequence[object]) -> str:
-    """Return the name that a resolution has by the values of its keys."""
+def combination_name(values: Sequence[object]) -> str:
+    """Return the JSON text of a combination of values, by which `Resolutions` finds a resolution."""
     return json.dumps(values, default=dict)
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class SweepWork:
-    """What all points of a sweep share.
+    """The data that all points of a sweep share; it is sent to the workers.
 
     Attributes
     ----------
@@ -76,13 +86,13 @@ class SweepWork:
     study : str
         The study.
     outputs : tuple of str
-        Variables to keep.
+        Variables of the study that are stored.
     packages : tuple of str
-        Distributions whose versions belong to the key of a point.
+        Names of the packages whose versions belong to the key of a point.
     resolutions : Resolutions
-        How finely the points are computed.
+        Resolutions of the points.
     time_limit : float or None
-        Longest time for one point [s].
+        Longest time for one point [s]; None for no limit.
     """
 
     scene: Scene
@@ -94,8 +104,8 @@ class SweepWork:
 
 
 @cache
-def here(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
-    """Return names and versions of packages in this process, and that of Python."""
+def installed_versions(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Return (name, version) of packages in this process and of Python; "not installed" for a missing package."""
     versions = []
     for name in packages:
         try:
@@ -141,28 +151,28 @@ class SweepTable:
 
 @attrs.frozen(eq=False, kw_only=True)
 class Sweep(SweepWork):
-    """The points of a study and what they share, the scene without the tables of the sweep.
+    """A sweep: its points and the data that they share. Its scene has no tables [sweep] and [uncertainty].
 
     Attributes
     ----------
     design : Design
         The points.
     uncertainty : Uncertainty
-        What the samples are of.
+        Distributions from which the samples are drawn.
     local : tuple of str
-        Models that are registered in this process only.
+        Models that are registered in this process only, which other processes do not have.
     citations : tuple of Reference or str
-        What to cite for models and oils.
+        References of models, oils and data.
     table : SweepTable
-        What was asked for, all together.
+        Settings of the sweep, from the scene and from the call.
     given : Scene
-        The scene as it was given.
+        The scene as it was given, with its tables.
     unusual : tuple of str
-        What is unusual of the values that vary.
+        Warnings of implausible values.
     files : str
-        Digest of the files that the study reads beside the scene; empty if there are none.
-    only : sequence of int or None
-        Numbers of the points that are computed in this run, None for all; the design has the others all the same.
+        Digest of the files that the study reads besides the scene; empty if there are none.
+    selected : sequence of int or None
+        Numbers of the points that are computed in this run, None for all points of the design.
     """
 
     design: Design
@@ -173,44 +183,52 @@ class Sweep(SweepWork):
     given: Scene
     unusual: tuple[str, ...] = ()
     files: str = ""
-    only: Sequence[int] | None = None
+    selected: Sequence[int] | None = None
 
     @property
     def work(self) -> SweepWork:
-        """What all points share, and nothing else: an executor takes it to its workers."""
-        shared = {one.name: getattr(self, one.name) for one in attrs.fields(SweepWork)}
+        """The data that all points share, without those of the sweep as a whole; it is sent to the workers."""
+        shared = {field.name: getattr(self, field.name) for field in attrs.fields(SweepWork)}
         return SweepWork(**shared | {"time_limit": self.table.time_limit})
 
     @property
     def numbers(self) -> Sequence[int]:
         """Numbers of the points that are computed."""
-        return range(self.design.size) if self.only is None else self.only
+        return range(self.design.size) if self.selected is None else self.selected
 
     @property
     def names(self) -> dict[str, str]:
-        """Key of each axis and of what is sampled -> its name in the result, which no output has."""
-        of = settings(self.scene, self.study)[self.study].outputs
-        inner = {dim for name in self.outputs if name in of for dim in of[name].dims.split()}
-        taken = {*self.outputs, *inner, *(f"{dim}_index" for dim in inner), "sample", *OF_POINTS}
+        """Key of each axis and of each sampled quantity -> its name in the result, different from those of outputs."""
+        outputs = settings(self.scene, self.study)[self.study].outputs
+        inner = {
+            dim for name in self.outputs if name in outputs for dim in outputs[name].dims.split()
+        }
+        taken = {
+            *self.outputs,
+            *inner,
+            *(f"{dim}_index" for dim in inner),
+            "sample",
+            *POINT_VARIABLES,
+        }
         return plain_names(self.design.keys, taken)
 
     @property
     def dims(self) -> tuple[str, ...]:
-        """Names of the dimensions of the sweep."""
+        """Names of the dimensions of the sweep: its axes and, with samples, "sample"."""
         names = self.names
         axes = tuple(names[axis.key] for axis in self.design.axes)
         return (*axes, "sample") if self.design.has_samples else axes
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What tells this sweep from another, as plain values."""
+        """Facts that identify the sweep, as plain values of JSON."""
         facts = {
             "scene": resolved(self.scene),
             "study": self.study,
             "outputs": list(self.outputs),
             **self.design.facts,
             "resolutions": self.resolutions.facts,
-            "packages": dict(here(self.packages)),
+            "packages": dict(installed_versions(self.packages)),
         }
         if changing := edited(self.packages):
             facts["editable packages"] = changing
@@ -225,7 +243,7 @@ class Sweep(SweepWork):
 
     @property
     def headline(self) -> str:
-        """The first line of a run: version, scene and hash, study and packages."""
+        """First line about a run: version, scene and hash, study and packages."""
         packages = ", ".join(
             f"{name} {version}" for name, version in self.facts["packages"].items()
         )
@@ -235,7 +253,7 @@ class Sweep(SweepWork):
 
     @property
     def planned(self) -> list[str]:
-        """What is swept, in words."""
+        """Lines that describe axes, samples, resolutions and points."""
         lines = []
         for axis in self.design.axes:
             count = len(axis.values)
@@ -249,10 +267,9 @@ class Sweep(SweepWork):
                 lines.append(
                     f"  in place of the whole {whole}; to change the law in it, sweep models.traction.hydrodynamic"
                 )
-        for of in self.design.sampled:
-            lines.append(
-                f"{of.key}: {shown(self.uncertainty.distributions[of.key], of.unit or '1')}"
-            )
+        for quantity in self.design.sampled:
+            distribution = self.uncertainty.distributions[quantity.key]
+            lines.append(f"{quantity.key}: {shown(distribution, quantity.unit or '1')}")
         if self.design.has_samples:
             n = len(self.design.samples)
             balance = (
@@ -277,5 +294,5 @@ class Sweep(SweepWork):
 
     @property
     def told(self) -> list[str]:
-        """All that is said before anything runs."""
+        """Lines that are printed before the points are computed."""
         return [self.headline, *(f"  {line}" for line in self.planned)]

@@ -1,4 +1,4 @@
-"""What a sweep has found, in sentences and plain values, from the dataset alone."""
+"""Report the results of a sweep as sentences, tables and plain values, from its dataset alone."""
 
 import json
 from collections.abc import Collection
@@ -15,55 +15,60 @@ from rollslip.results.words import format_plain, in_percent, two_digits, with_un
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SweepAccount", "axes", "by_name", "named_dims", "point_table", "resting"]
+__all__ = [
+    "SweepAccount",
+    "axis_keys",
+    "closure_note",
+    "named_dims",
+    "point_table",
+    "split_by_name",
+]
 
-#: Sweeps of at most this many points are shown as a table with a row for each point.
-_POINTS: Final = 24
-#: Such a table has at most this many columns, which fit the width of a terminal.
-_COLUMNS: Final = 10
+#: Maximum number of points of a sweep that is printed as a table with a row for each point. Chosen: a table that fits
+#: on the screen of a terminal.
+_MAX_ROWS: Final = 24
+#: Maximum number of columns of such a table. Chosen: columns that fit the width of a terminal.
+_MAX_COLUMNS: Final = 10
 
 
-def axes(dataset: "xr.Dataset") -> dict[str, str]:
-    """Return the dimension of each axis -> its key, as the scene has it.
-
-    Older results have keys as names of dimensions.
-    """
-    known = {
+def axis_keys(dataset: "xr.Dataset") -> dict[str, str]:
+    """Return the dimension of each axis -> its key in the scene. In older results the dimension is the key."""
+    names_by_key = {
         str(coordinate.attrs.get("key", name)): str(name)
         for name, coordinate in dataset.coords.items()
     }
-    return {known.get(key, key): key for key in json.loads(dataset.attrs["axes"])}
+    return {names_by_key.get(key, key): key for key in json.loads(dataset.attrs["axes"])}
 
 
 class SweepAccount(Account):
-    """How a sweep is told: point by point where these are few, and by the range of every output."""
+    """Report of a sweep: a table of the points if it is short, and the range of each output."""
 
     drawn = ".figures:sweep_figures"
 
     @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:
-        """Return what a sweep found, line by line: every output with the range of its values."""
+        """Return a line with the number of points by status, and a line for each output with its range."""
         counts = json.loads(dataset.attrs["counts"])
         lines = [
             ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no points"
         ]
-        for name, row in _ranges(dataset).items():
-            where = "none"
+        for name, row in _summaries(dataset).items():
+            extent = "none"
             if row["values"]:
-                told = {
-                    which: _shown(row[which], name, row["unit"])
-                    for which in ("least", "largest", "median")
-                }
-                where = f"{told['least']} to {told['largest']}, median {told['median']}"
+                smallest, largest, median = (
+                    _format_value(row[statistic], name, row["unit"])
+                    for statistic in ("smallest", "largest", "median")
+                )
+                extent = f"{smallest} to {largest}, median {median}"
             why = f" ({row['why']})" if row["why"] else ""
-            called = f"{name}{resting(dataset)}" if name.startswith("critical_") else name
+            label = f"{name}{closure_note(dataset)}" if name.startswith("critical_") else name
             values = f"{row['values']} value{'s' * (row['values'] != 1)}"
-            lines.append(f"{called}: {where}; {values}, {row['missing']} without one{why}")
+            lines.append(f"{label}: {extent}; {values}, {row['missing']} without one{why}")
         return lines
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Return what a sweep found, by what it is about."""
+        """Return the sentences by topic: the points, and each output."""
         first, *others = SweepAccount.sentences(dataset)
         return {"points": [first]} | {
             line.partition(":")[0]: [line.partition(": ")[2]] for line in others
@@ -71,27 +76,35 @@ class SweepAccount(Account):
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return what a sweep found, as plain values."""
-        return {"counts": json.loads(dataset.attrs["counts"]), "outputs": _ranges(dataset)}
+        """Return the results as plain values."""
+        return {"counts": json.loads(dataset.attrs["counts"]), "outputs": _summaries(dataset)}
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
-        """Return a row for each point, if there are not too many to read."""
-        return point_table(sheet(dataset), set(axes(dataset).values()))
+        """Return a table with a row for each point, or none if it would be too long."""
+        return point_table(sheet(dataset), set(axis_keys(dataset).values()))
 
 
-def point_table(of: Sheet, varied: Collection[str]) -> list[Table]:
-    """Return the rows of a spreadsheet as people read them, without how points ended, if there are not too many."""
-    head, rows = of
-    words = {"status", "message", "seconds"}
-    kept = [
+def point_table(spreadsheet: Sheet, varied: Collection[str]) -> list[Table]:
+    """Return a table for print of a spreadsheet of points, without the columns of statuses; none if it is too large.
+
+    Parameters
+    ----------
+    spreadsheet : tuple
+        Head and rows, with a row for each point.
+    varied : collection of str
+        Names of columns with varied quantities, whose numbers are printed as they were given.
+    """
+    head, rows = spreadsheet
+    status_columns = {"status", "message", "seconds"}
+    columns = [
         k
         for k, name in enumerate(head)
-        if not name.endswith("status") and name.partition(" [")[0] not in words
+        if not name.endswith("status") and name.partition(" [")[0] not in status_columns
     ]
-    if len(rows) > _POINTS or not len(varied) < len(kept) <= _COLUMNS:
+    if len(rows) > _MAX_ROWS or not len(varied) < len(columns) <= _MAX_COLUMNS:
         return []
 
-    def told(value: object, name: str) -> str:
+    def format_cell(value: object, name: str) -> str:
         if not isinstance(value, float):
             return "-" if value is None else str(value)
         return format_plain(value) if name.partition(" [")[0] in varied else two_digits(value)
@@ -99,84 +112,101 @@ def point_table(of: Sheet, varied: Collection[str]) -> list[Table]:
     return [
         Table(
             "",
-            tuple(head[k] for k in kept),
-            [[told(row[k], head[k]) for k in kept] for row in rows],
+            tuple(head[k] for k in columns),
+            [[format_cell(row[k], head[k]) for k in columns] for row in rows],
         )
     ]
 
 
-def _shown(value: float, name: str, unit: str) -> str:
+def _format_value(value: float, name: str, unit: str) -> str:
+    """Text of a value with its unit; slips in percent."""
     return f"{100.0 * value:.4g} %" if in_percent(name, unit) else with_unit(value, unit)
 
 
-def resting(dataset: "xr.Dataset") -> str:
-    """Return what critical slips rest on, after a space; nothing where it varies or is not known."""
+def closure_note(dataset: "xr.Dataset") -> str:
+    """Return the closure of critical slips, after a space; "" where it varies or is not known."""
     return f" {dataset.attrs['curves_with']}" if "curves_with" in dataset.attrs else ""
 
 
 def named_dims(values: "xr.DataArray", keys: Collection[str]) -> list[str]:
-    """Return the dimensions of an output along which it has names, such as rings, measures or parts."""
+    """Return the dimensions of an output whose coordinates are names, such as rings, measures or parts.
+
+    Parameters
+    ----------
+    values : xarray.DataArray
+        The output.
+    keys : collection of str
+        Dimensions of the sweep, which are not returned.
+    """
     inner = [str(dim) for dim in values.dims if dim not in keys and dim in values.coords]
     return [dim for dim in inner if values[dim].dtype.kind not in "fiub"]
 
 
-def by_name(values: "xr.DataArray", dim: str) -> "list[tuple[str, xr.DataArray]]":
-    """Return an output name by name, each piece with its own unit."""
+def split_by_name(values: "xr.DataArray", dim: str) -> "list[tuple[str, xr.DataArray]]":
+    """Return (label, values) for each name along a dimension, with the unit of each.
+
+    Parameters
+    ----------
+    values : xarray.DataArray
+        The output.
+    dim : str
+        Dimension whose coordinate is names.
+    """
     units = json.loads(values[dim].attrs.get(UNITS, "{}"))
-    found = []
+    pieces = []
     for name in map(str, values[dim].to_numpy()):
         piece = values.sel({dim: name})
-        called = f"{name} ring" if dim == "ring" else name
+        label = f"{name} ring" if dim == "ring" else name
         piece.attrs["units"] = units.get(name, piece.attrs["units"])
-        piece.attrs["long_name"] = f"{piece.attrs.get('long_name', values.name)}, {called}"
-        found.append((called, piece))
-    return found
+        piece.attrs["long_name"] = f"{piece.attrs.get('long_name', values.name)}, {label}"
+        pieces.append((label, piece))
+    return pieces
 
 
-def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
-    """Range of every output that is a number; what has no value is counted."""
-    ranges = {}
-    sampled = {*axes(dataset), "sample"}
+def _summaries(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
+    """Range and median of each numeric output, and the number of points without a value, with the main reason."""
+    summaries = {}
+    sampled = {*axis_keys(dataset), "sample"}
     for name, variable in dataset.data_vars.items():
         if name == "seconds" or variable.dtype.kind != "f":
             continue
         status = _status_of(dataset, variable)
         pieces = {str(name): variable}
-        named = named_dims(variable, sampled)
-        if {*variable.dims} - sampled == {*named}:
-            for dim in named:
+        name_dims = named_dims(variable, sampled)
+        if {*variable.dims} - sampled == {*name_dims}:
+            for dim in name_dims:
                 pieces = {
-                    f"{k}, {one}": of
-                    for k, piece in pieces.items()
-                    for one, of in by_name(piece, dim)
+                    f"{prefix}, {part_label}": part
+                    for prefix, piece in pieces.items()
+                    for part_label, part in split_by_name(piece, dim)
                 }
-        for called, piece in pieces.items():
+        for label, piece in pieces.items():
             values = piece.to_numpy()
-            known = values[np.isfinite(values)]
-            at = {dim: piece[dim] for dim in named if dim not in piece.dims}
+            finite = values[np.isfinite(values)]
+            selected = {dim: piece[dim] for dim in name_dims if dim not in piece.dims}
             why = None
             if status is not None:
-                words = status.sel(
-                    {dim: one for dim, one in at.items() if dim in status.dims}
+                reasons = status.sel(
+                    {dim: names for dim, names in selected.items() if dim in status.dims}
                 ).broadcast_like(piece)
-                why = _most_frequent(words.transpose(*piece.dims).to_numpy()[~np.isfinite(values)])
-            ranges[called] = {
+                why = _main_reason(reasons.transpose(*piece.dims).to_numpy()[~np.isfinite(values)])
+            summaries[label] = {
                 "unit": piece.attrs["units"],
-                "values": int(known.size),
-                "missing": int(values.size - known.size),
+                "values": int(finite.size),
+                "missing": int(values.size - finite.size),
                 "why": why,
-                **dict.fromkeys(("least", "median", "largest")),
+                **dict.fromkeys(("smallest", "median", "largest")),
             }
-            if known.size:
-                ends = {"least": float(known.min()), "largest": float(known.max())}
-                ranges[called] |= {"median": float(np.median(known)), **ends}
-    return ranges
+            if finite.size:
+                limits = {"smallest": float(finite.min()), "largest": float(finite.max())}
+                summaries[label] |= {"median": float(np.median(finite)), **limits}
+    return summaries
 
 
 def _status_of(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray | None":
-    """The words beside a variable that say why it has no value, if there is one such variable."""
-    if (told := variable.attrs.get(STATUS_VARIABLE)) in dataset:
-        return dataset[told]
+    """The status variable of a variable: the one that its attribute names, else the only one of the same dimensions."""
+    if (status_name := variable.attrs.get(STATUS_VARIABLE)) in dataset:
+        return dataset[status_name]
     names = [
         name
         for name, other in dataset.data_vars.items()
@@ -187,13 +217,15 @@ def _status_of(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray
     return dataset[names[0]] if len(names) == 1 else None
 
 
-def _most_frequent(words: NDArray[Any]) -> str | None:
-    """The reason that is given most often, and whether there are others; points that failed give none."""
-    reasons, counts = np.unique(words[words.astype(str) != ""].astype(str), return_counts=True)
+def _main_reason(statuses: NDArray[Any]) -> str | None:
+    """The most frequent status, with "mostly" if there are others; failed points have none."""
+    reasons, counts = np.unique(
+        statuses[statuses.astype(str) != ""].astype(str), return_counts=True
+    )
     if not reasons.size:
         return None
-    most = str(reasons[np.argmax(counts)])
-    return most if reasons.size == 1 else f"mostly {most}"
+    reason = str(reasons[np.argmax(counts)])
+    return reason if reasons.size == 1 else f"mostly {reason}"
 
 
 ACCOUNT: Final = SweepAccount("sweep")

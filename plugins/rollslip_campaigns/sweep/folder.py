@@ -1,4 +1,4 @@
-"""The folder of a sweep: made once, gone on with, looked at."""
+"""The folder of a sweep: create it, continue a sweep in it, and read its status and its results."""
 
 import json
 import time
@@ -18,14 +18,14 @@ from rollslip_campaigns.sweep.journal import (
     LOCK,
     STATUSES,
     check_owner,
-    journals,
+    journal_files,
     last_failures,
     only_writer,
+    point_states,
     running,
     sessions,
-    states,
 )
-from rollslip_campaigns.sweep.result import apart_from_run, collect
+from rollslip_campaigns.sweep.result import collect, deviations_from_run
 from rollslip_campaigns.sweep.run import Report, requested_engine, run_sweep
 from rollslip_campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_sweep
 
@@ -34,23 +34,40 @@ if TYPE_CHECKING:
 
     from rollslip_campaigns.sweep import SweepSettings
 
-__all__ = ["RESULT", "Points", "Status", "begin", "finish", "planned", "status", "taken_up"]
+__all__ = [
+    "RESULT",
+    "Points",
+    "SweepStatus",
+    "create_folder",
+    "open_or_create",
+    "plan_requested",
+    "read_status",
+    "write_result",
+]
 
+#: Name of the file with the dataset of the sweep.
 RESULT = "sweep.nc"
 
 
-def planned(requested: "SweepSettings") -> Sweep:
-    """Check the settings of a sweep and lay out its points."""
-    told = {one.name: getattr(requested, one.name) for one in attrs.fields(SweepTable)}
-    made = plan_sweep(requested.given, told.pop("over"), **told)
-    requested_engine(made)  # refused before a folder is made
-    return made
+def plan_requested(requested: "SweepSettings") -> Sweep:
+    """Return the sweep of some settings; wrong settings raise SceneError before a folder is created."""
+    table = {field.name: getattr(requested, field.name) for field in attrs.fields(SweepTable)}
+    sweep = plan_sweep(requested.given, table.pop("over"), **table)
+    requested_engine(sweep)  # an unusable engine is refused here
+    return sweep
 
 
-def begin(sweep: Sweep, folder: Path) -> Path:
-    """Make the folder of a new sweep, and return it.
+def create_folder(sweep: Sweep, folder: Path) -> Path:
+    """Create the folder of a new sweep with its description, and return the folder.
 
-    One that has lost what it is, but has journals of the same sweep, is taken up again.
+    A folder that has journals of the same sweep, but no description, is continued.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+    folder : Path
+        Path of the folder. A folder with other files raises OutputError.
     """
     if (folder / FILE).exists():
         raise OutputError(
@@ -67,17 +84,25 @@ def begin(sweep: Sweep, folder: Path) -> Path:
     return folder
 
 
-def taken_up(sweep: Sweep, folder: Path) -> Path:
-    """Return the folder of a sweep, made if it is not there, for who goes on with what it holds."""
+def open_or_create(sweep: Sweep, folder: Path) -> Path:
+    """Return the folder of a sweep that is continued; create it if it does not exist.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep. A folder of another sweep raises OutputError.
+    folder : Path
+        Path of the folder.
+    """
     if not (folder / FILE).exists():
-        return begin(sweep, folder)
+        return create_folder(sweep, folder)
     try:
-        stored = json.loads((folder / FILE).read_text(encoding="utf-8"))["hash"]
+        stored_hash = json.loads((folder / FILE).read_text(encoding="utf-8"))["hash"]
     except (OSError, ValueError, KeyError) as error:
         raise OutputError(
             f"{folder / FILE}: cannot be read ({error}); name another --out"
         ) from error
-    if stored != sweep.hash:
+    if stored_hash != sweep.hash:
         raise OutputError(
             f"{folder}: holds points of another scene, of other options or packages; ask for the same, or name "
             "another --out"
@@ -87,68 +112,115 @@ def taken_up(sweep: Sweep, folder: Path) -> Path:
 
 @attrs.frozen(eq=False)
 class Points:
-    """Points of a sweep in its folder: any may be asked for, and what is done is not computed again."""
+    """Points of a sweep in its folder; any of them can be computed, and points that are done are not computed again.
+
+    Attributes
+    ----------
+    sweep : Sweep
+        The sweep.
+    folder : Path
+        Its folder.
+    print_line : callable
+        Takes a line of text on the choice of the engine.
+    report : callable
+        Takes the `Progress` after each task.
+    """
 
     sweep: Sweep
     folder: Path
-    said: Callable[[str], None] = lambda text: None
+    print_line: Callable[[str], None] = lambda text: None
     report: Report = lambda progress: None
 
     @classmethod
-    def of(
-        cls, sweep: Sweep, folder: Path, said: Callable[[str], None], report: Report
+    def in_folder(
+        cls, sweep: Sweep, folder: Path, print_line: Callable[[str], None], report: Report
     ) -> "Points":
-        """Return those of a folder, which is made if it is not there."""
-        return cls(sweep, taken_up(sweep, folder), said, report)
+        """Return the points in a folder, which is created if it does not exist.
 
-    def compute(self, numbers: Sequence[int] | None = None, **how: Any) -> None:
-        """Compute some points, or all; an interrupt is handed on when what had begun is kept."""
-        part = attrs.evolve(self.sweep, only=numbers)
-        if run_sweep(part, self.folder, said=self.said, report=self.report, **how).interrupted:
+        Parameters
+        ----------
+        sweep : Sweep
+            The sweep.
+        folder : Path
+            Path of the folder.
+        print_line : callable
+            Takes a line of text on the choice of the engine.
+        report : callable
+            Takes the `Progress` after each task.
+        """
+        return cls(sweep, open_or_create(sweep, folder), print_line, report)
+
+    def compute(self, numbers: Sequence[int] | None = None, **options: Any) -> None:
+        """Compute some points; after an interrupt, finish those that have started and raise KeyboardInterrupt.
+
+        Parameters
+        ----------
+        numbers : sequence of int, optional
+            Numbers of the points; by default all.
+        **options : object
+            Further arguments of `run_sweep`.
+        """
+        part = attrs.evolve(self.sweep, selected=numbers)
+        if run_sweep(
+            part, self.folder, print_line=self.print_line, report=self.report, **options
+        ).interrupted:
             raise KeyboardInterrupt
 
-    def collected(self, numbers: Sequence[int] | None = None) -> "xr.Dataset":
-        """Return what some points have given, or all."""
-        return collect(attrs.evolve(self.sweep, only=numbers), self.folder)
+    def collect(self, numbers: Sequence[int] | None = None) -> "xr.Dataset":
+        """Return the dataset of some points, by default of all; points that are not done are "pending"."""
+        return collect(attrs.evolve(self.sweep, selected=numbers), self.folder)
 
 
 def _own(folder: Path) -> set[str]:
-    """Names of the files that sweeps make, but for the one that says what the sweep is."""
-    written = {name for path in journals(folder) for name in (path.name, f"{path.name}-journal")}
+    """Names of the files in a folder that a sweep has written, except for its description."""
+    written = {
+        name for path in journal_files(folder) for name in (path.name, f"{path.name}-journal")
+    }
     return written | {LOCK, RESULT} if written else set()
 
 
-def finish(sweep: Sweep, folder: Path) -> "xr.Dataset":
-    """Write the dataset of a sweep beside its journals, and return it."""
+def write_result(sweep: Sweep, folder: Path) -> "xr.Dataset":
+    """Save the dataset of a sweep in its folder, and return the dataset.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+    folder : Path
+        Its folder.
+    """
     with only_writer(folder, wait=60.0):
         dataset = collect(sweep, folder)
         dataset.attrs["warnings"] = json.dumps(
-            [*json.loads(dataset.attrs["warnings"]), *apart_from_run(sweep, dataset)]
+            [*json.loads(dataset.attrs["warnings"]), *deviations_from_run(sweep, dataset)]
         )
         save(dataset, folder / RESULT)
     return dataset
 
 
 @attrs.frozen(eq=False)
-class Status:
-    """How a sweep stands.
+class SweepStatus:
+    """Status of a sweep.
 
     Attributes
     ----------
-    folder, study : Path, str
-        Which it is.
+    folder : Path
+        Folder of the sweep.
+    study : str
+        Name of its study.
     total : int
-        Its points.
+        Number of its points.
     counts : Counter
-        Those that are done, by status.
+        Status -> number of points that are done.
     writers : list of dict
-        Every run of it: host, process, engine, points, and how it ended; "" if it was killed or is the one that runs.
+        Runs of the sweep: host, process, engine, number of points, and ending, which is "" if the run was killed or has
+        not ended.
     running : bool
-        Whether a run goes on, the last one.
+        Whether the last run has not ended.
     left : float or None
-        Seconds to the end at the pace of the last run, None if it has none.
+        Time left [s] by the mean time per point of the last run with results; None without one.
     quiet : float or None
-        Seconds since the last point.
+        Time since the last result [s]; None without one.
     errors : list of tuple
         Number, status and message of the points that failed last.
     """
@@ -165,11 +237,11 @@ class Status:
 
     @property
     def done(self) -> int:
-        """Points that are done."""
+        """Number of points that are done."""
         return sum(self.counts.values())
 
     def as_dict(self) -> dict[str, Any]:
-        """Return it as plain values."""
+        """Return the status as plain values."""
         plain = attrs.asdict(self, recurse=False)
         errors = [
             {"number": n, "status": status, "message": text} for n, status, text in self.errors
@@ -182,19 +254,27 @@ class Status:
         }
 
 
-def status(folder: Path, errors: int = 5) -> Status:
-    """Return how the sweep of a folder stands; it may be running."""
+def read_status(folder: Path, errors: int = 5) -> SweepStatus:
+    """Return the status of the sweep in a folder, which may be running.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    errors : int
+        Maximum number of failed points that are listed.
+    """
     try:
         facts = json.loads((folder / FILE).read_text(encoding="utf-8"))["facts"]
     except (OSError, ValueError):
-        open_sweep(folder)  # says what is wrong with it
+        open_sweep(folder)  # raises an error that names the fault
         raise
     size = int(facts["size"])
-    codes = states(folder, size)
+    codes = point_states(folder, size)
     counts = Counter(STATUSES[code - 1] for code in codes if code)
     runs = sessions(folder)
-    left = None
-    quiet = None
+    seconds_left = None
+    seconds_since_last = None
     writers = [
         {
             "host": session.about.get("host", ""),
@@ -205,20 +285,20 @@ def status(folder: Path, errors: int = 5) -> Status:
         }
         for session in runs
     ]
-    if last := next(
+    if last_run := next(
         (run for run in reversed(runs) if run.rows), None
     ):  # by their order: clocks may have been set
-        quiet = max(0.0, time.time() - last.last)
-        pace = (last.last - last.started) / last.rows
-        left = pace * (size - sum(counts.values()))
-    return Status(
+        seconds_since_last = max(0.0, time.time() - last_run.last)
+        pace = (last_run.last - last_run.started) / last_run.rows
+        seconds_left = pace * (size - sum(counts.values()))
+    return SweepStatus(
         folder=folder,
         study=facts["study"],
         total=size,
         counts=counts,
         writers=writers,
         running=running(folder),
-        left=left,
-        quiet=quiet,
+        left=seconds_left,
+        quiet=seconds_since_last,
         errors=last_failures(folder, FAILED, errors, codes),
     )

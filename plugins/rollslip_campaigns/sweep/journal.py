@@ -1,14 +1,15 @@
-"""Journals of a sweep: which points are done, and what they gave, safe against the death of anything.
+"""Journals of a sweep: a durable record of the points that are done and of their results.
 
-- SQLite from the standard library: a task's rows are committed together, with their bytes on the disk, before any of
-  its points counts as done.
-- Every writer has a file of its own, made with a name that did not exist. A folder has one writer at a time
-  (`only_writer`): two would compute the same points.
-- Rollback journal, not write-ahead logging: that needs memory shared with all readers, which network file systems do
-  not have. What it costs is a few milliseconds a task.
-- Of several rows of one point an "ok" is kept, else the latest: repeating a point can only add to what is known.
-- Every row has a checksum. A damaged file is refused, and the points in it are computed again once it is moved away:
-  SQLite finds what destroys its pages, not a number that a disk has changed.
+- A journal is an SQLite database. The rows of a task are committed in one transaction, and are on the disk before any
+  of its points counts as done.
+- Every run writes to a new file. Only one run at a time may write to a folder (`only_writer`), because two would
+  compute the same points.
+- The databases have a rollback journal. Write-ahead logging would need memory shared with all readers, which network
+  file systems do not have. The rollback journal costs a few milliseconds per task.
+- Of several rows of a point, one with status "ok" is valid, else the latest one: to repeat a point never loses a
+  result.
+- Every row has a checksum (CRC-32), because SQLite detects a damaged page but not a changed number in it. A damaged
+  file is refused; its points are computed again after it is moved away.
 """
 
 import json
@@ -32,21 +33,22 @@ from rollslip.files import blamed
 __all__ = [
     "LOCK",
     "Journal",
-    "Kept",
     "Row",
     "Session",
+    "StoredValues",
     "check_owner",
-    "died",
-    "journals",
+    "has_died",
+    "journal_files",
     "last_failures",
     "layouts",
     "only_writer",
+    "point_states",
     "records",
     "running",
     "sessions",
-    "states",
 ]
 
+#: Tables of a journal: facts about the writer, layouts of rows (`rollslip_campaigns.sweep.point`), and rows of points.
 _TABLES = """
 create table about (name text primary key, value text not null);
 create table layout (id text primary key, layout text not null);
@@ -55,35 +57,41 @@ create table point (
     at real not null, layout text not null, texts text not null, numbers blob not null, checksum integer not null
 );
 """
-_WAIT = 60.0  # s, for a reader that holds a file
+#: Time [s] to wait for a file that another process has locked, before an error. Readers lock a file for milliseconds,
+#: so that a longer time only delays the error. Chosen.
+_LOCK_TIMEOUT = 60.0
+#: Name of the lock file of a folder.
 LOCK: Final = "sweep.lock"
 T = TypeVar("T")
 
-#: How a point ends.
+#: Statuses of points that are done.
 STATUSES: Final = ("ok", "not-converged", "outside-domain", "crashed", "timed-out")
+#: Statuses of points without a result.
 FAILED: Final = STATUSES[1:]
 
 
 @attrs.define(eq=False)
 class Row:
-    """What became of a point; nothing yet where its status is empty.
+    """Status and values of a point.
 
     Attributes
     ----------
     number : int
-        Which point it is.
+        Number of the point.
     key : str
         SHA-256 of its scene, study, outputs, resolution and the versions of the packages; empty if there was no scene.
-    status, message : str
-        One of `STATUSES`, and why it is not "ok".
+    status : str
+        One of `STATUSES`; empty while the point is not done.
+    message : str
+        Reason why the status is not "ok".
     seconds : float
-        Time it took.
+        Time that the point took [s].
     layout : str
         Names, dimensions and coordinates of the values, as JSON; empty without values.
     numbers : bytes
-        Values that are numbers, 64-bit floats, one variable after the other.
+        Values of numeric variables, 64-bit floats, one variable after the other.
     texts : str
-        Values that are words, as JSON.
+        Values of text variables, as JSON.
     """
 
     number: int
@@ -96,11 +104,10 @@ class Row:
     texts: str = "[]"
 
 
-def journals(folder: Path) -> list[Path]:
-    """Return the journals of a folder in the order in which they were begun; none where there is no folder."""
-    names = (
-        os.listdir(folder) if folder.is_dir() else []
-    )  # a search would find none where it may not look
+def journal_files(folder: Path) -> list[Path]:
+    """Return the journals of a folder in the order of their creation; none if there is no folder."""
+    # not Path.glob, which finds nothing in a folder that may not be read, where listdir raises an error
+    names = os.listdir(folder) if folder.is_dir() else []
     return sorted(
         folder / name for name in names if name.startswith("journal-") and name.endswith(".sqlite")
     )
@@ -114,14 +121,16 @@ class Journal:
     folder : Path
         Folder of the sweep.
     about : dict
-        What to note about the writer: the hash of the sweep, its engine and process.
+        Facts about the writer: hash of the sweep, engine and process.
     """
 
     def __init__(self, folder: Path, about: dict[str, str]) -> None:
         self.path = _new_file(folder)
-        self._begun = time.time() - time.monotonic()
+        self._clock_offset = time.time() - time.monotonic()
         with _blamed(self.path):
-            self._connection = sqlite3.connect(self.path, timeout=_WAIT, isolation_level=None)
+            self._connection = sqlite3.connect(
+                self.path, timeout=_LOCK_TIMEOUT, isolation_level=None
+            )
             try:
                 self._connection.execute("pragma journal_mode = delete")
                 self._connection.execute("pragma synchronous = full")
@@ -130,89 +139,103 @@ class Journal:
                 self._connection.execute("commit")
             except BaseException:
                 self._connection.close()
-                self.path.unlink()  # nothing was written that anybody needs
+                self.path.unlink()  # an empty journal is of no use
                 raise
 
     def _now(self) -> float:
-        """Seconds since 1970 by the clock as it was at the beginning: somebody may set it while points are computed."""
-        return self._begun + time.monotonic()
+        """Time [s] since 1970 by the clock at the start: the system clock may be set while points are computed."""
+        return self._clock_offset + time.monotonic()
 
     def note(self, facts: dict[str, str]) -> None:
-        """Note something about the writer."""
+        """Store facts about the writer, in place of former ones with the same names."""
         with _blamed(self.path):
             self._connection.executemany(
                 "insert or replace into about values (?, ?)", facts.items()
             )
 
     def write(self, rows: Iterable[Row]) -> None:
-        """Commit rows: when this returns, they are on the disk."""
+        """Commit rows in one transaction; when this method returns, they are on the disk."""
         with _blamed(self.path):
             self._connection.execute("begin immediate")
             try:
                 now = self._now()
-                for r in rows:
+                for row in rows:
                     values = (
-                        r.number,
-                        r.key,
-                        r.status,
-                        r.message,
-                        r.seconds,
+                        row.number,
+                        row.key,
+                        row.status,
+                        row.message,
+                        row.seconds,
                         now,
-                        self._layout(r.layout),
-                        r.texts,
+                        self._layout(row.layout),
+                        row.texts,
                     )
                     self._connection.execute(
                         "insert into point values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                        (*values, r.numbers, _checksum(values, r.numbers)),
+                        (*values, row.numbers, _checksum(values, row.numbers)),
                     )
                 self._connection.execute("commit")
             except BaseException:
-                if self._connection.in_transaction:  # a full disk may have ended it
+                if self._connection.in_transaction:  # a full disk may have ended the transaction
                     self._connection.execute("rollback")
                 raise
 
     def _layout(self, layout: str) -> str:
+        """Store a layout if it is new, and return its identifier."""
         name = _name_of(layout)
         self._connection.execute("insert or ignore into layout values (?, ?)", (name, layout))
         return name
 
-    def close(self, how: str) -> None:
-        """Note how the writer ended, and close the file."""
+    def close(self, ending: str) -> None:
+        """Store how the writer ended ("complete", "interrupted" or an error), and close the file."""
         try:
-            self.note({"ended": how})
+            self.note({"ended": ending})
         finally:
             self._connection.close()
 
 
-class Kept:
-    """What is known of numbered things, each as JSON has it: what was kept in their folder before is known again.
+class StoredValues:
+    """Values by number in a journal, for campaigns that are not sweeps; those of earlier runs are read from the folder.
 
     Parameters
     ----------
     folder : Path
-        The folder, made if it is not there.
-    of : str
-        Digest of what they are; what a folder holds of others is refused.
+        The folder; it is created if it does not exist.
+    digest : str
+        Digest of the scene and the settings; a folder with values of another digest is refused.
+
+    Attributes
+    ----------
+    values : dict
+        Number -> value, as JSON gives it.
     """
 
-    def __init__(self, folder: Path, of: str) -> None:
+    def __init__(self, folder: Path, digest: str) -> None:
         with blamed(folder, "make room there, or name another --out"):
             folder.mkdir(parents=True, exist_ok=True)
-        if any(session.about.get("sweep") != of for session in sessions(folder)):
+        if any(session.about.get("sweep") != digest for session in sessions(folder)):
             remedy = "go on with the same ones, or run without --resume, or remove the folder"
             raise OutputError(
                 f"{folder}: holds a run of another scene, or of other choices; {remedy}"
             )
-        self.known: dict[int, Any] = {row.number: json.loads(row.texts) for row in records(folder)}
-        self._journal = Journal(folder, {"sweep": of})
+        self.values: dict[int, Any] = {row.number: json.loads(row.texts) for row in records(folder)}
+        self._journal = Journal(folder, {"sweep": digest})
 
-    def keep(self, number: int, value: Any) -> None:
-        """Keep a value, in place of what was known of this number."""
+    def store(self, number: int, value: Any) -> None:
+        """Store a value in place of the former value of this number.
+
+        Parameters
+        ----------
+        number : int
+            Number of the value.
+        value : object
+            A value that JSON can represent.
+        """
         self._journal.write([Row(number, status="ok", texts=json.dumps(value))])
-        self.known[number] = value
+        self.values[number] = value
 
-    def __enter__(self) -> "Kept":
-        """Return it, to be closed at the end."""
+    def __enter__(self) -> "StoredValues":
+        """Return this object; its journal is closed when the block ends."""
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -229,8 +252,8 @@ def _checksum(values: tuple[object, ...], numbers: bytes) -> int:
 
 
 def _new_file(folder: Path) -> Path:
-    """Make an empty file with the next number; a number can be taken once."""
-    for number in range(len(journals(folder)), 1_000_000):
+    """Create an empty file with the next free number, exclusively."""
+    for number in range(len(journal_files(folder)), 1_000_000):
         path = folder / f"journal-{number:06d}.sqlite"
         try:
             path.open("xb").close()
@@ -246,9 +269,17 @@ def _new_file(folder: Path) -> Path:
 
 @contextmanager
 def only_writer(folder: Path, wait: float = 1.0) -> Iterator[None]:
-    """Keep other runs out of a folder until the block ends, or this process does, however that happens.
+    """Lock a folder against other runs until the block or this process ends, even if the process is killed.
 
-    The lock is one of SQLite on a file to which nothing is written: it works wherever journals do.
+    The lock is an SQLite lock on a file to which nothing is written, so that it works on every file system on which the
+    journals work.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    wait : float
+        Time [s] to wait for another run before BusyError is raised.
     """
     path = folder / LOCK
     with _blamed(path):
@@ -260,19 +291,19 @@ def only_writer(folder: Path, wait: float = 1.0) -> Iterator[None]:
         except sqlite3.Error as error:
             if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
                 raise _unwritable(path, error) from error
-            last = sessions(folder)[-1:]
-            who = "".join(
-                f" by process {of.about.get('process')} on {of.about.get('host')}" for of in last
+            writer = "".join(
+                f" by process {session.about.get('process')} on {session.about.get('host')}"
+                for session in sessions(folder)[-1:]
             )
             raise BusyError(
-                f"{folder}: is being computed{who}; wait for it, or end it; how far it is: "
+                f"{folder}: is being computed{writer}; wait for it, or end it; how far it is: "
                 f"rollslip sweep status {folder}"
             ) from error
         yield
 
 
 def running(folder: Path) -> bool:
-    """Return whether a run has a folder for itself at this time."""
+    """Return whether a run has locked the folder (`only_writer`) at this moment."""
     uri = f"{(folder / LOCK).resolve().as_uri()}?mode=ro"
     try:
         with closing(sqlite3.connect(uri, timeout=0.0, uri=True)) as lock:
@@ -288,6 +319,7 @@ def _unwritable(path: Path, error: Exception) -> OutputError:
 
 @contextmanager
 def _blamed(path: Path) -> Iterator[None]:
+    """Raise errors of SQLite as an OutputError with the name of the file."""
     try:
         yield
     except sqlite3.Error as error:
@@ -299,7 +331,21 @@ def _blamed(path: Path) -> Iterator[None]:
 
 @attrs.frozen
 class Session:
-    """One writer: its file, what it noted, when it began, how many rows it has, and when the last one came."""
+    """A run that wrote a journal.
+
+    Attributes
+    ----------
+    path : Path
+        Its journal.
+    about : dict of str
+        Facts about the writer, by name.
+    started : float
+        Time of its start [s] since 1970.
+    rows : int
+        Number of rows that it wrote.
+    last : float
+        Time of its last row [s] since 1970; 0 without rows.
+    """
 
     path: Path
     about: dict[str, str]
@@ -309,11 +355,13 @@ class Session:
 
 
 def _read(folder: Path, read: Callable[[Path, sqlite3.Connection], Iterable[T]]) -> Iterator[T]:
-    """Yield what is read of each journal in turn."""
-    for path in journals(folder):
+    """Yield what a function reads from each journal in turn; a damaged journal raises OutputError."""
+    for path in journal_files(folder):
         try:
-            with closing(sqlite3.connect(path, timeout=_WAIT, isolation_level=None)) as connection:
-                # a writer may have been killed before it made the tables
+            with closing(
+                sqlite3.connect(path, timeout=_LOCK_TIMEOUT, isolation_level=None)
+            ) as connection:
+                # a writer may have been killed before it created the tables
                 if connection.execute(
                     "select count(*) from sqlite_master where name = 'point'"
                 ).fetchone()[0]:
@@ -324,7 +372,7 @@ def _read(folder: Path, read: Callable[[Path, sqlite3.Connection], Iterable[T]])
             LookupError,
             TypeError,
             ValueError,
-        ) as error:  # as damaged as it may be
+        ) as error:  # a damaged file can raise any of these
             raise OutputError(
                 f"{path}: is not a journal that can be read ({error}); move it away and resume, which computes its "
                 "points again"
@@ -332,7 +380,7 @@ def _read(folder: Path, read: Callable[[Path, sqlite3.Connection], Iterable[T]])
 
 
 def sessions(folder: Path) -> list[Session]:
-    """Return the writers of a folder."""
+    """Return the runs that wrote journals in a folder, in order."""
 
     def read(path: Path, connection: sqlite3.Connection) -> Iterator[Session]:
         about = dict(connection.execute("select name, value from about").fetchall())
@@ -344,23 +392,39 @@ def sessions(folder: Path) -> list[Session]:
     return [*_read(folder, read)]
 
 
-def check_owner(folder: Path, of: str) -> None:
-    """Refuse a journal that somebody has put into the folder of another sweep."""
+def check_owner(folder: Path, sweep_hash: str) -> None:
+    """Raise OutputError if a journal in a folder belongs to another sweep.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    sweep_hash : str
+        Hash of the sweep to which the journals should belong.
+    """
     for session in sessions(folder):
-        if session.about.get("sweep", of) != of:
+        if session.about.get("sweep", sweep_hash) != sweep_hash:
             raise OutputError(f"{session.path}: is a journal of another sweep; move it away")
 
 
-def died(folder: Path) -> bool:
-    """Return whether a run that computed in its own process has ended without a word, maybe through a point."""
+def has_died(folder: Path) -> bool:
+    """Return whether a run that computed in its own process was killed, possibly by a point."""
     return any(
         "ended" not in session.about and session.about.get("engine") in ("serial", "threads")
         for session in sessions(folder)
     )
 
 
-def states(folder: Path, size: int) -> bytearray:
-    """Return for every point 0 if there is no row of it, else 1 + the index of its status."""
+def point_states(folder: Path, size: int) -> bytearray:
+    """Return a code for each point: 0 without a row, else 1 + the index of its status in `STATUSES`.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    size : int
+        Number of points of the sweep.
+    """
 
     def read(path: Path, connection: sqlite3.Connection) -> Iterator[tuple[int, int]]:
         for number, status in connection.execute("select number, status from point order by rowid"):
@@ -376,41 +440,63 @@ def states(folder: Path, size: int) -> bytearray:
 
 
 def last_failures(
-    folder: Path, failed: Sequence[str], most: int, known: bytearray
+    folder: Path, statuses: Sequence[str], count: int, codes: bytearray
 ) -> list[tuple[int, str, str]]:
-    """Return number, status and message of the points that failed last, and have no result since."""
-    marks = ", ".join("?" * len(failed))
-    query = f"select number, at, status, message from point where status in ({marks}) order by rowid desc"
+    """Return number, status and message of the points that failed last and still have no result.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    statuses : sequence of str
+        Statuses that count as failures.
+    count : int
+        Maximum number of points that are returned.
+    codes : bytearray
+        Code of each point, from `point_states`.
+    """
+    placeholders = ", ".join("?" * len(statuses))
+    query = f"select number, at, status, message from point where status in ({placeholders}) order by rowid desc"
 
     def read(
         path: Path, connection: sqlite3.Connection
     ) -> Iterator[tuple[Path, float, int, str, str]]:
-        still = islice(
-            (row for row in connection.execute(query, failed) if known[row[0]] != 1), most
+        unresolved = islice(
+            (row for row in connection.execute(query, statuses) if codes[row[0]] != 1), count
         )
-        for number, at, status, message in reversed([*still]):
+        for number, at, status, message in reversed([*unresolved]):
             yield path, at, number, status, message
 
-    # by the order of journals first: a clock may have been set back since the one before
+    # the order of journals goes first, because the clock may have been set back between two of them
     latest = sorted({row[2]: row for row in _read(folder, read)}.values())
-    return [row[2:] for row in latest[max(0, len(latest) - most) :]]
+    return [row[2:] for row in latest[max(0, len(latest) - count) :]]
 
 
 def records(folder: Path, where: str = "", *values: Any) -> Iterator[Row]:
-    """Yield all rows in the order in which they were written, or those of a condition; a later one may supersede."""
-    named = lru_cache(maxsize=256)(_name_of)
+    """Yield rows in the order in which they were written; a later row of a point may supersede an earlier one.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    where : str
+        Condition of SQL with placeholders, "where ..."; by default all rows.
+    *values : object
+        Values of the placeholders.
+    """
+    name_of_layout = lru_cache(maxsize=256)(_name_of)
     columns = "number, key, status, message, seconds, at, point.layout, texts, numbers, checksum, layout.layout"
     source = f"point left join layout on layout.id = point.layout {where} order by point.rowid"
 
     def read(path: Path, connection: sqlite3.Connection) -> Iterator[Row]:
-        for *told, numbers, checksum, layout in connection.execute(
+        for *stored, numbers, checksum, layout in connection.execute(
             f"select {columns} from {source}", values
         ):
-            number, key, status, message, seconds, _, name, texts = told
+            number, key, status, message, seconds, _, layout_name, texts = stored
             if (
                 layout is None
-                or name != named(layout)
-                or checksum != _checksum(tuple(told), numbers)
+                or layout_name != name_of_layout(layout)
+                or checksum != _checksum(tuple(stored), numbers)
             ):
                 raise ValueError(f"the row of point {number} is damaged")
             yield Row(number, key, status, message, seconds, layout, numbers, texts)
@@ -419,6 +505,6 @@ def records(folder: Path, where: str = "", *values: Any) -> Iterator[Row]:
 
 
 def layouts(folder: Path) -> Iterator[str]:
-    """Yield the layouts of all rows, every one once a journal."""
+    """Yield the layouts of all rows, each one once per journal."""
     query = "select layout from layout where layout != '' order by rowid"
     return (layout for (layout,) in _read(folder, lambda _, connection: connection.execute(query)))

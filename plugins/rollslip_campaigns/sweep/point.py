@@ -1,13 +1,14 @@
-"""Computes points of a sweep: what a worker does, wherever it is. A point never raises; it ends with a status.
+"""Compute points of a sweep in a worker. A point does not raise an error; it ends with a status.
 
 - A point is computed from its own scene and the resolution of the sweep alone, by the same reading, assembly and study
-  as ``rollslip run``: what it gives depends neither on the engine nor on its neighbours, to the last bit.
-- Of the study only the variables asked for are computed and kept (`rollslip.studies.outputs`), as bytes: no dataset a
-  point.
-- The layout of the values (names, dimensions, coordinates) is the same for most points, and is kept beside them.
-- A time limit is held by a thread that raises in the one that computes. That needs no signal, so that it works in
-  threads, on every system, and under any executor; code that never comes back to Python is ended with its process by
-  the sweep, which waits twice as long.
+  as ``rollslip run``. Its result does not depend on the engine or on other points, to the last bit.
+- Only the requested variables of the study are computed (`rollslip.studies.outputs`). They are stored as bytes, because
+  a dataset for each point would be slow.
+- The layout of the values (names, dimensions, coordinates) is stored separately, because it is the same for most
+  points.
+- A thread enforces the time limit by raising an exception in the thread that computes. This needs no signal and works
+  in threads, on every operating system and with every executor. Code that never returns to Python is ended with its
+  process by the sweep, which waits twice as long (`rollslip_campaigns.sweep.run`).
 """
 
 import ctypes
@@ -36,78 +37,96 @@ from rollslip.structure import SceneHashes
 from rollslip.studies.answers import Variables
 from rollslip.studies.outputs import evaluate, evaluate_together
 from rollslip.studies.study import Study, settings
-from rollslip_campaigns.sweep.definition import SweepWork, here
+from rollslip_campaigns.sweep.definition import SweepWork, installed_versions
 from rollslip_campaigns.sweep.journal import Row
 
-__all__ = ["Done", "compute", "unpacked", "values_of"]
+__all__ = ["TaskResult", "compute", "row_values", "unpack_values"]
 
-#: Points that are evaluated together, some 40 ms without the GIL; their tables take 8 MB.
-_TOGETHER: Final = 32
+#: Number of points that are evaluated together. More save a little more overhead of Python, and take more memory: the
+#: tables of 32 points take 8 MB and about 40 ms of computation without the interpreter lock.
+_BATCH_SIZE: Final = 32
 
 
 @attrs.frozen(eq=False)
-class Done:
-    """Some points that are done, and the versions of the packages where they were."""
+class TaskResult:
+    """Result of a task: rows of its points, and the versions of the packages in the worker."""
 
     rows: tuple[Row, ...]
     packages: tuple[tuple[str, str], ...]
 
 
-def compute(work: SweepWork, points: Sequence[tuple[int, Mapping[str, object]]]) -> Done:
-    """Compute points, given by number and changes of the scene; an executor calls this, and it does not raise."""
+def compute(work: SweepWork, points: Sequence[tuple[int, Mapping[str, object]]]) -> TaskResult:
+    """Compute points; executors call this function in their workers. A failure of a point is a status of its row.
+
+    Parameters
+    ----------
+    work : SweepWork
+        The data that all points share.
+    points : sequence of tuple
+        Number of each point and its changes of the scene, by key.
+
+    Returns
+    -------
+    TaskResult
+        A row for each point, with status "ok" or that of its failure.
+    """
     if work.time_limit is not None:
         _import_all()
-    size = 1 if work.time_limit is not None else _TOGETHER
+    size = 1 if work.time_limit is not None else _BATCH_SIZE
     task = _Task(work)
     rows = [
-        row for k in range(0, len(points), size) for row in _computed(task, points[k : k + size])
+        row
+        for k in range(0, len(points), size)
+        for row in _compute_rows(task, points[k : k + size])
     ]
-    return Done(tuple(rows), here(work.packages))
+    return TaskResult(tuple(rows), installed_versions(work.packages))
 
 
 @cache
 def _import_all() -> None:
-    """Import what studies import when they need it, so that a process's first point has as much time as the others."""
+    """Import what studies import late, so that the first point of a process has as much time as the others."""
     for name in ("scipy.integrate", "scipy.optimize", "xarray"):
         importlib.import_module(name)
 
 
-#: The bearing that was made last, by the scene that its sweep changes: the next point takes what is the same. It is
-#: written and read as a whole, by whatever thread.
+#: Scene of the sweep, and the bearing that was assembled last from a change of it: the next point reuses parts that are
+#: the same. The tuple is replaced as a whole, so that threads need no lock.
 _last: tuple[Scene, Assembly] | None = None
 
 
-def _assembled(work: SweepWork, scene: Scene, resolution: Resolution | None) -> Assembly:
+def _assemble_cached(work: SweepWork, scene: Scene, resolution: Resolution | None) -> Assembly:
+    """Assemble the bearing of a point with the parts of the previous point that are the same."""
     global _last
-    # where scenes are written, models may be registered anew between two sweeps; a worker gets a copy with every task
-    before = _last if _last and (_last[0] is work.scene or parent_process() is not None) else None
-    made = assemble(scene, resolution, like=before and before[1])
-    # a model that runs in Python is not asked to be evaluated by two threads at once
+    # in the main process models may be registered anew between two sweeps; a worker gets a copy with every task
+    previous = _last if _last and (_last[0] is work.scene or parent_process() is not None) else None
+    assembly = assemble(scene, resolution, like=previous and previous[1])
+    # a model that runs in Python need not support evaluation by two threads at the same time
     _last = (
         None
-        if any(chain.alone for chain in (made.inner.chain, made.inner.deflection))
-        else (work.scene, made)
+        if any(chain.alone for chain in (assembly.inner.chain, assembly.inner.deflection))
+        else (work.scene, assembly)
     )
-    return made
+    return assembly
 
 
 class _Task:
-    """What points that are computed one after the other have of the scene that they change."""
+    """Data that the points of a task share: hashes of the scene, and the study."""
 
     def __init__(self, work: SweepWork) -> None:
-        self.work, self.hashes = work, SceneHashes(work.scene)
-        self._requested = dict[Resolution | None, str]()
+        self.work = work
+        self.hashes = SceneHashes(work.scene)
+        self._key_parts = dict[Resolution | None, str]()
 
     def key(self, scene: Scene, resolution: Resolution | None) -> str:
-        """Return what tells a point from others: scene, study, outputs, resolution and packages."""
-        if resolution not in self._requested:
-            finely = None if resolution is None else attrs.asdict(resolution)
+        """Return the SHA-256 that identifies a point: of scene, study, outputs, resolution and packages."""
+        if resolution not in self._key_parts:
+            resolution_facts = None if resolution is None else attrs.asdict(resolution)
             work = self.work
-            self._requested[resolution] = json.dumps(
-                [work.study, work.outputs, finely, here(work.packages)]
+            self._key_parts[resolution] = json.dumps(
+                [work.study, work.outputs, resolution_facts, installed_versions(work.packages)]
             )
         return hashlib.sha256(
-            f'["{self.hashes.of(scene)}", {self._requested[resolution][1:]}'.encode()
+            f'["{self.hashes.of(scene)}", {self._key_parts[resolution][1:]}'.encode()
         ).hexdigest()
 
     def study(self, scene: Scene) -> Study:
@@ -123,12 +142,12 @@ class _Task:
 
 
 class _TimeLimit(BaseException):
-    """The time of a point is over; not an Exception, so that no model takes it for one of its own."""
+    """The time limit of a point is reached. It is not an Exception, so that no model catches it as one of its own."""
 
 
 @contextmanager
-def _within(seconds: float | None) -> Iterator[None]:
-    """Raise in this thread when the time is over."""
+def _time_limited(seconds: float | None) -> Iterator[None]:
+    """Raise `_TimeLimit` in this thread if the block takes longer than a time [s]; None for no limit."""
     if seconds is None:
         yield
         return
@@ -151,39 +170,43 @@ def _within(seconds: float | None) -> Iterator[None]:
         with lock:
             ended = True
         timer.cancel()
-        interrupt(thread, None)  # one that is on its way belongs to this point, not to the next
+        interrupt(
+            thread, None
+        )  # cancels an exception that is pending: it must not end the next point
 
 
-def _computed(task: _Task, points: Sequence[tuple[int, Mapping[str, object]]]) -> list[Row]:
-    """Rows of some points: those that can be are evaluated together, or each alone if one of them fails then."""
-    begun = [_Point(task, number, changes) for number, changes in points]
-    if len(begun) > 1:
-        for point in begun:
-            with point.ending():
+def _compute_rows(task: _Task, points: Sequence[tuple[int, Mapping[str, object]]]) -> list[Row]:
+    """Rows of some points: evaluate the prepared ones together; if that fails, evaluate each one alone."""
+    unfinished = [_Point(task, number, changes) for number, changes in points]
+    if len(unfinished) > 1:
+        for point in unfinished:
+            with point.recording_end():
                 point.prepare()
-        ready = [(point, point.study, point.assembly) for point in begun if point.study is not None]
-        begin = time.perf_counter()
+        ready = [
+            (point, point.study, point.assembly) for point in unfinished if point.study is not None
+        ]
+        start_time = time.perf_counter()
         try:
             evaluated = evaluate_together(
                 [(study, assembly) for _, study, assembly in ready], task.work.outputs
             )
         except KeyboardInterrupt:
             raise
-        except BaseException:  # whose it is, each alone tells
+        except BaseException:  # evaluated alone below, the point that raised it gets the status
             evaluated = None
         if evaluated is not None:
-            each = (time.perf_counter() - begin) / len(ready)
+            seconds_each = (time.perf_counter() - start_time) / len(ready)
             for (point, *_), values in zip(ready, evaluated, strict=True):
-                point.row.seconds += each
-                with point.ending():
-                    point.keep(*values)
-    for point in begun:
+                point.row.seconds += seconds_each
+                with point.recording_end():
+                    point.store(*values)
+    for point in unfinished:
         point.finish()
-    return [point.row for point in begun]
+    return [point.row for point in unfinished]
 
 
 class _Point:
-    """A point on its way to a row: prepared, evaluated and kept, or ended before."""
+    """A point that is computed: prepared, evaluated and stored in its row, or ended with a status before."""
 
     study: Study | None = None
     assembly: Assembly
@@ -194,9 +217,9 @@ class _Point:
         self.row = Row(number)
 
     @contextmanager
-    def ending(self) -> Iterator[None]:
-        """Take whatever is raised for the end of the point."""
-        begin = time.perf_counter()
+    def recording_end(self) -> Iterator[None]:
+        """Record any exception of the block as the status of the point, and add the time of the block."""
+        start_time = time.perf_counter()
         try:
             yield
         except _TimeLimit:
@@ -208,60 +231,63 @@ class _Point:
         except ConvergenceError as error:
             self._end("not-converged", str(error))
         except (DomainError, SceneError, FieldError) as error:
-            # of a scene whose keys were all checked, the last two tell of values that do not go together
+            # all keys were checked before; the last two mean that values of this point do not go together
             self._end("outside-domain", str(error))
         except KeyboardInterrupt:
             raise
-        except BaseException as error:  # sys.exit() of a model too
-            words = str(error) if isinstance(error, PluginError) else describe_error(error)
+        except BaseException as error:  # also sys.exit() of a model
+            description = str(error) if isinstance(error, PluginError) else describe_error(error)
             notes = () if isinstance(error, PluginError) else getattr(error, "__notes__", ())
-            self._end("crashed", "; ".join((words, *notes)))
-        self.row.seconds += time.perf_counter() - begin
+            self._end("crashed", "; ".join((description, *notes)))
+        self.row.seconds += time.perf_counter() - start_time
 
     def _end(self, status: str, message: str) -> None:
         self.row.status = status
         self.row.message = message
 
     def prepare(self) -> None:
-        """Put its bearing together."""
+        """Read the scene, compute the key, and assemble the bearing."""
         work = self.task.work
         scene = evolve(work.scene, self.changes)
-        resolution = work.resolutions.of(self.changes)
+        resolution = work.resolutions.lookup(self.changes)
         self.row.key = self.task.key(scene, resolution)
-        self.assembly = _assembled(work, scene, resolution)
+        self.assembly = _assemble_cached(work, scene, resolution)
         study = self.task.study(scene)
         self.study = study if resolution is None else study.at(resolution)
         if digest := self.study.digest(self.assembly):
             self.row.key = hashlib.sha256(f"{self.row.key} {digest}".encode()).hexdigest()
 
     def finish(self) -> None:
-        """Do what is left to do."""
+        """Evaluate the point alone if it has no status yet."""
         if self.row.status:
             return
-        with self.ending(), _within(self.task.work.time_limit):
+        with self.recording_end(), _time_limited(self.task.work.time_limit):
             if self.study is None:
                 self.prepare()
             assert self.study is not None
-            self.keep(*evaluate(self.study, self.assembly, self.task.work.outputs))
+            self.store(*evaluate(self.study, self.assembly, self.task.work.outputs))
 
-    def keep(self, variables: Variables, coords: Variables, said: Mapping[str, Any]) -> None:
-        """Take its values, or how it ended without: only studies in time do."""
-        outcome = said.get("outcome")
+    def store(self, variables: Variables, coords: Variables, attributes: Mapping[str, Any]) -> None:
+        """Store the values in the row, or the status of a transient study that failed."""
+        outcome = attributes.get("outcome")
         if outcome == "interrupted":
             raise KeyboardInterrupt
         if outcome == "failed":
-            by = {"domain": "outside-domain", "model": "crashed"}
-            self._end(by.get(said["failed_by"], "not-converged"), str(said["outcome_message"]))
+            status_of = {"domain": "outside-domain", "model": "crashed"}
+            self._end(
+                status_of.get(attributes["failed_by"], "not-converged"),
+                str(attributes["outcome_message"]),
+            )
             return
         self._end("ok", "")
-        self.row.layout, self.row.numbers, self.row.texts = _packed(variables, coords)
+        self.row.layout, self.row.numbers, self.row.texts = _pack_values(variables, coords)
 
 
 # Values as bytes -----------------------------------------------------------------------------------------------------
 
 
-def _packed(variables: Variables, coords: Variables) -> tuple[str, bytes, str]:
-    """Layout, numbers and texts of some variables."""
+def _pack_values(variables: Variables, coords: Variables) -> tuple[str, bytes, str]:
+    """Layout (JSON), numbers (64-bit floats) and texts (JSON) of some variables."""
     numbers = []
     texts = []
     for _, values, _ in variables.values():
@@ -270,41 +296,52 @@ def _packed(variables: Variables, coords: Variables) -> tuple[str, bytes, str]:
         else:
             texts.append([str(text) for text in values.ravel()])
     layout = {
-        "variables": {name: _laid_out(*of) for name, of in variables.items()},
+        "variables": {name: _layout_of(*variable) for name, variable in variables.items()},
         "coords": {
-            name: _laid_out(*of) | {"values": of[1].tolist()} for name, of in coords.items()
+            name: _layout_of(*coordinate) | {"values": coordinate[1].tolist()}
+            for name, coordinate in coords.items()
         },
     }
     return json.dumps(layout), b"".join(numbers), json.dumps(texts)
 
 
-def _laid_out(dims: tuple[str, ...], values: Any, said: Mapping[str, Any]) -> dict[str, Any]:
-    kept = {name: text for name, text in said.items() if isinstance(text, str)}
+def _layout_of(dims: tuple[str, ...], values: Any, attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Layout of a variable: dimensions, shape, whether it is text, and attributes that are texts."""
     return {
         "dims": dims,
         "shape": values.shape,
         "text": values.dtype.kind not in "fiub",
-        "attrs": kept,
+        "attrs": {name: text for name, text in attributes.items() if isinstance(text, str)},
     }
 
 
-def unpacked(layout: Mapping[str, Any], numbers: bytes, texts: str) -> dict[str, Any]:
-    """Return arrays by the name of their variable, from a layout as JSON gives it and the values of a row."""
+def unpack_values(layout: Mapping[str, Any], numbers: bytes, texts: str) -> dict[str, Any]:
+    """Return the arrays of a row by the name of their variable.
+
+    Parameters
+    ----------
+    layout : mapping
+        Layout of the row, read from JSON.
+    numbers : bytes
+        Values of numeric variables, 64-bit floats, one variable after the other.
+    texts : str
+        Values of text variables, as JSON.
+    """
     floats = np.frombuffer(numbers, dtype="<f8")
-    words = iter(json.loads(texts))
+    strings = iter(json.loads(texts))
     arrays = dict[str, Any]()
-    at = 0
-    for name, about in layout["variables"].items():
-        shape = tuple(about["shape"])
-        if about["text"]:
-            arrays[name] = np.array(next(words), dtype=object).reshape(shape)
+    position = 0
+    for name, layout_of in layout["variables"].items():
+        shape = tuple(layout_of["shape"])
+        if layout_of["text"]:
+            arrays[name] = np.array(next(strings), dtype=object).reshape(shape)
         else:
             size = int(np.prod(shape))
-            arrays[name] = floats[at : at + size].reshape(shape)
-            at += size
+            arrays[name] = floats[position : position + size].reshape(shape)
+            position += size
     return arrays
 
 
-def values_of(row: Row) -> dict[str, Any]:
+def row_values(row: Row) -> dict[str, Any]:
     """Return the arrays of a row by the name of their variable."""
-    return unpacked(json.loads(row.layout), row.numbers, row.texts)
+    return unpack_values(json.loads(row.layout), row.numbers, row.texts)

@@ -1,15 +1,16 @@
-"""The dataset of a sweep: every variable over the dimensions of the sweep, with the status of every point.
+"""Collect the dataset of a sweep: each variable over the dimensions of the sweep, with the status of each point.
 
-- It is read from the journals row by row, and can be made at any time; a point that is not done yet is "pending".
-- What it takes of memory is the dataset: rows and layouts, of which every point may have its own, are read one by one.
-- Values are 64-bit floats, NaN where a point has none; its status and message say why. Nothing is left out.
-- ``status`` is that of the point; a study's own variable of this name is ``study_status``.
-- Whether laws are used for what they were made for is judged at a few points that have a result: the one in the middle
-  and those that lie farthest apart. It costs some milliseconds a point, and what lies between them is not looked at.
-- The point in the middle is held against a run of its scene by a plan of its own, as ``rollslip run`` makes it; motions
-  in time are not, which take as long once more. What the two differ by beyond the tolerance is told.
-- A coordinate of the study that is the same for all points, such as its cage slips, is one of the dataset. Where it
-  differs between points it becomes a variable of its own over them, and points with fewer values are filled with NaN.
+- The dataset is read from the journals row by row, at any time; a point that is not done is "pending". Rows and layouts
+  are read one at a time, so that the memory is that of the dataset.
+- Values are 64-bit floats, NaN where a point has no value; status and message of the point give the reason.
+- ``status`` is the status of the point; a variable of the study with this name is called ``study_status``.
+- Validity ranges of laws are checked at a few points with a result: the one nearest to the median of all, and some that
+  are far apart. A check costs some milliseconds per point; points between them are not checked.
+- The point nearest to the median is compared with a run of its scene that has a plan of its own, as in
+  ``rollslip run``. Differences above the tolerance are reported. Transient studies are not compared, because the run
+  would take as long as the point.
+- A coordinate of the study that is the same for all points, such as its cage slips, is a coordinate of the dataset. A
+  coordinate that differs between points becomes a variable, and points with fewer values are filled with NaN.
 """
 
 import json
@@ -42,17 +43,35 @@ from rollslip_campaigns.sweep.sampling import Axis, Design, farthest_points
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["deviations_from_run", "collect", "origin_of_points"]
+__all__ = ["collect", "deviations_from_run", "origin_of_points"]
 
-#: Points at which laws are judged beside the one in the middle, and those among which they are looked for.
-_CORNERS: Final = 8
+#: Number of points, besides the one nearest to the median, at which validity ranges are checked. Twice as many take
+#: twice the time, some milliseconds per point, and find more of the points outside a range. Chosen.
+_CHECKED_POINTS: Final = 8
+#: Maximum number of points among which those are selected. More bring them closer to the corners of the design; the
+#: time of the selection is proportional. Chosen.
 _CANDIDATES: Final = 512
-#: Bounds that are told in full, at most.
-_TOLD: Final = 3
+#: Maximum number of exceeded validity ranges with a full message; others are summarised in one. Chosen: what a user
+#: reads.
+_MAX_REPORTED: Final = 3
 
 
 def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
-    """Return what a sweep has given so far."""
+    """Return the dataset of the points that are done so far.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+    folder : Path
+        Its folder, with the journals.
+
+    Returns
+    -------
+    xarray.Dataset
+        Outputs of the study, NaN or "" for points without a result; ``status``, one of "ok", "pending" and the statuses
+        of failures; ``message``; ``seconds`` [s].
+    """
     import xarray as xr
 
     check_owner(folder, sweep.hash)
@@ -66,124 +85,161 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
             status[row.number] = row.status
             message[row.number] = row.message
             seconds[row.number] = row.seconds
-    fields = _Fields(map(json.loads, layouts(folder)), size)
-    parsed = lru_cache(maxsize=256)(json.loads)
-    filled = set[int]()
+    fields = _OutputArrays(map(json.loads, layouts(folder)), size)
+    parse_layout = lru_cache(maxsize=256)(json.loads)
+    stored = set[int]()
     for row in records(folder, "where status = ?", "ok"):
-        if row.number not in filled:
-            filled.add(row.number)
-            fields.fill(row.number, parsed(row.layout), row.numbers, row.texts)
+        if row.number not in stored:
+            stored.add(row.number)
+            fields.fill(row.number, parse_layout(row.layout), row.numbers, row.texts)
     dims = sweep.dims
     names = sweep.names
-    called = {name: f"study_{name}" if name in POINT_VARIABLES else name for name in fields.arrays}
-    known = settings(sweep.scene, sweep.study)[sweep.study].outputs
-    told = {name: called.get(one.status) for name, one in known.items()}
-    variables = {
-        called[name]: (of, values, said | ({STATUS_VARIABLE: by} if (by := told.get(name)) else {}))
-        for name, (of, values, said) in fields.variables(dims, design.shape).items()
+    result_names = {
+        name: f"study_{name}" if name in POINT_VARIABLES else name for name in fields.arrays
     }
+    outputs = settings(sweep.scene, sweep.study)[sweep.study].outputs
+    variables = dict[str, Any]()
+    for name, (over, values, attributes) in fields.variables(dims, design.shape).items():
+        status_name = result_names.get(outputs[name].status) if name in outputs else None
+        if status_name:
+            attributes[STATUS_VARIABLE] = status_name
+        variables[result_names[name]] = (over, values, attributes)
     variables |= {
         "status": (dims, status.reshape(design.shape), about("1", "how the point ended")),
         "message": (dims, message.reshape(design.shape), about("1", "why it is not ok")),
         "seconds": (dims, seconds.reshape(design.shape), about("s", "time that the point took")),
     }
     coords = {
-        names[axis.key]: (names[axis.key], axis.coordinate, _about(axis.quantity) | _written(axis))
+        names[axis.key]: (
+            names[axis.key],
+            axis.coordinate,
+            _about(axis.quantity) | _unit_of_axis(axis),
+        )
         for axis in design.axes
     }
     if design.has_samples:
         coords["sample"] = ("sample", np.arange(len(design.samples)), about("1", "sample"))
         coords |= {
-            names[of.key]: ("sample", design.samples[:, k], _about(of))
-            for k, of in enumerate(design.sampled)
+            names[quantity.key]: ("sample", design.samples[:, k], _about(quantity))
+            for k, quantity in enumerate(design.sampled)
         }
     return xr.Dataset(variables, coords | fields.coords, _attributes(sweep, status))
 
 
 def deviations_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
-    """Return by how much the point in the middle differs from a run of its scene, where that is too much."""
+    """Return a warning if the point nearest to the median differs from a run of its scene by more than the tolerance.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+    dataset : xarray.Dataset
+        Its dataset, from `collect`.
+    """
     done = np.flatnonzero(dataset["status"].to_numpy().ravel() == "ok")
     cls = study_class(sweep.study)
     if not done.size or cls.is_transient:
         return []
-    number = _corners(sweep.design, done)[0]
+    number = _spread_numbers(sweep.design, done)[0]
     point = dataset.isel(
         dict(zip(sweep.dims, np.unravel_index(number, sweep.design.shape), strict=True))
     )
     try:
-        made = plan(evolve(sweep.scene, sweep.design.changes(number)), sweep.study)
-        run = compute(made, sweep.study).dataset
-    except Exception as error:  # somebody's law may raise anything; what was computed stands
-        place = sweep.design.shown(number)
+        run_plan = plan(evolve(sweep.scene, sweep.design.changes(number)), sweep.study)
+        run = compute(run_plan, sweep.study).dataset
+    except (
+        Exception
+    ) as error:  # a third-party law may raise anything; the dataset is valid all the same
         return [
-            f"how far points are off could not be checked at {place}, by a run of the scene: {describe_error(error)}"
+            f"how far points are off could not be checked at {sweep.design.shown(number)}, by a run of the scene: "
+            f"{describe_error(error)}"
         ]
-    keys = {of: key for key, of in cls.controlled_outputs.items()}
-    alike = [of for of in sweep.outputs if of in run and of in point and run[of].dtype.kind == "f"]
-    errors = {
-        of: apart
-        for of in alike
-        if run[of].shape == point[of].shape
-        and (apart := errors_between({keys.get(of, of): of}, point, run).get(keys.get(of, of), 0.0))
-        > made.scene.accuracy.of(keys.get(of, of))
-    }
+    accuracy_keys = {output: key for key, output in cls.controlled_outputs.items()}
+    errors = dict[str, float]()
+    for name in sweep.outputs:
+        if name not in run or name not in point or run[name].dtype.kind != "f":
+            continue
+        if run[name].shape != point[name].shape:
+            continue
+        key = accuracy_keys.get(name, name)
+        error = errors_between({key: name}, point, run).get(key, 0.0)
+        if error > run_plan.scene.accuracy.of(key):
+            errors[name] = error
     if not errors:
         return []
-    off = ", ".join(f"{of} is {apart:.1e}" for of, apart in errors.items())
+    differences = ", ".join(f"{name} is {error:.1e}" for name, error in errors.items())
     return [
-        f"at {sweep.design.shown(number)} {off} off a run of the scene, more than the tolerance of "
-        f"{made.scene.accuracy.tolerance:g}; the others of {done.size} points were not run so, and may be as far off: "
-        "lower accuracy.tolerance, or run the scene with the values of a point"
+        f"at {sweep.design.shown(number)} {differences} off a run of the scene, more than the tolerance of "
+        f"{run_plan.scene.accuracy.tolerance:g}; the others of {done.size} points were not run so, and may be as far "
+        "off: lower accuracy.tolerance, or run the scene with the values of a point"
     ]
 
 
-def _written(axis: Axis) -> dict[str, str]:
-    """The unit in which the values of an axis were given, for figures, where all have the same."""
+def _unit_of_axis(axis: Axis) -> dict[str, str]:
+    """Attribute for figures with the unit in which the values of an axis were given, if it is the same for all."""
     unit = axis.quantity.unit
-    given = (
-        {axis.given}
-        if axis.given
-        else {unit_given(value, unit) for value in axis.listed}
-        if unit
-        else set()
-    )
-    return {"written_in": one} if len(given) == 1 and (one := str(given.pop())) != unit else {}
+    units = set[str | None]()
+    if axis.given:
+        units = {axis.given}
+    elif unit:
+        units = {unit_given(value, unit) for value in axis.listed}
+    if len(units) != 1:
+        return {}
+    given = str(units.pop())
+    return {} if given == unit else {"written_in": given}
 
 
 def _about(quantity: Any) -> dict[str, Any]:
+    """Attributes of the coordinate of a quantity."""
     return about(quantity.unit or "1", quantity.doc) | {"key": quantity.key}
 
 
 def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
-    own = status[np.fromiter(sweep.numbers, dtype=int)]
-    counts = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
+    """Attributes of the dataset: origin, numbers of points by status, and warnings."""
+    selected = status[np.fromiter(sweep.numbers, dtype=int)]
+    counts = {name: int((selected == name).sum()) for name in (*STATUSES, "pending")}
     lost = [f"{count} {name}" for name, count in counts.items() if count and name != "ok"]
     warnings = (
-        [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"]
+        [
+            f"{selected.size - counts['ok']} of {selected.size} points have no result: {', '.join(lost)}"
+        ]
         if lost
         else []
     )
-    left = _left(sweep, _corners(sweep.design, np.flatnonzero(status == "ok")))
+    checked = _spread_numbers(sweep.design, np.flatnonzero(status == "ok"))
+    exceeded = _describe_validity(sweep, checked)
     return origin_of_points(
         sweep,
         warnings,
-        left,
+        exceeded,
         study="sweep",
         swept=sweep.study,
-        **_resting(sweep),
+        **_closure(sweep),
         sweep_hash=sweep.hash,
         axes=sweep.facts["axes"],
         sampling=sweep.table.sampling if sweep.design.has_samples else "",
         counts=counts,
-        left=left,
+        left=exceeded,
     )
 
 
 def origin_of_points(
     sweep: Sweep, warnings: Iterable[str], outside: Iterable[str], **facts: Any
 ) -> dict[str, Any]:
-    """Return facts as attributes of a campaign, with where its points come from; `outside` is said of their laws."""
-    moved = {*map(full_key, sweep.table.over)}
+    """Return the attributes of a dataset of points: facts of the campaign, and the origin of the points.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep of the points.
+    warnings : iterable of str
+        Warnings of the campaign, which come first.
+    outside : iterable of str
+        Warnings about exceeded validity ranges, which come last.
+    **facts : object
+        Further attributes.
+    """
+    varied_keys = {*map(full_key, sweep.table.over)}
     return origin(
         **facts,
         **describe_scene(sweep.scene, sweep.given),
@@ -193,178 +249,193 @@ def origin_of_points(
         seed=sweep.table.seed,
         packages=sweep.facts["packages"],
         **describe_citations(sweep.citations),
-        warnings=[*warnings, *implausible(sweep.given, moved), *sweep.unusual, *outside],
+        warnings=[*warnings, *implausible(sweep.given, varied_keys), *sweep.unusual, *outside],
     )
 
 
-def _corners(design: Design, done: "np.ndarray[Any, Any]") -> list[int]:
-    """Numbers of some points that have a result: in the middle of all, and as far apart as can be."""
-    if not done.size:
+def _spread_numbers(design: Design, numbers_done: "np.ndarray[Any, Any]") -> list[int]:
+    """Numbers of some points with a result: the one nearest to the median, then some that are far apart."""
+    if not numbers_done.size:
         return []
-    some = done[np.unique(np.linspace(0, done.size - 1, _CANDIDATES).astype(int))]
-    places = np.stack(np.unravel_index(some, design.shape), axis=-1)
+    candidates = numbers_done[
+        np.unique(np.linspace(0, numbers_done.size - 1, _CANDIDATES).astype(int))
+    ]
+    indices = np.stack(np.unravel_index(candidates, design.shape), axis=-1)
     columns = [
-        axis.coordinate[places[:, k]] if axis.coordinate.dtype.kind in "if" else places[:, k]
+        axis.coordinate[indices[:, k]] if axis.coordinate.dtype.kind in "if" else indices[:, k]
         for k, axis in enumerate(design.axes)
     ]
-    columns += [*design.samples[places[:, -1]].T] if design.has_samples else []
+    columns += [*design.samples[indices[:, -1]].T] if design.has_samples else []
     rows = np.array(columns, dtype=float).T
-    middle = np.linalg.norm(
+    distance_to_median = np.linalg.norm(
         (rows - np.median(rows, axis=0)) / np.maximum(np.ptp(rows, axis=0), 1e-300), axis=1
     )
     return [
-        int(some[k])
-        for k in dict.fromkeys([int(np.argmin(middle)), *farthest_points(rows, _CORNERS)])
+        int(candidates[k])
+        for k in dict.fromkeys(
+            [int(np.argmin(distance_to_median)), *farthest_points(rows, _CHECKED_POINTS)]
+        )
     ]
 
 
-def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
-    """Say at how many of some points laws are outside what they were made for, each where it matters most."""
-    worst = dict[tuple[str, str], validity.Told]()
-    count = Counter[tuple[str, str]]()
+def _describe_validity(sweep: Sweep, numbers: list[int]) -> list[str]:
+    """Messages on exceeded validity ranges: at how many of some points, and the most severe message of each range."""
+    severest = dict[tuple[str, str], validity.ValidityMessage]()
+    counts = Counter[tuple[str, str]]()
     others = list[str]()
     for number in numbers:
         try:
-            said = _told(sweep, number)
-        except Exception as error:  # somebody's law may raise anything; what was computed stands
+            messages = _validity_at(sweep, number)
+        except (
+            Exception
+        ) as error:  # a third-party law may raise anything; the dataset is valid all the same
             others.append(
                 f"whether laws are within their range of validity could not be checked at "
                 f"{sweep.design.shown(number)}: {describe_error(error)}"
             )
             continue
-        for one in said:
-            key = one.law, one.made_for
-            count[key] += 1
-            known = worst.setdefault(key, one)
-            if (one.warned, one.weight) > (known.warned, known.weight):
-                worst[key] = one
+        for message in messages:
+            key = message.law, message.made_for
+            counts[key] += 1
+            known = severest.setdefault(key, message)
+            if (message.is_warning, message.severity) > (known.is_warning, known.severity):
+                severest[key] = message
     ranked = sorted(
-        worst, key=lambda key: (not worst[key].warned, not worst[key].measured, -worst[key].weight)
+        severest,
+        key=lambda key: (
+            not severest[key].is_warning,
+            not severest[key].measured,
+            -severest[key].severity,
+        ),
     )
-    first = [key for key in ranked[:_TOLD] if worst[key].warned]
-    found = [
-        f"at {count[key]} of {len(numbers)} points checked: {worst[key].text}" for key in first
+    reported = [key for key in ranked[:_MAX_REPORTED] if severest[key].is_warning]
+    texts = [
+        f"at {counts[key]} of {len(numbers)} points checked: {severest[key].text}"
+        for key in reported
     ]
-    if more := [f"{worst[key].short} at {count[key]} of them" for key in ranked[len(first) :]]:
-        found.append(describe_more_bounds(more))
-    if found:
-        which = (
-            f"only {len(numbers)} of {len(sweep.numbers)} points were checked, which lie far apart"
+    if more := [
+        f"{severest[key].short} at {counts[key]} of them" for key in ranked[len(reported) :]
+    ]:
+        texts.append(describe_more_bounds(more))
+    if texts:
+        extent = "all points were checked"
+        if len(numbers) != len(sweep.numbers):
+            extent = f"only {len(numbers)} of {len(sweep.numbers)} points were checked, which lie far apart"
+        texts[-1] += (
+            f"; {extent}; rollslip run of the scene with the values of a point tells all of it"
         )
-        whole = "all points were checked" if len(numbers) == len(sweep.numbers) else which
-        found[-1] += (
-            f"; {whole}; rollslip run of the scene with the values of a point tells all of it"
-        )
-    return [*found, *others[:1]]
+    return [*texts, *others[:1]]
 
 
-def _told(sweep: Sweep, number: int) -> list[validity.Told]:
-    """Return what laws are outside of at a point, with its values, where the study expects it to be."""
+def _validity_at(sweep: Sweep, number: int) -> list[validity.ValidityMessage]:
+    """Messages on validity ranges that are exceeded at a point, for the state that its study expects."""
     changes = sweep.design.changes(number)
     scene = evolve(sweep.scene, changes)
     assembly = assemble(scene, sweep.resolutions.lookup(changes))
     study = settings(scene, sweep.study)[sweep.study]
     bearing = assembly.with_resistance() if study.with_cage else assembly
     state, contacts = study.expected_slices(bearing)
-    outside, off = validity.judged(contacts, bearing, assembly.traction)
+    outside, off = validity.check_validity(contacts, bearing, assembly.traction)
     where = f"at {sweep.design.shown(number)}, {state}"
-    return validity.told(outside, off, where, tolerance=scene.accuracy.tolerance)
+    return validity.validity_messages(outside, off, where, tolerance=scene.accuracy.tolerance)
 
 
-def _resting(sweep: Sweep) -> dict[str, str]:
-    """What the curves of all points rest on, as their study says it; nothing where that varies."""
+def _closure(sweep: Sweep) -> dict[str, str]:
+    """Attribute with the closure of the curves of all points; none where the closure varies or the study has none."""
     if any(key.startswith(f"study.{sweep.study}.") for key in sweep.facts["axes"]):
         return {}
-    said = settings(sweep.scene, sweep.study)[sweep.study].curves_with
-    return {"curves_with": said} if said else {}
+    closure = settings(sweep.scene, sweep.study)[sweep.study].curves_with
+    return {"curves_with": closure} if closure else {}
 
 
-class _Fields:
-    """The arrays of the outputs, large enough for every layout."""
+class _OutputArrays:
+    """Arrays of the outputs, with the maximum size of each inner dimension over all layouts."""
 
     def __init__(self, layouts: Iterable[Mapping[str, Any]], size: int) -> None:
         self.shapes: dict[str, dict[str, int]] = {}
-        self.said: dict[str, Mapping[str, Any]] = {}
-        self.text: dict[str, bool] = {}
-        self.first: dict[
-            str, Any
-        ] = {}  # coordinate of a dimension, None where that layout has none
-        self.differ: set[str] = set()
-        self.longest: dict[str, dict[str, Any]] = {}
+        self.attributes: dict[str, Mapping[str, Any]] = {}
+        self.is_text: dict[str, bool] = {}
+        # the first coordinate of each dimension; None if that layout has none
+        self.first_coordinates: dict[str, Any] = {}
+        self.varying_dims: set[str] = set()
+        self.longest_coordinates: dict[str, dict[str, Any]] = {}
         for layout in layouts:
-            for name, of in layout["variables"].items():
-                self._variable(name, of)
+            for name, variable in layout["variables"].items():
+                self._variable(name, variable)
             for dim in _dims(layout):
                 self._coordinate(dim, layout["coords"].get(dim))
-        self._same_or_own()
+        self._split_coordinates()
         self.arrays = {
             name: np.full(
                 (size, *dims.values()),
-                "" if self.text[name] else np.nan,
-                dtype=object if self.text[name] else float,
+                "" if self.is_text[name] else np.nan,
+                dtype=object if self.is_text[name] else float,
             )
             for name, dims in self.shapes.items()
         }
 
-    def _variable(self, name: str, of: Mapping[str, Any]) -> None:
-        largest = self.shapes.setdefault(name, dict.fromkeys(of["dims"], 0))
-        for dim, length in zip(of["dims"], of["shape"], strict=True):
+    def _variable(self, name: str, variable: Mapping[str, Any]) -> None:
+        """Include a variable of a layout in shape, attributes and type."""
+        largest = self.shapes.setdefault(name, dict.fromkeys(variable["dims"], 0))
+        for dim, length in zip(variable["dims"], variable["shape"], strict=True):
             largest[dim] = max(largest.get(dim, 0), length)
-        self.said.setdefault(name, of["attrs"])
-        self.text[name] = self.text.get(name, False) or of["text"]
+        self.attributes.setdefault(name, variable["attrs"])
+        self.is_text[name] = self.is_text.get(name, False) or variable["text"]
 
     def _coordinate(self, dim: str, coordinate: Any) -> None:
-        if self.first.setdefault(dim, coordinate) != coordinate:
-            self.differ.add(dim)
+        """Include a coordinate of a layout: whether it differs from the first one, and whether it is the longest."""
+        if self.first_coordinates.setdefault(dim, coordinate) != coordinate:
+            self.varying_dims.add(dim)
         if coordinate:
-            self.longest[dim] = max(
-                self.longest.get(dim, coordinate),
+            self.longest_coordinates[dim] = max(
+                self.longest_coordinates.get(dim, coordinate),
                 coordinate,
                 key=lambda known: len(known["values"]),
             )
 
-    def _same_or_own(self) -> None:
-        """Tell coordinates that all points share from those that become variables."""
+    def _split_coordinates(self) -> None:
+        """Separate the coordinates that all points share from those that become variables."""
         self.coords: dict[str, Any] = {}
-        self.own: dict[str, str] = {}
+        self.index_names: dict[str, str] = {}
         for dim in dict.fromkeys(dim for dims in self.shapes.values() for dim in dims):
-            first = self.first[dim]
-            if first is not None and dim not in self.differ:
+            first = self.first_coordinates[dim]
+            if first is not None and dim not in self.varying_dims:
                 self.coords[dim] = (dim, np.array(first["values"]), first["attrs"])
-            elif dim in self.longest:
-                longest = self.longest[dim]
-                self.own[dim] = f"{dim}_index"
+            elif dim in self.longest_coordinates:
+                longest = self.longest_coordinates[dim]
+                self.index_names[dim] = f"{dim}_index"
                 self.shapes[dim] = {dim: len(longest["values"])}
-                self.said[dim] = longest["attrs"]
-                self.text[dim] = longest["text"]
+                self.attributes[dim] = longest["attrs"]
+                self.is_text[dim] = longest["text"]
 
     def fill(self, number: int, layout: Mapping[str, Any], numbers: bytes, texts: str) -> None:
-        """Set the values of a point."""
+        """Set the values of a point from its row."""
         values = unpack_values(layout, numbers, texts)
         dims = _dims(layout)
-        for dim in self.own.keys() & dims:
+        for dim in self.index_names.keys() & dims:
             values[dim] = (
                 np.array(layout["coords"][dim]["values"])
                 if dim in layout["coords"]
                 else np.arange(0)
             )
         for name, array in values.items():
-            place: tuple[Any, ...] = (number, *map(slice, array.shape))
-            self.arrays[name][place] = array
+            index: tuple[Any, ...] = (number, *map(slice, array.shape))
+            self.arrays[name][index] = array
 
     def variables(self, dims: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Any]:
-        """Return the arrays over the dimensions of the sweep."""
+        """Return dimensions, values and attributes of each variable, over the dimensions of the sweep."""
         return {
             name: (
-                (*dims, *(self.own.get(dim, dim) for dim in self.shapes[name])),
-                (array.astype(str) if self.text[name] else array).reshape(
+                (*dims, *(self.index_names.get(dim, dim) for dim in self.shapes[name])),
+                (array.astype(str) if self.is_text[name] else array).reshape(
                     (*shape, *array.shape[1:])
                 ),
-                dict(self.said[name]),
+                dict(self.attributes[name]),
             )
             for name, array in self.arrays.items()
         }
 
 
 def _dims(layout: Mapping[str, Any]) -> set[str]:
-    return {dim for of in layout["variables"].values() for dim in of["dims"]}
+    """Dimensions of all variables of a layout."""
+    return {dim for variable in layout["variables"].values() for dim in variable["dims"]}

@@ -91,8 +91,8 @@ _EXPENSIVE_POINT = 0.25
 #: Estimate of the time of one slice [s], for that decision only. Chosen: ten nanoseconds, the order of magnitude of a
 #: friction law in the kernels.
 _SECONDS_PER_SLICE = 1e-8
-#: Maximum number of points of a task. More make progress and interrupts coarser, fewer make overhead; only tasks of very
-#: cheap points reach it. Chosen.
+#: Maximum number of points of a task. More make progress and interrupts coarser, fewer make overhead; only tasks of
+#: very cheap points reach it. Chosen.
 _MAX_IN_TASK: Final = 1000
 #: Maximum number of points that are measured together. Points that share tables are faster together than alone, so that
 #: the time of a single one would be too long. Chosen: half of the points that are evaluated together (`.point`).

@@ -1,14 +1,16 @@
-"""Which points a sweep has: axes that are crossed, and samples of what varies together.
+"""Design of a sweep: the points of a full factorial grid of axes, and of samples of uncertain quantities.
 
-- Axes are lists and ranges; each is a dimension of the result. Samples are one dimension more, and every combination of
-  the axes sees the same samples, so that models are compared on equal terms.
-- A point is its number, counted with the samples running fastest; its values follow from the number alone. Nobody
-  needs to keep the points, and a piece of them can be computed anywhere.
-- Samples are quasi-random (scrambled Sobol sequence) or stratified (Latin hypercube) from SciPy, always seeded.
-- One scrambled sequence does not tell how exact it is. Several scramblings do: they are independent of each other. One
-  sample of each in turn makes a sequence whose first samples are several whole ones too.
-- The samples after Saltelli, for Sobol indices, are those of a Sobol sequence of twice the dimensions, A and B, and for
-  each dimension A with this one from B. They stand sample by sample, so that the first ones are a design too.
+- Axes are lists and ranges; each is a dimension of the result. Samples are one more dimension, and every combination of
+  the axes has the same samples, so that models are compared on the same data.
+- The values of a point follow from its number alone (samples vary fastest), so that the points need not be stored and
+  any part of them can be computed by any worker.
+- Samples come from SciPy, always with a seed: a scrambled Sobol sequence (quasi-Monte Carlo) or a Latin hypercube.
+- A single scrambled sequence gives no estimate of its error. "replicated-sobol" takes one sample of each of several
+  independently scrambled sequences in turn: their differences estimate the error, and the first samples of the design
+  are the first samples of every sequence.
+- "saltelli" is the design for Sobol indices (Saltelli et al., Comput. Phys. Commun. 181, 2010, 259): with the halves A
+  and B of a Sobol sequence of twice the dimensions, the rows of A, of B, and for each dimension of A with this column
+  from B. The rows of one sample follow each other, so that the first samples are a complete design.
 """
 
 import hashlib
@@ -46,6 +48,7 @@ __all__ = [
     "SAMPLINGS",
     "Axis",
     "Design",
+    "farthest_points",
     "label",
     "parse_over",
     "parse_overs",
@@ -55,39 +58,64 @@ __all__ = [
     "read_axis",
     "read_fraction",
     "read_overs",
-    "spread_points",
 ]
 
+#: Names of the sampling methods.
 SAMPLINGS: Final = ("sobol", "replicated-sobol", "latin-hypercube", "saltelli")
-#: Independent scramblings of a replicated Sobol sequence; of a power of two of samples each is a whole one.
+#: Number of independently scrambled sequences of "replicated-sobol". Twice as many make the estimate of the error more
+#: certain and each sequence half as long, which makes quantiles less exact. Chosen: a power of two, so that with 2^k
+#: samples each sequence has a power of two of them, which Sobol sequences need for their balance.
 REPLICATES: Final = 8
-_MOST = 10_000_000
+#: Maximum number of values of a range. Larger counts are typing errors, and their values would fill the memory. Chosen:
+#: the maximum number of points of a sweep.
+_MAX_COUNT = 10_000_000
 
 
 def probabilities(sampling: str, samples: int, dimensions: int, seed: int) -> Array:
-    """Return points of the unit cube, none of them on its faces."""
+    """Return samples of the unit cube, none of them on its faces, where the inverse of a distribution is infinite.
+
+    Parameters
+    ----------
+    sampling : str
+        One of `SAMPLINGS`.
+    samples : int
+        Number of samples n.
+    dimensions : int
+        Number of dimensions d.
+    seed : int
+        Seed of the random numbers.
+
+    Returns
+    -------
+    ndarray of float
+        Shape (n, d), for "saltelli" (n (d + 2), d).
+    """
     from scipy.stats import qmc
 
     if sampling == "saltelli":
-        both = probabilities("sobol", samples, 2 * dimensions, seed)
-        rows = np.repeat(both[:, None, :dimensions], dimensions + 2, axis=1)
-        rows[:, 1] = both[:, dimensions:]
+        doubled = probabilities("sobol", samples, 2 * dimensions, seed)
+        rows = np.repeat(doubled[:, None, :dimensions], dimensions + 2, axis=1)
+        rows[:, 1] = doubled[:, dimensions:]
         for k in range(dimensions):
-            rows[:, 2 + k, k] = both[:, dimensions + k]
+            rows[:, 2 + k, k] = doubled[:, dimensions + k]
         return rows.reshape(-1, dimensions)
     if sampling in ("sobol", "replicated-sobol"):
         rng = np.random.default_rng(seed)
         streams = [rng] if sampling == "sobol" else rng.spawn(REPLICATES)
-        power = max(0, math.ceil(math.log2(samples / len(streams))))
-        each = [qmc.Sobol(dimensions, rng=one).random_base2(power) for one in streams]
-        drawn = np.stack(each, axis=1).reshape(-1, dimensions)[:samples]
+        log2_length = max(0, math.ceil(math.log2(samples / len(streams))))
+        sequences = [
+            qmc.Sobol(dimensions, rng=stream).random_base2(log2_length) for stream in streams
+        ]
+        samples_drawn = np.stack(sequences, axis=1).reshape(-1, dimensions)[:samples]
     else:
-        drawn = qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(samples)
-    return np.clip(drawn, 2.0**-54, 1.0 - 2.0**-53)
+        samples_drawn = qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(
+            samples
+        )
+    return np.clip(samples_drawn, 2.0**-54, 1.0 - 2.0**-53)
 
 
 def label(value: object) -> str:
-    """Return how results call a value that is no number: "muraki", "pan-hamrock(thickness=central)"."""
+    """Return the name of a value that is not a number: "muraki", "pan-hamrock(thickness=central)"."""
     if not isinstance(value, Mapping):
         return as_written(value) if isinstance(value, bool) else str(value)
     stated = [f"{key}={label(inner)}" for key, inner in value.items() if key != "model"]
@@ -96,25 +124,36 @@ def label(value: object) -> str:
 
 @attrs.frozen(eq=False)
 class Axis:
-    """One key with the values that it takes one after the other; how a list was written, and the unit of a range.
+    """An axis of a sweep.
 
-    Values are told in ``told_in``, or in the unit that suits the size of each.
+    Attributes
+    ----------
+    quantity : Quantity
+        The quantity that is varied.
+    values : tuple
+        Its values, numbers in SI units.
+    listed : tuple
+        The values of a list as they were written; empty for a range.
+    given : str or None
+        Unit in which the bounds of a range were given.
+    display_unit : str or None
+        Unit in which values are printed; None for the unit that suits the size of each.
     """
 
     quantity: Quantity
     values: tuple[object, ...]
     listed: tuple[object, ...] = ()
     given: str | None = None
-    told_in: str | None = None
+    display_unit: str | None = None
 
     @property
     def key(self) -> str:
-        """Its key."""
+        """Key of the quantity in the scene."""
         return self.quantity.key
 
     @property
     def coordinate(self) -> "NDArray[Any]":
-        """Values for the coordinate of a result."""
+        """Values of the coordinate in a result: numbers, or names where values are not numbers."""
         number = self.quantity.unit is not None or self.quantity.whole
         return (
             np.array(self.values) if number else np.array([label(value) for value in self.values])
@@ -131,17 +170,27 @@ class Axis:
         return format_quantity(value, unit, given=self.given)
 
     def shown(self, value: object) -> str:
-        """Return a value in words."""
+        """Return a value as text, with its unit."""
         unit = self.quantity.unit
         return (
-            format_quantity(value, unit, given=self.told_in)
+            format_quantity(value, unit, given=self.display_unit)
             if unit and isinstance(value, float)
             else label(value)
         )
 
 
 def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribution:
-    """Return the axis that a list or a range describes, or the distribution of a range to be sampled."""
+    """Return the axis that a list or a range describes, or the distribution of a range that is sampled.
+
+    Parameters
+    ----------
+    quantity : Quantity
+        The quantity that is varied.
+    raw : object
+        A list, a single value, or a range "LOW:HIGH:COUNT", "LOW:HIGH:COUNT:log" or, to be sampled, "LOW:HIGH".
+    sampled : bool
+        Whether the sweep has samples; without them a range needs a count.
+    """
     if isinstance(raw, str) and ":" in raw and (quantity.unit is not None or quantity.whole):
         return _range(quantity, raw, sampled)
     listed = list(raw) if isinstance(raw, list | tuple) else [raw]
@@ -175,7 +224,7 @@ def parse_over(text: str) -> tuple[str, object]:
 
 
 def parse_overs(texts: Sequence[str]) -> dict[str, object]:
-    """Return what several ``key=values`` say, by key."""
+    """Return the values of several ``key=values``, by key; a key that occurs twice is refused."""
     pairs = [parse_over(text) for text in texts]
     keys = [key for key, _ in pairs]
     if twice := sorted({key for key in keys if keys.count(key) > 1}):
@@ -186,7 +235,7 @@ def parse_overs(texts: Sequence[str]) -> dict[str, object]:
 
 
 def read_fraction(given: float | str) -> float:
-    """Return a share that is given as a number or in percent; NaN where it is neither."""
+    """Return a fraction that is given as a number or in percent; NaN where it is neither."""
     try:
         return in_unit(given, "1") if "%" in str(given) else float(given)
     except (UnitError, ValueError, TypeError):
@@ -194,7 +243,7 @@ def read_fraction(given: float | str) -> float:
 
 
 def read_overs(given: object) -> dict[str, object]:
-    """Return what is varied, by key: a mapping as it is, texts as those of the command line."""
+    """Return the varied values by key, from a mapping, or from texts ``key=values`` as on the command line."""
     if isinstance(given, Mapping):
         return {str(key): thawed(values) for key, values in given.items()}
     if isinstance(given, str) and "=" in given:
@@ -205,19 +254,25 @@ def read_overs(given: object) -> dict[str, object]:
     return parse_overs(given)
 
 
-def _checked(quantity: Quantity, value: object, which: str, given: str | None = None) -> object:
+def _checked(
+    quantity: Quantity, value: object, description: str, given: str | None = None
+) -> object:
+    """Read a value of a quantity; an error names the value by its description."""
     try:
         return quantity.read(value, given)
     except RollslipError as error:
         reason = error.reason if isinstance(error, FieldError) else str(error)
-        raise FieldError(quantity.key, f"{which}: {reason}" if which else reason) from error
+        raise FieldError(
+            quantity.key, f"{description}: {reason}" if description else reason
+        ) from error
     except (TypeError, ValueError) as error:
         raise FieldError(
-            quantity.key, f"{which}: {error.args[0]}" if which else str(error.args[0])
+            quantity.key, f"{description}: {error.args[0]}" if description else str(error.args[0])
         ) from error
 
 
 def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
+    """Axis or, without a count, distribution of a range, whose values are even or, with "log", logarithmic."""
     key = quantity.key
     unit = quantity.unit or "1"
     ends, count, logarithmic = range_parts(key, text)
@@ -240,9 +295,10 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
         for end, value in (("its low end", low), ("its high end", high)):
             _checked(quantity, value, end, given)
         return LogUniform(low=low, high=high) if logarithmic else Uniform(low=low, high=high)
-    if not count.isascii() or not count.isdecimal() or not 2 <= int(count) <= _MOST:
+    if not count.isascii() or not count.isdecimal() or not 2 <= int(count) <= _MAX_COUNT:
         raise FieldError(
-            key, f"{as_written(text)}: {as_written(count)} is no count of values from 2 to {_MOST}"
+            key,
+            f"{as_written(text)}: {as_written(count)} is no count of values from 2 to {_MAX_COUNT}",
         )
     n = int(count)
     if logarithmic:
@@ -255,7 +311,15 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
 
 
 def range_parts(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
-    """Return both ends of a range as they are written, its count or "", and whether it is logarithmic."""
+    """Split a range into its bounds as they are written, its count or "", and whether it is logarithmic.
+
+    Parameters
+    ----------
+    key : str
+        Key of the quantity, for messages.
+    text : str
+        The range, "LOW:HIGH", "LOW:HIGH:COUNT" or one of these with ":log".
+    """
     parts = [part.strip() for part in text.split(":")]
     logarithmic = parts[-1] == "log"
     numbers = parts[:-1] if logarithmic else parts
@@ -279,13 +343,11 @@ class Design:
     Attributes
     ----------
     axes : tuple of Axis
-        What is crossed.
+        Axes, which are crossed.
     sampled : tuple of Quantity
-        What the samples are of.
+        Quantities that are sampled.
     samples : ndarray
         Samples in SI units, shape (n, len(sampled)); n = 1 and no column without samples.
-    has_samples : bool
-        Whether there is a dimension of samples.
     """
 
     axes: tuple[Axis, ...]
@@ -294,12 +356,12 @@ class Design:
 
     @property
     def has_samples(self) -> bool:
-        """Whether there is a dimension of samples."""
+        """Whether the design has a dimension of samples."""
         return bool(self.sampled)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of values along every dimension."""
+        """Number of values along each dimension; samples are the last one."""
         return (
             *(len(axis.values) for axis in self.axes),
             *([len(self.samples)] if self.has_samples else []),
@@ -307,8 +369,8 @@ class Design:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """Keys of all that varies: of the axes, then of what is sampled."""
-        return (*(axis.key for axis in self.axes), *(one.key for one in self.sampled))
+        """Keys of the axes, then those of the sampled quantities."""
+        return (*(axis.key for axis in self.axes), *(quantity.key for quantity in self.sampled))
 
     @property
     def size(self) -> int:
@@ -316,29 +378,32 @@ class Design:
         return math.prod(self.shape)
 
     def changes(self, number: int) -> dict[str, object]:
-        """Return what a point changes in the scene, by key."""
-        place = np.unravel_index(number, self.shape) if self.shape else ()
-        changes = {axis.key: axis.values[int(k)] for axis, k in zip(self.axes, place, strict=False)}
+        """Return the values that the point of a number changes in the scene, by key."""
+        index = np.unravel_index(number, self.shape) if self.shape else ()
+        changes = {axis.key: axis.values[int(k)] for axis, k in zip(self.axes, index, strict=False)}
         if self.has_samples:
-            row = self.samples[int(place[-1])].tolist()
-            changes |= {of.key: value for of, value in zip(self.sampled, row, strict=True)}
+            row = self.samples[int(index[-1])].tolist()
+            changes |= {
+                quantity.key: value for quantity, value in zip(self.sampled, row, strict=True)
+            }
         return changes
 
     def shown(self, number: int) -> str:
-        """Return a point in words: "operation.radial_load = 500 N, models.traction = muraki"."""
-        axes = {axis.key: axis for axis in (*(Axis(one, ()) for one in self.sampled), *self.axes)}
+        """Return the values of a point as text: "operation.radial_load = 500 N, models.traction = muraki"."""
+        sampled = (Axis(quantity, ()) for quantity in self.sampled)
+        axes = {axis.key: axis for axis in (*sampled, *self.axes)}
         return ", ".join(
             f"{key} = {axes[key].shown(value)}" for key, value in self.changes(number).items()
         )
 
     @cached_property
     def facts(self) -> dict[str, Any]:
-        """What tells this design from another, as plain values."""
+        """Facts that identify the design, as plain values of JSON."""
         return {
             "axes": {
                 axis.key: json.loads(json.dumps(axis.values, default=dict)) for axis in self.axes
             },
-            "sampled": [one.key for one in self.sampled],
+            "sampled": [quantity.key for quantity in self.sampled],
             "samples": hashlib.sha256(
                 np.ascontiguousarray(self.samples, dtype="<f8").tobytes()
             ).hexdigest(),
@@ -347,7 +412,14 @@ class Design:
 
 
 def plain_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, str]:
-    """Return the name of the dimension or coordinate of each key: its last part, and more of it only to tell it apart.
+    """Return the name of the dimension or coordinate of each key: its last part, and more parts if that is ambiguous.
+
+    Parameters
+    ----------
+    keys : sequence of str
+        Dotted keys of the scene.
+    taken : collection of str
+        Names that are used otherwise.
 
     Examples
     --------
@@ -369,20 +441,31 @@ def plain_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, s
             for n in range(1, other.count(".") + 2)
         }
         endings = [ending(key, n) for n in range(1, key.count(".") + 2)]
-        free = [one for one in endings if one not in others and one not in taken]
-        names[key] = free[0] if free else f"{endings[-1]}_"
+        available = [name for name in endings if name not in others and name not in taken]
+        names[key] = available[0] if available else f"{endings[-1]}_"
     return names
 
 
-def spread_points(values: Array, most: int) -> list[int]:
-    """Return some rows by number, the first far from the middle, each as far as can be from those before it."""
+def farthest_points(values: Array, count: int) -> list[int]:
+    """Return indices of rows that are far apart, by farthest-point sampling (Gonzalez, 1985).
+
+    The first row is the one with the largest distance from the centre of the ranges, each further one that with the
+    largest distance from all rows before it. Columns are scaled by their ranges.
+
+    Parameters
+    ----------
+    values : ndarray of float, (n, d)
+        The rows.
+    count : int
+        Maximum number of rows that are returned.
+    """
     width = np.ptp(values, axis=0)
     values = (values - values.min(axis=0)) / np.where(width > 0.0, width, 1.0)
-    taken = list[int]()
+    chosen = list[int]()
     distance = np.linalg.norm(values - 0.5, axis=1)
-    for _ in range(min(most, len(values))):
+    for _ in range(min(count, len(values))):
         k = int(np.argmax(distance))
-        apart = np.linalg.norm(values - values[k], axis=1)
-        distance = np.minimum(distance, apart) if taken else apart
-        taken.append(k)
-    return taken
+        distance_to_new = np.linalg.norm(values - values[k], axis=1)
+        distance = np.minimum(distance, distance_to_new) if chosen else distance_to_new
+        chosen.append(k)
+    return chosen

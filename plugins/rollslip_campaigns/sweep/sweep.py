@@ -1,14 +1,15 @@
-"""Lays out a sweep: checked as a whole before anything runs, and kept in its folder so that it can go on.
+"""Plan a sweep: check all settings before any point is computed, and choose the resolutions.
 
-- What is swept comes from the scene's tables ``[sweep]`` and ``[uncertainty]``; a call or the command line adds to it.
-- A folder belongs to one sweep; who goes on with it under other facts is told what has changed.
-- Values are checked one by one, and every value of an axis once in the scene, so that a wrong one in the middle of a
-  grid is found before the first point. What goes wrong only for a combination ends that point as "outside-domain".
-- How finely points are computed is chosen once for all of them. A point that nobody planned takes 101 slices and
-  doubles its instants; a plan of its own would cost several points. So the plan's choice is made for the scene and for
-  some points that lie far apart, and the finest of these serves all: it follows from scene and design alone, and is one
-  of the facts. Laws stay as they are named: what is left out under a bound would have to be watched in every point.
-  Only of studies that say so (`Study.shares_resolution`): steady slips cost more at the plan's choice than by doubling.
+- What is swept comes from the scene's tables ``[sweep]`` and ``[uncertainty]`` and from the call or the command line.
+- A folder belongs to one sweep. If its facts have changed since, an error lists the changes.
+- Each value of an axis is checked by itself in the scene, so that a wrong value in the middle of a grid is found before
+  the first point. A combination of values that is wrong ends its point with status "outside-domain".
+- The resolution is chosen once for all points, because a plan for each point would cost as much as several points, and
+  a point without a plan takes 101 slices and doubles its roller positions. The plan of a run is made for the scene and
+  for some points that are far apart; the maximum of their resolutions is that of all points. It follows from scene and
+  design alone, and is one of the facts. Laws are not replaced by approximations, because the bounds of these would have
+  to be checked at each point. Only studies with `Study.shares_resolution` share a resolution: steady slips cost more at
+  the resolution of the plan than by doubling.
 """
 
 import json
@@ -36,6 +37,7 @@ from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, evolve, full_key, unknown
 from rollslip.scene.reading import as_scene, from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene
+from rollslip.search import Array
 from rollslip.structure import FrozenTable, Location, resolved, structure
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
@@ -45,10 +47,10 @@ from rollslip_campaigns.sweep.journal import has_died, journal_files
 from rollslip_campaigns.sweep.sampling import (
     Axis,
     Design,
+    farthest_points,
     probabilities,
     read_axis,
     read_overs,
-    farthest_points,
 )
 from rollslip_studies.variation.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip_studies.variation.quantities import quantities
@@ -63,143 +65,197 @@ __all__ = [
     "with_engine",
 ]
 
-#: Values of an axis that are tried in the scene, each with all others as they are; those of a longer one lie between.
-_TRIED = 1000
+#: Maximum number of values of an axis that are checked in the scene before the start; of a longer axis, values that are
+#: evenly spread. Twice as many take twice the time. Chosen.
+_MAX_CHECKED_VALUES = 1000
+#: Maximum number of points of a sweep; each takes a byte in memory and more in the journal. Chosen: a larger number is
+#: mostly a typing error.
 _MAX_POINTS = 10_000_000
-#: What the sweep is, in its folder.
+#: Name of the file with the description of a sweep, in its folder.
 FILE: Final = "sweep.json"
-#: Points besides the scene itself for which a choice is made; a choice costs about six points.
-_SPREAD: Final = 8
-#: Points of a combination from which on that is worth it.
-_WORTH: Final = 100
-#: Points among which those far apart are looked for.
+#: Number of points, besides the scene itself, for which a resolution is chosen. Twice as many cost twice the time and
+#: find extreme points more surely. Chosen: one choice costs about six points.
+_RESOLUTION_POINTS: Final = 8
+#: Minimum number of points of a combination for which a resolution is chosen. With fewer points the choice, which costs
+#: about six points for each of nine, would take longer than it saves. Chosen.
+_MIN_POINTS_OF_COMBINATION: Final = 100
+#: Maximum number of points among which those far apart are selected. More bring them closer to the corners of the
+#: design; the time of the selection is proportional. Chosen.
 _CANDIDATES: Final = 512
-_AGAIN = "the same command as before, with --out {}, makes it again and takes up the journals"
+#: Advice for a folder whose description is lost.
+_RECREATE = "the same command as before, with --out {}, makes it again and takes up the journals"
 
 
 def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Sweep:
-    """Check a sweep and lay out its points; `requested` are settings of `SweepTable` in place of the scene's."""
+    """Check the settings of a sweep and return its plan; wrong settings raise SceneError with all faults.
+
+    Parameters
+    ----------
+    scene : Scene or str
+        A scene, the name of a shipped one, or a file.
+    over : mapping or sequence of str, optional
+        What is varied, in addition to the table [sweep] of the scene (`rollslip.sweep`).
+    **requested : object
+        Settings of `SweepTable`, in place of those of the scene; None for the setting of the scene.
+    """
     given = as_scene(scene)
     base = _without_tables(given)
     where = Location(given.origins)
     problems = list[str]()
     check_required(base.plugins.require, where.at("plugins").at("require"))
-    over = {} if over is None else read_overs(over)
+    overrides = {} if over is None else read_overs(over)
     outputs = listed(requested.pop("output", ()))
-    requested = {key: value for key, value in requested.items() if value is not None} | (
-        {"output": outputs} if outputs else {}
-    )
-    table, place = _table(given, requested, problems)
-    name = study_with_outputs(base, table.study, table.output)
-    cls = study_class(name, base)
-    names: tuple[str, ...] = ()
+    changes = {key: value for key, value in requested.items() if value is not None}
+    if outputs:
+        changes["output"] = outputs
+    table, table_location = _read_table(given, changes, problems)
+    study = study_with_outputs(base, table.study, table.output)
+    cls = study_class(study, base)
+    output_names: tuple[str, ...] = ()
     try:
-        names = named_outputs(cls, table.output)
+        output_names = named_outputs(cls, table.output)
     except SceneError as error:
         problems += error.problems
-    stated = [*_leaves(table.over, "", place.at("over"))]
-    varying = {key: value for key, value, _ in stated} | over
+    stated = [*_flatten(table.over, "", table_location.at("over"))]
+    varying = {key: value for key, value, _ in stated} | overrides
     base, assembly = assemble_varied(base, varying)
-    studies = settings(base, name)
+    studies = settings(base, study)
     require_memory(studies, assembly)
     known = quantities(assembly, studies)
-    sampled = table.samples is not None
-    told = (
+    is_sampled = table.samples is not None
+    overriding = (
         (key.strip(), value, Location({}, tuple(key.strip().split("."))))
-        for key, value in over.items()
+        for key, value in overrides.items()
     )
-    axes, ranges = _axes([*stated, *told], known, sampled, problems)
+    axes, ranges = _read_axes([*stated, *overriding], known, is_sampled, problems)
     uncertainty = read_uncertainty(
         given.uncertainty or {}, where.at("uncertainty"), known, problems
     )
     uncertainty = (
-        _with_ranges(uncertainty, ranges) if sampled else Uncertainty({}, np.empty((0, 0)))
+        _with_ranges(uncertainty, ranges) if is_sampled else Uncertainty({}, np.empty((0, 0)))
     )
-    varied = [*(axis.key for axis in axes), *uncertainty.distributions]
-    problems += _conflicts(varied)
-    if not problems and sampled and not uncertainty.distributions:
-        problems.append(
-            place.at("samples").message(
-                "there is nothing to sample; give a range without a count, such as --over "
-                "operation.radial_load=500N:5000N, or a table [uncertainty]"
-            )
-        )
-    elif not problems and not varied:
-        problems.append(
-            place.message(
-                "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
-            )
-        )
+    _check_varied(axes, uncertainty, is_sampled, table_location, problems)
     if problems:
         raise SceneError(list(dict.fromkeys(problems)))
-    drawn = np.empty((1, 0))
-    if uncertainty.distributions:
-        drawn = uncertainty.values(
-            probabilities(
-                table.sampling, table.samples or 1, len(uncertainty.distributions), table.seed
-            )
-        )
-    design = Design(tuple(axes), tuple(known[key] for key in uncertainty.distributions), drawn)
+    sampled = tuple(known[key] for key in uncertainty.distributions)
+    design = Design(tuple(axes), sampled, _draw_samples(table, uncertainty))
     if design.size > _MAX_POINTS:
         raise SceneError(
             [
                 f"sweep: {design.size} points are more than {_MAX_POINTS}; take fewer values or samples"
             ]
         )
-    tried, unusual = _tried(base, name, design)
-    packages, local = _packages(tried, name)
+    assemblies, unusual = _checked_assemblies(base, study, design)
+    packages, local = _packages(assemblies, study)
     return Sweep(
         scene=base,
-        study=name,
-        outputs=names,
+        study=study,
+        outputs=output_names,
         design=design,
         uncertainty=uncertainty,
-        resolutions=_chosen_resolutions(base, name, design),
+        resolutions=_chosen_resolutions(base, study, design),
         packages=packages,
         local=local,
-        citations=_citations(tried, name),
+        citations=_citations(assemblies, study),
         table=attrs.evolve(table, over=FrozenTable(varying)),
         given=given,
         unusual=unusual,
-        files=studies[name].digest(assembly),
+        files=studies[study].digest(assembly),
+    )
+
+
+def _check_varied(
+    axes: Sequence[Axis],
+    uncertainty: Uncertainty,
+    is_sampled: bool,
+    location: Location,
+    problems: list[str],
+) -> None:
+    """Add messages on keys that exclude each other, and on a sweep in which nothing varies, to the problems."""
+    varied = [*(axis.key for axis in axes), *uncertainty.distributions]
+    problems += _conflicting_keys(varied)
+    if not problems and is_sampled and not uncertainty.distributions:
+        problems.append(
+            location.at("samples").message(
+                "there is nothing to sample; give a range without a count, such as --over "
+                "operation.radial_load=500N:5000N, or a table [uncertainty]"
+            )
+        )
+    elif not problems and not varied:
+        problems.append(
+            location.message(
+                "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
+            )
+        )
+
+
+def _draw_samples(table: SweepTable, uncertainty: Uncertainty) -> Array:
+    """Samples in SI units, (n, d); (1, 0) if nothing is sampled."""
+    if not uncertainty.distributions:
+        return np.empty((1, 0))
+    dimensions = len(uncertainty.distributions)
+    return uncertainty.values(
+        probabilities(table.sampling, table.samples or 1, dimensions, table.seed)
     )
 
 
 def study_with_outputs(scene: Scene, named: str | None, outputs: Sequence[str]) -> str:
-    """Return the study that is named, else the first of the scene that has some outputs, or the first of all.
+    """Return the name of the study of a sweep: the requested one, else the first that has the outputs, else the first.
 
-    By other names of theirs, such as "slip", one that has a cage goes first, as in a run of several.
+    A study that has the outputs under alternative names, such as "slip", comes after those that have them under their
+    own; among several of these, studies with a cage come first, as in a run of several studies.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene, whose studies are considered in order.
+    named : str or None
+        The requested study.
+    outputs : sequence of str
+        The requested outputs; empty for the main outputs of the study.
     """
-    own = [*scene.study] or [DEFAULT_STUDY]
-    classes = {one: study_class(one, scene) for one in own} if outputs else {}
-    having = [one for one, of in classes.items() if of.outputs.keys() >= set(outputs)]
-    having += sorted(
+    study_names = [*scene.study] or [DEFAULT_STUDY]
+    classes = (
+        {study_name: study_class(study_name, scene) for study_name in study_names}
+        if outputs
+        else {}
+    )
+    candidates = [
+        study_name
+        for study_name, study_class_of in classes.items()
+        if study_class_of.outputs.keys() >= set(outputs)
+    ]
+    candidates += sorted(
         (
-            one
-            for one, of in classes.items()
-            if {name for key, output in of.outputs.items() for name in (key, *output.also)}
+            study_name
+            for study_name, study_class_of in classes.items()
+            if {
+                name
+                for key, output in study_class_of.outputs.items()
+                for name in (key, *output.aliases)
+            }
             >= set(outputs)
         ),
-        key=lambda one: not classes[one].with_cage,
+        key=lambda study_name: not classes[study_name].with_cage,
     )
-    return named or next(iter(having), own[0])
+    return named or next(iter(candidates), study_names[0])
 
 
-def _table(
-    given: Scene, told: Mapping[str, object], problems: list[str]
+def _read_table(
+    given: Scene, requested: Mapping[str, object], problems: list[str]
 ) -> tuple[SweepTable, Location]:
-    """Return the table of a sweep with what was told besides, and where it stands."""
-    said = {**(given.sweep or {}), **told}
+    """The table [sweep] of a scene with the requested settings in place of its own, and its location in the file."""
+    table_values = {**(given.sweep or {}), **requested}
     origins = {
         path: text
         for path, text in given.origins.items()
-        if path[:1] != ("sweep",) or path[1:2] not in {(k,) for k in told}
+        if path[:1] != ("sweep",) or path[1:2] not in {(k,) for k in requested}
     }
     place = Location(origins).at("sweep")
-    table = structure(SweepTable, said, place, problems)
+    table = structure(SweepTable, table_values, place, problems)
     if table is None:
         raise SceneError(problems)
-    if table.samples is None and "sampling" in said:
+    if table.samples is None and "sampling" in table_values:
         problems.append(
             place.at("sampling").message(
                 "says how samples are drawn, but none are asked for; give samples"
@@ -208,36 +264,36 @@ def _table(
     return table, place
 
 
-def _axes(
-    wanted: Sequence[tuple[str, object, Location]],
+def _read_axes(
+    varied: Sequence[tuple[str, object, Location]],
     known: dict[str, Quantity],
     sampled: bool,
     problems: list[str],
 ) -> tuple[list[Axis], dict[str, Distribution]]:
-    """Return what is crossed, and the ranges that are sampled; of a key that comes twice the last."""
+    """Axes, and distributions of the ranges that are sampled; of a key that occurs twice, the last one is valid."""
     axes = list[Axis]()
     ranges = dict[str, Distribution]()
-    for key, raw, at in {full_key(item[0]): item for item in wanted}.values():
+    for key, values, location in {full_key(item[0]): item for item in varied}.values():
         quantity = known.get(key)
         if quantity is None:
-            problems.append(at.message(unknown(key, known)))
+            problems.append(location.message(unknown(key, known)))
             continue
         try:
-            axis = read_axis(quantity, raw, sampled)
+            axis_or_distribution = read_axis(quantity, values, sampled)
         except RollslipError as error:
             problems.append(
-                at.message(error.reason if isinstance(error, FieldError) else str(error))
+                location.message(error.reason if isinstance(error, FieldError) else str(error))
             )
             continue
-        if isinstance(axis, Axis):
-            axes.append(axis)
+        if isinstance(axis_or_distribution, Axis):
+            axes.append(axis_or_distribution)
         else:
-            ranges[quantity.key] = axis
+            ranges[quantity.key] = axis_or_distribution
     return axes, ranges
 
 
 def _without_tables(scene: Scene) -> Scene:
-    """Return the scene without what is about sweeps, which is no part of a point."""
+    """The scene without the tables of sweeps, which are not part of a point."""
     raw = {
         key: value
         for key, value in dict(scene.raw or resolved(scene)).items()
@@ -247,48 +303,67 @@ def _without_tables(scene: Scene) -> Scene:
 
 
 def assemble_varied(scene: Scene, over: Mapping[str, object]) -> tuple[Scene, Assembly]:
-    """Assemble the scene; where it cannot be, with the first of the values that take the place of its own."""
+    """Assemble the scene; where this fails, the scene with the first value of each varied key.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene without the tables of sweeps.
+    over : mapping
+        Varied values, by key.
+
+    Returns
+    -------
+    tuple of Scene and Assembly
+        The scene that was assembled, and its bearing.
+    """
     try:
         return scene, assemble(scene)
     except RollslipError:
         try:
-            changed = evolve(scene, {key: _first(values) for key, values in over.items()})
+            changed = evolve(scene, {key: _first_value(values) for key, values in over.items()})
             return changed, assemble(changed)
         except RollslipError:
-            pass  # what is wrong is told of the scene as it was written
+            pass  # the error of the scene as it was written is raised
         raise
 
 
-def _first(values: object) -> object:
+def _first_value(values: object) -> object:
+    """First value of a list or of a range as text."""
     if isinstance(values, str):
         return values.split(",")[0].split(":")[0]
     return values[0] if isinstance(values, Sequence) and values else values
 
 
-def _leaves(
+def _flatten(
     table: Mapping[str, object], prefix: str, where: Location
 ) -> Iterator[tuple[str, object, Location]]:
-    """Dotted keys, whether the table was written with quoted keys or as tables in tables."""
+    """Yield dotted key, value and location of each entry of a table, whose tables may be nested."""
     for key, value in table.items():
         path = f"{prefix}.{key}" if prefix else key
         if isinstance(value, Mapping):
-            yield from _leaves(value, path, where.at(key))
+            yield from _flatten(value, path, where.at(key))
         else:
             yield path, value, where.at(key)
 
 
 def _with_ranges(uncertainty: Uncertainty, ranges: Mapping[str, Distribution]) -> Uncertainty:
-    """Return uncertain values with ranges in their place or beside them."""
-    kept = [k for k, key in enumerate(uncertainty.distributions) if key not in ranges]
+    """Uncertain quantities with additional independent ranges, which replace distributions of the same keys."""
+    remaining = [k for k, key in enumerate(uncertainty.distributions) if key not in ranges]
     distributions = {
-        key: one for key, one in uncertainty.distributions.items() if key not in ranges
+        key: distribution
+        for key, distribution in uncertainty.distributions.items()
+        if key not in ranges
     } | dict(ranges)
     matrix = np.eye(len(distributions))
-    matrix[: len(kept), : len(kept)] = uncertainty.correlation[np.ix_(kept, kept)]
+    matrix[: len(remaining), : len(remaining)] = uncertainty.correlation[
+        np.ix_(remaining, remaining)
+    ]
     return Uncertainty(distributions, matrix)
 
 
-def _conflicts(keys: Sequence[str]) -> list[str]:
+def _conflicting_keys(keys: Sequence[str]) -> list[str]:
+    """Messages on keys that vary twice, and on keys inside a table that varies as a whole."""
     problems = [
         f"{key}: is both an axis and uncertain; choose one"
         for key in {k for k in keys if keys.count(k) > 1}
@@ -302,48 +377,57 @@ def _conflicts(keys: Sequence[str]) -> list[str]:
     return problems
 
 
-def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tuple[str, ...]]:
-    """Put the scene together with every value of an axis, and with the ends of the samples; refuse what is wrong."""
+def _checked_assemblies(
+    base: Scene, study: str, design: Design
+) -> tuple[list[Assembly], tuple[str, ...]]:
+    """Assemble the scene with each value of an axis, and check it with the bounds of the samples.
+
+    Returns the assemblies and warnings of implausible values; wrong values raise SceneError.
+    """
     problems = list[str]()
     unusual = list[str]()
     assemblies = [assemble(base)]
     for axis in design.axes:
         count = len(axis.values)
-        judged = list[object]()
-        for k in np.unique(np.linspace(0, count - 1, min(count, _TRIED)).astype(int)):
+        accepted_values = list[object]()
+        for k in np.unique(np.linspace(0, count - 1, min(count, _MAX_CHECKED_VALUES)).astype(int)):
             value = axis.values[k]
             try:
                 scene = evolve(base, {axis.key: value})
                 assemblies.append(assemble(scene, like=assemblies[0]))
                 require_memory(settings(scene, study), assemblies[-1])
-                judged.append(axis.written(k))
+                accepted_values.append(axis.written(k))
             except SceneError as error:
                 problems.append(
                     f"{axis.key}: value {k + 1} of {count}, {axis.shown(value)}: {'; '.join(error.problems)}"
                 )
                 break
         unusual += implausible_along(
-            base, axis.quantity, judged, "values" if count <= _TRIED else "values tried"
+            base,
+            axis.quantity,
+            accepted_values,
+            "values" if count <= _MAX_CHECKED_VALUES else "values tried",
         )
-    for of, column in zip(design.sampled, design.samples.T, strict=True):
-        ends = [float(column.min()), float(column.max())]
-        for value in ends:
+    for quantity, column in zip(design.sampled, design.samples.T, strict=True):
+        bounds = [float(column.min()), float(column.max())]
+        for value in bounds:
             try:
-                evolve(base, {of.key: value})
-                of.read(value)
+                evolve(base, {quantity.key: value})
+                quantity.read(value)
             except (SceneError, FieldError) as error:
                 number = int(np.flatnonzero(column == value)[0])
                 reason = (
                     "; ".join(error.problems) if isinstance(error, SceneError) else error.reason
                 )
-                shown = Axis(of, ()).shown(value)
+                value_text = Axis(quantity, ()).shown(value)
                 problems.append(
-                    f"{of.key}: sample {number}, {shown}: {reason}; cut the distribution off with at_least or at_most"
+                    f"{quantity.key}: sample {number}, {value_text}: {reason}; cut the distribution off with at_least "
+                    "or at_most"
                 )
                 break
         else:
-            written = [format_quantity(value, of.unit or "1", 4) for value in ends]
-            unusual += implausible_along(base, of, written, "ends of the samples")
+            written = [format_quantity(value, quantity.unit or "1", 4) for value in bounds]
+            unusual += implausible_along(base, quantity, written, "ends of the samples")
     if problems:
         raise SceneError(problems)
     return assemblies, tuple(unusual)
@@ -352,14 +436,16 @@ def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tup
 def _packages(
     assemblies: Sequence[Assembly], study: str
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Distributions that the points need, and models that only this process has."""
+    """Packages that the points need, and models that are registered in this process only."""
     offers = {("study", study): find("study", study)}
     for assembly in assemblies:
         used = [*assembly.models.items(), *settings(assembly.scene, study)[study].models(assembly)]
         for kind, model in used:
-            made = ((kind, model), *submodels(model))
+            parts = ((kind, model), *submodels(model))
             offers |= {
-                (of, one.name): find(of, one.name) for of, one in made if hasattr(one, "name")
+                (model_kind, part.name): find(model_kind, part.name)
+                for model_kind, part in parts
+                if hasattr(part, "name")
             }
         offers |= {
             (offer.kind, offer.name): offer for offer in named_data(assembly.scene.raw or {})
@@ -372,20 +458,30 @@ def _packages(
 
 
 def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ...]:
+    """References of all models, studies and data of the points."""
     models = list[Any]()
-    others = list[Citation]()
+    references = list[Citation]()
     for assembly in assemblies:
         models += assembly.models.values()
         models += (model for _, model in settings(assembly.scene, study)[study].models(assembly))
-        others += [*settings(assembly.scene, study)[study].references, *data_references(assembly)]
-    return tuple(cited(models, others))
+        references += [
+            *settings(assembly.scene, study)[study].references,
+            *data_references(assembly),
+        ]
+    return tuple(cited(models, references))
 
 
 # Resolutions ----------------------------------------------------------------------------------------------------------
 
 
 def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
-    """Choose the resolutions of a sweep."""
+    """Choose the resolutions of a sweep.
+
+    1. Group the points by their values of the axes that decide (`_decides`).
+    2. In each group of 100 points and more, select points that are far apart, and add the scene with the values of the
+       group.
+    3. Plan a run for each of them. The maximum of the resolutions is that of the group.
+    """
     deciding = [k for k, axis in enumerate(design.axes) if _decides(axis)]
     combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[
         :, deciding
@@ -393,19 +489,22 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
     if not study_class(study).shares_resolution:
         return Resolutions()
     resolutions = dict[str, Resolution]()
-    for places in np.unique(combinations, axis=0):
-        numbers = np.flatnonzero((combinations == places).all(axis=1))
-        if numbers.size < _WORTH:
+    for combination in np.unique(combinations, axis=0):
+        numbers = np.flatnonzero((combinations == combination).all(axis=1))
+        if numbers.size < _MIN_POINTS_OF_COMBINATION:
             continue
         values = {
-            design.axes[k].key: design.axes[k].values[int(place)]
-            for k, place in zip(deciding, places, strict=True)
+            design.axes[k].key: design.axes[k].values[int(index)]
+            for k, index in zip(deciding, combination, strict=True)
         }
-        points = [values, *(design.changes(int(number)) for number in _far_apart(design, numbers))]
+        points = [
+            values,
+            *(design.changes(int(number)) for number in _distant_points(design, numbers)),
+        ]
         chosen = [
-            one
-            for one in (_resolution_at(scene, study, changes) for changes in points)
-            if one is not None
+            resolution
+            for resolution in (_resolution_at(scene, study, changes) for changes in points)
+            if resolution is not None
         ]
         if chosen:
             resolutions[combination_name(list(values.values()))] = Resolution.maximum_of(chosen)
@@ -413,35 +512,48 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
 
 
 def _decides(axis: Axis) -> bool:
-    number = axis.quantity.unit is not None or axis.quantity.whole
-    return not number or axis.key.startswith(("accuracy.", "study."))
+    """Whether values of an axis have their own resolutions: models, tolerances and settings of studies."""
+    is_number = axis.quantity.unit is not None or axis.quantity.whole
+    return not is_number or axis.key.startswith(("accuracy.", "study."))
 
 
 def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
-    """Return the plan's choice at a point, None if it has none: the point will say why."""
+    """Resolution of the plan of a point, None if the plan fails; the point itself then ends with the reason."""
     try:
-        at = evolve(scene, changes) if changes else scene
-        estimated = estimate(study_class(study).from_scene(at), assemble(at))
+        changed_scene = evolve(scene, changes) if changes else scene
+        estimated = estimate(study_class(study).from_scene(changed_scene), assemble(changed_scene))
     except RollslipError:
         return None
     return None if estimated.failed else estimated.resolution
 
 
-def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> list[int]:
-    """Numbers of some points that lie far apart in the numbers that they vary."""
-    some = numbers[np.unique(np.linspace(0, numbers.size - 1, _CANDIDATES).astype(int))]
+def _distant_points(
+    design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int64]]"
+) -> list[int]:
+    """Numbers of some points that are far apart in their numeric values (`farthest_points`)."""
+    candidates = numbers[np.unique(np.linspace(0, numbers.size - 1, _CANDIDATES).astype(int))]
     rows = [
-        [v for v in design.changes(int(number)).values() if isinstance(v, int | float)]
-        for number in some
+        [value for value in design.changes(int(number)).values() if isinstance(value, int | float)]
+        for number in candidates
     ]
-    return [int(some[k]) for k in farthest_points(np.array(rows, dtype=float), _SPREAD)]
+    return [
+        int(candidates[k]) for k in farthest_points(np.array(rows, dtype=float), _RESOLUTION_POINTS)
+    ]
 
 
 # Folders -------------------------------------------------------------------------------------------------------------
 
 
 def store_sweep(sweep: Sweep, folder: Path) -> None:
-    """Write down what a sweep is."""
+    """Write the description of a sweep to its folder.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+    folder : Path
+        Its folder.
+    """
     table = attrs.asdict(sweep.table, recurse=False)
     stored = {
         "format": 1,
@@ -457,10 +569,10 @@ def store_sweep(sweep: Sweep, folder: Path) -> None:
 
 
 def open_sweep(folder: Path) -> Sweep:
-    """Return the sweep that a folder belongs to."""
+    """Return the sweep of a folder; if scene or packages have changed since, OutputError lists the changes."""
     path = folder / FILE
     if not path.is_file():
-        inner = f"; {_AGAIN.format(folder)}" if journal_files(folder) else ""
+        inner = f"; {_RECREATE.format(folder)}" if journal_files(folder) else ""
         raise OutputError(f"{folder}: holds no sweep, there is no {FILE}{inner}")
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
@@ -476,37 +588,49 @@ def open_sweep(folder: Path) -> Sweep:
         text = stored["text"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise OutputError(
-            f"{path}: cannot be read ({error}); remove it; {_AGAIN.format(folder)}"
+            f"{path}: cannot be read ({error}); remove it; {_RECREATE.format(folder)}"
         ) from error
     _refuse_changes(folder, _changed_file(source, text))
     over = table.pop("over", {})
     if "samples" not in table:
         table.pop("sampling", None)
     if has_died(folder):
-        table.pop("engine", None)  # chosen anew, since that one did not survive
+        table.pop("engine", None)  # an engine is chosen anew, because this one did not survive
     sweep = plan_sweep(scene, over, **table)
     _refuse_changes(folder, _differences(facts, sweep.facts))
     return attrs.evolve(sweep, given=attrs.evolve(sweep.given, source=source, text=text))
 
 
 def with_engine(sweep: Sweep, engine: object, time_limit: float | str | None) -> Sweep:
-    """Return a sweep with another engine or time limit, where they are given; they are no part of what it is."""
-    told = {"engine": engine, "time_limit": time_limit}
+    """Return a sweep with another engine or time limit; its facts and hash do not depend on them.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+    engine : object
+        Engine, by name or as a table with its parameters; None for that of the sweep.
+    time_limit : float or str or None
+        Longest time for one point [s], or with a unit; None for that of the sweep.
+    """
+    changes_requested = {"engine": engine, "time_limit": time_limit}
     problems: list[str] = []
     table = structure(
         SweepTable,
-        {k: v for k, v in told.items() if v is not None},
+        {k: v for k, v in changes_requested.items() if v is not None},
         Location({}, ("sweep",)),
         problems,
     )
     if table is None:
         raise SceneError(problems)
-    changes = {name: getattr(table, name) for name, value in told.items() if value is not None}
+    changes = {
+        name: getattr(table, name) for name, value in changes_requested.items() if value is not None
+    }
     return attrs.evolve(sweep, table=attrs.evolve(sweep.table, **changes))
 
 
 def _changed_file(source: str, text: str) -> list[str]:
-    """What has changed in the file of a scene since its text was stored; nothing if it is gone."""
+    """Lines on the changes of a scene's file since its text was stored; none if the file does not exist."""
     if not text or not (Path(source).is_file() or source in shipped_scenes()):
         return []
     try:
@@ -517,7 +641,7 @@ def _changed_file(source: str, text: str) -> list[str]:
 
 
 def _differences(old: Any, new: Any, prefix: str = "") -> list[str]:
-    """What has changed, line by line, by dotted key."""
+    """Lines "key: old -> new" on the differences of nested tables."""
     if isinstance(old, Mapping) and isinstance(new, Mapping):
         keys = dict.fromkeys((*old, *new))
         return [
@@ -529,10 +653,11 @@ def _differences(old: Any, new: Any, prefix: str = "") -> list[str]:
         ]
     if json.dumps(old, default=list) == json.dumps(new, default=list):
         return []
-    return [f"{prefix}: {_was(old)} -> {_was(new)}"]
+    return [f"{prefix}: {_format_fact(old)} -> {_format_fact(new)}"]
 
 
-def _was(value: object) -> str:
+def _format_fact(value: object) -> str:
+    """Text of a value in a line on a change."""
     if value is None:
         return "nothing"
     return (
@@ -543,6 +668,7 @@ def _was(value: object) -> str:
 
 
 def _refuse_changes(folder: Path, lines: list[str]) -> None:
+    """Raise OutputError with the first ten lines on changes, if there are any."""
     if lines:
         more = f"\n  and {len(lines) - 10} more" if len(lines) > 10 else ""
         shown = "\n  ".join(lines[:10])

@@ -79,7 +79,7 @@ class UncertaintySettings(OfPoints):
         """Compute the samples in a folder and estimate the distributions."""
         from rollslip_campaigns.uncertainty.margin import run_margin
 
-        return run_margin(made, folder, said=said, report=lambda now: show(*now.told))
+        return run_margin(made, folder, print_line=said, report=lambda now: show(*now.summary))
 
     def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return commands that compute the points without a result again, None if all points have one."""
