@@ -1,15 +1,18 @@
-"""Study steady-slip: at which cage slips a bearing runs on, found without integrating in time.
+"""Study steady-slip: the cage slips at which a bearing runs on, without integration over time.
 
-- The rollers drive the cage, drags resist it; where both are in balance the slip is steady
-  (`motion.torque_balance`). Traction has a maximum, so there are two such slips or none: at the smaller one
-  more slip brings more torque and the cage holds it, at the larger one it runs away.
-- Steady slips, the slip-drag curve and its maxima all come from one way up (`motion.loading_branch`): the motions of
-  the rollers while the drag is raised slowly from none. It goes on until the cage all but stands, whatever the range
-  of the curve, so that it is known where the cage runs, and where it runs away.
-- The positions of the orbit are doubled until the torque stands still; what the last doubling still moved is reported,
-  as is what the inertia of the rollers does.
-- Against radial load, speed and temperature the slips are followed through the fold, where stable and unstable ones
-  meet: the smallest load that still carries the drag.
+The rollers drive the cage and drags resist it. Where both torques are in balance the slip is steady
+(`motion.torque_balance`). The torque of the rollers has a maximum over the slip, so that there are two such slips or
+none: the smaller one is stable, because more slip brings more torque, and the larger one is unstable.
+
+1. Double the roller positions within a pitch until the torques at four slips change by less than the tolerance, and the
+   error of the limit drag torque is below it, too. The last change is reported as discretisation error.
+2. Find the loading branch (`motion.loading_branch`): the motions of the rollers while the drag is raised from zero. It
+   goes on to a cage that hardly turns, whatever the range of the curve, so that steady slips and the onset of skidding
+   are known outside that range as well.
+3. Steady slips, the slip-drag curve and its maxima are taken from this branch.
+4. Evaluate films, losses, the reserves and the minimum load at the smallest stable slip.
+5. On request follow the slips over radial load, speed or temperature through folds, where a stable and an unstable slip
+   meet (`steady_slip.branches`): there is, for example, the smallest load at which the rollers still carry the drag.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -78,27 +81,45 @@ from rollslip_studies.steady_slip.statuses import (
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Instants of a pitch at which doublings give up.
+#: Roller positions within a pitch above which the run fails. Twice as many take twice the time of the last step.
+#: Chosen: torques converge long before, unless rollers change their motion between positions.
 _MAX_POSITIONS: Final = 256
-#: And beyond which these go on for no maximum.
-_MOST_OF_A_JUMP: Final = 16
-#: Slips at which accuracy is judged, relative to the largest.
-_JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
-#: Share of the tolerances that slices and instants may use.
-_FRACTION: Final = 0.5
-#: Ways up that a run finds while it doubles instants, slips of one, motions of the rollers of a followed branch, and
-#: ways up of a search for a least load at a slip where rollers have several motions.
-_WAYS = 2
-_SLIPS = 25
-_BRANCH = 350
-_LOADS = 9
-#: What an acceptable slip gives.
-_MINIMUM_LOAD: Final = frozenset(
-    f"{name}{of}" for name in ("minimum_load", "acceptable_reserve") for of in ("", "_status")
+#: Roller positions above which the error of the limit drag torque no longer asks for a further doubling, because the
+#: torque at a jump converges with the first order only. Twice as many halve that error for twice the time. Chosen.
+_MAX_POSITIONS_FOR_LIMIT_DRAG: Final = 16
+#: Slips at which changes of the torque are compared, relative to the largest slip of the curve: small ones, where the
+#: torque rises, to the end. Chosen; the loading branch needs no more positions between them.
+_COMPARED_FRACTIONS: Final = (0.02, 0.15, 0.5, 1.0)
+#: Fraction of the tolerances that slices and roller positions may use; the rest is for the errors of single numbers.
+#: All of it saves up to half the slices, half of it needs twice as many. Chosen.
+_TOLERANCE_FRACTION: Final = 0.5
+
+
+@attrs.frozen
+class _CostModel:
+    """Numbers of evaluations by which the cost is extrapolated from measured times; an estimate scales with them."""
+
+    #: Loading branches of a run: those of the last two numbers of positions.
+    branches: int = 2
+    #: Motions of a loading branch.
+    branch_motions: int = 25
+    #: Motions of the rollers that a followed branch evaluates, as branches of shipped scenes do.
+    followed_motions: int = 350
+    #: Loading branches of a search for the minimum load, where rollers have several motions at the acceptable slip.
+    minimum_load_branches: int = 9
+
+
+_COST: Final = _CostModel()
+#: Outputs that an acceptable slip adds.
+_MINIMUM_LOAD_OUTPUTS: Final = frozenset(
+    f"{name}{suffix}"
+    for name in ("minimum_load", "acceptable_reserve")
+    for suffix in ("", "_status")
 ) | {"makers_minimum_load", "makers_status"}
 
 
 def _range(name: str) -> Any:
+    """Return the parameter of the study for the range of an operating condition."""
     unit, what = VARIED[name]
     return parameter(
         default=(),
@@ -158,21 +179,22 @@ class SteadySlip(Study):
 
     @property
     def libraries(self) -> tuple[str, ...]:  # type: ignore[override]
-        """SciPy where slips are followed; its import takes longer than other runs."""
+        """Modules of SciPy that following slips imports; the import takes longer than a run without it."""
         followed = any(getattr(self, name) for name in VARIED)
         return ("scipy.optimize", "scipy.interpolate") if followed else ()
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return how many numbers the slip-drag curve holds at least."""
+        """Return how many numbers the slip-drag curve has at least."""
         return {"points": 4.0 * self.points}
 
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate."""
         loads = assembly.load_distribution(1)
-        require_driven = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
+        loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
         per_orbit = 10 * 2 * minimum_positions(assembly)
         followed = sum(bool(getattr(self, name)) for name in VARIED)
-        return int(require_driven) * per_orbit * (3 * self.points + 60 + 350 * followed)
+        slips = 3 * self.points + 60 + _COST.followed_motions * followed
+        return int(loaded) * per_orbit * slips
 
     @property
     def slip_range(self) -> float:
@@ -181,50 +203,54 @@ class SteadySlip(Study):
 
     @property
     def is_averaged(self) -> bool:
-        """Whether the curves are means over the instants of a pitch."""
+        """Whether the curves are means over the roller positions within a pitch."""
         return True
 
     @property
     def has_nested_positions(self) -> bool:
-        """Whether fewer instants are among more; each number is computed for itself."""
+        """Whether coarse roller positions are among fine ones; each number of positions is computed for itself."""
         return False
 
     def choose_resolution(
         self, assembly: Assembly, *, cheaper_laws: bool = True
     ) -> ResolutionChoice:
-        """Choose slices, instants and laws by the slip-drag curve."""
-        found = choose_by_curves(self, assembly, fraction=_FRACTION, cheaper_laws=cheaper_laws)
-        n_positions = max(found.resolution.n_positions or 0, minimum_positions(assembly))
+        """Choose slices, roller positions and laws by the slip-drag curve."""
+        choice = choose_by_curves(
+            self, assembly, fraction=_TOLERANCE_FRACTION, cheaper_laws=cheaper_laws
+        )
+        n_positions = max(choice.resolution.n_positions or 0, minimum_positions(assembly))
         return attrs.evolve(
-            found, resolution=attrs.evolve(found.resolution, n_positions=n_positions)
+            choice, resolution=attrs.evolve(choice.resolution, n_positions=n_positions)
         )
 
     def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
-        """Return four times as fine a resolution: the finest would take days."""
+        """Return four times as fine a resolution, because the reference resolution would take days."""
         return refined(scene, own), "against four times as fine"
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return the time [s] of the motions of the rollers, from a few of them."""
+        """Return the time [s] of the motions of the rollers, extrapolated from a few of them."""
         bearing = assembly.with_resistance()
         n_positions = assembly.resolution.n_positions or 2
         balance = TorqueBalance(
             bearing, bearing.cage.drags, n_positions=n_positions, inertia=self.inertia
         )
-        followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * _SLIPS)
-        ways = self.acceptable_slip is not None and balance.has_several(self.acceptable_slip)
-        return {"orbits": balance.seconds() * (_WAYS + followed + ways * _LOADS)}
+        n_followed = sum(bool(getattr(self, name)) for name in VARIED)
+        branches = _COST.branches + _COST.followed_motions * n_followed / (2 * _COST.branch_motions)
+        if self.acceptable_slip is not None and balance.has_several(self.acceptable_slip):
+            branches += _COST.minimum_load_branches
+        return {"orbits": balance.seconds() * branches}
 
     def without_outputs(self, outputs: frozenset[str]) -> "SteadySlip":
-        """Return a study that does not follow the slips against what nobody asked for."""
+        """Return a study that does not compute outputs, those of followed slips and of the minimum load."""
         dropped: dict[str, object] = {
             name: () for name in VARIED if outputs >= followed_outputs(name).keys()
         }
-        if outputs >= _MINIMUM_LOAD:
+        if outputs >= _MINIMUM_LOAD_OUTPUTS:
             dropped["acceptable_slip"] = None
         return self.with_settings(**dropped) if dropped else self
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
-        """Return the least steady slip that the cage holds."""
+        """Return the smallest stable slip."""
         stable = (
             dataset["stable"].to_numpy() == 1 if "stable" in dataset else np.zeros(0, dtype=bool)
         )
@@ -232,22 +258,22 @@ class SteadySlip(Study):
         return {"steady cage slip": ComparedValues([[slip]], str(dataset["status"].item()))}
 
     def curves(self, assembly: Assembly, slip: Array, n_positions: Sequence[int]) -> Array:
-        """Return the driving torque, (k, 1, n), each number of instants for itself."""
+        """Return the driving torque [N m] at each number of roller positions, (k, 1, n)."""
         bearing = assembly.with_resistance()
-        balances = [self._balance(bearing, m) for m in n_positions]
+        balances = [self._balance(bearing, number) for number in n_positions]
         return np.array([[balance.torques(slip)] for balance in balances])
 
     def sample_other_contacts(self, assembly: Assembly) -> None:
-        """Evaluate contacts on the way up."""
+        """Evaluate contacts along the loading branch."""
         look_along(assembly, max(RANGE, self.max_cage_slip), inertia=self.inertia)
 
     @property
     def validity_state(self) -> str:
-        """What state `validity_slices` are at."""
+        """State of the `validity_slices` in words."""
         return "at the steady slip"
 
     def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
-        """Return the slices at the steady slips, or where there is none at that of the largest drag."""
+        """Return the slices at the steady slips; for a result without these at the skidding slip."""
         slips = np.atleast_1d(
             dataset["steady_slip" if "steady_slip" in dataset else "skidding_slip"].to_numpy()
         )
@@ -262,12 +288,12 @@ class SteadySlip(Study):
         Raises
         ------
         SceneError, PluginError
-            If the cage is wrong, or they are not there.
+            If the cage is wrong, or a drag is not installed.
         """
         return tuple(("drag", model) for model in assembly.cage.drags)
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
-        """Return the slip-drag curve, the steady slips, and how they go with what is varied.
+        """Return the slip-drag curve, the steady slips, and these over the operating conditions that are followed.
 
         Returns
         -------
@@ -275,10 +301,11 @@ class SteadySlip(Study):
             Dimensions (cage_slip,): driving_torque, drag_torque; (steady,): steady_slip, cage_speed, torque, stable,
             stability, multiplier, stored_power, friction_torque; (ring, steady): effective_friction, film_parameter,
             ring_power; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle): normal_force, all
-            of these one NaN where there is no steady slip; scalars: status, limit_drag, skidding_slip,
-            skidding_status, limit_drag_error, _low and _high, jump_slip, largest_torque, largest_torque_slip,
-            largest_torque_error, first_maximum_torque, first_maximum_slip. For each varied quantity X, if a branch was
-            found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
+            of these one NaN where there is no steady slip and ``status`` says why; scalars: status, limit_drag,
+            skidding_slip, skidding_status, limit_drag_error, _low and _high, jump_slip, largest_torque,
+            largest_torque_slip, largest_torque_error, first_maximum_torque, first_maximum_slip. For each followed
+            condition X, if a branch was found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit,
+            X_limit_slip, X_limit_status.
 
         Raises
         ------
@@ -287,26 +314,25 @@ class SteadySlip(Study):
         DomainError
             If a law has no value at any slip, or the epicyclic cage speed is zero.
         ConvergenceError
-            If doubling the positions does not settle it.
+            If the torque does not converge over the numbers of roller positions.
         """
         assembly = require_driven(assembly).with_resistance()
         balance, errors = self._converged(assembly)
         n_positions = balance.n_positions
-        way = self._way(balance)
-        steady = [] if balance.rolls_freely else way.find_steady_motions(balance.drag)
-        slips = [0.0] if balance.rolls_freely else [one.slip for one in steady]
-        states = [balance.orbit_of(one.motion) for one in steady]
+        branch = self._loading_branch(balance)
+        steady = [] if balance.rolls_freely else branch.find_steady_motions(balance.drag)
+        slips = [0.0] if balance.rolls_freely else [motion.slip for motion in steady]
+        states = [balance.orbit_of(motion.motion) for motion in steady]
         if not states:
-            end = min(self.max_cage_slip, way.end)
-            states = [
-                balance.orbit(slip) for slip in slips or [fraction * end for fraction in _JUDGED]
-            ]
+            end = min(self.max_cage_slip, branch.end)
+            others = slips or [fraction * end for fraction in _COMPARED_FRACTIONS]
+            states = [balance.orbit(slip) for slip in others]
         variables, coords, error = slip_drag_variables(
-            balance, way, slips, self.max_cage_slip, self.points, self.table
+            balance, branch, slips, self.max_cage_slip, self.points, self.table
         )
         positions = states[0].roller_slip.size
         variables |= (
-            self._steady(balance, way, states, steady) if slips else self._unsteady(positions)
+            self._steady(balance, branch, states, steady) if slips else self._unsteady(positions)
         )
         angle = 2.0 * np.pi * np.arange(positions) / positions
         coords["angle"] = (
@@ -315,75 +341,61 @@ class SteadySlip(Study):
             about("rad", "position from the line of load, in the sense of the orbit"),
         )
         variables |= film_variables(self, balance, states, steady=bool(slips))
-        lost, source = loss_variables(balance, states, steady=bool(slips))
-        variables = variables | lost
-        coords = coords | source
-        variables |= self.variables(
-            status=describe_steady_status(balance, way, slips)
-        ) | self._reserve(balance)
+        losses, sources = loss_variables(balance, states, steady=bool(slips))
+        variables |= losses
+        coords |= sources
+        variables |= self.variables(status=describe_steady_status(balance, branch, slips))
+        variables |= self._reserve(balance)
         for name in VARIED:
             if limits := getattr(self, name):
-                found = self._followed(assembly, n_positions, name, limits, slips)
-                variables |= _branches(
+                branches = self._followed(assembly, n_positions, name, limits, slips)
+                no_fold = describe_no_fold(
                     name,
                     limits,
-                    found,
-                    describe_no_fold(
-                        name,
-                        limits,
-                        found,
-                        self.table,
-                        self.max_cage_slip,
-                        free=balance.rolls_freely,
-                    ),
+                    branches,
+                    self.table,
+                    self.max_cage_slip,
+                    free=balance.rolls_freely,
                 )
+                variables |= _branch_variables(name, branches, no_fold)
+        attributes = {
+            "friction": "conventional",
+            "inertia": int(self.inertia),
+            "inertia_effect": self._inertia_effect(balance),
+            "n_positions": n_positions,
+            "curve_error": error,
+            "slices": assembly.slices,
+            "rollers_weight": rollers_weight(assembly),
+            **errors,
+            **_play_attributes(assembly, states),
+        }
         if self.acceptable_slip is not None:
             variables |= self._minimum_load(assembly, n_positions, self.acceptable_slip)
-            kept, known = acceptable_reserve(balance, self.acceptable_slip)
-            variables |= self.variables(acceptable_reserve=kept, acceptable_reserve_status=known)
+            factor, status = acceptable_reserve(balance, self.acceptable_slip)
+            variables |= self.variables(acceptable_reserve=factor, acceptable_reserve_status=status)
             coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
+            attributes["acceptable_slip"] = self.acceptable_slip
         import xarray as xr
 
-        return xr.Dataset(
-            variables,
-            coords,
-            attrs=self.attributes
-            | {
-                "friction": "conventional",
-                "inertia": int(self.inertia),
-                "inertia_effect": self._inertia_effect(balance),
-                "n_positions": n_positions,
-                "curve_error": error,
-                "slices": assembly.slices,
-                "rollers_weight": rollers_weight(assembly),
-                **errors,
-                **_by_play(assembly, states),
-                **(
-                    {}
-                    if self.acceptable_slip is None
-                    else {"acceptable_slip": self.acceptable_slip}
-                ),
-            },
-        )
+        return xr.Dataset(variables, coords, attrs=self.attributes | attributes)
 
     def partial_result(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
-        """Return steady slips and status, or a least load, as `run` finds them; None if more is asked than these."""
+        """Return steady slips, or the minimum load, with their status as `run` does; None for other outputs."""
         if outputs <= {"minimum_load", "minimum_load_status"} and self.acceptable_slip is not None:
-            return self._minimum_load(
-                assembly, self.balance(assembly).n_positions, self.acceptable_slip
-            ), {}
+            n_positions = self.balance(assembly).n_positions
+            return self._minimum_load(assembly, n_positions, self.acceptable_slip), {}
         if not outputs <= {"steady_slip", "status"}:
             return None
         _, steady, status = self.steady(assembly)
-        known = np.array([one.slip for one in steady] or [np.nan])
+        known = np.array([motion.slip for motion in steady] or [np.nan])
         return self.variables(status=status, steady_slip=known), {
             "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
         }
 
     def steady(self, assembly: Assembly) -> tuple[TorqueBalance, list[SteadyMotion], str]:
-        """Return the balance of torques of a bearing, its steady slips on the way up, and what was found in words.
+        """Return the torque balance of a bearing, its steady motions on the loading branch, and the status of these.
 
-        A cage that nothing drags has slip 0, which nothing needs to hold.
+        A cage that nothing drags has slip 0, which is stable.
         """
         assembly = require_driven(assembly).with_resistance()
         balance = (
@@ -391,85 +403,94 @@ class SteadySlip(Study):
             if assembly.resolution.n_positions is None
             else self.balance(assembly)
         )
-        way = self._way(balance)
+        branch = self._loading_branch(balance)
         if balance.rolls_freely:
-            found = [
-                SteadyMotion(0.0, 0.0, balance.motions.find(np.zeros(1))[0][0], lambda: np.inf)
-            ]
+            rolling = balance.motions.find(np.zeros(1))[0][0]
+            motions = [SteadyMotion(0.0, 0.0, rolling, lambda: np.inf)]
         else:
-            found = way.find_steady_motions(balance.drag)
-        return balance, found, describe_steady_status(balance, way, [one.slip for one in found])
+            motions = branch.find_steady_motions(balance.drag)
+        slips = [motion.slip for motion in motions]
+        return balance, motions, describe_steady_status(balance, branch, slips)
 
     def balance(self, assembly: Assembly) -> TorqueBalance:
-        """Return the balance of torques of a bearing at its instants, with resistance to rolling if it has some."""
+        """Return the torque balance of a bearing at its number of roller positions."""
         return self._balance(
             assembly, max(assembly.resolution.n_positions or 0, minimum_positions(assembly))
         )
 
     def _balance(self, assembly: Assembly, n_positions: int) -> TorqueBalance:
+        """Return the torque balance of a bearing at a number of roller positions within a pitch."""
         return TorqueBalance(
             assembly, assembly.cage.drags, n_positions=n_positions, inertia=self.inertia
         )
 
-    def _way(self, balance: TorqueBalance) -> LoadingBranch:
-        """The way up, until the cage all but stands."""
+    def _loading_branch(self, balance: TorqueBalance) -> LoadingBranch:
+        """Return the loading branch up to a cage that hardly turns."""
         return balance.loading_branch(max(RANGE, self.max_cage_slip))
 
     def _reserve(self, balance: TorqueBalance) -> dict[str, Any]:
+        """Return the variables of the drag reserve to skidding."""
         largest = max(RANGE, self.max_cage_slip)
-        away = skidding_onset(balance, largest, f"{self.table}.max_cage_slip")
-        runs = running(balance, largest)
-        kept = reserve(balance, away, runs, largest)
-        return self.variables(drag_reserve=kept.factor, reserve_status=kept.status)
+        onset = skidding_onset(balance, largest, f"{self.table}.max_cage_slip")
+        to_skidding = reserve(balance, onset, running(balance, largest), largest)
+        return self.variables(drag_reserve=to_skidding.factor, reserve_status=to_skidding.status)
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
-        """Balance at the instants of the resolution, or at those that settle it, then with the error that is left."""
+        """Return the balance at the positions of the resolution, or at enough of them and its discretisation error."""
         if assembly.resolution.n_positions is not None:
             return self.balance(assembly), {}
-        balance, moved = self._doubled(assembly, jump=True)
-        return balance, {"positions_error": moved}
+        balance, change = self._doubled(assembly, with_limit_drag=True)
+        return balance, {"positions_error": change}
 
-    def _doubled(self, assembly: Assembly, *, jump: bool = False) -> tuple[TorqueBalance, float]:
-        """Double the instants until the torque moves by less than the tolerance, relative to its largest value.
+    def _doubled(
+        self, assembly: Assembly, *, with_limit_drag: bool = False
+    ) -> tuple[TorqueBalance, float]:
+        """Double the roller positions until the torques change by less than the tolerance, relative to the largest.
 
-        So long as there are not too many, also until the drag of running away is told to within it.
+        With the limit drag go on until its error is below the tolerance, too, up to a number of positions.
         """
         tolerance = assembly.scene.accuracy.tolerance
         before = None
         n_positions = minimum_positions(assembly)
-        moved = np.inf
+        change = np.inf
         while n_positions <= _MAX_POSITIONS:
             balance = self._balance(assembly, n_positions)
-            torque = self._judged(balance)
+            torques = self._compared_torques(balance)
             if before is not None:
-                moved = _moved(before, torque)
-                away = self._way(balance).skidding_jump if jump and moved <= tolerance else None
-                told = away is None or away.error <= tolerance or n_positions > _MOST_OF_A_JUMP
-                if moved <= tolerance and told:
-                    return balance, moved
-            before = torque
+                change = _relative_change(before, torques)
+                if change <= tolerance and not (
+                    with_limit_drag and self._needs_more_positions(balance)
+                ):
+                    return balance, change
+            before = torques
             n_positions = 2 * n_positions
         raise ConvergenceError(
-            f"the driving torque still moves by {moved:.1e} (relative) from {n_positions // 4} to {n_positions // 2} "
+            f"the driving torque still moves by {change:.1e} (relative) from {n_positions // 4} to {n_positions // 2} "
             f"roller positions within a pitch; raise accuracy.tolerance, which is {tolerance:g}"
         )
 
-    def _judged(self, balance: TorqueBalance) -> Array:
-        slips = self.max_cage_slip * np.array(_JUDGED)
+    def _needs_more_positions(self, balance: TorqueBalance) -> bool:
+        """Whether the error of the limit drag torque exceeds the tolerance and more roller positions are allowed."""
+        onset = self._loading_branch(balance).skidding_jump
+        if onset is None or balance.n_positions > _MAX_POSITIONS_FOR_LIMIT_DRAG:
+            return False
+        return not onset.error <= balance.assembly.scene.accuracy.tolerance
+
+    def _compared_torques(self, balance: TorqueBalance) -> Array:
+        """Return the torques at the slips that are compared [N m], without those at which a law has no value, (n,)."""
+        slips = self.max_cage_slip * np.array(_COMPARED_FRACTIONS)
         while True:
             try:
                 return balance.torques(slips)
-            except (
-                DomainError,
-                ConvergenceError,
-            ):  # at the end of the range, which the least slip does not need
+            except (DomainError, ConvergenceError):  # at the end of the range
                 slips = slips[:-1]
                 if not slips.size:
                     raise
 
     def _inertia_effect(self, balance: TorqueBalance) -> float:
-        """Largest relative difference of the torque without inertia of the rollers from that with it."""
-        torques = [self._judged(balance), self._judged(balance.with_inertia(not self.inertia))]
+        """Return the largest relative difference between the torques without and with inertia of the rollers' spin."""
+        other = balance.with_inertia(not self.inertia)
+        torques = [self._compared_torques(balance), self._compared_torques(other)]
         inert, free = torques if self.inertia else reversed(torques)
         inert, free = inert[: free.size], free[: inert.size]
         scale = np.abs(inert)
@@ -478,15 +499,15 @@ class SteadySlip(Study):
     def _steady(
         self,
         balance: TorqueBalance,
-        way: LoadingBranch,
+        branch: LoadingBranch,
         states: list[Orbit],
         steady: list[SteadyMotion],
     ) -> dict[str, Any]:
-        kinds = (
-            [describe_stability(way, *one) for one in zip(states, steady, strict=True)]
-            if steady
-            else ["stable"]
-        )
+        """Return the variables of steady slips; without a steady motion the cage rolls freely, which is stable."""
+        kinds = ["stable"]
+        if steady:
+            pairs = zip(states, steady, strict=True)
+            kinds = [describe_stability(branch, state, motion) for state, motion in pairs]
         force = np.stack([state.force for state in states], axis=1)
         traction = np.stack([state.traction for state in states], axis=1)
         total = force.sum(axis=2)
@@ -509,7 +530,7 @@ class SteadySlip(Study):
         )
 
     def _unsteady(self, positions: int) -> dict[str, Any]:
-        """What `_steady` gives where there is no steady slip: nothing, whose status says why."""
+        """Return the variables of `_steady` where there is no steady slip: NaN."""
         none = np.full(1, np.nan)
         return self.variables(
             steady_slip=none,
@@ -527,7 +548,7 @@ class SteadySlip(Study):
     def _balances(
         self, assembly: Assembly, n_positions: int, name: str
     ) -> Callable[[float], TorqueBalance]:
-        """Balances of the bearing by the value of a quantity of the operation; the last one is kept."""
+        """Return a function from an operating condition to the torque balance there, with a cache of the last one."""
 
         @lru_cache(maxsize=1)
         def balance(value: float) -> TorqueBalance:
@@ -541,30 +562,38 @@ class SteadySlip(Study):
         return balance
 
     def _minimum_load(self, assembly: Assembly, n_positions: int, slip: float) -> dict[str, Any]:
-        """Return the least radial load of a slip, and what makers ask for."""
+        """Return the variables of the minimum load for a slip, and of the catalogue minimum loads."""
         bearing = assembly.with_resistance()
 
         @lru_cache(maxsize=1)
         def balance(load: float) -> TorqueBalance:
             return self._balance(bearing.at_load(load), n_positions)
 
-        begin = assembly.scene.operation.radial_load
+        start = assembly.scene.operation.radial_load
         weight = rollers_weight(assembly)
-        load, status, slips = minimum_load(balance, begin, slip, weight)
+        load, status, slips = minimum_load(balance, start, slip, weight)
         makers, statuses = minimum_loads_of_makers(assembly.scene)
-        found = self.variables(
+        variables = self.variables(
             minimum_load=load,
             minimum_load_status=status,
             makers_minimum_load=makers,
             makers_status=statuses,
         )
-        found["minimum_load"][2]["floor"] = weight
-        if slips:  # a file gives one value back as that
-            found["minimum_load"][2]["slips"] = list(slips) if len(slips) > 1 else slips[0]
-        return found
+        variables["minimum_load"][2]["floor"] = weight
+        if slips:  # a list of one value would be read from a file as that value
+            variables["minimum_load"][2]["slips"] = list(slips) if len(slips) > 1 else slips[0]
+        return variables
 
     def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
-        """Return by how much numbers of the answer are off."""
+        """Return relative errors of the numbers of a result by name, from a bearing with a finer resolution.
+
+        Parameters
+        ----------
+        finer : Assembly
+            The bearing with the finer resolution.
+        dataset : Dataset
+            The result.
+        """
         finer = finer.with_resistance()
         balance = self.balance(finer)
         return estimate_answer_errors(
@@ -579,37 +608,37 @@ class SteadySlip(Study):
         limits: tuple[float, float],
         slips: list[float],
     ) -> list[Branch]:
-        """Branches of steady slips against a quantity of the operation, that of the least slip first."""
+        """Return branches of steady slips over an operating condition, that of the smallest slip first."""
         balance = self._balances(assembly, n_positions, name)
 
-        def at(value: float) -> list[float]:
-            one = balance(value)
-            return [
-                found.slip
-                for found in self._way(one).find_steady_motions(one.drag)
-                if found.slip > 0.0
-            ]
+        def steady_slips(value: float) -> list[float]:
+            """Return the positive steady slips at a value of the condition."""
+            there = balance(value)
+            motions = self._loading_branch(there).find_steady_motions(there.drag)
+            return [motion.slip for motion in motions if motion.slip > 0.0]
 
         here = float(getattr(assembly.scene.operation, name))
         starts = [(slip, here) for slip in slips if limits[0] <= here <= limits[1] and slip > 0.0]
         if not starts:
-            starts = [(slip, value) for value in limits for slip in at(value)]
-        found: list[Branch] = []
+            starts = [(slip, value) for value in limits for slip in steady_slips(value)]
+        branches: list[Branch] = []
         for slip, value in starts:
-            if not any(branch.passes(slip, value) for branch in found):
-                try:
-                    branch = follow(
-                        lambda s, p: balance(p).excess(s), (slip, value), limits, self.max_cage_slip
-                    )
-                except ConvergenceError as error:
-                    of = f"followed against {VARIED[name][1]} [{VARIED[name][0]}]"
-                    raise ConvergenceError(f"{of}: {error}; narrow {self.table}.{name}") from error
-                found.append(branch)
-        return found
+            if any(branch.passes(slip, value) for branch in branches):
+                continue
+            try:
+                branch = follow(
+                    lambda s, p: balance(p).excess(s), (slip, value), limits, self.max_cage_slip
+                )
+            except ConvergenceError as error:
+                condition = f"followed against {VARIED[name][1]} [{VARIED[name][0]}]"
+                hint = f"narrow {self.table}.{name}"
+                raise ConvergenceError(f"{condition}: {error}; {hint}") from error
+            branches.append(branch)
+        return branches
 
 
-def _by_play(assembly: Assembly, states: list[Orbit]) -> dict[str, float]:
-    """How much slower play makes a train of rollers without a cage; nothing with one."""
+def _play_attributes(assembly: Assembly, states: list[Orbit]) -> dict[str, float]:
+    """Return the play of rollers without a cage [m] and the slip that it adds at most; empty with a cage."""
     if assembly.scene.models.neighbour_friction is None:
         return {}
     play = train_play(assembly.scene.bearing)
@@ -617,23 +646,23 @@ def _by_play(assembly: Assembly, states: list[Orbit]) -> dict[str, float]:
     return {"train_play": play, "slower_by_play": slower_by_play(play, states[0].force[0], orbit)}
 
 
-def _moved(before: Array, after: Array) -> float:
-    after, before = after[: before.size], before[: after.size]  # as far as laws have values
+def _relative_change(before: Array, after: Array) -> float:
+    """Return the largest change relative to the largest value, over the slips at which laws have values in both."""
+    after, before = after[: before.size], before[: after.size]
     return float(np.abs(after - before).max() / (np.abs(after).max() or 1.0))
 
 
-def _branches(
-    name: str, limits: tuple[float, float], branches: list[Branch], describe_no_fold: str
-) -> dict[str, Any]:
-    limit = branches[0].nearest_fold() if branches else None
+def _branch_variables(name: str, branches: list[Branch], no_fold: str) -> dict[str, Any]:
+    """Return the variables of followed branches; ``no_fold`` is the status where the first one has no fold."""
+    fold = branches[0].nearest_fold() if branches else None
     value = np.nan
     slip = np.nan
-    status = describe_no_fold
-    if limit is not None:
+    status = no_fold
+    if fold is not None:
         status = str(Status.FOUND)
-        value = float(branches[0].parameter[limit])
-        slip = float(branches[0].slip[limit])
-    along: dict[str, list[Any]] = {
+        value = float(branches[0].parameter[fold])
+        slip = float(branches[0].slip[fold])
+    columns: dict[str, list[Any]] = {
         name: [b.parameter for b in branches],
         f"{name}_slip": [b.slip for b in branches],
         f"{name}_stable": [b.stable.astype(np.int8) for b in branches],
@@ -641,7 +670,7 @@ def _branches(
         f"{name}_branch": [np.full(b.slip.size, k) for k, b in enumerate(branches)],
     }
     values: dict[str, Any] = (
-        {key: np.concatenate(each) for key, each in along.items()} if branches else {}
+        {key: np.concatenate(each) for key, each in columns.items()} if branches else {}
     )
     values |= {f"{name}_limit": value, f"{name}_limit_slip": slip, f"{name}_limit_status": status}
     return SteadySlip.variables(**values)
