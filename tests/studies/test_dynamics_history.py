@@ -240,7 +240,7 @@ def test_accelerating_a_lightly_loaded_bearing_skids_more_than_running_it_steadi
     steady = ran(LIGHT | {"study.dynamics.duration": "3 s"})
     up = ran(LIGHT, inner_speed={"shape": "run-up", "from": "1000 rpm", "within": "0.3 s"})
     slow = ran(LIGHT, inner_speed={"shape": "run-up", "from": "1000 rpm", "within": "0.9 s"})
-    fast, gentle = (history_findings.largest(one)[0] for one in (up, slow))
+    fast, gentle = (history_findings.largest_slip(one)[0] for one in (up, slow))
     assert fast > 1.5 * float(steady.cage_slip[-1])
     assert fast > gentle
 
@@ -272,7 +272,7 @@ def test_a_warmer_inner_ring_drives_the_cage_less():
     )
     assert any(
         "inner ring temperature goes from 50 degC to 90 degC" in one
-        for one in history_findings.sentences(found)
+        for one in history_findings.describe_history(found)
     )
 
 
@@ -562,7 +562,12 @@ def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
     ],
 )
 def test_words_say_when_an_operation_changes(values, said):
-    assert history_findings._when(np.linspace(0.0, 1.0, 6), np.array(values, dtype=float)) == said
+    assert (
+        history_findings._describe_change_times(
+            np.linspace(0.0, 1.0, 6), np.array(values, dtype=float)
+        )
+        == said
+    )
 
 
 @pytest.mark.parametrize("level", ["cage-set", "too fast", *WITHIN])
@@ -634,8 +639,8 @@ def test_time_beyond_is_that_of_straight_lines_between_the_instants():
         {"time": np.arange(6.0)},
     )
     assert history_findings.time_beyond(dataset) == pytest.approx(1.0)  # from 1.5 to 2.5 s
-    assert history_findings.largest(dataset) == (0.9, 5.0)
-    assert history_findings.nearest(dataset) == pytest.approx((-0.5, 5.0, 0.4))
+    assert history_findings.largest_slip(dataset) == (0.9, 5.0)
+    assert history_findings.smallest_margin(dataset) == pytest.approx((-0.5, 5.0, 0.4))
 
 
 def test_the_plan_tells_what_a_history_costs_and_why_friction_is_conventional():

@@ -82,10 +82,10 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     if "measure" in dataset.dims and np.isfinite(dataset["worst"]).any():
         caption = f"Worst value of each measure of damage over the contacts at a moment, {which}; dashed are limits."
         yield f"{name}-damage", caption, over_time(dataset)
-    if history_findings.heats(dataset):
+    if history_findings.has_heating(dataset):
         caption = f"Bulk temperatures that the losses of the motion lead to, {which}."
         yield f"{name}-temperatures", caption, course(dataset)
-    if history_findings.along(dataset):
+    if history_findings.has_history(dataset):
         caption = (
             f"Cage slip along the history, {which}, with the slip at which skidding begins and that at largest "
             "traction of the bearing held at the operation of each moment; a curve is missing where it is not known."
@@ -140,7 +140,7 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
     time = _time(dataset)
     speed = _RPM * dataset["cage_speed"].to_numpy()
     _line(sheet, cage, time, speed, label="cage", color=MODEL_COLOURS[0])
-    history = history_findings.along(dataset)
+    history = history_findings.has_history(dataset)
     unslipped = math.nan if history else _RPM * unslipped_cage_speed(dataset)
     if history:
         without = _RPM * dataset["epicyclic_cage_speed"].to_numpy()

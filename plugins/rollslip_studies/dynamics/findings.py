@@ -150,7 +150,9 @@ class DynamicsAccount(Account):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the slip at the end, along a history the largest slip, and the measures of damage."""
-        slip = history_findings.row(dataset) if history_findings.along(dataset) else row(dataset)
+        slip = (
+            history_findings.row(dataset) if history_findings.has_history(dataset) else row(dataset)
+        )
         ended_early = dataset.attrs["outcome"] in ("failed", "interrupted")
         faults = (outcome(dataset).partition(": ")[2],) if ended_early else ()
         return Answer(
@@ -174,7 +176,7 @@ class DynamicsAccount(Account):
             "cost": [_describe_cost(dataset)],
         }
         topics = {topic: texts for topic, texts in sentences.items() if texts}
-        return history_findings.told(dataset, topics) | damage.over_motion(dataset)
+        return history_findings.with_history_topics(dataset, topics) | damage.over_motion(dataset)
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -384,7 +386,9 @@ def _describe_steady_slip(dataset: "xr.Dataset") -> str:
     """Describe the steady slip, or why the slip is not steady."""
     a = dataset.attrs
     if _is_steady(dataset):
-        return f"steady cage slip {_percent(float(a['steady_cage_slip']))}, the mean of the last orbit"
+        return (
+            f"steady cage slip {_percent(float(a['steady_cage_slip']))}, the mean of the last orbit"
+        )
     status = str(a["steady_status"])
     is_adjective = status.startswith("not ")
     text = f"cage slip is {status}" if is_adjective else f"no steady cage slip: {status}"

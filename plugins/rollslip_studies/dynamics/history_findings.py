@@ -1,8 +1,8 @@
-"""What a motion along a history says: slip against that of running away, sliding and frictional work, from the dataset.
+"""Results of a motion along a history, from its dataset alone: margin to skidding, sliding distance, frictional work.
 
-- Slips are known while the rings turn; where they all but stand an instant has none, and takes no part here.
-- Distances and work are integrals that the motion takes at every step, roller by roller; works sum to the ledger's.
-- Spans of time are sums over the stored instants, with passages on straight lines between them.
+- Slips are known while the rings turn. Times at which the rings are nearly at rest have none, and do not count here.
+- Distances and works are integrated with the motion, for each roller; the works add up to those of the energy ledger.
+- Durations are sums over the stored times, with linear interpolation of passages between them.
 """
 
 import json
@@ -21,41 +21,48 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-#: Units in which what varies is told, where they are not those of its kind.
-_TOLD_IN: Final = {"load_direction": "deg"}
-#: From which share of its speed without slip on it is told that a cage runs ahead.
-_AHEAD: Final = 1e-3
-#: Share of a film that starvation may leave untold.
-_KNOWN: Final = 0.01
+#: Values of the operation that are printed in another unit than their kind usually is -> that unit.
+_PRINTED_UNITS: Final = {"load_direction": "deg"}
+#: Negative slip from which on a sentence says that the cage runs ahead of its epicyclic speed. Doubled, twice that slip
+#: is not mentioned. Chosen: the usual tolerance of the cage speed.
+_MIN_NEGATIVE_SLIP: Final = 1e-3
+#: Relative difference of the starvation factors of two speeds from which on a sentence reports both. Doubled, films up
+#: to 2 % off are not mentioned. Chosen.
+_MIN_STARVATION_CHANGE: Final = 0.01
+#: Step of a value, relative to its range, from which on it changes: below it is rounding.
+_MIN_CHANGE: Final = 1e-9
+#: Attributes of a result about temperatures that follow from losses.
 _HEAT: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
+#: Ring -> entry of the energy ledger with the loss by sliding there.
 _WORK: Final = {"inner": "lost_inner", "outer": "lost_outer"}
 
 
-def along(dataset: "xr.Dataset") -> bool:
-    """Whether a motion went along a history."""
+def has_history(dataset: "xr.Dataset") -> bool:
+    """Return whether the operation of a motion changes over time."""
     return "history" in dataset.attrs
 
 
-def largest(dataset: "xr.Dataset") -> tuple[float, float]:
-    """Largest cage slip and its time [s]; NaN where no slip is known."""
+def largest_slip(dataset: "xr.Dataset") -> tuple[float, float]:
+    """Return the largest cage slip and its time [s]; NaN if no slip is known."""
     return _slip_at(dataset, np.nanargmax)
 
 
-def least(dataset: "xr.Dataset") -> tuple[float, float]:
-    """Least cage slip, negative where the cage runs ahead, and its time [s]; NaN where no slip is known."""
+def smallest_slip(dataset: "xr.Dataset") -> tuple[float, float]:
+    """Return the smallest cage slip, negative if the cage runs ahead, and its time [s]; NaN if no slip is known."""
     return _slip_at(dataset, np.nanargmin)
 
 
-def _slip_at(dataset: "xr.Dataset", where: Callable[[Array], Any]) -> tuple[float, float]:
+def _slip_at(dataset: "xr.Dataset", find_index: Callable[[Array], Any]) -> tuple[float, float]:
+    """Return the cage slip at an index that a function finds, and its time [s]; NaN if no slip is known."""
     slip = dataset["cage_slip"].to_numpy()
     if not np.isfinite(slip).any():
         return math.nan, math.nan
-    k = int(where(slip))
+    k = int(find_index(slip))
     return float(slip[k]), float(dataset["time"][k])
 
 
-def nearest(dataset: "xr.Dataset") -> tuple[float, float, float]:
-    """Least margin of slip below that of running away, its time [s], and the slip of running away then; or NaN."""
+def smallest_margin(dataset: "xr.Dataset") -> tuple[float, float, float]:
+    """Return the least difference of skidding slip and cage slip, its time [s], and the skidding slip then; or NaN."""
     margin = (dataset["skidding_slip_along"] - dataset["cage_slip"]).to_numpy()
     if not np.isfinite(margin).any():
         return math.nan, math.nan, math.nan
@@ -64,29 +71,28 @@ def nearest(dataset: "xr.Dataset") -> tuple[float, float, float]:
 
 
 def time_beyond(dataset: "xr.Dataset") -> float:
-    """Time that the cage spent beyond the slip of running away of the moment [s]; NaN where that is never known."""
-    margin = (dataset["cage_slip"] - dataset["skidding_slip_along"]).to_numpy()
-    if not np.isfinite(margin).any():
+    """Return how long the cage slip exceeded the skidding slip of the moment [s]; NaN if that is never known."""
+    excess = (dataset["cage_slip"] - dataset["skidding_slip_along"]).to_numpy()
+    if not np.isfinite(excess).any():
         return math.nan
-    t = dataset["time"].to_numpy()
-    one = margin[:-1]
-    other = margin[1:]
+    start = excess[:-1]
+    end = excess[1:]
     with np.errstate(invalid="ignore", divide="ignore"):
-        fraction = np.where(
-            one * other < 0.0, np.maximum(one, other) / np.abs(other - one), (one + other) > 0.0
-        )
-    known = np.isfinite(one) & np.isfinite(other)
-    return float(np.sum(np.where(known, fraction, 0.0) * np.diff(t)))
+        crossing = np.maximum(start, end) / np.abs(end - start)
+        fraction = np.where(start * end < 0.0, crossing, (start + end) > 0.0)
+    known = np.isfinite(start) & np.isfinite(end)
+    durations = np.diff(dataset["time"].to_numpy())
+    return float(np.sum(np.where(known, fraction, 0.0) * durations))
 
 
 def sliding_distance(dataset: "xr.Dataset") -> dict[str, Array]:
-    """Distance [m] that each roller slid on each ring: the time integral of |V|."""
+    """Return ring -> sliding distance of each roller [m], (rollers,): the time integral of |V|."""
     distances = dataset["roller_sliding_distance"]
     return {str(ring): distances.sel(ring=ring).to_numpy() for ring in dataset["ring"].to_numpy()}
 
 
 def frictional_work(dataset: "xr.Dataset") -> dict[str, float]:
-    """Work [J] that sliding took at each ring, of the ledger."""
+    """Return ring -> work of sliding [J], from the energy ledger."""
     names = [str(name) for name in dataset["work"].to_numpy()]
     return {
         ring: -float(dataset["work_done"][names.index(name), -1])
@@ -95,14 +101,14 @@ def frictional_work(dataset: "xr.Dataset") -> dict[str, float]:
     }
 
 
-def heats(dataset: "xr.Dataset") -> bool:
-    """Whether temperatures of a motion follow from its losses."""
+def has_heating(dataset: "xr.Dataset") -> bool:
+    """Return whether the temperatures of a motion follow from its losses."""
     return "thermal" in dataset.attrs
 
 
 def heat_record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return the single values of temperatures that follow from losses; nothing where they are given."""
-    if not heats(dataset):
+    if not has_heating(dataset):
         return {}
     last = dataset["course_temperature"].to_numpy()[-1].tolist()
     return {
@@ -115,12 +121,12 @@ def heat_record(dataset: "xr.Dataset") -> dict[str, Any]:
 
 
 def format_energy(joules: float) -> str:
-    """Return an energy as people read it."""
+    """Return an energy with its unit, J or kJ."""
     return f"{joules:.4g} J" if abs(joules) < 1e3 else f"{1e-3 * joules:.4g} kJ"
 
 
-def format_heat(dataset: "xr.Dataset") -> list[str]:
-    """Say what the losses did to the temperatures."""
+def describe_heating(dataset: "xr.Dataset") -> list[str]:
+    """Describe the temperatures that follow from losses, and the heat."""
     a = dataset.attrs
     nodes = [str(node) for node in dataset["node"].to_numpy()]
     rows = dataset["course_temperature"].to_numpy()
@@ -131,21 +137,21 @@ def format_heat(dataset: "xr.Dataset") -> list[str]:
     made, stored, carried = (format_energy(abs(float(a[name]))) for name in _HEAT[1:])
     warmed = "warmed the parts" if float(a["heat_stored"]) >= 0.0 else "came out of the parts"
     left = "left the bearing" if float(a["heat_carried_away"]) >= 0.0 else "came into the bearing"
-    lasted = float(dataset["time"][-1])
-    said = [
-        f"temperatures follow from the losses by the model {a['thermal']} in {lasted:.4g} s: {ends}",
+    duration = float(dataset["time"][-1])
+    sentences = [
+        f"temperatures follow from the losses by the model {a['thermal']} in {duration:.4g} s: {ends}",
         f"losses made {made} of heat, {stored} {warmed}, and {carried} {left}",
         f"the highest temperature is {format_quantity(float(a['hottest_temperature']), 'K', 4)}, of the "
         f"{a['hottest_node']}; they were {a['thermal_status']}",
     ]
-    if guessed := describe_estimated(dataset):
-        said.append(f"{guessed}, 'rollslip models {a['thermal']}' says how")
+    if estimated := describe_estimated(dataset):
+        sentences.append(f"{estimated}, 'rollslip models {a['thermal']}' says how")
     if "radial_clearance" in dataset:
         first, last = (
             format_quantity(float(dataset["radial_clearance"][k]), "m", 3) for k in (0, -1)
         )
-        said.append(f"the radial clearance goes with them from {first} to {last}")
-    return said
+        sentences.append(f"the radial clearance goes with them from {first} to {last}")
+    return sentences
 
 
 def without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -158,124 +164,159 @@ def without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return the single values of a history; nothing of a motion without one."""
-    return without_nan(single_values(dataset)) if along(dataset) else {}
+    return without_nan(single_values(dataset)) if has_history(dataset) else {}
 
 
 def single_values(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return the single values of a history; NaN where one is not known."""
-    slip, when = largest(dataset)
-    ahead, then = least(dataset)
-    margin, near, _ = nearest(dataset)
+    """Return the single values of a history; NaN where a value is not known."""
+    max_slip, max_time = largest_slip(dataset)
+    min_slip, min_time = smallest_slip(dataset)
+    margin, margin_time, _ = smallest_margin(dataset)
     return {
         "history": json.loads(dataset.attrs["history"]),
-        "largest_cage_slip_time": when,
-        "smallest_cage_slip": ahead,
-        "smallest_cage_slip_time": then,
+        "largest_cage_slip_time": max_time,
+        "smallest_cage_slip": min_slip,
+        "smallest_cage_slip_time": min_time,
         "smallest_margin_to_skidding": margin,
-        "smallest_margin_time": near,
+        "smallest_margin_time": margin_time,
         "time_beyond_skidding": time_beyond(dataset),
         **{
-            f"sliding_distance_{ring}": float(d.mean())
-            for ring, d in sliding_distance(dataset).items()
+            f"sliding_distance_{ring}": float(distance.mean())
+            for ring, distance in sliding_distance(dataset).items()
         },
         **{f"frictional_work_{ring}": work for ring, work in frictional_work(dataset).items()},
-        "largest_cage_slip": slip,
+        "largest_cage_slip": max_slip,
     }
 
 
-def told(dataset: "xr.Dataset", topics: dict[str, list[str]]) -> dict[str, list[str]]:
-    """Return what is told of a motion, with what a history says in place of what holds for a steady operation."""
+def with_history_topics(
+    dataset: "xr.Dataset", topics: dict[str, list[str]]
+) -> dict[str, list[str]]:
+    """Return topic -> sentences, with those of heating and history, which replace some on a constant operation.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result.
+    topics : dict of str to list of str
+        Topics of a motion with constant operation.
+    """
     first, *others = topics
-    warm = {"temperatures": format_heat(dataset)} if heats(dataset) else {}
-    if not along(dataset):
-        return {first: topics[first], **warm, **{name: topics[name] for name in others}}
-    own = warm | {
-        "history": sentences(dataset),
+    heating = {"temperatures": describe_heating(dataset)} if has_heating(dataset) else {}
+    if not has_history(dataset):
+        return {first: topics[first], **heating, **{name: topics[name] for name in others}}
+    replaced = heating | {
+        "history": describe_history(dataset),
         "skidding": [
             f"at the operation of the scene: {topics['skidding'][0]}",
-            *skidding_sentences(dataset),
+            *describe_margin(dataset),
         ],
-        "largest slip": [format_largest(dataset)],
+        "largest slip": [describe_largest_slip(dataset)],
     }
     return {
-        name: own.get(name, topics.get(name, [])) for name in (first, "history", *warm, *others)
+        name: replaced.get(name, topics.get(name, []))
+        for name in (first, "history", *heating, *others)
     }
 
 
-def sentences(dataset: "xr.Dataset") -> list[str]:
-    """Say how the operation went, and what sliding it brought."""
-    said = []
+def describe_history(dataset: "xr.Dataset") -> list[str]:
+    """Describe how the operation changed, and the sliding of the rollers."""
+    return [
+        *_describe_operation(dataset),
+        *_describe_starvation(dataset),
+        *_describe_sliding(dataset),
+    ]
+
+
+def _describe_operation(dataset: "xr.Dataset") -> list[str]:
+    """Describe how each value of the operation changed."""
+    sentences = []
     t = dataset["time"].to_numpy()
     varies = json.loads(dataset.attrs["history_varies"])
     for name in json.loads(dataset.attrs["history"]):
         values = dataset[name].to_numpy()
-        what = name.replace("_", " ")
+        label = name.replace("_", " ")
         low, high, first, last = (
-            format_quantity(float(value), dataset[name].attrs["units"], 4, _TOLD_IN.get(name))
+            format_quantity(float(value), dataset[name].attrs["units"], 4, _PRINTED_UNITS.get(name))
             for value in (values.min(), values.max(), values[0], values[-1])
         )
         if name not in varies:
-            said.append(f"{what} stays at {first}")
+            sentences.append(f"{label} stays at {first}")
         else:
-            more = (
-                "" if {first, last} == {low, high} else f", with {low} at least and {high} at most"
-            )
-            said.append(f"{what} goes from {first} to {last} {_when(t, values)}{more}")
-    held, least = json.loads(dataset.attrs.get("starvation", "[1, 1]"))
-    if abs(least - held) > _KNOWN * least:
-        said.append(
-            f"starvation is that of the largest speed throughout, a factor of {held:.3g} on the film; at the lowest "
-            f"speed it would be {least:.3g}"
-        )
-    distances = sliding_distance(dataset)
+            extremes = f", with {low} at least and {high} at most"
+            if {first, last} == {low, high}:
+                extremes = ""
+            times = _describe_change_times(t, values)
+            sentences.append(f"{label} goes from {first} to {last} {times}{extremes}")
+    return sentences
+
+
+def _describe_starvation(dataset: "xr.Dataset") -> list[str]:
+    """Describe the starvation of the film, if it would differ much between the speeds."""
+    factor, low_speed_factor = json.loads(dataset.attrs.get("starvation", "[1, 1]"))
+    if abs(low_speed_factor - factor) > _MIN_STARVATION_CHANGE * low_speed_factor:
+        return [
+            f"starvation is that of the largest speed throughout, a factor of {factor:.3g} on the film; at the lowest "
+            f"speed it would be {low_speed_factor:.3g}"
+        ]
+    return []
+
+
+def _describe_sliding(dataset: "xr.Dataset") -> list[str]:
+    """Describe sliding distances and frictional work at each ring."""
+    sentences = []
     works = frictional_work(dataset)
-    for ring, distance in distances.items():
-        far, most = (
+    for ring, distance in sliding_distance(dataset).items():
+        mean, largest = (
             format_quantity(float(value), "m", 3) for value in (distance.mean(), distance.max())
         )
         work = format_quantity(works[ring], "J", 3) if ring in works else "work that is not known"
-        said.append(
-            f"a roller slid {far} on the {ring} ring on average, {most} at most; friction took {work} there"
+        sentences.append(
+            f"a roller slid {mean} on the {ring} ring on average, {largest} at most; friction took {work} there"
         )
-    return said
+    return sentences
 
 
-def _when(t: Array, values: Array) -> str:
-    """Say when what is stored changes."""
-    steps = np.flatnonzero(np.abs(np.diff(values)) > 1e-9 * np.ptp(values))
+def _describe_change_times(t: Array, values: Array) -> str:
+    """Describe when stored values change."""
+    steps = np.flatnonzero(np.abs(np.diff(values)) > _MIN_CHANGE * np.ptp(values))
     if not steps.size:
         return f"at t = {t[-1]:.3g} s"
-    begin = float(t[steps[0]])
+    start = float(t[steps[0]])
     end = float(t[steps[-1] + 1])
-    return f"at t = {end:.3g} s" if steps.size == 1 else f"between t = {begin:.3g} and {end:.3g} s"
+    return f"at t = {end:.3g} s" if steps.size == 1 else f"between t = {start:.3g} and {end:.3g} s"
 
 
-def format_largest(dataset: "xr.Dataset") -> str:
-    """Say the largest slip and when."""
-    slip, when = largest(dataset)
+def describe_largest_slip(dataset: "xr.Dataset") -> str:
+    """Describe the largest slip and its time, and the smallest one if the cage runs ahead."""
+    slip, time = largest_slip(dataset)
     if math.isnan(slip):
         return "no slip is known at any instant: the rings all but stand"
     known = int(np.isfinite(dataset["cage_slip"].to_numpy()).sum())
-    said = f"largest cage slip {100 * slip:.3g} % at t = {when:.3g} s"
+    text = f"largest cage slip {100 * slip:.3g} % at t = {time:.3g} s"
     if known < dataset.sizes["time"]:
-        said += f", {dataset.attrs['slip_status']}: at {known} of {dataset.sizes['time']} instants"
-    ahead, then = least(dataset)
-    if ahead < -_AHEAD:
-        said += f"; the cage runs ahead by up to {-100 * ahead:.3g} % of its speed without slip, at t = {then:.3g} s"
-    return said
+        text += f", {dataset.attrs['slip_status']}: at {known} of {dataset.sizes['time']} instants"
+    min_slip, min_time = smallest_slip(dataset)
+    if min_slip < -_MIN_NEGATIVE_SLIP:
+        text += f"; the cage runs ahead by up to {-100 * min_slip:.3g} % of its speed without slip, at t = "
+        text += f"{min_time:.3g} s"
+    return text
 
 
 def row(dataset: "xr.Dataset") -> Row:
     """Return the row of the largest slip."""
-    slip, when = largest(dataset)
-    known = "" if math.isnan(slip) else f"at t = {when:.3g} s, of an operation that varies"
-    return Row(key="largest_cage_slip", label="largest cage slip", value=slip, note=known or "the rings all but stand",
-               text=percent(slip) if known else "not found")  # fmt: skip
+    slip, time = largest_slip(dataset)
+    text = percent(slip)
+    note = f"at t = {time:.3g} s, of an operation that varies"
+    if math.isnan(slip):
+        text = "not found"
+        note = "the rings all but stand"
+    return Row(key="largest_cage_slip", label="largest cage slip", value=slip, text=text, note=note)
 
 
-def skidding_sentences(dataset: "xr.Dataset") -> list[str]:
-    """Say how near the cage came to running away, at the operation of each moment."""
-    margin, when, limit = nearest(dataset)
+def describe_margin(dataset: "xr.Dataset") -> list[str]:
+    """Describe the smallest margin to skidding, at the operation of each moment."""
+    margin, time, limit = smallest_margin(dataset)
     if math.isnan(margin):
         return [
             f"along the way it is not known where skidding begins: {dataset.attrs['history_status']}"
@@ -288,10 +329,10 @@ def skidding_sentences(dataset: "xr.Dataset") -> list[str]:
         where += f"; both slips are known at {known} of {dataset.sizes['time']} instants"
     if margin > 0.0:
         return [
-            f"along the way cage slip stays below that at which skidding begins, nearest at t = {when:.3g} s: "
+            f"along the way cage slip stays below that at which skidding begins, nearest at t = {time:.3g} s: "
             f"{100 * (limit - margin):.3g} % where it is {where}"
         ]
     return [
         f"along the way the cage is beyond the slip at which skidding begins for {time_beyond(dataset):.3g} s, "
-        f"furthest at t = {when:.3g} s: {100 * (limit - margin):.3g} % where it is {where}"
+        f"furthest at t = {time:.3g} s: {100 * (limit - margin):.3g} % where it is {where}"
     ]

@@ -195,7 +195,9 @@ def skidding_along(
     speed = np.abs(operation["inner_speed"] - operation["outer_speed"])
     max_speed = speed.max(initial=0.0)
     is_turning = speed > MIN_EPICYCLIC_FRACTION * max_speed
-    spans: dict[str, tuple[float, float]] = history.spans | {"speed": (MIN_EPICYCLIC_FRACTION * speed.max(), speed.max())}
+    spans: dict[str, tuple[float, float]] = history.spans | {
+        "speed": (MIN_EPICYCLIC_FRACTION * speed.max(), speed.max())
+    }
     coordinates = operation | {"speed": speed}
     names: list[str] = [name for name in history.conditions if name in history.varies]
     if {"inner_speed", "outer_speed"} & {*history.varies}:
@@ -588,7 +590,7 @@ def _build_maps(history: History, moving: MovingBearing, max_bearings: float = m
 
 def with_single_values(dataset: "xr.Dataset") -> "xr.Dataset":
     """Return a result with the single values of its history as attributes, which campaigns store; NaN without one."""
-    if not history_findings.along(dataset):
+    if not history_findings.has_history(dataset):
         unknown = dict.fromkeys(
             (name for name, output in OUTPUTS.items() if output.status == "history_status"),
             math.nan,
@@ -645,7 +647,7 @@ def final_bearing(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
     dataset : xarray.Dataset
         The result.
     """
-    if not history_findings.along(dataset):
+    if not history_findings.has_history(dataset):
         return assembly
     given = assembly.scene.operation
     operation = {name: getattr(given, name) for name in ("inner_speed", "outer_speed")}

@@ -15,7 +15,7 @@ from rollslip.results.style import (
     TWO_COLUMNS,
     Sheet,
 )
-from rollslip_studies.dynamics.history_findings import nearest
+from rollslip_studies.dynamics.history_findings import smallest_margin
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,7 +60,7 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
         for name in ("cage_slip", "skidding_slip_along", "critical_slip_along")
     )
     top = _HEADROOM * float(np.nanmax(slip)) if np.isfinite(slip).any() else 100.0
-    limit = 100.0 * nearest(dataset)[2]  # where the slip is nearest to skidding
+    limit = 100.0 * smallest_margin(dataset)[2]  # where the slip is nearest to skidding
     if math.isfinite(limit):
         top = max(top, min(_HEADROOM * limit, _MAX_EXTENSION * top))
     sheet.line(t, slip, "cage slip", axes, color=MODEL_COLOURS[0])
