@@ -103,7 +103,8 @@ def test_it_is_as_good_as_the_library_on_peaks_from_kinks_to_flat_ones(peak, pow
     if x[0] < x[1] < x[2]:
         want = find_minimum(lambda at: -curve(at), tuple(x), tolerances=tolerances, maxiter=300)
         off = (2e-8 * (x[2] - x[0]) / width) ** power
-        assert height >= -want.f_x * (1.0 - max(off, 1e-15))
+        # where samples differ by rounding alone a search ends early: 2.1e-14 at most in 6,000 random peaks
+        assert height >= -want.f_x * (1.0 - max(off, 5e-14))
     assert height >= curve(x).max()
     assert x[0] <= place <= x[2]
     assert counted.calls <= 60
