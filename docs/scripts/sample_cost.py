@@ -18,9 +18,9 @@ from rollslip.studies.study import settings, study_class
 from rollslip_campaigns.sweep.point import _BATCH_SIZE, _Task, compute
 from rollslip_campaigns.uncertainty import UncertaintySettings
 from rollslip_studies.effective_friction.raceways import (
-    agree_together,
-    critical_together,
-    evaluated_together,
+    are_confirmed,
+    evaluate_together,
+    find_critical_together,
 )
 from rollslip_studies.effective_friction.study import _held_at
 
@@ -83,13 +83,13 @@ if __name__ == "__main__":
     )
     curves = step(
         "friction at 101 slips",
-        lambda some: evaluated_together([(few, few.speeds(slip)) for few in some]),
+        lambda some: evaluate_together([(few, few.speeds(slip)) for few in some]),
         [(some,) for some in together(raceways)],
     )
     frictions = [friction for some in curves for friction, _ in some]
     found = step(
         "maximum",
-        lambda some: critical_together([(few, slip, friction) for few, friction in some]),
+        lambda some: find_critical_together([(few, slip, friction) for few, friction in some]),
         [(some,) for some in together([*zip(raceways, frictions, strict=True)])],
     )
     maxima = [both for some in found for both in some]
@@ -99,7 +99,7 @@ if __name__ == "__main__":
     ]
     step(
         "held against all slices",
-        lambda some: agree_together(some, [1e-5] * len(some)),
+        lambda some: are_confirmed(some, [1e-5] * len(some)),
         [(s,) for s in together(held)],
     )
     whole = min(least(lambda: compute(work, points), [()])[0] for _ in range(3))

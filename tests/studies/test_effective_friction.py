@@ -22,7 +22,7 @@ from rollslip.results.curves import percent
 from rollslip.scene.changes import evolve, parse_set
 from rollslip.scene.reading import load_scene
 from rollslip_kernels.slices import Slices
-from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_shares
+from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_fractions
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.friction_curve.study import FrictionCurve, balanced_load
 
@@ -461,7 +461,9 @@ def test_regimes_of_free_rollers_are_those_of_each_slice():
         want += np.bincount(film_by_regime(*groups(table))[1].astype(int), contacts.force, 4) / (
             2 * contacts.total
         )
-    np.testing.assert_allclose(regime_shares(contacts, speeds.inner_rolling)[0], want, atol=1e-14)
+    np.testing.assert_allclose(
+        regime_fractions(contacts, speeds.inner_rolling)[0], want, atol=1e-14
+    )
 
 
 @pytest.mark.quick

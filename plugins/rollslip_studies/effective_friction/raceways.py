@@ -1,12 +1,15 @@
-"""Both raceways of a bearing as wholes: what studies average over their loaded contacts, and how they say its regimes.
+"""Effective friction of both raceways of a bearing: means over their loaded contacts, and their film regimes.
 
-- What a roller spins at is not fixed by the cage slip. The closures are: ``outer-rolling`` (pure rolling on the outer
-  ring), ``epicyclic`` (every roller at its epicyclic spin) and ``free-roller`` (each loaded roller spins so that both
-  rings pull alike).
-- Rollers either side of the line of load carry the same, and so do the halves of a roller that is symmetric and does
-  not tilt: one of them is evaluated and counts for all of its images, a quarter of the slices in most bearings.
-- A map, most of the work, is taken over few loads that stand for all slices (`rollslip.bearing.raceway`), held
-  against them to a thousandth of the tolerance; curves and critical slips are summed over all slices.
+The cage slip does not determine the spin of a roller. A closure does: ``outer-rolling`` (pure rolling on the outer
+ring), ``epicyclic`` (every roller at its epicyclic spin) or ``free-roller`` (the tractions of both rings on a loaded
+roller are equal). Roots of the last one are found by continuation in the cage slip (`motion.spins`).
+
+Rollers on both sides of the line of load have equal loads, as have the halves of a symmetric roller that does not tilt.
+One of them is evaluated with the weight of all its images, a quarter of the slices in most bearings.
+
+A map over cage slip and roller slip, which is most of the work, is evaluated at few loads with weights, a quadrature
+rule that replaces all slices (`rollslip.bearing.raceway`), with an error of a thousandth of the tolerance. Curves and
+critical slips are sums over all slices.
 """
 
 import copy
@@ -19,7 +22,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import along
-from rollslip.bearing.critical import Critical, Curve, searched, slip_grid
+from rollslip.bearing.critical import Critical, Curve, find_critical_slips, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.kinematics import SurfaceSpeeds
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway, mean_friction
@@ -33,18 +36,26 @@ from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.spins import Spins
 
-#: Error of a map's loads relative to the tolerance.
-_MAP_FRACTION = 1e-3
-#: Loads that stand for the slices of a ring, and for those of each roller.
-_FEW: Final = (24, 8)
-#: From how many cage slips the spins at the next one go on, and by how much these differ at least, relative to it.
-_GO_ON = 4
-_TELLS = 1e-5
-#: Cage slip up to which friction rises with slip, so that a roller has one balance only.
-_START = 1e-3
+#: Error of the reduced loads of a map, relative to the tolerance. Twice as much saves no load as a rule; chosen, so
+#: that it does not show beside the other errors.
+_MAP_ERROR_FRACTION: Final = 1e-3
+#: Reduced loads in place of all slices of a ring. With half as many some curves differ from those of all slices by more
+#: than `study._REDUCED_ERROR_FRACTION`, and all slices are evaluated. Chosen.
+_LOADS_OF_RING: Final = 24
+#: Reduced loads in place of the slices of each roller, where rollers have spins of their own; the same holds.
+_LOADS_OF_ROLLER: Final = 8
+#: Smaller cage slips from which the spins at the next slip are extrapolated: a cubic. With half as many the iteration
+#: takes more steps; more of them extrapolate noise. Chosen.
+_MAX_PREDECESSORS: Final = 4
+#: Difference of cage slips, relative to the next one, below which two of them count as one, because differences of
+#: their spins are rounding errors. Chosen.
+_MIN_SLIP_DIFFERENCE: Final = 1e-5
+#: Cage slip at which the continuation starts. Below, friction rises with slip and a roller has one balance only; twice
+#: as much may be beyond the first maximum of thin films. Chosen.
+_START_SLIP: Final = 1e-3
 
 
-#: The variables that say in which film regimes the contacts run, and how lightly loaded.
+#: Variables of the film regimes of the contacts and of their load parameter.
 REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "regime_fraction": Output(
@@ -63,7 +74,19 @@ REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
 def regime_variables(
     fraction: Array, load_parameter: Array, light: Array, where: str = ""
 ) -> dict[str, Any]:
-    """Return the variables of a result that say in which film regimes the contacts run, and how lightly loaded."""
+    """Return the variables of `REGIMES` and their coordinate.
+
+    Parameters
+    ----------
+    fraction : array
+        Fractions of the contact forces by film regime, (2, 4).
+    load_parameter : array
+        Largest Moes load parameter M of each ring, (2,).
+    light : array
+        Fraction of the contact forces of each ring at M below `LIGHT`, (2,).
+    where : str
+        End of the descriptions, such as ", at the steady slips".
+    """
     values = {
         "regime_fraction": fraction,
         "load_parameter": load_parameter,
@@ -78,10 +101,20 @@ def regime_variables(
 
 
 class LoadedRaceways:
-    """Both raceways under one load distribution of a pitch, and the closure that gives the rollers their spin.
+    """Loaded contacts of both raceways under one load distribution of a pitch, with a closure for the rollers' spin.
 
-    ``settings`` is the table of the scene with the settings of the study that asks, for what messages tell one to type;
-    empty if there is none. ``shared`` is a distribution that all bearings share that are loaded alike.
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    distribution : LoadDistribution
+        Its loads at some roller positions within a pitch.
+    closure : str
+        One of the closures of the module.
+    settings : str
+        Table of the scene with the settings of the study, for hints of messages; empty for none.
+    shared : bool
+        Whether the contacts are cached for all bearings with the same loads.
     """
 
     def __init__(
@@ -97,14 +130,14 @@ class LoadedRaceways:
         self.distribution = distribution
         self.closure = closure
         self.settings = settings
-        #: what few loads stand for
+        #: the contacts of all slices, in place of which these have reduced loads
         self.whole = self
-        #: cage slip -> roller slips of free rollers over that of rolling on the outer ring
-        self._shares: dict[float, Array] = {}
+        #: cage slip -> roller slips of free rollers, normalised by that of rolling on the outer ring
+        self._fractions: dict[float, Array] = {}
         self._slopes = np.zeros(0)
         self._spins: Spins | None = None
         orbit = float(np.sign(assembly.kinematics.epicyclic_cage_speed))
-        # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same where rings do
+        # positions m within a pitch and rollers j are positions j M + m of the orbit; k and -k have equal loads
         positions = distribution.psi.size
         number = np.repeat(np.arange(float(distribution.psi.shape[1])), len(distribution.psi))
         angle = distribution.psi
@@ -116,28 +149,29 @@ class LoadedRaceways:
         else:
             count = np.ones(positions)
 
-        def of(raceway: Raceway, load: Array) -> LoadedContacts:
+        def loaded_contacts(raceway: Raceway, load: Array) -> LoadedContacts:
             whole = load.swapaxes(0, 1).reshape(positions, -1)
             if places := assembly.places(raceway.ring, angle.T.ravel(), number):
                 return LoadedContacts(raceway, whole, assembly.widths, orbit, places=places)
             return LoadedContacts(raceway, whole[: count.size], assembly.widths, orbit, count)
 
-        def both() -> tuple[LoadedContacts, LoadedContacts]:
-            return of(assembly.inner, distribution.inner_load), of(
-                assembly.outer, distribution.outer_load
+        def both_rings() -> tuple[LoadedContacts, LoadedContacts]:
+            return (
+                loaded_contacts(assembly.inner, distribution.inner_load),
+                loaded_contacts(assembly.outer, distribution.outer_load),
             )
 
         n_positions = int(distribution.psi.shape[0])
         rings = (
-            assembly.cached_by_loads(("contacts", n_positions), n_positions, both)
+            assembly.cached_by_loads(("contacts", n_positions), n_positions, both_rings)
             if shared
-            else both()
+            else both_rings()
         )
         self.inner, self.outer = (
             ring.on(own) for ring, own in zip(rings, assembly.raceways, strict=True)
         )
         if self.inner.total == 0.0:
-            raise unloaded(assembly.scene, "there is no friction to average")
+            raise no_load_error(assembly.scene, "there is no friction to average")
         inner = float(distribution.inner_force.max())
         outer = float(distribution.outer_force.max())
         unbalanced = max(distribution.force_residual, np.finfo(float).eps) * max(inner, outer)
@@ -148,59 +182,60 @@ class LoadedRaceways:
                 "operation.inner_speed and operation.outer_speed"
             )
 
-    def by_few_loads(self) -> "LoadedRaceways":
-        """Return the same with few loads that stand for all slices, of each roller where rollers spin as they like.
+    def with_reduced_loads(self) -> "LoadedRaceways":
+        """Return the same with few weighted loads in place of all slices, of each roller if rollers spin freely.
 
-        They are kept for all bearings that are loaded alike. A law with a kink needs more of them, so what they give is
-        to be held against all slices.
+        They are cached for all bearings with the same loads. A law with a kink needs more of them, so that results have
+        to be compared with those of all slices (`are_confirmed`).
         """
-        free = self.closure == "free-roller"
+        is_free = self.closure == "free-roller"
+        n_loads = _LOADS_OF_ROLLER if is_free else _LOADS_OF_RING
 
-        def made() -> tuple[LoadedContacts, ...]:
+        def reduced() -> tuple[LoadedContacts, ...]:
             return tuple(
-                ring.fewer(_FEW[free], whole=not free) for ring in (self.inner, self.outer)
+                ring.reduced(n_loads, whole=not is_free) for ring in (self.inner, self.outer)
             )
 
         n_positions = int(self.distribution.psi.shape[0])
-        few = copy.copy(self)
-        few._shares = {}
-        few._slopes = np.zeros(0)
-        few._spins = None
-        rings = self.assembly.cached_by_loads(("few", n_positions, free), n_positions, made)
-        few.whole = self
-        few.inner, few.outer = (
+        coarse = copy.copy(self)
+        coarse._fractions = {}
+        coarse._slopes = np.zeros(0)
+        coarse._spins = None
+        key = ("few", n_positions, is_free)
+        rings = self.assembly.cached_by_loads(key, n_positions, reduced)
+        coarse.whole = self
+        coarse.inner, coarse.outer = (
             ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True)
         )
-        return few
+        return coarse
 
     def speeds(self, cage_slip: Array) -> SurfaceSpeeds:
-        """Speeds by the closure at cage slips (n,): alike for all rollers, (n,), or for each of them, (n, rollers)."""
+        """Return speeds by the closure at cage slips, (n,): of all rollers, (n,), or of each, (n, rollers)."""
         kinematics = self.assembly.kinematics
         if self.closure == "epicyclic" or not np.any(cage_slip):
             return kinematics.surface_speeds(cage_slip, np.zeros_like(cage_slip))
         outer_rolling = kinematics.roller_slip_outer_rolling(cage_slip)
         if self.closure == "outer-rolling":
             speeds = kinematics.surface_speeds(cage_slip, outer_rolling)
-            return attrs.evolve(
-                speeds, outer_sliding=np.zeros_like(speeds.outer_sliding)
-            )  # not the rounding of it
+            # exactly zero, without rounding errors
+            return attrs.evolve(speeds, outer_sliding=np.zeros_like(speeds.outer_sliding))
         new = np.array(
-            sorted({float(slip) for slip in cage_slip if slip > 0.0} - self._shares.keys())
+            sorted({float(slip) for slip in cage_slip if slip > 0.0} - self._fractions.keys())
         )
         if new.size:
-            self._find_shares(new)
+            self._find_spins(new)
         none = np.zeros(self.inner.rollers)
         fractions = np.array(
-            [self._shares[slip] if slip > 0.0 else none for slip in cage_slip.tolist()]
+            [self._fractions[slip] if slip > 0.0 else none for slip in cage_slip.tolist()]
         )
         return kinematics.surface_speeds(cage_slip[:, None], outer_rolling[:, None] * fractions)
 
-    def _find_shares(self, cage_slip: Array) -> None:
-        """Find the roller slips at which both rings pull a roller alike, relative to rolling on the outer ring.
+    def _find_spins(self, cage_slip: Array) -> None:
+        """Find the roller slips at which the tractions of both rings are equal, by continuation in the cage slip.
 
-        Between rolling on the inner ring and rolling on the outer one the difference of the pulls changes its sign,
-        so there is a root; of several a roller is in the one that goes on from smaller cage slips, and where that ends
-        in the next one that is stable. A roller without inner load rolls on the outer ring.
+        Between rolling on the inner ring and rolling on the outer one the difference of the tractions changes its sign,
+        so that there is a root. Of several a roller is in the one that continues from smaller cage slips; where that
+        ends, in the next stable one. A roller without inner load rolls on the outer ring.
         """
         kinematics = self.assembly.kinematics
         rollers = self.inner.rollers
@@ -216,14 +251,14 @@ class LoadedRaceways:
         ahead = kinematics.surface_speeds(1.0, 0.0)
         rolls = float(kinematics.roller_slip_outer_rolling(1.0))
         near = self._below(float(cage_slip[0]))
-        if not near and cage_slip[0] > _START:
-            cage_slip = np.concatenate(([_START], cage_slip))
+        if not near and cage_slip[0] > _START_SLIP:
+            cage_slip = np.concatenate(([_START_SLIP], cage_slip))
         fractions, lost, self._slopes, row, ended = self._spins.kernel.followed(
             np.array([ahead.inner_sliding, ahead.outer_sliding]),
             rolls,
             cage_slip,
             ends,
-            np.array([self._shares[slip] for slip in near]).reshape(-1, rollers),
+            np.array([self._fractions[slip] for slip in near]).reshape(-1, rollers),
             np.array(near),
             self._slopes if near else np.zeros(rollers),
         )
@@ -233,7 +268,7 @@ class LoadedRaceways:
                     cage_slip[row : row + 1, None], rolls * cage_slip[row] * fractions[row]
                 )
             )
-        self._spins.ended(ended)
+        self._spins.check(ended)
         if ended:
             raise ConvergenceError(
                 f"closure 'free-roller' found no spin for {np.count_nonzero(lost)} of {np.count_nonzero(loaded)} "
@@ -241,20 +276,20 @@ class LoadedRaceways:
                 "or has no balance"
                 + (f"; take --set {self.settings}.closure=epicyclic" if self.settings else "")
             )
-        self._shares.update(zip(cage_slip.tolist(), fractions, strict=True))
+        self._fractions.update(zip(cage_slip.tolist(), fractions, strict=True))
 
     def _below(self, cage_slip: float) -> list[float]:
-        """The next smaller cage slips at which shares are known, none of them closer together than tells."""
+        """Return the next smaller cage slips with known spins, none closer together than the smallest difference."""
         found = list[float]()
-        for slip in sorted((slip for slip in self._shares if slip < cage_slip), reverse=True):
-            if all(other - slip > _TELLS * cage_slip for other in found):
+        for slip in sorted((slip for slip in self._fractions if slip < cage_slip), reverse=True):
+            if all(other - slip > _MIN_SLIP_DIFFERENCE * cage_slip for other in found):
                 found.append(slip)
-            if len(found) == _GO_ON:
+            if len(found) == _MAX_PREDECESSORS:
                 break
         return found
 
     def contacts(self, speeds: SurfaceSpeeds) -> "Iterator[list[tuple[LoadedContacts, Any, Any]]]":
-        """Both rings' contacts with their rolling and sliding speeds, for every row of speeds (n,) or (n, rollers)."""
+        """Yield contacts, rolling and sliding speeds of both rings for every row of speeds, (n,) or (n, rollers)."""
         self.require_entrainment(speeds)
         for k in range(speeds.cage_speed.shape[0]):
             yield [
@@ -265,14 +300,14 @@ class LoadedRaceways:
             ]
 
     def rings(self, speeds: SurfaceSpeeds) -> list[tuple[LoadedContacts, Array, Array]]:
-        """Contacts, rolling and sliding speeds of both rings."""
+        """Return contacts, rolling and sliding speeds of both rings."""
         return [
             (self.inner, speeds.inner_rolling, speeds.inner_sliding),
             (self.outer, speeds.outer_rolling, speeds.outer_sliding),
         ]
 
     def require_entrainment(self, speeds: SurfaceSpeeds) -> None:
-        """Refuse speeds at which a contact draws no oil in."""
+        """Raise `DomainError` where the rolling speed of a contact is not positive, so that it draws no oil in."""
         for ring, rolling in (("inner", speeds.inner_rolling), ("outer", speeds.outer_rolling)):
             if not np.all(rolling > 0.0):
                 row = np.unravel_index(np.argmin(rolling > 0.0), rolling.shape)[0]
@@ -288,33 +323,36 @@ class LoadedRaceways:
                 )
 
     def evaluated(self, speeds: SurfaceSpeeds) -> tuple[Array, Array]:
-        """Effective friction and smallest film parameter of both rings at every row of speeds, (2, n) each."""
-        (curves,) = evaluated_together([(self, speeds)])
+        """Return effective friction and smallest film parameter of both rings at every row of speeds, (2, n) each."""
+        (curves,) = evaluate_together([(self, speeds)])
         return curves
 
     def thinnest(self, contacts: LoadedContacts, rolling: Any, sliding: Any) -> Array:
-        """Smallest film parameter of every position of the orbit, infinite without load, between its neighbours."""
+        """Return the smallest film parameter of every position of the orbit with a neighbour at either end, (K + 2,).
+
+        It is infinite at positions without load.
+        """
         contacts.friction(rolling, sliding)
         film = np.full(contacts.rollers + 2, np.inf)
         thickness = contacts.slices.film_thickness / contacts.raceway.conditions.roughness
         np.minimum.at(film, contacts.owner + 1, thickness)
-        around = (
-            contacts.rollers == self.distribution.psi.size
-        )  # else one half of the orbit stands for both
-        film[0], film[-1] = (film[-2], film[1]) if around else (film[2], film[-3])
+        if contacts.rollers == self.distribution.psi.size:
+            film[0], film[-1] = film[-2], film[1]
+        else:  # one half of the orbit, which is symmetric
+            film[0], film[-1] = film[2], film[-3]
         return film
 
     def curve(self, slip: Array) -> Array:
-        """Effective friction of both rings, (2, n)."""
+        """Return the effective friction of both rings at cage slips, (2, n)."""
         return self.evaluated(self.speeds(slip))[0]
 
     def critical(self, slip: Array, friction: Array) -> tuple[Critical, Critical]:
-        """Critical cage slip of both rings, on the continuous curve."""
-        (found,) = critical_together([(self, slip, friction)])
+        """Return the critical cage slips of both rings on the continuous curve, from friction at slips, (2, n)."""
+        (found,) = find_critical_together([(self, slip, friction)])
         return found
 
     def means(self, speeds: SurfaceSpeeds) -> dict[str, Array]:
-        """Roller slip, sliding and rolling speed of both rings' contacts, means by force, (2, n) each."""
+        """Return the means of roller slip, sliding and rolling speed over the contacts by force, (2, n) each."""
         roller_slip = 1.0 - speeds.roller_speed / self.assembly.kinematics.epicyclic_roller_speed
         rings = (
             (self.inner, speeds.inner_sliding, speeds.inner_rolling),
@@ -334,37 +372,38 @@ class LoadedRaceways:
         return {name: np.array(rows) for name, rows in values.items()}
 
     def regimes(self, speeds: SurfaceSpeeds) -> tuple[Array, Array, Array]:
-        """What `regime_variables` takes: in which film regimes the contacts run, over all rows of speeds."""
+        """Return fractions by film regime, the largest load parameter and the light fraction, means over speeds."""
         rings = (
-            regime_shares(self.inner, speeds.inner_rolling),
-            regime_shares(self.outer, speeds.outer_rolling),
+            regime_fractions(self.inner, speeds.inner_rolling),
+            regime_fractions(self.outer, speeds.outer_rolling),
         )
         fraction, light, largest = (np.array(values) for values in zip(*rings, strict=True))
         return fraction, largest, light
 
     def per_roller(self, slip: Array) -> Array:
-        """Friction coefficient of every roller at the first instant, (2, Z, n), NaN without load."""
+        """Return the friction coefficient of every roller at the first position, (2, Z, n), NaN without load."""
         n_positions, rollers = self.distribution.psi.shape
         position = n_positions * np.arange(rollers)
         folded = self._folded and not self.inner.places
-        place = np.minimum(position, n_positions * rollers - position) if folded else position
+        if folded:
+            position = np.minimum(position, n_positions * rollers - position)
         out = np.full((2, rollers, slip.size), np.nan)
         for k, both in enumerate(self.contacts(self.speeds(slip))):
             for i, (contacts, u, V) in enumerate(both):
-                pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)[place]
-                force = contacts.per_roller(contacts.force)[place]
+                pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)[position]
+                force = contacts.per_roller(contacts.force)[position]
                 out[i, force > 0.0, k] = pull[force > 0.0] / force[force > 0.0]
         return out
 
     def map(self, largest: float, points: int) -> tuple[Array, Array, Array]:
-        """Effective friction of both rings over cage slip and roller slip, which is taken both ways from epicyclic."""
+        """Return cage slips, roller slips on both sides of zero, and effective friction, (2, n, 2 n - 1)."""
         kinematics = self.assembly.kinematics
         cage = slip_grid(largest, points)
         half = slip_grid(float(kinematics.roller_slip_outer_rolling(largest)), points)
         roller = np.concatenate((-half[:0:-1], half))
         speeds = kinematics.surface_speeds(np.repeat(cage, roller.size), np.tile(roller, cage.size))
         self.require_entrainment(speeds)
-        tolerance = _MAP_FRACTION * self.assembly.scene.accuracy.tolerance
+        tolerance = _MAP_ERROR_FRACTION * self.assembly.scene.accuracy.tolerance
         surface = np.array(
             [
                 self.inner.means(speeds.inner_rolling, speeds.inner_sliding, tolerance),
@@ -374,12 +413,12 @@ class LoadedRaceways:
         return cage, roller, surface.reshape(2, cage.size, roller.size)
 
 
-def evaluated_together(
+def evaluate_together(
     cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]],
 ) -> list[tuple[Array, Array]]:
-    """Return effective friction and smallest film parameter of both rings, (2, n) each, of bearings at their speeds.
+    """Return effective friction and smallest film parameter of both rings, (2, n) each, of several bearings.
 
-    All are evaluated in one go without the GIL; each is what it is alone, to the last bit.
+    One call evaluates all without the GIL. Each result is the same as by a call of its own, to the last bit.
     """
     for raceways, speeds in cases:
         raceways.require_entrainment(speeds)
@@ -396,86 +435,86 @@ def evaluated_together(
     ]
 
 
-def friction_together(requested: Sequence[tuple[LoadedRaceways, int, Array]]) -> list[Array]:
-    """Return the effective friction of rings of bearings, 0 or 1, at cage slips, (n,) each, evaluated in one go."""
+def mean_friction_together(requested: Sequence[tuple[LoadedRaceways, int, Array]]) -> list[Array]:
+    """Return the effective friction of rings of bearings, 0 or 1, at cage slips, (n,) each, by one evaluation."""
     return mean_friction(
         [raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in requested]
     )
 
 
-def critical_together(
+def find_critical_together(
     cases: Sequence[tuple[LoadedRaceways, Array, Array]],
 ) -> list[tuple[Critical, Critical]]:
     """Return the critical cage slips of both rings of bearings, from their friction on slips, (2, n)."""
 
-    def of(ring: int) -> list[Critical]:
+    def critical_slips(ring: int) -> list[Critical]:
         curves = [
             Curve(slip, friction[ring], raceways.settings and f"{raceways.settings}.max_cage_slip")
             for raceways, slip, friction in cases
         ]
-        return searched(
+        return find_critical_slips(
             curves,
-            lambda requested: friction_together(
+            lambda requested: mean_friction_together(
                 [(cases[k][0], ring, slip) for k, slip in requested]
             ),
         )
 
-    # free rollers go on from slips that are known: one ring after the other, whatever else is evaluated with it
-    return [*zip(of(0), of(1), strict=True)]
+    # spins of free rollers continue from known slips, so that the order of evaluations has to be the same
+    return [*zip(critical_slips(0), critical_slips(1), strict=True)]
 
 
-def agree_together(
+def are_confirmed(
     cases: Sequence[tuple[LoadedRaceways, Sequence[Array]]], errors: Sequence[float]
 ) -> list[bool]:
-    """Return whether all slices have the friction of few loads at slips of either ring, up to errors relative to it.
+    """Return whether reduced loads have the friction of all slices at slips of either ring, within relative errors.
 
-    That is at the speeds of the rollers that few loads give.
+    Both are evaluated at the speeds of the rollers that reduced loads give.
     """
     rings = []
-    for few, slips in cases:
+    for coarse, slips in cases:
         for ring, slip in enumerate(slips):
-            speeds = few.speeds(slip)
-            rings += [few.rings(speeds)[ring], few.whole.rings(speeds)[ring]]
+            speeds = coarse.speeds(slip)
+            rings += [coarse.rings(speeds)[ring], coarse.whole.rings(speeds)[ring]]
     friction = mean_friction(rings)
-    alike = [
-        bool(np.all(np.abs(few - every) <= errors[k // 2] * np.abs(every)))
-        for k, (few, every) in enumerate(zip(friction[::2], friction[1::2], strict=True))
+    agree = [
+        bool(np.all(np.abs(reduced - whole) <= errors[k // 2] * np.abs(whole)))
+        for k, (reduced, whole) in enumerate(zip(friction[::2], friction[1::2], strict=True))
     ]
-    return [inner and outer for inner, outer in zip(alike[::2], alike[1::2], strict=True)]
+    return [inner and outer for inner, outer in zip(agree[::2], agree[1::2], strict=True)]
 
 
-def unloaded(scene: Scene, so: str) -> SceneError:
-    """Return the error that no roller is loaded on the inner ring, and what comes of it."""
+def no_load_error(scene: Scene, consequence: str) -> SceneError:
+    """Return the error that no roller is loaded on the inner ring, with a consequence."""
     clearance = scene.bearing.radial_clearance
     return SceneError(
         [
             Location(scene.origins, ("operation", "radial_load")).message(
                 f"no roller is loaded on the inner ring with {format_quantity(scene.operation.radial_load, 'N')} and "
-                f"bearing.radial_clearance = {format_quantity(clearance, 'm')}, so {so}; raise operation.radial_load, "
+                f"bearing.radial_clearance = {format_quantity(clearance, 'm')}, so {consequence}; raise operation.radial_load, "
                 "or give bearing.radial_clearance below zero"
             )
         ]
     )
 
 
-def largest_change(before: Array, after: Array) -> float:
-    """Return the largest change of curves of both rings, relative to their largest value; without friction none."""
+def largest_relative_change(before: Array, after: Array) -> float:
+    """Return the largest change of curves of both rings, (2, n), relative to the largest value of each ring."""
     scale = np.abs(after).max(axis=1, keepdims=True)
     return float((np.abs(after - before) / np.where(scale > 0.0, scale, 1.0)).max())
 
 
-def regime_shares(contacts: LoadedContacts, rolling: Array) -> tuple[Array, float, float]:
-    """Shares of the force by film regime, (4,), and at M < LIGHT, means over rolling speeds, and the largest M.
+def regime_fractions(contacts: LoadedContacts, rolling: Array) -> tuple[Array, float, float]:
+    """Return fractions of the force by film regime, (4,), and at M < LIGHT, means over speeds, and the largest M.
 
-    The speeds [m/s] are of shape (n,) for all rollers, or (n, rollers).
+    The rolling speeds [m/s] are of shape (n,) for all rollers, or (n, rollers).
     """
     fraction = np.zeros(4)
     light = 0.0
     largest = 0.0
-    alike = [(np.ones(contacts.owner.size, dtype=bool), rolling)]
-    for chosen, speed in (
-        alike if rolling.ndim == 1 else [(contacts.owner == k, u) for k, u in enumerate(rolling.T)]
-    ):
+    groups_of_speed = [(np.ones(contacts.owner.size, dtype=bool), rolling)]
+    if rolling.ndim > 1:
+        groups_of_speed = [(contacts.owner == k, u) for k, u in enumerate(rolling.T)]
+    for chosen, speed in groups_of_speed:
         order = np.argsort(contacts.load[chosen])
         if order.size == 0:
             continue

@@ -31,15 +31,15 @@ from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import LoadedSlices, Measurable, Output, PartialResult, RunContext
 from rollslip.studies.error_estimate import MINIMUM_ERROR_FACTOR
-from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
-from rollslip.studies.timing import N_POSITIONS, POINTS, onwards, timed
+from rollslip.studies.study import CONTACT_CHOICES, N_VALIDITY_SLIPS, Study
+from rollslip.studies.timing import N_POSITIONS, POINTS, extrapolate_line, processor_time
 from rollslip_studies.effective_friction.raceways import (
     REGIMES,
     LoadedRaceways,
-    agree_together,
-    critical_together,
-    evaluated_together,
-    largest_change,
+    are_confirmed,
+    evaluate_together,
+    find_critical_together,
+    largest_relative_change,
     regime_variables,
 )
 from rollslip_studies.motion.spins import check_repeats
@@ -117,14 +117,14 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "1",
             "cage slip at which skidding begins",
             status="skidding_status",
-            also=("skidding_slip",),
+            aliases=("skidding_slip",),
         ),
         "limit_drag": Output(
             "",
             "N m",
             "limit drag torque",
             status="skidding_status",
-            also=("limit_drag_torque",),
+            aliases=("limit_drag_torque",),
         ),
         "skidding_status": Output("", "1", "what was found of skidding"),
         "steady_cage_slip": Output(
@@ -132,7 +132,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "1",
             "cage slip at which the drags are carried",
             status="steady_status",
-            also=("slip", "steady_slip"),
+            aliases=("slip", "steady_slip"),
         ),
         "steady_drag": Output("", "N m", "drag torque there", status="steady_status"),
         "steady_status": Output("", "1", "what was found of the slip at which the cage runs"),
@@ -286,15 +286,15 @@ class EffectiveFriction(Study):
             "film regimes": [],
         }
         for m in N_POSITIONS:
-            anew = attrs.evolve(some, known_loads={})
-            times["load distribution"].append(timed(partial(anew.load_distribution, m), 1))
+            anew = attrs.evolve(some, load_cache={})
+            times["load distribution"].append(processor_time(partial(anew.load_distribution, m), 1))
             raceways = self.loaded(anew, m)
             closure = (
-                timed(partial(raceways.speeds, slip), 1) / slip.size
+                processor_time(partial(raceways.speeds, slip), 1) / slip.size
             )  # a free roller's spin is a root, found once
             speeds = raceways.speeds(slip)
             one, regimes = (
-                timed(partial(work, speeds)) / slip.size
+                processor_time(partial(work, speeds)) / slip.size
                 for work in (raceways.evaluated, raceways.regimes)
             )
             times["friction"].append(
@@ -304,14 +304,17 @@ class EffectiveFriction(Study):
         more = assembly.slices / some.slices
         n_positions = resolution.n_positions or N_POSITIONS[-1]
         costs = {
-            part: more * onwards(N_POSITIONS, each, n_positions) for part, each in times.items()
+            part: more * extrapolate_line(N_POSITIONS, each, n_positions)
+            for part, each in times.items()
         }
         if self.skidding_range:
             costs["skidding"] = rollers(assembly, n_positions).seconds(self.skidding_range)
         if self.map_points:
             sizes = (_MAP[0] * (2 * _MAP[0] - 1), _MAP[1] * (2 * _MAP[1] - 1))
-            maps = [timed(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
-            costs["map"] = onwards(sizes, maps, self.map_points * max(2 * self.map_points - 1, 1))
+            maps = [processor_time(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
+            costs["map"] = extrapolate_line(
+                sizes, maps, self.map_points * max(2 * self.map_points - 1, 1)
+            )
         return costs
 
     def loaded_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[LoadedSlices]:
@@ -322,7 +325,9 @@ class EffectiveFriction(Study):
 
     def expected_slices(self, assembly: Assembly) -> tuple[str, list[LoadedSlices]]:
         """Return the slices of both rings at a few slips of the curves, of one instant."""
-        slips = np.linspace(self.max_cage_slip / JUDGED, self.max_cage_slip, JUDGED)
+        slips = np.linspace(
+            self.max_cage_slip / N_VALIDITY_SLIPS, self.max_cage_slip, N_VALIDITY_SLIPS
+        )
         return "over the curves", [*self._evaluated(assembly, 1, slips)]
 
     def _evaluated(
@@ -399,7 +404,7 @@ class EffectiveFriction(Study):
                 if known is not None
             }
         left = [one for one in begun if one[0] not in found]
-        curves = evaluated_together(
+        curves = evaluate_together(
             [(raceways, raceways.speeds(slip)) for _, slip, raceways in left]
         )
         whole = [
@@ -407,7 +412,7 @@ class EffectiveFriction(Study):
             for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)
         ]
         for (k, *_), (_, slip, friction), critical in zip(
-            left, whole, critical_together(whole), strict=True
+            left, whole, find_critical_together(whole), strict=True
         ):
             found[k] = slip, friction, critical
         some = [_curves(*found[k]) for k in range(len(cases))]
@@ -591,7 +596,8 @@ class EffectiveFriction(Study):
             critical = raceways.critical(slip, friction)
             if before is not None:
                 moved = max(
-                    largest_change(before[0], friction), *map(_critical_moved, before[1], critical)
+                    largest_relative_change(before[0], friction),
+                    *map(_critical_moved, before[1], critical),
                 )
                 if moved <= tolerance:
                     return raceways, curves, critical, moved
@@ -655,11 +661,11 @@ def _by_few_loads(
     cases: Sequence[tuple[Array, LoadedRaceways]],
 ) -> list[tuple[Critical, Critical] | None]:
     """Critical slips of both rings by few loads on slips of their curves; None where all slices say otherwise."""
-    few = [raceways.by_few_loads() for _, raceways in cases]
-    curves = evaluated_together(
+    few = [raceways.with_reduced_loads() for _, raceways in cases]
+    curves = evaluate_together(
         [(own, own.speeds(slip)) for own, (slip, _) in zip(few, cases, strict=True)]
     )
-    critical = critical_together(
+    critical = find_critical_together(
         [
             (own, slip, friction)
             for own, (slip, _), (friction, _) in zip(few, cases, curves, strict=True)
@@ -674,7 +680,7 @@ def _by_few_loads(
     ]
     return [
         both if agrees else None
-        for both, agrees in zip(critical, agree_together(held, errors), strict=True)
+        for both, agrees in zip(critical, are_confirmed(held, errors), strict=True)
     ]
 
 

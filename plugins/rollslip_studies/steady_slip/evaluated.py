@@ -16,7 +16,7 @@ from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.studies.answers import LoadedSlices, ResolutionChoice
 from rollslip.studies.study import Study
-from rollslip_studies.effective_friction.raceways import regime_variables, unloaded
+from rollslip_studies.effective_friction.raceways import no_load_error, regime_variables
 
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
@@ -122,7 +122,7 @@ def estimate_by_secant(
 def require_driven(assembly: "Assembly") -> "Assembly":
     """Return the bearing; raise `SceneError` if no load drives its rollers, because rounding errors would do so."""
     if not assembly.load_distribution(2).inner_force.any():
-        raise unloaded(assembly.scene, "nothing drives the cage")
+        raise no_load_error(assembly.scene, "nothing drives the cage")
     return assembly
 
 
