@@ -61,7 +61,7 @@ def job(name):
         slip = slip_grid(0.4, 101)
         if name != "curve":
             study.run(assembly)  # what is imported and made once
-            return min(took(study.run, attrs.evolve(assembly, known_loads={})) for _ in range(3))
+            return min(took(study.run, attrs.evolve(assembly, load_cache={})) for _ in range(3))
         return min(took(lambda: study.loaded(assembly, 4).curve(slip)) for _ in range(3))
     if name in ("critical", "steady"):
         own = UncertaintySettings("1032930-70C", samples=1024).plan().critical

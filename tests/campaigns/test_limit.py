@@ -22,8 +22,8 @@ from rollslip.results.accounts import account_of
 from rollslip.results.table import sheet
 from rollslip.studies.error_estimate import JOINT_ORDER
 from rollslip_campaigns.limit import LimitSettings, findings
-from rollslip_campaigns.limit.limit import RESULT, of_the_worst, run_limit
-from rollslip_campaigns.limit.search import Requirement, next_places, passages, read_requirement
+from rollslip_campaigns.limit.limit import RESULT, status_of_worst, run_limit
+from rollslip_campaigns.limit.search import Requirement, next_indices, brackets, read_requirement
 from rollslip_campaigns.sweep import SweepSettings
 from rollslip_campaigns.sweep.definition import Resolutions, combination_name
 from rollslip_campaigns.sweep.folder import open_or_create
@@ -39,7 +39,7 @@ LENGTHS = {"bearing.roller_length": "5 mm:40 mm:5"}
 def searched(results, spacing, failed=()):
     """All places that a search computes of a row of results that are kept from 0 on, some first."""
     known = {k: results[k] for k in range(0, len(results), spacing) if k not in failed}
-    while places := next_places(known, failed, spacing):
+    while places := next_indices(known, failed, spacing):
         assert not {*places} & known.keys(), "a place was asked for twice"
         known |= {k: results[k] for k in places}
     return known
@@ -62,7 +62,7 @@ def test_a_passage_is_narrowed_to_two_neighbours_in_few_points(power, steps, ben
     known = searched(results.tolist(), spacing)
     kept = results >= 0.0
     true = [(k, k + 1) for k in range(results.size - 1) if kept[k] != kept[k + 1]]
-    assert passages(known) == true
+    assert brackets(known) == true
     assert len(known) - 9 <= len(true) * 2 * power
 
 
@@ -70,20 +70,20 @@ def test_every_passage_between_the_first_values_is_found_and_a_failed_point_leav
     x = np.linspace(0.0, 1.0, 257)
     results = np.cos(9.0 * x)  # passes zero three times
     known = searched(results.tolist(), 32)
-    assert [round(x[a], 2) for a, _ in passages(known)] == [
+    assert [round(x[a], 2) for a, _ in brackets(known)] == [
         round((k + 0.5) * math.pi / 9.0, 2) for k in range(3)
     ]
-    (a, b), *_ = passages(known)
+    (a, b), *_ = brackets(known)
     open_ = searched(results.tolist(), 32, failed={32})
-    assert passages(open_)[0] == (0, 64)
-    assert passages(open_)[1:] == passages(known)[1:]
+    assert brackets(open_)[0] == (0, 64)
+    assert brackets(open_)[1:] == brackets(known)[1:]
     assert a > 32
     assert b < 64
 
 
 def test_what_has_no_value_is_not_kept_and_is_told_from_what_is():
     known = searched([1.0] * 20 + [math.nan] * 13, 16)
-    assert passages(known) == [(19, 20)]
+    assert brackets(known) == [(19, 20)]
     of_two = Requirement("slip", "1", "<=", 0.1, "%")
     assert of_two.slack(of_two.worst([math.nan, 0.02, 0.12])) == pytest.approx(-0.02)
     assert math.isnan(of_two.worst([math.nan]))
@@ -177,9 +177,9 @@ def test_what_a_study_says_of_each_of_several_values_is_told_of_the_one_that_cou
     values = np.array([math.nan, 0.02, 0.12])
     words = np.array(["still rises", "found", "found at the end"])
     most = Requirement("slip", "1", "<=", 0.1, "%")
-    assert of_the_worst(most, values, words) == "found at the end"
-    assert of_the_worst(attrs.evolve(most, sense=">="), values, words) == "found"
-    assert of_the_worst(most, np.full(3, math.nan), words[[0, 0, 1]]) == "still rises; found"
+    assert status_of_worst(most, values, words) == "found at the end"
+    assert status_of_worst(attrs.evolve(most, sense=">="), values, words) == "found"
+    assert status_of_worst(most, np.full(3, math.nan), words[[0, 0, 1]]) == "still rises; found"
 
 
 @pytest.mark.parametrize(

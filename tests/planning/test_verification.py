@@ -187,7 +187,7 @@ def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(plan, monke
     class Fine:
         outputs = MappingProxyType({})
         controlled_outputs = MappingProxyType({})
-        without_outputs = at = lambda self, _: self
+        without_outputs = with_resolution = lambda self, _: self
         run = verification_resolution = lambda self, *_: (None, "against the finest")
 
     found = {"friction": 2e-3, "critical_slip": math.inf}

@@ -233,12 +233,12 @@ def test_the_first_page_is_one_sheet_of_a4_also_with_all_notes_and_assumptions(s
     assert 130.0 < height_of(first) < HEIGHT
     longest = "traction 'maxwell-eyring' (pressure exponent ln(eta/eta0) <= 1; 94 % outside)"
     told = [
-        {"law": f"law {k}", "made_for": "x", "code": f"W{k:02}", "weight": 1.0, "text": "", "short": longest,
-         "warned": False, "measured": False}
+        {"law": f"law {k}", "made_for": "x", "code": f"W{k:02}", "severity": 1.0, "text": "", "short": longest,
+         "is_warning": False, "measured": False}
         for k in range(12)
     ]  # fmt: skip
     title = "Bearing NU 2312 of the second stage of a gearbox, as it runs in spring at 70 degC in ISO VG 220, idle"
-    html, full = page(validity=json.dumps({"told": told}), title=title)
+    html, full = page(validity=json.dumps({"messages": told}), title=title)
     assert full.count(longest.replace("<", "&lt;").replace("'", "&#x27;")) == 8
     assert title in html
     assert height_of(first) + 20.0 < height_of(full) < HEIGHT
@@ -265,14 +265,14 @@ def test_letters_of_figures_are_9_pixels_high_on_a_phone_or_the_page_says_scroll
 
 def test_bounds_of_less_consequence_are_folded_below_the_warnings(results, figures, tmp_path):
     told = [
-        {"law": f"law {k}", "made_for": "x < 1", "weight": 1.0 / k, "text": f"sentence {k}", "short": f"short {k}",
-         "warned": k < 6, "measured": False}
+        {"law": f"law {k}", "made_for": "x < 1", "severity": 1.0 / k, "text": f"sentence {k}", "short": f"short {k}",
+         "is_warning": k < 6, "measured": False}
         for k in range(1, 7)
     ]  # fmt: skip
     warnings = json.dumps(
         ["mind the load", *(f"sentence {k}" for k in range(1, 6)), f"{OTHER_BOUNDS} small: short 6"]
     )
-    said = provenance() | {"warnings": warnings, "validity": json.dumps({"told": told})}
+    said = provenance() | {"warnings": warnings, "validity": json.dumps({"messages": told})}
     page = written(results, figures, tmp_path, **said)
     top, folded = (
         page[page.index('<section id="warnings"') :].split("</section>")[0].split("<details>")

@@ -128,6 +128,6 @@ def test_an_answer_tells_bounds_of_laws_itself_and_all_other_warnings_stay(resul
     others, none = collect_warnings([dataset.assign_attrs(warnings=more_warnings)], laws=False)
     assert none == []
     assert others[-1] == "mind the load"
-    bounds = {one["text"] for one in json.loads(dataset.attrs["validity"])["told"]}
+    bounds = {one["text"] for one in json.loads(dataset.attrs["validity"])["messages"]}
     assert bounds & {*told}
     assert not bounds & {*others}

@@ -24,7 +24,7 @@ from rollslip.studies.thermal_balance.model import ROLES, ThermalModel
 from rollslip_studies.motion.losses import Loss, PowerBalance
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 from rollslip_studies.thermal_balance.figures import thermal_figures
-from rollslip_studies.thermal_balance.study import _jumps
+from rollslip_studies.thermal_balance.study import _describe_jumps
 from without_bands import run
 
 SCENE = evolve(
@@ -60,16 +60,16 @@ class Made(Heated):
     def __init__(self, model, losses, ends=np.inf):
         self.model = model
         self.scene = SCENE
-        self.sharp = False
+        self.precise_slips = False
         self.jumps = []
         self.evaluations = 0
-        self.unknown = []
+        self.skipped = []
         self._losses = losses
         self._ends = ends
 
     def at(self, temperatures):
         if temperatures[0] > self._ends:
-            return State(np.nan, refusal="the cage runs away", by_film=True)
+            return State(np.nan, refusal="the cage runs away", cage_skids=True)
         power = {place: of(temperatures) for place, of in self._losses.items()}
         losses = tuple(Loss(place, place, value) for place, value in power.items())
         return State(0.1, PowerBalance(losses=losses, rings=(sum(power.values()), 0.0), stored=0.0))
@@ -127,7 +127,7 @@ def test_all_balances_are_found_and_which_last():
         np.where(curve.temperature > middle, np.nan, curve.excess),
         curve.refusals,
     )
-    at, value, ends = heated.least(cold, places, float(exact[0]))
+    at, value, ends = heated.minimum_excess(cold, places, float(exact[0]))
     fold = mpmath.findroot(
         lambda T: mpmath.diff(lambda x: 1500 / (1 + mpmath.exp(-(x - 340) / 5)), T) - 20, 325
     )
@@ -298,7 +298,7 @@ class Gaps(Made):
 
     def at(self, temperatures):
         if any(abs(temperatures[0] - gap) < 0.5 for gap in self._at):
-            return State(np.nan, refusal="no periodic spin was found", by_film=True, lost=True)
+            return State(np.nan, refusal="no periodic spin was found", cage_skids=True, not_converged=True)
         return super().at(temperatures)
 
 
@@ -306,15 +306,15 @@ def test_a_temperature_at_which_a_search_comes_to_no_end_is_passed_over_and_told
     """100 W from 300 K on at 20 W/K: the balance at 305 K is between the points at 300 and 310 K that are left."""
     heated = Gaps(OIL, {"oil": lambda T: 100.0 + 0.0 * T[0]}, [304.0, 308.0])
     curve, places = heated.curve(300.0, 320.0, 6)
-    assert heated.unknown == []  # two beside each other end the curve
+    assert heated.skipped == []  # two beside each other end the curve
     heated = Gaps(OIL, {"oil": lambda T: 100.0 + 0.0 * T[0]}, [308.0])
     curve, places = heated.curve(300.0, 320.0, 6)
-    assert heated.unknown == [308.0]
+    assert heated.skipped == [308.0]
     assert curve.temperature.tolist() == [300.0, 304.0, 312.0, 316.0, 320.0]
     (zero,) = heated.zeros(curve, places)
     assert float(heated.balance(places[zero]).temperatures[0]) == pytest.approx(305.0, abs=1e-9)
     assert (
-        _jumps(heated)
+        _describe_jumps(heated)
         == "at 34.85 degC of the oil no steady state was found, and the curve passes over it"
     )
 
@@ -335,11 +335,11 @@ def test_temperatures_over_time_are_those_of_the_exponential():
 def test_the_end_of_the_curve_is_where_the_cage_runs_away():
     heated = Made(OIL, {"oil": lambda T: 100.0}, ends=351.234)
     curve, places = heated.curve(290.0, 450.0, 12)
-    at, value, ends = heated.least(curve, places, 305.0)
+    at, value, ends = heated.minimum_excess(curve, places, 305.0)
     assert at == pytest.approx(351.234, abs=0.01)
     assert value == pytest.approx(100.0 - 20.0 * (at - 300.0))
     assert ends is not None
-    assert ends.by_film
+    assert ends.cage_skids
 
 
 @pytest.mark.parametrize(

@@ -27,15 +27,15 @@ from rollslip.planning.execution import warnings
 from rollslip.results.words import collect_warnings as together
 from rollslip.studies.validity import (
     APPROXIMATION,
-    Difference,
-    Filled,
-    Outside,
-    difference,
-    filled,
+    LawDifference,
+    RangeExcess,
+    RingSlices,
+    evaluate_rings,
+    law_difference,
     laws_of,
-    outside,
-    sentences,
-    told,
+    range_excesses,
+    validity_messages,
+    warning_texts,
 )
 from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 from rollslip_plugins.film.line_contact import solve_line_contact
@@ -121,7 +121,7 @@ def tables(force=(1.0, 3.0), **columns):
         "load": 2e4, "rolling_speed": 25.0, "sliding_speed": 0.5, "half_width": 5e-5, "pressure": 2e8,
         "film_thickness": 1e-6, "film_viscosity": 0.07, "film_thermoviscosity": 0.047,
     }  # fmt: skip
-    return [Filled("inner", Slices(len(force), conditions, **usual | columns), np.array(force))]
+    return [RingSlices("inner", Slices(len(force), conditions, **usual | columns), np.array(force))]
 
 
 # Bounds and errors are those of the references ------------------------------------------------------------------------
@@ -317,26 +317,28 @@ def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
         for x in (0.5, 2)
     ]
     inner = tables(load=light)
-    outer = [Filled("outer", inner[0].slices, np.array([3.0, 1.0]))]
+    outer = [RingSlices("outer", inner[0].slices, np.array([3.0, 1.0]))]
     contact = get_model("pressure", "hertz")
     (found,) = (
         one
-        for one in outside([contact], [*inner, *outer])
+        for one in range_excesses([contact], [*inner, *outer])
         if one.validity.quantity == "load_parameter"
     )
     assert (found.fraction, found.ring, found.values) == (0.75, "outer", (pytest.approx(1.0),) * 2)
     (found,) = (
-        one for one in outside([contact], inner * 2) if one.validity.quantity == "load_parameter"
+        one
+        for one in range_excesses([contact], inner * 2)
+        if one.validity.quantity == "load_parameter"
     )
     assert (found.fraction, found.ring) == (0.25, ""), "both alike"
     even = tables(force=np.ones(41), load=2.0 * light[0] * np.arange(1, 42) / 100.0)
     (spread,) = (
-        one for one in outside([contact], even) if one.validity.quantity == "load_parameter"
+        one for one in range_excesses([contact], even) if one.validity.quantity == "load_parameter"
     )
-    assert (*spread.values, spread.middle) == pytest.approx((0.06, 0.78, 0.42)), (
+    assert (*spread.values, spread.median) == pytest.approx((0.06, 0.78, 0.42)), (
         "of 0.02 to 0.82 by 0.02"
     )
-    (said,) = sentences(told([found], None))
+    (said,) = warning_texts(validity_messages([found], None))
     assert said.startswith(
         "pressure 'hertz' is valid for load parameter M >= 2; 25 % of the contact force is out"
     )
@@ -354,15 +356,20 @@ def test_nothing_is_said_within_the_bounds_and_of_what_is_not_known():
         sliding_speed=1e-4,
     )
     assert (
-        told(outside([get_model("contact", "palmgren"), get_model("film", "moes")], quiet), None)
+        validity_messages(
+            range_excesses([get_model("contact", "palmgren"), get_model("film", "moes")], quiet),
+            None,
+        )
         == []
     )
     unknown = attrs.evolve(quiet[0].slices.conditions, conductivity=math.nan)
     quiet[0].slices.conditions = unknown
     (heat,) = (
-        one for one in outside([get_model("film", "moes")], quiet) if one.validity is ISOTHERMAL
+        one
+        for one in range_excesses([get_model("film", "moes")], quiet)
+        if one.validity is ISOTHERMAL
     )
-    assert (heat.known, heat.fraction) == (False, 0.0)
+    assert (heat.is_known, heat.fraction) == (False, 0.0)
 
 
 def test_a_blend_takes_care_of_asperities_and_its_parts_of_the_rest():
@@ -383,7 +390,9 @@ def test_a_blend_takes_care_of_asperities_and_its_parts_of_the_rest():
 
 
 def test_a_bound_in_si_is_told_in_the_units_of_engineers():
-    (said,) = sentences(told(outside([Barus()], tables(pressure=4e8)), None))
+    (said,) = warning_texts(
+        validity_messages(range_excesses([Barus()], tables(pressure=4e8)), None)
+    )
     assert said.startswith(
         "'barus' is valid for pressure <= 100 MPa; all loaded contacts are outside, where the"
     )
@@ -418,12 +427,12 @@ def test_warnings_come_by_share_times_consequence_and_small_ones_are_counted():
         made_for(0.5, lambda v: 30.0 if v < 2.0 else 10.0),
         made_for(2.5, lambda _: 0.1),
     ]
-    said = told(outside(laws, slices), None, tolerance=1e-2)
+    said = validity_messages(range_excesses(laws, slices), None, tolerance=1e-2)
     # by hand: three quarters of 20 %; all of it, of which the middle by force is the faster one's 10 %; 3/4 of 0.1 %
-    assert [(one.weight, one.warned) for one in said] == [
+    assert [(one.severity, one.is_warning) for one in said] == [
         (pytest.approx(0.15), True), (pytest.approx(0.1), True), (pytest.approx(0.00075), False),
     ]  # fmt: skip
-    *texts, rest = sentences(said, 1e-2)
+    *texts, rest = warning_texts(said, 1e-2)
     assert texts == [one.text for one in said[:2]]
     assert rest == (
         "laws are outside their range of validity, too, where the consequence is not known or below "
@@ -435,25 +444,31 @@ def test_warnings_come_by_share_times_consequence_and_small_ones_are_counted():
 def test_a_consequence_that_nobody_knows_leads_unless_nearly_every_bearing_has_it():
     slices = tables(force=(1.0, 3.0), sliding_speed=[1.0, 3.0])
     laws = [made_for(2.0, common=True), made_for(0.5, lambda _: 90.0), made_for(2.0)]
-    known, unknown, common = told(outside(laws, slices), None)
-    assert (known.weight, unknown.weight, common.weight) == (pytest.approx(0.9), 0.75, 0.75)
-    assert [one.warned for one in (known, unknown, common)] == [True, True, False]
-    (heavy,) = told(outside([made_for(2.0, lambda _: 90.0, common=True)], slices), None)
-    assert heavy.warned, "common, but its consequence is known"
+    known, unknown, common = validity_messages(range_excesses(laws, slices), None)
+    assert (known.severity, unknown.severity, common.severity) == (pytest.approx(0.9), 0.75, 0.75)
+    assert [one.is_warning for one in (known, unknown, common)] == [True, True, False]
+    (heavy,) = validity_messages(
+        range_excesses([made_for(2.0, lambda _: 90.0, common=True)], slices), None
+    )
+    assert heavy.is_warning, "common, but its consequence is known"
 
 
 def test_what_a_law_is_off_another_comes_first_while_it_is_more_than_the_tolerance():
-    found = outside([made_for(0.5)], tables(sliding_speed=1.0))
-    off = Difference(
+    found = range_excesses([made_for(0.5)], tables(sliding_speed=1.0))
+    off = LawDifference(
         law="simple", reference="exact", key="models.traction", rms=0.01, mean=0.01, largest=0.01
     )
-    assert [one.measured for one in told(found, off, tolerance=1e-3)] == [True, False]
+    assert [one.measured for one in validity_messages(found, off, tolerance=1e-3)] == [True, False]
     own = Validity(
         quantity="x", low=3.0, high=5.0, consequence="it is off", remedy="none", source="a test"
     )
-    (known,) = told([Outside(law="traction 'simple'", validity=own, fraction=1.0)], off)
+    (known,) = validity_messages(
+        [RangeExcess(law="traction 'simple'", validity=own, fraction=1.0)], off
+    )
     assert ", with 100 % at x < 3 and > 5 of the contact force; remedy" in known.text
-    assert [(one.measured, one.warned) for one in told(found, off, tolerance=0.1)] == [
+    assert [
+        (one.measured, one.is_warning) for one in validity_messages(found, off, tolerance=0.1)
+    ] == [
         (False, True),
         (True, False),
     ]
@@ -469,7 +484,7 @@ def test_several_results_warn_of_a_bound_once_where_it_counts_most():
     first = first[-3:]
     assert all("slices" in text for text in few)
     every = {
-        (one["law"], one["made_for"]) for result in results for one in record_of(result)["told"]
+        (one["law"], one["made_for"]) for result in results for one in record_of(result)["messages"]
     }
     assert len(first) + len(more) == len(every) >= 6
     largest = max((record_of(result)["approximation"]["rms"], result) for result in results)[1]
@@ -478,7 +493,7 @@ def test_several_results_warn_of_a_bound_once_where_it_counts_most():
     assert any(text.startswith("film 'moes' (film parameter Lambda >= 3;") for text in more)
     for result in results:
         assert all(
-            one["text"] in warned(result) for one in record_of(result)["told"] if one["warned"]
+            one["text"] in warned(result) for one in record_of(result)["messages"] if one["warned"]
         )
 
 
@@ -556,8 +571,10 @@ def test_a_closed_form_that_a_plan_takes_within_its_bound_is_not_held_against_th
     made = plan(scene, "effective-friction")
     study = made.studies["effective-friction"]
     assembly = made.assemblies["effective-friction"]
-    slices = filled(study.validity_slices(assembly, run(scene, "effective-friction")), assembly)
-    assert difference(made.assembly.traction, slices, assembly) is None
+    slices = evaluate_rings(
+        study.validity_slices(assembly, run(scene, "effective-friction")), assembly
+    )
+    assert law_difference(made.assembly.traction, slices, assembly) is None
 
 
 def test_what_cannot_be_judged_is_said_and_loses_no_result(monkeypatch):
@@ -583,9 +600,9 @@ def test_a_study_without_curves_is_judged_at_the_loads_of_the_bearing(monkeypatc
     loads = assembly.load_distribution(1)
     for one, forces in zip(slices, (loads.inner_force, loads.outer_force), strict=True):
         assert one.force.sum() == pytest.approx(forces.sum(), rel=1e-12)
-    assert difference(made.assembly.traction, filled(slices, assembly), assembly) is None, (
-        "nothing slides"
-    )
+    assert (
+        law_difference(made.assembly.traction, evaluate_rings(slices, assembly), assembly) is None
+    ), "nothing slides"
 
 
 # Strangers ------------------------------------------------------------------------------------------------------------
@@ -638,7 +655,7 @@ def test_a_law_without_a_word_of_it_says_nothing():
         validity = ()
 
     assert SliceModel.validity == ()
-    assert outside([Silent()], tables()) == []
+    assert range_excesses([Silent()], tables()) == []
 
 
 def test_a_film_of_a_stranger_that_knows_its_regime_only_warns_as_before():
@@ -651,7 +668,7 @@ def test_a_film_of_a_stranger_that_knows_its_regime_only_warns_as_before():
         def evaluate(self, slices):
             slices.film_thickness[...] = 1e-6
 
-    (said, *_) = sentences(told(outside([Rigid()], tables(load=1e6)), None))
+    (said, *_) = warning_texts(validity_messages(range_excesses([Rigid()], tables(load=1e6)), None))
     assert said.startswith(
         "film 'strange-film' is valid for the rigid-isoviscous regime; all loaded contacts are "
     )
@@ -664,7 +681,7 @@ def test_judging_changes_no_result():
     before = run(made.scene, "effective-friction")
     warnings(made, "effective-friction", before)
     assert before.equals(run(made.scene, "effective-friction"))
-    assert filled([], made.assembly) == []
+    assert evaluate_rings([], made.assembly) == []
 
 
 @pytest.mark.parametrize("deborah", [0.06, 10.0, 1999.0, 2001.0, 1e8, 1e17, 1e200])

@@ -367,8 +367,8 @@ def _held(dataset: "xr.Dataset") -> Groups:
     a = dataset.attrs
     less = [
         one["text"]
-        for one in json.loads(a.get("validity", "{}")).get("told", ())
-        if not one["warned"]
+        for one in json.loads(a.get("validity", "{}")).get("messages", ())
+        if not one["is_warning"]
     ]
     return {
         "result": [

@@ -24,7 +24,7 @@ from rollslip.models import SliceModel, interval
 from rollslip.results.answer import RULES
 from rollslip.scene.schema import shown_range
 from rollslip.structure import fields_of, resolved
-from rollslip.studies.validity import APPROXIMATION, bound_of
+from rollslip.studies.validity import APPROXIMATION, describe_bound
 from rollslip.units import format_quantity
 
 __all__ = ["explained", "kinds_of", "models_as_dict", "print_models"]
@@ -244,7 +244,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         "made_for": [
             {
                 "code": one.code,
-                "bound": bound_of(one),
+                "bound": describe_bound(one),
                 "outside": one.told,
                 "remedy": one.remedy,
                 "source": one.source,

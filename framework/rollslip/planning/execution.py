@@ -229,13 +229,13 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     running = plan.studies[study]
     assembly = plan.assemblies[study]
     accuracy = plan.scene.accuracy
-    said = list[validity.Told]()
+    said = list[validity.ValidityMessage]()
     assembly = assembly.with_resistance() if running.with_cage else assembly
     try:
         contacts = running.validity_slices(assembly, dataset)
-        outside, off = validity.judged(contacts, assembly, plan.assembly.traction)
-        said = validity.told(outside, off, running.validity_state, tolerance=accuracy.tolerance)
-        found = validity.sentences(said, accuracy.tolerance)
+        outside, off = validity.check_validity(contacts, assembly, plan.assembly.traction)
+        said = validity.validity_messages(outside, off, running.validity_state, tolerance=accuracy.tolerance)
+        found = validity.warning_texts(said, accuracy.tolerance)
     except RollslipError as refusal:  # what was computed stands
         outside = []
         off = None
@@ -255,7 +255,7 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
             f"the weight of the rollers, {100.0 * fraction:.2g} % of what presses them on average, is left out, as "
             "its direction is not stated; give operation.gravity_direction, 0 deg where the load is itself a weight"
         )
-    found += validity.corrections(assembly.film)
+    found += validity.starvation_notes(assembly.film)
     temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
     found += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))
     given: Mapping[str, Any] = plan.scene.study.get(study, {})
@@ -274,4 +274,4 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
             f"accuracy.tolerance = {accuracy.tolerance:g}; raise accuracy.slices, or let a plan choose by --set "
             "accuracy.slices=auto"
         )
-    return found, validity.record(outside, off, said)
+    return found, validity.validity_record(outside, off, said)

@@ -263,7 +263,7 @@ def plan(
     choices = {
         name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()
     }
-    studies = {name: one.at(choices[name].resolution) for name, one in studies.items()}
+    studies = {name: one.with_resolution(choices[name].resolution) for name, one in studies.items()}
     assemblies = {
         name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in choices.items()
     }
@@ -329,7 +329,7 @@ def _known_better(study: Study, chosen: Mapping[str, Study]) -> frozenset[str]:
     """Single values that a study of the cage tells by these or other names: one question has one answer."""
     caged = [one for one in chosen.values() if one.with_cage and not study.with_cage]
     told = {
-        name for one in caged for own, output in one.outputs.items() for name in (own, *output.also)
+        name for one in caged for own, output in one.outputs.items() for name in (own, *output.aliases)
     }
     same = {
         name: output for name, output in study.outputs.items() if not output.dims and name in told

@@ -16,7 +16,7 @@ from typing import Any, Union, get_args, get_origin
 import attrs
 import numpy as np
 
-from rollslip.bearing.cage import Cage, doubts
+from rollslip.bearing.cage import Cage, implausible_values
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import PluginError, RollslipError
 from rollslip.fields import unusual
@@ -54,7 +54,7 @@ def implausible(scene: Scene, moved: Collection[str] = ()) -> list[str]:
     found += _unusual_relations(scene, raw, where)
     told = {at.path for at, _ in found}
     if not any(path[0] == "bearing" for path in told):  # of a bearing in doubt none of a cage is
-        found += [(at, text) for at, text in doubts(scene) if at.path not in told]
+        found += [(at, text) for at, text in implausible_values(scene) if at.path not in told]
     found += _clearance(scene, raw, where.at("bearing"))
     return [
         *dict.fromkeys(
@@ -193,7 +193,7 @@ def implausible_along(
     """
     told_by_itself = {
         at.path
-        for at, _ in (*_unusual_relations(scene, resolved(scene), Location({})), *doubts(scene))
+        for at, _ in (*_unusual_relations(scene, resolved(scene), Location({})), *implausible_values(scene))
     }
     first = dict[str, str]()
     counts = dict[str, int]()
@@ -227,7 +227,7 @@ def _unusual_at(
         ):
             yield of.key, told
     changed = evolve(scene, {of.key: value})
-    for at, told in (*_unusual_relations(changed, changed.tables, Location({})), *doubts(changed)):
+    for at, told in (*_unusual_relations(changed, changed.tables, Location({})), *implausible_values(changed)):
         if at.path not in told_by_itself or at.message("") == of.key:
             yield at.message(""), told
 

@@ -95,7 +95,7 @@ def models_origin(plan: Plan, study: str) -> dict[str, Any]:
         lubricant=describe_lubricant(assembly.lubricant),
         **(
             {"bound_below": 1}
-            if "cage" in assembly.known_cage and assembly.cage.drags.bound_below
+            if "cage" in assembly.cage_cache and assembly.cage.drags.bound_below
             else {}
         ),
         **({"own_cage": own} if own else {}),

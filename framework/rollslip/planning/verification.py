@@ -104,7 +104,7 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
         frozenset(running.outputs.keys() - set(running.controlled_outputs.values()))
     )
     resolution, how = running.verification_resolution(plan.scene, plan.choices[study].resolution)
-    fine = running.at(resolution).run(assemble(plan.scene, resolution))
+    fine = running.with_resolution(resolution).run(assemble(plan.scene, resolution))
     found = errors_between(running.controlled_outputs, dataset, fine)
     rows = accuracy_rows(plan, study, found, how)
     broken = [

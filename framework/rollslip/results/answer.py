@@ -563,7 +563,7 @@ def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
         row["code"]: row for one in every for row in json.loads(one.attrs.get("consequences", "[]"))
     }
     for dataset in every:
-        for one in json.loads(dataset.attrs.get("validity") or "{}").get("told", []):
+        for one in json.loads(dataset.attrs.get("validity") or "{}").get("messages", []):
             code = one.get("code", "")
             row = at.get(code, {"moved": {}} if at else {})
             moved = row.get("moved")
@@ -572,10 +572,10 @@ def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
                     name: (first, math.inf if last is None else last)
                     for name, (first, last) in moved.items()
                 }
-            note = Note(code=code, short=one["short"], text=one["text"], weight=one["weight"],
+            note = Note(code=code, short=one["short"], text=one["text"], weight=one["severity"],
                         instead=row.get("instead", ""), moved=moved)  # fmt: skip
             key = code or f"{one['law']} {one['made_for']}"
-            rank = (one["warned"], one["weight"])
+            rank = (one["is_warning"], one["severity"])
             if key not in found or rank > found[key][0]:
                 found[key] = rank, note
     ranked = sorted(found.values(), key=lambda each: (_rank(each[1]), each[0]), reverse=True)

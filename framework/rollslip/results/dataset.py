@@ -125,6 +125,9 @@ FORMER_NAMES: Final[Mapping[str, str]] = {
     "statement_says": "statement_text",
     "taken_back": "reinstated",
     "time_beyond_runaway": "time_beyond_skidding",
+    "told": "messages",
+    "warned": "is_warning",
+    "weight": "severity",
 }
 #: A former name in the JSON text of an attribute.
 _QUOTED: Final = re.compile(f'"({"|".join(FORMER_NAMES)})"')

@@ -190,7 +190,7 @@ def _warnings(datasets: "Datasets") -> str:
         return _list(first)
     body = ""
     for heading, judged in _per_study(datasets, "validity"):
-        if rest := [one["text"] for one in judged.get("told", ()) if one["text"] not in first]:
+        if rest := [one["text"] for one in judged.get("messages", ()) if one["text"] not in first]:
             body += heading + _list(rest)
     summary = describe_more_bounds(more).partition(":")[0]
     return f"{_list(first)}<details>{_tag('summary', summary)}{body}</details>"

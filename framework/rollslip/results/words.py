@@ -230,7 +230,7 @@ def collect_warnings(
     has_row = not laws and any("makers_minimum_load" in result for result in results)
     repeated = [CATALOGUE_LOAD_WARNING] if has_row else []
     for dataset in results:
-        exceeded = json.loads(dataset.attrs.get("validity") or "{}").get("told", [])
+        exceeded = json.loads(dataset.attrs.get("validity") or "{}").get("messages", [])
         texts = {bound["text"] for bound in exceeded}
         warnings = json.loads(dataset.attrs.get("warnings", "[]"))
         others |= dict.fromkeys(
@@ -242,15 +242,15 @@ def collect_warnings(
         )
         for bound in exceeded:
             known = bounds.setdefault((bound["law"], bound["made_for"]), bound)
-            if (bound["warned"], bound["weight"]) > (known["warned"], known["weight"]):
+            if (bound["is_warning"], bound["severity"]) > (known["is_warning"], known["severity"]):
                 bounds[bound["law"], bound["made_for"]] = bound
     if not laws:
         return [*others], []
     ranked = sorted(
         bounds.values(),
-        key=lambda bound: (not bound["warned"], not bound["measured"], -bound["weight"]),
+        key=lambda bound: (not bound["is_warning"], not bound["measured"], -bound["severity"]),
     )
-    shown = [bound["text"] for bound in ranked[:_MAX_SHOWN_BOUNDS] if bound["warned"]]
+    shown = [bound["text"] for bound in ranked[:_MAX_SHOWN_BOUNDS] if bound["is_warning"]]
     return [*others, *shown], [bound["short"] for bound in ranked[len(shown) :]]
 
 

@@ -1,4 +1,4 @@
-"""What a study answers with, where plan and campaigns ask it: outputs, resolution with errors, lines of a plan."""
+"""Values that a study exchanges with plan, run and campaigns: outputs, choice of a resolution, lines of a plan."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import reduce
@@ -17,7 +17,7 @@ from rollslip.results.words import Status
 Errors: TypeAlias = Mapping[str, float]
 #: Name -> dimensions, values and attributes.
 Variables: TypeAlias = Mapping[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
-#: PartialResult variables of a result, and the coordinates of their dimensions.
+#: Some variables of a result, and the coordinates of their dimensions.
 PartialResult: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 
 
@@ -26,18 +26,18 @@ class Output:
     """A variable of the result of a study."""
 
     dims: str  #: Its dimensions, with spaces between; empty for a single value.
-    unit: str  #: SI unit, "1" for shares, words and numbers.
+    unit: str  #: SI unit, "1" for fractions, texts and numbers.
     meaning: str  #: What it is; its ``long_name``.
     #: Variable that says in words whether there is a value, where it may be missing.
     status: str = attrs.field(default="", kw_only=True)
-    #: Whether a point of a sweep keeps it where nothing is asked for.
+    #: Whether a sweep stores it where the user names no outputs.
     default: bool = attrs.field(default=False, kw_only=True)
     #: Whether it is an attribute of the result: a single value about the whole run.
     attribute: bool = attrs.field(default=False, kw_only=True)
-    #: Other names by which it may be asked for.
-    also: tuple[str, ...] = attrs.field(default=(), kw_only=True)
-    #: Size in its unit below which it is none: errors are relative to this at least. What is judged and may be 0 needs
-    #: one.
+    #: Other names by which it may be requested.
+    aliases: tuple[str, ...] = attrs.field(default=(), kw_only=True)
+    #: Size in its unit below which it counts as 0: errors are relative to this at least. A controlled output which may
+    #: be 0 needs one.
     floor: float = attrs.field(default=0.0, kw_only=True)
 
     def variable(self, values: Any) -> tuple[tuple[str, ...], Any, dict[str, Any]]:
@@ -48,7 +48,7 @@ class Output:
 
 @attrs.frozen(kw_only=True)
 class ResolutionChoice:
-    """A resolution for a study: what its parts are estimated to leave, and what is left out under a bound."""
+    """The resolution chosen for a study, with the estimated errors of its parts and what is left out under a bound."""
 
     resolution: Resolution
     #: Part -> key of [accuracy] -> estimated relative error.
@@ -57,9 +57,9 @@ class ResolutionChoice:
     #: Setting of the study that the scene does not name -> why it was chosen.
     reasons: Mapping[str, str] = attrs.field(factory=dict)
     failed: str = ""  #: Why there are no estimates; empty if there are.
-    #: What a run with fewer slices and instants was seen to leave, after which these were chosen; empty if none was.
+    #: What a run with fewer slices and positions left, so that these were chosen; empty for a first run.
     refinement_reason: str = ""
-    #: Whether it was looked for laws that are not needed, or that cheaper ones could replace.
+    #: Whether laws were compared with cheaper ones, or with none.
     compared_laws: bool = False
 
     @property
@@ -69,12 +69,22 @@ class ResolutionChoice:
 
     @property
     def complete_resolution(self) -> Resolution:
-        """The resolution with all that is left out under a bound taken back in."""
-        return reduce(lambda made, bound: bound.reinstated(made), self.left_out, self.resolution)
+        """The resolution with all reinstated that is left out under a bound."""
+        return reduce(
+            lambda resolution, bound: bound.reinstated(resolution), self.left_out, self.resolution
+        )
 
 
 def combine_errors(errors: Iterable[Errors], by: Callable[[list[float]], float]) -> Errors:
-    """Return the sum of several errors, result by result, or the largest of them; 0 where one has no such result."""
+    """Return the sum or the maximum of several errors, result by result; a result that one of them lacks counts as 0.
+
+    Parameters
+    ----------
+    errors : iterable of mappings
+        Relative errors by result.
+    by : callable
+        `sum` or `max`.
+    """
     parts = [*errors]
     names = dict.fromkeys(name for part in parts for name in part)
     return {name: by([part.get(name, 0.0) for part in parts]) for name in names}
@@ -82,28 +92,28 @@ def combine_errors(errors: Iterable[Errors], by: Callable[[list[float]], float])
 
 @attrs.frozen(kw_only=True)
 class Part:
-    """One line of the plan; ``study`` is empty where it is of all of them.
-
-    ``errors`` are the relative errors that it is estimated to leave, result by result, ``seconds`` its estimated cost.
-    """
+    """One line of the plan: a part of the model, whether it is included, with what, how finely, and why."""
 
     part: str
     included: bool = True
     choice: str
     resolution: str = ""
     reason: str
+    #: Study to which the line belongs; empty for a line of all studies.
     study: str = ""
+    #: Estimated relative errors, by result.
     errors: Errors = attrs.field(factory=dict)
+    #: Estimated cost [s].
     seconds: float | None = None
 
 
 @attrs.frozen
 class ComparedValues:
-    """A result that choices are held against each other by: rows of values, one for each curve, or a single value."""
+    """Values by which results of different models are compared: a row for each curve, or a single value."""
 
     values: Sequence[Sequence[float]]
     status: str = "found"  #: What was found of a single value that may be missing.
-    tolerance: str = ""  #: Key of [accuracy] that it is held against; empty for the general one.
+    tolerance: str = ""  #: Key of [accuracy] with its tolerance; empty for the general one.
 
 
 @attrs.frozen(kw_only=True)
@@ -122,30 +132,36 @@ class Measurable:
 
 @attrs.frozen(eq=False)
 class LoadedSlices:
-    """Loaded slices that a study evaluates for one of its curves: what they are evaluated at, and the force on each."""
+    """Loaded slices that a study evaluates for one of its curves at one slip, (n,)."""
 
+    #: Index of the curve.
     curve: int
     ring: Ring
+    #: Load per length [N/m].
     load: Array
+    #: Rolling and sliding speed [m/s], (n,) or one for all.
     rolling: Any
     sliding: Any
+    #: Force on each slice [N].
     force: Array
-    #: Where the slices are, columns of `PLACES`, if a law asks.
+    #: Positions of the slices, columns of `PLACES`, if a law needs them.
     places: Mapping[str, Any] = MappingProxyType({})
 
 
 @attrs.frozen
 class Store:
-    """Where a long study may leave what it has computed, in a form of its own, and whose it is."""
+    """Folder for checkpoints of a long study, and the hash by which they are recognised."""
 
-    folder: Path  # made when something is written
-    scene_hash: str  # of the scene that is run, and of what else its results hang on
+    folder: Path  #: It is created when the first checkpoint is written.
+    #: Hash of the scene, and of all files on which the results depend.
+    scene_hash: str
     study: str
 
 
 @attrs.frozen(kw_only=True)
 class RunContext:
-    """Where a long study leaves what it has computed so far, and whom it tells how far it has come."""
+    """What a long study may use while it runs: a store for checkpoints, and a function that shows its progress."""
 
     store: Store | None = None
+    #: Takes a text and the fraction that is done.
     progress: Callable[[str, float], None] | None = None

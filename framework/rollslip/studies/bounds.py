@@ -1,10 +1,10 @@
-"""What a plan leaves out under a bound, and the watch over that bound while it runs.
+"""Models that a plan leaves out under a bound, which is checked at every evaluation.
 
-- Some parts change nothing where they are left out (unloaded contacts, one slice under an even load): no bound is
-  needed. Others change nothing, or little, as long as something stays within a limit that is only known once it has
-  been computed. For these the chains of a bearing check the limit at every evaluation.
-- A limit that breaks ends the run; what was left out is taken back in, and the run is that of a plan that never left it
-  out. The result says so.
+- Some parts change nothing where they are left out (unloaded contacts, one slice under an even load): they need no
+  bound. Others change nothing, or little, as long as a quantity stays within a limit, and the quantity is only known
+  once it has been computed. For these the chains of a bearing check the limit at every evaluation.
+- Where a limit is exceeded the run ends, the model is reinstated, and the run starts again as if the model had never
+  been left out. The result says so.
 """
 
 import math
@@ -21,7 +21,7 @@ from rollslip_kernels.slices import Slices
 
 @attrs.frozen
 class BoundaryFriction(LeftOut):
-    """Boundary friction, whose share is zero as long as every film parameter is at least a limit."""
+    """Boundary friction, which is exactly zero as long as every film parameter is at least a limit."""
 
     limit: float
 
@@ -47,13 +47,14 @@ class BoundaryFriction(LeftOut):
 
 @attrs.frozen
 class ExactLaw(LeftOut):
-    """The law that the scene names, for which its closed form serves up to a size of each of the law's groups.
+    """The law that the scene names, replaced by its closed form up to a maximum of each dimensionless group of the law.
 
-    The difference of the two grows with each group; it was found where they are largest.
+    The difference of both grows with each group; it was computed where the groups are largest.
     """
 
     law: TractionModel
-    most: Mapping[str, float]
+    #: Group -> its maximum.
+    max_groups: Mapping[str, float]
 
     @property
     def what(self) -> str:
@@ -64,11 +65,11 @@ class ExactLaw(LeftOut):
         """Check the largest of each group."""
         if not len(slices):
             return
-        for name, found in _largest(self.law, slices).items():
-            most = self.most[name]
-            if not found <= most:
+        for name, largest in _largest_groups(self.law, slices).items():
+            limit = self.max_groups[name]
+            if not largest <= limit:
                 raise BoundBrokenError(
-                    self, f"a {name.replace('_', ' ')} of {found:.4g} is above {most:.4g}"
+                    self, f"a {name.replace('_', ' ')} of {largest:.4g} is above {limit:.4g}"
                 )
 
     def reinstated(self, resolution: Resolution) -> Resolution:
@@ -78,9 +79,9 @@ class ExactLaw(LeftOut):
 
 @attrs.frozen
 class InletHeating(LeftOut):
-    """What the heat of its inlet takes off a film, up to a thermal load."""
+    """The heat of the inlet, which thins a film, up to a maximum of the thermal load."""
 
-    most: float
+    max_thermal_load: float
 
     @property
     def what(self) -> str:
@@ -89,8 +90,13 @@ class InletHeating(LeftOut):
 
     def __call__(self, slices: Slices) -> None:
         """Check the largest thermal load."""
-        if len(slices) and not (found := hottest(slices)) <= self.most:
-            raise BoundBrokenError(self, f"a thermal load of {found:.4g} is above {self.most:.4g}")
+        if not len(slices):
+            return
+        largest = max_thermal_load(slices)
+        if not largest <= self.max_thermal_load:
+            raise BoundBrokenError(
+                self, f"a thermal load of {largest:.4g} is above {self.max_thermal_load:.4g}"
+            )
 
     def reinstated(self, resolution: Resolution) -> Resolution:
         """Return the resolution with the heat of the inlet."""
@@ -99,12 +105,12 @@ class InletHeating(LeftOut):
 
 @attrs.frozen
 class LightContacts(LeftOut):
-    """What a light contact spreads its load by, down to the load parameter M of a mean load.
+    """The pressure of the film itself, which spreads a light load, down to the load parameter M of the mean load.
 
-    Some slice hardly touches in any bearing; it carries as little of the friction.
+    The mean load is taken because a few slices hardly touch in any bearing; they carry as little of the friction.
     """
 
-    least: float
+    min_mean_load: float
 
     @property
     def what(self) -> str:
@@ -113,9 +119,12 @@ class LightContacts(LeftOut):
 
     def __call__(self, slices: Slices) -> None:
         """Check the load parameter of the mean load."""
-        if len(slices) and not (found := mean_load(slices)) >= self.least:
+        if not len(slices):
+            return
+        load = mean_load(slices)
+        if not load >= self.min_mean_load:
             raise BoundBrokenError(
-                self, f"a mean load parameter of {found:.4g} is below {self.least:.4g}"
+                self, f"a mean load parameter of {load:.4g} is below {self.min_mean_load:.4g}"
             )
 
     def reinstated(self, resolution: Resolution) -> Resolution:
@@ -123,7 +132,7 @@ class LightContacts(LeftOut):
         return attrs.evolve(resolution, light_contacts=True)
 
 
-def hottest(slices: Slices) -> float:
+def max_thermal_load(slices: Slices) -> float:
     """Return the largest thermal load of the inlets of slices."""
     return float(QUANTITIES["thermal_load"].of(slices).max())
 
@@ -135,7 +144,7 @@ def mean_load(slices: Slices) -> float:
 
 
 class Extremes:
-    """What was met in slices: thinnest film, hottest inlet, lightest mean load, largest of each group of a law."""
+    """Extremes of evaluated slices: film parameter, thermal load and groups of a law, and the smallest mean load."""
 
     def __init__(self, law: TractionModel) -> None:
         self.thinnest = math.inf
@@ -145,21 +154,19 @@ class Extremes:
         self.lightest = math.inf
 
     def __call__(self, slices: Slices) -> None:
-        """Take in evaluated slices."""
+        """Update the extremes by evaluated slices."""
         if not len(slices):
             return
         self.thinnest = min(
             self.thinnest, float(slices.film_thickness.min()) / slices.conditions.roughness
         )
-        self.hottest, self.lightest = (
-            max(self.hottest, hottest(slices)),
-            min(self.lightest, mean_load(slices)),
-        )
+        self.hottest = max(self.hottest, max_thermal_load(slices))
+        self.lightest = min(self.lightest, mean_load(slices))
         if self._law.closed_form is not None:
-            found = _largest(self._law, slices)
-            self.groups = {name: max(self.groups.get(name, 0.0), x) for name, x in found.items()}
+            for name, size in _largest_groups(self._law, slices).items():
+                self.groups[name] = max(self.groups.get(name, 0.0), size)
 
 
-def _largest(law: TractionModel, slices: Slices) -> dict[str, float]:
+def _largest_groups(law: TractionModel, slices: Slices) -> dict[str, float]:
     """Return the largest size of each group of a law in evaluated slices."""
     return {name: float(np.abs(group).max()) for name, group in law.groups(slices).items()}

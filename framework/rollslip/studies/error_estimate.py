@@ -182,6 +182,8 @@ _ASSUMED_ORDER: Final = 1.0
 
 #: Name of the part of an error that comes from models left out, which the probe did not show to be needed.
 LEFT_OUT: Final = "left out"
+#: Number of a resolution -> what messages call it.
+_NUMBER_NAMES: Final = {"slices": "slices", "n_positions": "roller positions"}
 #: Parts of a contact that may be left out, as fields of a resolution.
 _CONTACT_PARTS: Final = ("inlet_heating", "light_contacts")
 #: How many times as many slices or positions a run has at most that is made again. An error estimate says little about
@@ -830,7 +832,8 @@ def _describe_divergence(part: str, maximum: int, exceeded: Errors) -> str:
         for name, error in exceeded.items()
     )
     raised = " and ".join(f"accuracy.{name}" for name in exceeded)
-    return f"the last doubling up to {maximum} {part} still changes {changes}; raise {raised}"
+    number = f"{maximum} {_NUMBER_NAMES[part]}"
+    return f"the last doubling up to {number} still changes {changes}; raise {raised}"
 
 
 # After a run: a posteriori error estimate ----------------------------------------------------------------------------
@@ -1211,7 +1214,7 @@ def refine_resolution(
     n_slices = assembly.scene.bearing.rollers * math.prod(refined.values())
     if refined == numbers or n_slices > _MAX_SLICES:
         return None
-    first = " and ".join(f"{numbers[part]} {part}" for part in error.errors)
+    first = " and ".join(f"{numbers[part]} {_NUMBER_NAMES[part]}" for part in error.errors)
     return attrs.evolve(
         choice,
         resolution=attrs.evolve(choice.resolution, **refined),

@@ -1,6 +1,7 @@
-"""Quantities that laws give beside their columns (`SliceModel.outputs`), as variables of any study's result.
+"""Quantities that laws compute beside their columns (`SliceModel.outputs`), as variables of any study's result.
 
-Means by contact force: on each point of the curves of a study, or of each ring where its laws are judged.
+They are means weighted by contact force: for each point of the curves of a study, or for each ring at the state where
+the validity of its laws is checked.
 """
 
 from collections.abc import Sequence
@@ -16,53 +17,74 @@ from rollslip.results.dataset import about
 from rollslip.results.words import LAW
 from rollslip.studies.answers import LoadedSlices, Variables
 from rollslip.studies.study import Study
-from rollslip.studies.validity import filled, quantity
+from rollslip.studies.validity import evaluate_rings, quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Variables:
-    """Return what the laws of a bearing give beside their columns, where a study's result was computed with them.
+    """Return the quantities that the laws of a bearing compute beside their columns, as means by contact force.
 
-    A name that the result has already stands with that of its law before it.
+    A quantity whose name the result has already is named with its law before it.
+
+    Parameters
+    ----------
+    study : Study
+        The study that was run.
+    assembly : Assembly
+        The bearing with which the result was computed.
+    dataset : xarray.Dataset
+        The result.
     """
-    chain = assembly.inner.chain.models
-    laws = [law for model in chain for law in (model, *(child for _, child in submodels(model)))]
-    laws = [law for law in laws if getattr(law, "outputs", None)]
+    laws = _laws_with_outputs(assembly)
     if not laws:
         return {}
+    groups, dims = _contacts_by_group(study, assembly, dataset)
+    variables = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]()
+    for law in laws:
+        for name, (unit, meaning) in law.outputs.items():
+            values = np.array([_force_means(law, name, group, assembly) for group in groups])
+            variable = name
+            if name in dataset.variables:
+                variable = f"{law.name.replace('-', '_')}_{name}"
+            if len(dims) == 1:
+                values = values.mean(axis=1) if values.size else np.full(len(groups), np.nan)
+            variables[variable] = dims, values, about(unit, meaning) | {LAW: law.name}
+    return variables
+
+
+def _laws_with_outputs(assembly: Assembly) -> list[SliceModel]:
+    """Return the laws of a bearing, submodels included, that have outputs of their own."""
+    models = assembly.inner.chain.models
+    laws = [law for model in models for law in (model, *(child for _, child in submodels(model)))]
+    return [law for law in laws if getattr(law, "outputs", None)]
+
+
+def _contacts_by_group(
+    study: Study, assembly: Assembly, dataset: "xr.Dataset"
+) -> tuple[list[list[LoadedSlices]], tuple[str, ...]]:
+    """Return the loaded slices of each curve, or of each ring, and the dimensions of their means."""
     curves = None if type(study).loaded_slices is Study.loaded_slices else study.curves_of
     if curves is not None:
         contacts = [*study.loaded_slices(assembly, dataset)]
-        groups = [
-            [one for one in contacts if one.curve == k] for k in range(dataset.sizes[curves.over])
-        ]
-        dims: tuple[str, ...] = (curves.over, curves.slip)
-    else:
-        contacts = study.validity_slices(assembly, dataset)
-        groups = [[one for one in contacts if one.ring == ring] for ring in RINGS]
-        dims = ("ring", "steady")
-        if len(groups[0]) != dataset.sizes.get("steady"):
-            dims = ("ring",)
-    found = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]()
-    for law in laws:
-        for name, (unit, meaning) in law.outputs.items():
-            values = np.array([_means(law, name, group, assembly) for group in groups])
-            called = f"{law.name.replace('-', '_')}_{name}" if name in dataset.variables else name
-            if len(dims) == 1:
-                values = values.mean(axis=1) if values.size else np.full(len(groups), np.nan)
-            found[called] = dims, values, about(unit, meaning) | {LAW: law.name}
-    return found
+        n_curves = dataset.sizes[curves.over]
+        groups = [[item for item in contacts if item.curve == k] for k in range(n_curves)]
+        return groups, (curves.over, curves.slip)
+    contacts = study.validity_slices(assembly, dataset)
+    groups = [[item for item in contacts if item.ring == ring] for ring in RINGS]
+    if len(groups[0]) == dataset.sizes.get("steady"):
+        return groups, ("ring", "steady")
+    return groups, ("ring",)
 
 
-def _means(
+def _force_means(
     law: SliceModel, name: str, contacts: Sequence[LoadedSlices], assembly: Assembly
 ) -> Array:
-    """Means of a quantity by force, one for each of the contacts of a ring, (n,); NaN where none is loaded."""
+    """Return means of a quantity by force, one for each of the contacts of a ring, (n,); NaN where none is loaded."""
     sums = np.zeros((2, len(contacts)))
-    loaded = [k for k, one in enumerate(contacts) if len(one.load)]
-    for table in filled(contacts, assembly):
+    loaded = [k for k, item in enumerate(contacts) if len(item.load)]
+    for table in evaluate_rings(contacts, assembly):
         weighted = table.force * quantity(law, name, table.slices)
         sums[:, loaded] = (
             np.add.reduceat(weighted, table.starts),

@@ -1,8 +1,8 @@
-"""What a point of a sweep returns: the variables of its study that were asked for, and nothing else.
+"""Compute the requested outputs of a study at a point of a sweep, and no others.
 
-- A study may offer `partial_result`, a shorter way to some of its variables, or `run_batch`, one for many points in one go; what
-  it cannot give so, a whole run gives.
-- What says in words whether a value was found goes with the value.
+- A study may compute some of its outputs faster than a whole run, by `partial_result`, or for many points in one call,
+  by `run_batch`. What it cannot compute so, a whole run computes.
+- The status of a value, which says whether it was found, is returned with the value.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,51 +23,73 @@ Values: TypeAlias = tuple[Variables, Variables, dict[str, Any]]
 
 
 def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
-    """Return the outputs asked for, or the default ones, with the words that belong to them."""
+    """Return the requested outputs, or the default ones, with the statuses that belong to them.
+
+    Parameters
+    ----------
+    study : type of Study
+        The class of the study.
+    names : iterable of str
+        Names or aliases of outputs; empty for the default ones.
+
+    Raises
+    ------
+    SceneError
+        If the study has no such output.
+    """
     known = study.outputs
-    problems = []
-    also = {other: name for name, output in known.items() for other in output.also}
+    aliases = {alias: name for name, output in known.items() for alias in output.aliases}
     requested = tuple(
-        dict.fromkeys(name if name in known else also.get(name, name) for name in names)
-    ) or tuple(name for name, output in known.items() if output.default)
-    for name in requested:
-        if name not in known:
-            near = nearest(name, known, count=1)
-            having = [
-                other for other in available("study") if name in get_class("study", other).outputs
-            ]
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            hint = f"study {' or '.join(map(repr, having))} has it. " if having else hint
-            problems.append(
-                f"output: study {study.name!r} has no {name!r}; {hint}There are: {', '.join(known)}"
-            )
+        dict.fromkeys(name if name in known else aliases.get(name, name) for name in names)
+    )
+    if not requested:
+        requested = tuple(name for name, output in known.items() if output.default)
+    problems = [_describe_unknown(study, name) for name in requested if name not in known]
     if problems:
         raise SceneError(problems)
-    return tuple(
-        dict.fromkeys(
-            (*requested, *(known[name].status for name in requested if known[name].status))
-        )
-    )
+    statuses = (known[name].status for name in requested if known[name].status)
+    return tuple(dict.fromkeys((*requested, *statuses)))
+
+
+def _describe_unknown(study: type[Study], name: str) -> str:
+    """Say that a study has no output of a name, which other study has it or what is similar, and what there is."""
+    others = [other for other in available("study") if name in get_class("study", other).outputs]
+    near = nearest(name, study.outputs, count=1)
+    hint = ""
+    if others:
+        hint = f"study {' or '.join(map(repr, others))} has it. "
+    elif near:
+        hint = f"did you mean {near[0]!r}? "
+    known = ", ".join(study.outputs)
+    return f"output: study {study.name!r} has no {name!r}; {hint}There are: {known}"
 
 
 def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:
     """Return the variables of these names, the coordinates of their dimensions and the attributes of the result.
 
-    A variable that the study has only sometimes, such as the slips of a cage that runs away, is left out where it has
-    none.
+    A variable that a study has only sometimes, for example the slips of a skidding cage, is left out where it has none.
+
+    Parameters
+    ----------
+    study : Study
+        The study with its settings.
+    assembly : Assembly
+        The bearing at its resolution.
+    names : sequence of str
+        Outputs of the study.
     """
     if (together := evaluate_together([(study, assembly)], names)) is not None:
         return together[0]
     if (some := study.partial_result(assembly, frozenset(names))) is not None:
-        return _picked(some, names)
+        return _select(some, names)
     dataset = study.without_outputs(frozenset(study.outputs.keys() - set(names))).run(assembly)
     wanted: dict[str, Any] = {}
     for name in names:
         if name in dataset:
             wanted[name] = _plain(dataset[name].dims, dataset[name], dataset[name].attrs)
         elif name in dataset.attrs:  # a single value about the whole run
-            _, value, said = study.outputs[name].variable(dataset.attrs[name])
-            wanted[name] = _plain((), value, said)
+            _, value, attributes = study.outputs[name].variable(dataset.attrs[name])
+            wanted[name] = _plain((), value, attributes)
     dims = {dim for of, *_ in wanted.values() for dim in of if dim in dataset.coords}
     return (
         wanted,
@@ -79,18 +101,28 @@ def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:
 def evaluate_together(
     cases: Sequence[tuple[Study, Assembly]], names: Sequence[str]
 ) -> list[Values] | None:
-    """Return what `evaluate` does for several points in one go; None where their study has no way to."""
+    """Return what `evaluate` returns for several points in one call; None if their study cannot.
+
+    Parameters
+    ----------
+    cases : sequence of (Study, Assembly)
+        The points, all of one study.
+    names : sequence of str
+        Outputs of the study.
+    """
     results = type(cases[0][0]).run_batch(cases, frozenset(names)) if cases else None
-    return None if results is None else [_picked(some, names) for some in results]
+    return None if results is None else [_select(some, names) for some in results]
 
 
-def _picked(found: PartialResult, names: Sequence[str]) -> Values:
-    variables, coords = found
-    wanted = {name: _plain(*variables[name]) for name in names}
-    return wanted, {dim: _plain(*coords[dim]) for of, *_ in wanted.values() for dim in of}, {}
+def _select(result: PartialResult, names: Sequence[str]) -> Values:
+    """Return the variables of some names and the coordinates of their dimensions; without attributes."""
+    variables, coords = result
+    selected = {name: _plain(*variables[name]) for name in names}
+    dims = {dim: _plain(*coords[dim]) for dimensions, *_ in selected.values() for dim in dimensions}
+    return selected, dims, {}
 
 
 def _plain(
-    dims: Any, values: Any, said: Mapping[str, Any]
+    dims: Any, values: Any, attributes: Mapping[str, Any]
 ) -> tuple[tuple[str, ...], Any, Mapping[str, Any]]:
-    return (dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), said
+    return (dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), attributes

@@ -12,8 +12,8 @@ from rollslip.scene.rings import yielding
 from rollslip.studies.answers import Errors, Part, ResolutionChoice
 
 
-def describe_fraction(assembly: Assembly, estimated: ResolutionChoice) -> str:
-    """Say why slices and instants are as many as they are."""
+def resolution_reason(assembly: Assembly, estimated: ResolutionChoice) -> str:
+    """Return why the numbers of slices and roller positions were chosen."""
     if estimated.failed:
         return f"there are no estimates: {estimated.failed}"
     if estimated.refinement_reason:
@@ -26,7 +26,7 @@ def describe_fraction(assembly: Assembly, estimated: ResolutionChoice) -> str:
 
 
 def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
-    """Return how a contact is cut along the roller."""
+    """Return the line on the slices of a contact along the roller."""
     scene = assembly.scene
     resolution = assembly.resolution
     bearing = scene.bearing
@@ -55,7 +55,7 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
 
 
 def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -> list[Part]:
-    """Return how the load is spread over rollers and instants, and which rollers carry nothing."""
+    """Return the lines on the distribution of the load over rollers and positions, and on unloaded rollers."""
     bearing = assembly.scene.bearing
     n_positions = assembly.resolution.n_positions
     doubled = f"roller positions doubled until the curve moves by less than {assembly.scene.accuracy.tolerance:g}"
@@ -81,32 +81,32 @@ def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -
 
 
 def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
-    """Return whether boundary friction takes part, and the law that serves in place of the scene's."""
+    """Return the lines on boundary friction, on parts left out of a contact, and on a closed form in place of a law."""
     resolution = assembly.resolution
     errors = estimated.errors
-    found = list[Part]()
+    lines = list[Part]()
     limit = assembly.at(attrs.evolve(resolution, boundary=True)).traction.full_film_from
     if limit is not None:
-        said = "whether all films are full was not looked at"
+        state = "whether all films are full was not looked at"
         if not resolution.boundary:
-            said = "it is watched at every evaluation, and boundary friction taken back in where one falls below it"
+            state = "it is watched at every evaluation, and boundary friction taken back in where one falls below it"
         elif estimated.compared_laws:
-            said = "at the ends of the slips a film parameter is below it"
-        found.append(
+            state = "at the ends of the slips a film parameter is below it"
+        lines.append(
             Part(
                 part="boundary friction",
                 included=resolution.boundary,
                 choice="evaluated only on slices that need it",
-                reason=f"a film is full from a film parameter of {limit:g}; {said}",
+                reason=f"a film is full from a film parameter of {limit:g}; {state}",
             )
         )
-    parts = {
+    left_out = {
         "inlet_heating": ("thermal inlet shear", assembly.film.name),
         "light_contacts": ("pressure", "hertz"),
     }
-    for name, (part, choice) in parts.items():
+    for name, (part, choice) in left_out.items():
         if name in errors:
-            found.append(
+            lines.append(
                 Part(
                     part=part,
                     included=False,
@@ -118,7 +118,7 @@ def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
             )
     law = assembly.traction.full_film.name
     if "law" in errors:
-        found.append(
+        lines.append(
             Part(
                 part="law of the full film",
                 choice=law,
@@ -127,11 +127,11 @@ def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
                 errors=errors["law"],
             )
         )
-    return found
+    return lines
 
 
 def tables(assembly: Assembly, errors: Errors, seconds: float | None) -> Part:
-    """Return the tables of a bearing in motion."""
+    """Return the line on the tables of a bearing in motion."""
     return Part(
         part="tables",
         choice="loads over the orbit, effective friction, slip-drag curve",
@@ -142,35 +142,48 @@ def tables(assembly: Assembly, errors: Errors, seconds: float | None) -> Part:
     )
 
 
-def spent(costs: Mapping[str, float], meanings: Mapping[str, str]) -> list[Part]:
-    """Return what else costs time, a line for each part; a meaning may end with the resolution behind a bar."""
-    found = []
+def other_costs(costs: Mapping[str, float], meanings: Mapping[str, str]) -> list[Part]:
+    """Return a line for each other part of the cost.
+
+    Parameters
+    ----------
+    costs : mapping of str to float
+        Part -> time [s].
+    meanings : mapping of str to str
+        Part -> what it is, and its resolution behind a bar.
+    """
+    lines = []
     for part, seconds in costs.items():
         reason, _, resolution = meanings.get(part, "a part of the study").partition("|")
-        found.append(
+        lines.append(
             Part(part=part, choice="", resolution=resolution, reason=reason, seconds=seconds)
         )
-    return found
+    return lines
 
 
 def rings(assembly: Assembly) -> Part:
-    """How rings yield, and how much that counts for; if they do not, what they would."""
+    """Return the line on flexible rings, with how much they change the loads of rollers, or would change them."""
     scene = assembly.scene
     both = assembly.rings
-    told = ""
+    effect = ""
     stated = {} if both is None else both.yielding
     with contextlib.suppress(RollslipError):  # no plugin, or no room for a ring
-        bare, held = yielding(scene.bearing, scene.operation.radial_load, stated=stated)
-        told = f"rings that yield count for about {100 * held.change:.2g} % of the loads of rollers"
-        own = f" in their seats ({held}), {100 * bare.change:.2g} % bare ({bare})"
-        told += f" ({held})" if len(stated) == 2 else own
-        told += "" if bare.change > scene.accuracy.tolerance else ", less than accuracy.tolerance"
+        bare, seated = yielding(scene.bearing, scene.operation.radial_load, stated=stated)
+        effect = (
+            f"rings that yield count for about {100 * seated.change:.2g} % of the loads of rollers"
+        )
+        if len(stated) == 2:
+            effect += f" ({seated})"
+        else:
+            effect += f" in their seats ({seated}), {100 * bare.change:.2g} % bare ({bare})"
+        if not bare.change > scene.accuracy.tolerance:
+            effect += ", less than accuracy.tolerance"
     if both is None:
         return Part(
             part="rings that yield",
             included=False,
             choice="rigid, round",
-            reason=told or "none is named",
+            reason=effect or "none is named",
         )
     chosen = (("inner", scene.models.inner_ring), ("outer", scene.models.outer_ring))
     shapes = both.parity.size
@@ -180,8 +193,10 @@ def rings(assembly: Assembly) -> Part:
     )
     return Part(
         part="rings",
-        choice=", ".join(f"{of} {'rigid' if one is None else one.name}" for of, one in chosen),
+        choice=", ".join(
+            f"{ring} {'rigid' if model is None else model.name}" for ring, model in chosen
+        ),
         resolution=f"{shapes} shapes that yield, {formed} parts of forms",
-        reason="; ".join(filter(None, (reason, told))),
+        reason="; ".join(filter(None, (reason, effect))),
         errors={"friction": both.left} if both.left else {},
     )

@@ -1,9 +1,9 @@
-"""What a study is: a question put to one bearing, and all that plan, campaigns and commands ask of it.
+"""The base class of studies: a computation for one bearing, with all that plan, campaigns and commands use of it.
 
-- A study is a plugin like any law: an attrs class found through the entry points ``rollslip.study``, whose fields are
-  the keys of ``[study.NAME]``. Plan, sweeps, comparisons, fronts and commands know none by name.
-- What it must say is its outputs and how to run; for everything else there is an answer that holds for any study, and
-  that a study which knows more replaces.
+- A study is a plugin, as laws are: an attrs class found through the entry points ``rollslip.study``, whose fields are
+  the keys of ``[study.NAME]``. Plan, sweeps, comparisons, fronts and commands know no study by name.
+- A study must define its outputs and `run`. Everything else has a default that holds for any study, and that a study
+  may replace by something better.
 """
 
 import abc
@@ -42,18 +42,19 @@ from rollslip.studies.error_estimate import (
     choose_by_curves,
     choose_by_doubling,
 )
-from rollslip.studies.timing import timed
+from rollslip.studies.timing import processor_time
 from rollslip.studies.validity import rolling_slices
 from rollslip.units import as_written
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["AXES", "CONTACT_CHOICES", "JUDGED", "Study", "settings", "study_class"]
+__all__ = ["AXES", "CONTACT_CHOICES", "N_VALIDITY_SLIPS", "Study", "settings", "study_class"]
 
-#: Slips of a curve at which models are judged.
-JUDGED: Final = 5
-#: What can be chosen numerically and of models -> what it means, in the order in which it is told.
+#: Slips of a curve at which the validity of models is checked. Chosen: one for each fifth of the range. Twice as
+#: many would cost twice as much.
+N_VALIDITY_SLIPS: Final = 5
+#: Numerical or modelling choice -> what it means, in the order in which it is listed.
 AXES: Final[Mapping[str, str]] = MappingProxyType(
     {
         "slices": "number of equal slices",
@@ -68,37 +69,37 @@ AXES: Final[Mapping[str, str]] = MappingProxyType(
         "friction": "friction of the raceways in motion",
     }
 )
-#: Those of `AXES` that act on whatever evaluates contacts.
+#: Those of `AXES` that change every result for which contacts are evaluated.
 CONTACT_CHOICES: Final = frozenset({"slices", "quadrature", "compiled", "traction", "film"})
 
 
 @attrs.frozen(kw_only=True)
 class Study(DiscretisedStudy, abc.ABC):
-    """A question put to one bearing; its settings are the attrs fields of the class."""
+    """A computation for one bearing; its settings are the attrs fields of the class."""
 
     #: Name -> a variable of its result, or a single value among the attributes of it.
     outputs: ClassVar[Mapping[str, Output]]
     #: Numerical and modelling choices that change its results, of `AXES`.
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES
-    #: Part of the cost -> what it is, and the resolution behind a bar.
+    #: Part of the cost -> what it is, and its resolution behind a bar.
     cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"run": "the study as a whole"}
     )
-    #: Whether the loads of all rollers take part.
+    #: Whether it uses the loads of all rollers.
     bearing_loads: ClassVar[bool] = True
-    #: Whether cage and drags of the scene take part.
+    #: Whether it uses cage and drags of the scene.
     with_cage: ClassVar[bool] = False
-    #: Whether it finds bulk temperatures from losses; all others take those of the operation.
+    #: Whether it computes bulk temperatures from losses; other studies take those of the operation.
     with_heat: ClassVar[bool] = False
-    #: Whether it measures what slip does to surfaces, by the models that a scene names for that.
+    #: Whether it computes damage of surfaces, by the models of damage that a scene names.
     with_damage: ClassVar[bool] = False
-    #: Libraries that its runs import late; the time of importing them is no cost of a run.
+    #: Libraries that its runs import late; the time of importing them is not part of the cost of a run.
     libraries: ClassVar[tuple[str, ...]] = ()
-    #: Whether it goes through time, so that a run takes long and can go on where it was interrupted.
+    #: Whether it integrates over time, so that a run takes long and can resume where it was interrupted.
     is_transient: ClassVar[bool] = False
-    #: Whether one resolution, chosen for a few points of a sweep, serves all of them.
+    #: Whether one resolution, chosen for a few points of a sweep, is used for all of them.
     shares_resolution: ClassVar[bool] = False
-    #: Quantities of data sets that it gives: name -> how.
+    #: Quantity of data sets that it computes -> how.
     measured: ClassVar[Mapping[str, Measurable]] = MappingProxyType({})
     references: ClassVar[tuple[Citation, ...]] = ()
     #: Rule of the conformance kit that the study breaks for a reason -> that reason.
@@ -106,7 +107,7 @@ class Study(DiscretisedStudy, abc.ABC):
 
     @property
     def with_weight(self) -> bool:
-        """Whether the weight of rollers acts in it where no `gravity_direction` of the operation says so."""
+        """Whether the weight of rollers acts though the operation has no `gravity_direction`."""
         return False
 
     @abc.abstractmethod
@@ -116,9 +117,9 @@ class Study(DiscretisedStudy, abc.ABC):
         Parameters
         ----------
         assembly : Assembly
-            The bearing, put together, at the resolution that was chosen for it.
+            The bearing at the resolution that was chosen for it.
         context : RunContext, optional
-            Where what was computed so far is left, for studies that take long; others do not look at it.
+            Store of checkpoints and progress, for studies that take long.
 
         Returns
         -------
@@ -126,7 +127,7 @@ class Study(DiscretisedStudy, abc.ABC):
             Variables as `outputs` declares them; attributes at least those of `attributes`.
         """
 
-    # What it says of itself ---------------------------------------------------------------------------------------
+    # Description ---------------------------------------------------------------------------------------
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
@@ -144,20 +145,22 @@ class Study(DiscretisedStudy, abc.ABC):
 
     @property
     def table(self) -> str:
-        """The table of a scene with its settings: what stands before their names where they are typed."""
+        """The table of a scene that has its settings, for example "study.dynamics"."""
         return f"study.{self.name}"
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """The attributes by which a result is told from others."""
-        said = {"study": self.name} | (
-            {} if self.curves_of is None else {"curves": self.curves_of.attribute}
-        )
-        return said | ({"curves_with": self.curves_with} if self.curves_with else {})
+        """The attributes that every result of the study has."""
+        attributes: dict[str, Any] = {"study": self.name}
+        if self.curves_of is not None:
+            attributes["curves"] = self.curves_of.attribute
+        if self.curves_with:
+            attributes["curves_with"] = self.curves_with
+        return attributes
 
     @property
     def curves_with(self) -> str:
-        """What its curves rest on, told beside their critical slips: "with rollers that ..."; empty for nothing."""
+        """What its curves assume, shown with their critical slips: "with rollers that ..."; empty for nothing."""
         return ""
 
     @classmethod
@@ -166,52 +169,72 @@ class Study(DiscretisedStudy, abc.ABC):
         return {name: cls.outputs[name].variable(value) for name, value in values.items()}
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return kind and model of what it uses beyond the models of a contact."""
+        """Return kind and model of all that it uses besides the models of a contact."""
         return ()
 
     def degrees_of_freedom(self, assembly: Assembly) -> int:
         """Return the unknowns of the largest system that is solved: those of the bearing at rest."""
-        rollers = assembly.scene.bearing.rollers
-        return 2 + (2 if assembly.slices > 1 else 1) * rollers if self.bearing_loads else 0
+        if not self.bearing_loads:
+            return 0
+        per_roller = 2 if assembly.slices > 1 else 1
+        return 2 + per_roller * assembly.scene.bearing.rollers
 
     def evaluations(self, assembly: Assembly) -> int:
-        """Return about how many slices the study will evaluate; 0 where nobody knows."""
+        """Return about how many slices the study will evaluate; 0 where that is not known."""
         return 0
 
     def digest(self, assembly: Assembly) -> str:
-        """Return a digest of the files that it reads beside the scene; empty if there are none."""
+        """Return a digest of the files that it reads besides the scene; empty if there are none."""
         return ""
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return how many numbers it holds at least, by the setting that they go with; empty where that is little."""
+        """Return how many numbers its result has at least, by the setting that decides; empty for a small result."""
         return {}
 
-    # Less of it ---------------------------------------------------------------------------------------------------
+    # Parts of a result -----------------------------------------------------------------------------------------------
 
     def without_outputs(self, outputs: frozenset[str]) -> Self:
-        """Return a study that does not compute some outputs, as far as leaving them out saves something."""
+        """Return a study that does not compute some outputs, as far as this saves time."""
         return self
 
     def partial_result(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
-        """Return some outputs by a way shorter than `run`; None if there is none to these."""
+        """Return some outputs by a computation that is faster than `run`; None if there is none for these.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing at its resolution.
+        outputs : frozenset of str
+            Names among the outputs of the study.
+        """
         return None
 
-    # How finely, with what error, at what cost ----------------------------------------------------------------------
+    # Resolution, error and cost ----------------------------------------------------------------------
 
-    def at(self, resolution: Resolution) -> Self:
-        """Return the settings with what a resolution says of them."""
+    def with_resolution(self, resolution: Resolution) -> Self:
+        """Return the study with those settings that a resolution has."""
         return self
 
     def numerical_settings(self, assembly: Assembly) -> Mapping[str, Any]:
-        """Return the settings that a resolution may change, as they are: integrator, friction ..."""
+        """Return the settings that a resolution may change, for example integrator and friction."""
         return {}
 
     def choose_resolution(
         self, assembly: Assembly, *, cheaper_laws: bool = True
     ) -> ResolutionChoice:
-        """Choose the resolution by what the scene asks for: by curves, or by doubling where there are none.
+        """Choose the resolution that keeps the tolerances of the scene: by curves, or by doubling where there are none.
 
-        Where there is no estimate a `RollslipError` says why.
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing as the scene states it.
+        cheaper_laws : bool
+            Whether models may be left out, or replaced by a closed form, where the tolerance allows it.
+
+        Raises
+        ------
+        RollslipError
+            If errors cannot be estimated.
         """
         curve_study = self.curve_study(assembly)
         if curve_study is None:
@@ -219,78 +242,110 @@ class Study(DiscretisedStudy, abc.ABC):
         return choose_by_curves(curve_study, assembly, cheaper_laws=cheaper_laws)
 
     def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
-        """Return the resolution that a result is verified against, and how that is said."""
+        """Return the resolution of the run by which a result is verified, and its name in messages.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene.
+        own : Resolution
+            The resolution of the result.
+        """
         return reference_resolution(scene), "against the finest"
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return the time [s] that each part takes at the resolution of the bearing: of a whole run in small, scaled.
+        """Return the estimated time [s] of each part at the resolution of the bearing, by a small run that is scaled.
 
-        Where a part cannot be computed a `RollslipError` says why.
+        A `RollslipError` says why, where the small run fails.
         """
         resolution = assembly.resolution
-        few = attrs.evolve(
+        coarse = attrs.evolve(
             resolution,
             slices=min(resolution.slices, COARSE_SLICES),
             quadrature="equal",
             n_positions=1,
         )
-        some = assembly.at(few)
-        more = (
-            assembly.slices
-            / some.slices
-            * (resolution.n_positions or 1 if "n_positions" in self.affected_by else 1)
-        )
-        return {"run": more * timed(partial(self.run, some), 1)}
+        small = assembly.at(coarse)
+        positions = 1
+        if "n_positions" in self.affected_by:
+            positions = resolution.n_positions or 1
+        factor = assembly.slices / small.slices * positions
+        return {"run": factor * processor_time(partial(self.run, small), 1)}
 
     def parts(
         self, assembly: Assembly, estimated: ResolutionChoice, costs: Mapping[str, float]
     ) -> list[Part]:
-        """Return the lines of the plan that are particular to the study, with errors and costs.
+        """Return the lines of the plan that belong to the study, with errors and costs.
 
-        The bearing is at the resolution that was chosen, ``costs`` what `cost` says, empty if it has nothing to say.
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing at the resolution that was chosen.
+        estimated : ResolutionChoice
+            The choice, with estimated errors.
+        costs : mapping of str to float
+            Time [s] of each part, as `cost` returns it; empty if it is not known.
         """
         left = dict(costs)
         errors = estimated.errors
-        why = parts.describe_fraction(assembly, estimated)
-        found = [parts.slices(assembly, errors.get("slices", {}), why)]
+        why = parts.resolution_reason(assembly, estimated)
+        lines = [parts.slices(assembly, errors.get("slices", {}), why)]
         if self.bearing_loads:
-            found += parts.loads(
+            lines += parts.loads(
                 assembly, errors.get("n_positions", {}), why, left.pop("load distribution", None)
             )
-        found += parts.friction(assembly, estimated)
+        lines += parts.friction(assembly, estimated)
         if "tables" in errors:
-            found.append(parts.tables(assembly, errors["tables"], left.pop("tables", None)))
+            lines.append(parts.tables(assembly, errors["tables"], left.pop("tables", None)))
         return [
-            *found,
+            *lines,
             *self.extra_parts(assembly, estimated, left),
-            *parts.spent(left, self.cost_descriptions),
+            *parts.other_costs(left, self.cost_descriptions),
         ]
 
     def extra_parts(
         self, assembly: Assembly, estimated: ResolutionChoice, costs: dict[str, float]
     ) -> list[Part]:
-        """Return further lines; what they say of the costs they take out of them."""
+        """Return further lines of the plan.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing at the resolution that was chosen.
+        estimated : ResolutionChoice
+            The choice, with estimated errors.
+        costs : dict of str to float
+            Times [s] that have no line yet; a line removes its own.
+        """
         return []
 
-    # What it adds to a result that people read ----------------------------------------------------------------------
+    # Uncertainty ----------------------------------------------------------------------
 
     def with_bands(self, scene: Scene, dataset: "xr.Dataset") -> "xr.Dataset":
-        """Return a result with how far it scatters, where that costs little beside a run; by default as it is."""
+        """Return a result with bands of its values under scatter, where these cost little; by default as it is.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene of the result, with its scatter.
+        dataset : xarray.Dataset
+            The result.
+        """
         return dataset
 
-    # Held against others --------------------------------------------------------------------------------------------
+    # Comparison and validity -----------------------------------------------------------------------------------------
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
-        """Return the results that choices are held against each other by, under the names by which they are told.
+        """Return the values by which results of different choices are compared, by the names in messages.
 
-        Of curves one result for all and the critical slip of each, of other variables one result each.
+        Curves are one item together, each critical slip and each other variable is an item of its own.
         """
-        found = {}
+        values = {}
         for tolerance, name in self.controlled_outputs.items():
             variable = dataset[name]
             if self.curves_of is None or name != self.curves_of.critical:
                 rows = np.atleast_2d(variable.to_numpy()).tolist()
-                found[tolerance.replace("_", " ")] = ComparedValues(rows, tolerance=tolerance)
+                values[tolerance.replace("_", " ")] = ComparedValues(rows, tolerance=tolerance)
         if self.curves_of is not None:
             for label, slip, status in zip(
                 curve_labels(dataset, self.curves_of),
@@ -298,14 +353,14 @@ class Study(DiscretisedStudy, abc.ABC):
                 dataset["critical_status"].to_numpy(),
                 strict=True,
             ):
-                found[f"critical slip{label}"] = ComparedValues(
+                values[f"critical slip{label}"] = ComparedValues(
                     [[float(slip)]], str(status), "critical_slip"
                 )
-        return found
+        return values
 
     @property
     def validity_state(self) -> str:
-        """What state `validity_slices` are at, in words."""
+        """The state of `validity_slices` in words."""
         return (
             "at the loads of the bearing, without slip"
             if self.curves_of is None
@@ -313,40 +368,67 @@ class Study(DiscretisedStudy, abc.ABC):
         )
 
     def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
-        """Return the slices by which it is judged whether models were used for what they were made for.
+        """Return the slices on which the validity of models is checked.
 
-        By default those of `evaluated` at a few slips of the curves; without curves all that the bearing loads where
-        it rolls without slip, if its loads take part.
+        By default those of `loaded_slices` at a few slips of the curves; without curves all loaded slices of the
+        bearing without slip, if the study uses the loads of all rollers.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing with which the result was computed.
+        dataset : xarray.Dataset
+            The result.
         """
         if self.curves_of is None:
             return rolling_slices(assembly) if self.bearing_loads else []
         if type(self).loaded_slices is Study.loaded_slices:
             return []
-        slips = dataset.sizes[self.curves_of.slip]
-        few = set(np.linspace(slips // JUDGED, slips - 1, JUDGED).astype(int).tolist())
-        seen = Counter[int]()
-        chosen = []
-        for one in self.loaded_slices(assembly, dataset):
-            if seen[one.curve] in few:
-                chosen.append(one)
-            seen[one.curve] += 1
-        return chosen
+        n_slips = dataset.sizes[self.curves_of.slip]
+        indices = set(
+            np.linspace(n_slips // N_VALIDITY_SLIPS, n_slips - 1, N_VALIDITY_SLIPS)
+            .astype(int)
+            .tolist()
+        )
+        counts = Counter[int]()
+        contacts = []
+        for item in self.loaded_slices(assembly, dataset):
+            if counts[item.curve] in indices:
+                contacts.append(item)
+            counts[item.curve] += 1
+        return contacts
 
     def expected_slices(self, assembly: Assembly) -> tuple[str, list[LoadedSlices]]:
-        """Return a state in words and its slices, by which a point of a campaign is judged where no result is kept.
+        """Return a state in words and its slices, for a check of validity at a point of a campaign without a result.
 
-        By default all that the bearing loads where it rolls without slip, if its loads take part; else none. It has to
-        cost little beside a run.
+        By default all loaded slices of the bearing without slip, if the study uses the loads of all rollers. It has to
+        cost much less than a run.
         """
         return "without slip", rolling_slices(assembly) if self.bearing_loads else []
 
     def loaded_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[LoadedSlices]:
-        """Yield the slices that were evaluated for the curves, slip by slip; for studies that have curves."""
+        """Yield the slices that were evaluated for the curves, slip by slip; for studies that have curves.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing with which the result was computed.
+        dataset : xarray.Dataset
+            The result.
+        """
         raise NotImplementedError(f"study {self.name!r} has no curves to compare")
 
 
 def study_class(name: str, scene: Scene | None = None) -> type[Study]:
-    """Return the class of a study."""
+    """Return the class of a study.
+
+    Parameters
+    ----------
+    name : str
+        Name of the study.
+    scene : Scene, optional
+        The scene that names it, for the place in the message of an error.
+    """
     try:
         cls: type[Study] = get_class("study", name)
     except UnknownNameError as error:
@@ -358,9 +440,19 @@ def study_class(name: str, scene: Scene | None = None) -> type[Study]:
 
 
 def settings(scene: Scene, study: str | None = None) -> dict[str, Study]:
-    """Return the studies to run, with their settings: the scene's own, in its order, or the one asked for.
+    """Return the studies to run, with their settings, by name: those of the scene, or the requested one.
 
-    A study that the scene does not mention runs with its defaults; so does the default study for a scene without any.
+    Parameters
+    ----------
+    scene : Scene
+        The scene; one without any study has the default study.
+    study : str, optional
+        Name of the only study to run. It has its defaults, where the scene does not mention it.
+
+    Raises
+    ------
+    SceneError
+        If there is no such study, or its settings are wrong.
     """
     if not isinstance(study, str | None):
         raise SceneError(
@@ -369,15 +461,16 @@ def settings(scene: Scene, study: str | None = None) -> dict[str, Study]:
             ]
         )
     problems = list[str]()
-    found = dict[str, Study]()
-    for name in [study] if study is not None else list(scene.study) or [DEFAULT_STUDY]:
+    studies = dict[str, Study]()
+    names = [study] if study is not None else list(scene.study) or [DEFAULT_STUDY]
+    for name in names:
         try:
-            found[name] = study_class(name, scene).from_scene(scene)
+            studies[name] = study_class(name, scene).from_scene(scene)
         except SceneError as error:
             problems += error.problems
     if problems:
         raise SceneError(problems)
-    return found
+    return studies
 
 
 STUDY: Final = Kind(

@@ -1,12 +1,16 @@
-"""What a result's models were made for, and how far it left that: the one place where warnings about models are made.
+"""Check whether models are used within their range of validity, and word the warnings where they are not.
 
-- Bounds, consequences and remedies are the models' own (`rollslip.models.Validity`); nothing here knows a model by
-  name. They are held against the slices at the state that a result speaks of (`Study.validity_slices`).
-- Warnings come by consequence: what a law is off another, measured on the slices of the result, then the share of the
-  force outside times the consequence in the middle of it. One that nobody knows counts as the whole. What is below the
-  tolerance, and what nearly every bearing leaves with a consequence that nobody knows, is counted in one sentence.
-- A law that approximates another (``solved_by``) is evaluated beside it on the same slices: what it is off there is
-  known, so that its own bounds are told with it and not one by one.
+1. Evaluate the slices at the state that a result describes (`Study.validity_slices`), a table for each ring
+   (`evaluate_rings`).
+2. For each bound of each law find the fraction of the contact force which lies outside, and the quantiles of the
+   bounded quantity there (`range_excesses`). Bounds, consequences and remedies are the models' own
+   (`rollslip.models.Validity`); nothing here knows a model by name.
+3. A law that approximates another (``solved_by``) is compared with that law on the same slices (`law_difference`). Its
+   measured error replaces the messages about the approximation's own bounds.
+4. Word each excess (`validity_messages`), in the order of its severity: the fraction outside times the relative error
+   in the median of the force outside. An error that is not known counts as the whole.
+5. Count the rest in one sentence (`warning_texts`): what is below the tolerance, and bounds that nearly every bearing
+   exceeds with an error that is not known.
 """
 
 import math
@@ -37,26 +41,32 @@ from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices
 
 __all__ = [
-    "Difference",
-    "Filled",
-    "Outside",
-    "Told",
-    "bound_of",
-    "corrections",
-    "difference",
-    "filled",
-    "judged",
-    "outside",
+    "LawDifference",
+    "RangeExcess",
+    "RingSlices",
+    "ValidityMessage",
+    "check_validity",
+    "describe_bound",
+    "evaluate_rings",
+    "law_difference",
     "quantity",
-    "record",
+    "range_excesses",
     "rolling_slices",
-    "sentences",
-    "told",
+    "starvation_notes",
+    "validity_messages",
+    "validity_record",
+    "warning_texts",
 ]
 
-#: Code of what a law is off another that it approximates, which has no bound.
+#: Code of the error of a law that approximates another, which has no bound.
 APPROXIMATION: Final = "W23"
+#: Quantiles of the bounded quantity outside, weighted by force: a message has the outer ones, the severity the middle
+#: one. Chosen; 0 and 1 would let a single slice decide what a message says.
+_QUANTILES: Final = (0.05, 0.5, 0.95)
+#: What most fractions are of.
+_OF_FORCE: Final = "of the contact force"
 
+#: Base class of a law -> what messages call its kind.
 _KINDS: Final = (
     (ContactModel, "contact"),
     (FilmModel, "film"),
@@ -66,129 +76,176 @@ _KINDS: Final = (
 
 
 @attrs.frozen(kw_only=True)
-class Outside:
-    """How much of a ring's contact force, or of rows of data, lies outside one bound of a law.
+class RangeExcess:
+    """How much of a ring's contact force, or of rows of data, lies outside one bound of a law."""
 
-    ``law`` is kind and name, ``fraction`` is 1 for all, ``values`` what the quantity is outside, by force from
-    5 to 95 %,
-    and ``middle`` in the middle of it; ``known`` is False where the quantity takes data that the oil does not give.
-    """
-
+    #: Kind and name of the law.
     law: str
     validity: Validity
+    #: Fraction of the force outside, 0 to 1.
     fraction: float
+    #: Quantiles of the bounded quantity outside, weighted by force, 5 % and 95 %; empty where nothing is outside.
     values: tuple[float, ...] = ()
-    middle: float = math.nan
+    #: Median of the same; NaN where nothing is outside.
+    median: float = math.nan
+    #: Ring with the larger fraction; empty where both have about the same.
     ring: str = ""
+    #: Fractions of the regimes of the film, in words.
     detail: str = ""
-    known: bool = True
+    #: False where the quantity needs data that the oil does not have.
+    is_known: bool = True
 
     @property
-    def weight(self) -> float:
-        """Share of the force outside times the consequence in its middle; that is 1 where nobody knows it."""
+    def severity(self) -> float:
+        """Fraction of the force outside times the relative error in its median; an error that is not known is 1."""
         error = self.validity.error
-        return self.fraction * (
-            0.01 * error(self.middle) if error is not None and self.values else 1.0
-        )
+        if error is None or not self.values:
+            return self.fraction
+        return self.fraction * (0.01 * error(self.median))
 
     @property
-    def counted(self) -> bool:
-        """Whether nearly every bearing leaves the bound, with a consequence that nobody knows."""
+    def is_common(self) -> bool:
+        """Whether nearly every bearing exceeds the bound, with an error that is not known: such are only counted."""
         return self.validity.common and self.validity.error is None
 
 
 @attrs.frozen(kw_only=True)
-class Told:
-    """A bound that was left, in a sentence and in a few words.
+class ValidityMessage:
+    """A bound that was exceeded, or the error of an approximation, in a sentence and in a few words."""
 
-    ``weight`` is its consequence, relative, ``measured`` whether on the slices of the result; ``warned`` is one that is
-    a warning of its own.
-    """
-
+    #: Kind and name of the law.
     law: str
+    #: The bound in words, or the law that is approximated.
     made_for: str
-    weight: float
+    #: Relative error, see `RangeExcess.severity`.
+    severity: float
+    #: A sentence without its full stop.
     text: str
+    #: A few words, for a list.
     short: str
-    warned: bool
+    #: Whether it is a warning of its own; otherwise it is counted with others.
+    is_warning: bool
+    #: Whether the error was measured on the slices of the result.
     measured: bool = False
+    #: Code by which ``rollslip explain`` finds it.
     code: str = ""
 
 
 @attrs.frozen(kw_only=True)
-class Difference:
-    """How far a law is off the one that it approximates, on slices that both were evaluated on.
+class LawDifference:
+    """Error of a law against the law that it approximates, on slices on which both were evaluated.
 
-    Of each ring at each slip the friction by force, sum F (mu - mu_ref)/sum F |mu_ref|: root of the mean square over
-    them, mean, and the one of the largest size. ``key`` is that of the scene under which the law stands.
+    It is the error of friction by force, sum F (|mu| - |mu_ref|)/sum F |mu_ref|, of each ring at each slip.
     """
 
     law: str
     reference: str
+    #: Key of the scene under which the law stands.
     key: str
+    #: Root of the mean square over rings and slips.
     rms: float
     mean: float
+    #: The error of largest size, with its sign.
     largest: float
 
 
 @attrs.frozen(eq=False)
-class Filled:
-    """Evaluated slices of a ring, the force on each, and where those of one slip begin."""
+class RingSlices:
+    """Evaluated slices of a ring, (n,), for all slips one after the other."""
 
     ring: str
     slices: Slices
+    #: Force on each slice [N], (n,).
     force: Array
+    #: Index of the first slice of each slip.
     starts: NDArray[np.intp] = attrs.field(factory=lambda: np.zeros(1, dtype=np.intp))
 
 
-def filled(contacts: Sequence[LoadedSlices], assembly: Assembly) -> list[Filled]:
-    """Return slices evaluated by the laws that a result was computed with, a table for each ring."""
+def evaluate_rings(contacts: Sequence[LoadedSlices], assembly: Assembly) -> list[RingSlices]:
+    """Return slices evaluated by the laws of a bearing, a table for each ring that has loaded slices.
+
+    Parameters
+    ----------
+    contacts : sequence of LoadedSlices
+        Loads and speeds of the slices.
+    assembly : Assembly
+        The bearing with which the result was computed.
+    """
     tables = []
     for raceway in assembly.raceways:
-        those = [one for one in contacts if one.ring == raceway.ring and len(one.load)]
-        if not those:
+        loaded = [item for item in contacts if item.ring == raceway.ring and len(item.load)]
+        if not loaded:
             continue
         load, rolling, sliding, force = (
-            np.concatenate([np.broadcast_to(getattr(one, name), len(one.load)) for one in those])
+            np.concatenate(
+                [np.broadcast_to(getattr(item, name), len(item.load)) for item in loaded]
+            )
             for name in ("load", "rolling", "sliding", "force")
         )
         places = {
             name: np.concatenate(
-                [np.broadcast_to(one.places[name], len(one.load)) for one in those]
+                [np.broadcast_to(item.places[name], len(item.load)) for item in loaded]
             )
-            for name in those[0].places
+            for name in loaded[0].places
         }
         slices = raceway.evaluate(load, rolling, sliding, **places)
-        starts = np.cumsum([0, *(len(one.load) for one in those[:-1])], dtype=np.intp)
-        tables.append(Filled(raceway.ring, slices, force.astype(float), starts))
+        starts = np.cumsum([0, *(len(item.load) for item in loaded[:-1])], dtype=np.intp)
+        tables.append(RingSlices(raceway.ring, slices, force.astype(float), starts))
     return tables
 
 
-def judged(
+def check_validity(
     contacts: Sequence[LoadedSlices], assembly: Assembly, traction: TractionModel
-) -> tuple[list[Outside], Difference | None]:
-    """Return where slices lie outside of what all laws were made for, and what the traction that is named is off."""
-    tables = filled(contacts, assembly)
+) -> tuple[list[RangeExcess], LawDifference | None]:
+    """Return where slices lie outside the ranges of validity of all laws, and the error of an approximating law.
+
+    Parameters
+    ----------
+    contacts : sequence of LoadedSlices
+        Slices at the state of the result.
+    assembly : Assembly
+        The bearing with which the result was computed.
+    traction : TractionModel
+        The traction that the scene names, which a closed form may have replaced in the bearing.
+    """
+    tables = evaluate_rings(contacts, assembly)
     laws = [model for model in assembly.inner.chain.models if not isinstance(model, TractionModel)]
-    laws += [] if assembly.pressure in laws else [assembly.pressure]
-    return outside([*laws, traction], tables), difference(traction, tables, assembly)
+    if assembly.pressure not in laws:
+        laws.append(assembly.pressure)
+    return range_excesses([*laws, traction], tables), law_difference(traction, tables, assembly)
 
 
 def quantity(model: SliceModel, name: str, slices: Slices) -> Array:
-    """Return a quantity in which a law states validity or regimes, of evaluated slices; NaN where data are missing."""
-    if name in (own := model.quantities(slices)):
-        found = own[name]
+    """Return a quantity in which a law states its validity or its regimes.
+
+    Parameters
+    ----------
+    model : SliceModel
+        The law, whose own quantities come first.
+    name : str
+        Name of the quantity.
+    slices : Slices
+        Evaluated slices, (n,).
+
+    Returns
+    -------
+    array, shape (n,)
+        Values in SI units; NaN where data of the oil are missing.
+    """
+    own = model.quantities(slices)
+    if name in own:
+        values = own[name]
     elif name in QUANTITIES:
-        found = QUANTITIES[name].of(slices)
+        values = QUANTITIES[name].of(slices)
     elif name in COLUMNS:
-        found = getattr(slices, name)
+        values = getattr(slices, name)
     elif name in CONDITIONS:
-        found = getattr(slices.conditions, name)
+        values = getattr(slices.conditions, name)
     else:
         raise KeyError(
             f"{model.name!r} states its validity or its regimes in {name!r}, which is no quantity"
         )
-    return np.broadcast_to(np.asarray(found, dtype=float), (len(slices),))
+    return np.broadcast_to(np.asarray(values, dtype=float), (len(slices),))
 
 
 def symbol_of(name: str) -> tuple[str, str]:
@@ -207,7 +264,9 @@ def laws_of(
     if isinstance(model, ResistanceModel):
         kind = "drag"
     label = f"{kind} {model.name!r}".strip()
-    yield from ((label, model, one) for one in model.validity if one.quantity not in covered)
+    for validity in model.validity:
+        if validity.quantity not in covered:
+            yield label, model, validity
     cls: Any = type(model)
     if attrs.has(cls):
         for attribute in attrs.fields(cls):
@@ -216,121 +275,155 @@ def laws_of(
                 yield from laws_of(child, covered | model.covers)
 
 
-def outside(models: Sequence[SliceModel], tables: Sequence[Filled]) -> list[Outside]:
-    """Return where slices lie outside of what laws were made for: the ring with the larger share for each bound."""
-    found = []
+def range_excesses(models: Sequence[SliceModel], tables: Sequence[RingSlices]) -> list[RangeExcess]:
+    """Return for each bound of some laws the fraction of the force outside, on the ring with the larger one.
+
+    Parameters
+    ----------
+    models : sequence of SliceModel
+        The laws, whose submodels are checked, too.
+    tables : sequence of RingSlices
+        Evaluated slices; without any nothing is checked.
+    """
+    if not tables:
+        return []
     rings = {
         ring: [table for table in tables if table.ring == ring]
-        for ring in dict.fromkeys(t.ring for t in tables)
+        for ring in dict.fromkeys(table.ring for table in tables)
     }
-    for label, model, validity in (row for one in models for row in laws_of(one)):
-        if not rings:
-            break
+    force = {ring: np.concatenate([table.force for table in rings[ring]]) for ring in rings}
+    excesses = []
+    for label, model, validity in (row for law in models for row in laws_of(law)):
         with np.errstate(all="ignore"):
             values = {
                 ring: np.concatenate(
-                    [quantity(model, validity.quantity, table.slices) for table in those]
+                    [quantity(model, validity.quantity, table.slices) for table in rings[ring]]
                 )
-                for ring, those in rings.items()
+                for ring in rings
             }
-        force = {
-            ring: np.concatenate([table.force for table in those]) for ring, those in rings.items()
-        }
-        fractions = {ring: _fraction(validity, values[ring], force[ring]) for ring in rings}
+        fractions = {ring: _fraction_outside(validity, values[ring], force[ring]) for ring in rings}
         ring = max(fractions, key=lambda name: fractions[name])
-        alike = fractions[ring] - min(fractions.values()) < REPORTED_FROM
-        found.append(
-            _outside(
-                label, validity, fractions[ring], values[ring], force[ring], "" if alike else ring
-            )
+        is_alike = fractions[ring] - min(fractions.values()) < REPORTED_FROM
+        reported = "" if is_alike else ring
+        excesses.append(
+            _range_excess(label, validity, fractions[ring], values[ring], force[ring], reported)
         )
-    return found
+    return excesses
 
 
-def _fraction(validity: Validity, values: Array, force: Array) -> float:
-    """Share of the force that lies outside of a bound; what is not known lies inside."""
+def _fraction_outside(validity: Validity, values: Array, force: Array) -> float:
+    """Return the fraction of the force outside a bound; values that are not known lie inside."""
     total = float(force.sum())
-    return (
-        min(float(force[validity.excess(values) > 0.0].sum()) / total, 1.0) if total > 0.0 else 0.0
-    )
+    if total <= 0.0:
+        return 0.0
+    return min(float(force[validity.excess(values) > 0.0].sum()) / total, 1.0)
 
 
-def _outside(
+def _range_excess(
     label: str, validity: Validity, fraction: float, values: Array, force: Array, ring: str
-) -> Outside:
+) -> RangeExcess:
+    """Return the excess of a bound, with the quantiles of its quantity by force."""
     spread = tuple[float, ...]()
-    middle = math.nan
+    median = math.nan
     detail = ""
     if fraction > 0.0:
         beyond = validity.excess(values) > 0.0
-        low, middle, high = _quantiles(values[beyond], force[beyond], (0.05, 0.5, 0.95))
+        low, median, high = _quantiles(values[beyond], force[beyond], _QUANTILES)
         spread = low, high
     if validity.quantity == "film_regime" and fraction > 0.0:
-        parts = {
+        fractions = {
             LONG_NAMES[name]: float(force[values == code].sum() / force.sum())
             for code, name in enumerate(NAMES)
         }
-        told = (name for name in parts if parts[name] > 0.0 and name not in validity.bound)
-        detail = " and ".join(f"{_percent(parts[name])} {name}" for name in told)
-    known = not bool(np.isnan(values).all())
-    return Outside(
+        detail = " and ".join(
+            f"{_percent(fractions[name])} {name}"
+            for name in fractions
+            if fractions[name] > 0.0 and name not in validity.bound
+        )
+    return RangeExcess(
         law=label,
         validity=validity,
         fraction=fraction,
         values=spread,
-        middle=middle,
+        median=median,
         ring=ring,
         detail=detail,
-        known=known,
+        is_known=not bool(np.isnan(values).all()),
     )
 
 
-def _quantiles(values: Array, weight: Array, places: Sequence[float]) -> tuple[float, ...]:
+def _quantiles(values: Array, weights: Array, fractions: Sequence[float]) -> tuple[float, ...]:
+    """Return weighted quantiles of values."""
     order = np.argsort(values)
-    below = np.cumsum(weight[order])
-    return tuple(float(values[order][np.searchsorted(below, at * below[-1])]) for at in places)
+    below = np.cumsum(weights[order])
+    return tuple(
+        float(values[order][np.searchsorted(below, fraction * below[-1])]) for fraction in fractions
+    )
 
 
-def difference(
-    traction: TractionModel, tables: Sequence[Filled], assembly: Assembly
-) -> Difference | None:
-    """Return how far the law of the full film is off the one that it approximates, within the friction of a contact."""
+def law_difference(
+    traction: TractionModel, tables: Sequence[RingSlices], assembly: Assembly
+) -> LawDifference | None:
+    """Return the error of the law of the full film against the law that it approximates, on the same slices.
+
+    Parameters
+    ----------
+    traction : TractionModel
+        The traction that the scene names.
+    tables : sequence of RingSlices
+        Slices evaluated by the bearing's laws.
+    assembly : Assembly
+        The bearing with which the result was computed.
+
+    Returns
+    -------
+    LawDifference or None
+        None where the law approximates no other, or no slice has friction.
+    """
     law = traction.full_film
     if law.solved_by is None or assembly.resolution.traction != "named":
         return None
     cls = type(law)
     reference = get_class("traction", law.solved_by)
-    given = {a.name for a in attrs.fields(cls)} & {a.name for a in attrs.fields(reference)}  # type: ignore[arg-type]
-    exact = reference(**{name: getattr(law, name) for name in given})
-    models = assembly.inner.chain.models
-    chain = Chain(
-        *(m.with_full_film(exact) if isinstance(m, TractionModel) else m for m in models),
-        compiled=assembly.resolution.compiled,
-    )
-    found = []
-    for table in tables:
-        own = table.slices
-        force = table.force
-        columns = {name: getattr(own, name) for name in ("load", "rolling_speed", "sliding_speed")}
-        columns |= {name: getattr(own, name) for name in (PLACES if chain.placed else ())}
-        other = Slices(len(own), own.conditions, **columns)
-        chain(other)
-        size = np.add.reduceat(force * np.abs(other.friction), table.starts)
-        more = np.add.reduceat(
-            force * (np.abs(own.friction) - np.abs(other.friction)), table.starts
-        )
-        found.append(more[size > 0.0] / size[size > 0.0])
-    off = np.concatenate(found) if found else np.empty(0)
-    if off.size == 0:
+    shared = {a.name for a in attrs.fields(cls)} & {a.name for a in attrs.fields(reference)}  # type: ignore[arg-type]
+    exact = reference(**{name: getattr(law, name) for name in shared})
+    chain = _chain_with_full_film(exact, assembly)
+    differences = [_friction_differences(table, chain) for table in tables]
+    errors = np.concatenate(differences) if differences else np.empty(0)
+    if errors.size == 0:
         return None
-    return Difference(
+    return LawDifference(
         law=law.name,
         reference=exact.name,
         key=_key_of(law, traction),
-        rms=float(np.sqrt((off**2).mean())),
-        mean=float(off.mean()),
-        largest=float(off[np.argmax(np.abs(off))]),
+        rms=float(np.sqrt((errors**2).mean())),
+        mean=float(errors.mean()),
+        largest=float(errors[np.argmax(np.abs(errors))]),
     )
+
+
+def _chain_with_full_film(law: TractionModel, assembly: Assembly) -> Chain:
+    """Return the chain of a bearing's laws with another law of the full film."""
+    models = (
+        model.with_full_film(law) if isinstance(model, TractionModel) else model
+        for model in assembly.inner.chain.models
+    )
+    return Chain(*models, compiled=assembly.resolution.compiled)
+
+
+def _friction_differences(table: RingSlices, chain: Chain) -> Array:
+    """Return the relative error of the friction of a ring against another chain of laws, for each slip, (slips,)."""
+    own = table.slices
+    force = table.force
+    columns = {name: getattr(own, name) for name in ("load", "rolling_speed", "sliding_speed")}
+    if chain.placed:
+        columns |= {name: getattr(own, name) for name in PLACES}
+    other = Slices(len(own), own.conditions, **columns)
+    chain(other)
+    size = np.add.reduceat(force * np.abs(other.friction), table.starts)
+    change = np.add.reduceat(force * (np.abs(own.friction) - np.abs(other.friction)), table.starts)
+    differences: Array = change[size > 0.0] / size[size > 0.0]
+    return differences
 
 
 def _key_of(law: TractionModel, traction: TractionModel) -> str:
@@ -340,68 +433,97 @@ def _key_of(law: TractionModel, traction: TractionModel) -> str:
     return f"models.traction{child}"
 
 
-def told(
-    found: Sequence[Outside],
-    off: Difference | None,
+def validity_messages(
+    excesses: Sequence[RangeExcess],
+    difference: LawDifference | None,
     where: str = "",
-    what: str = "of the contact force",
+    what: str = _OF_FORCE,
     tolerance: float = 0.0,
-) -> list[Told]:
-    """Return what was left, with share, consequence and remedy, by consequence; no sentence has its full stop."""
-    said = list[Told]()
-    for one in sorted(found, key=lambda each: (each.counted, -each.weight)):
-        if one.fraction < REPORTED_FROM or (off is not None and _told_with(one, off)):
+) -> list[ValidityMessage]:
+    """Return a message for each bound that is exceeded and for the error of an approximation, by severity.
+
+    Parameters
+    ----------
+    excesses : sequence of RangeExcess
+        What lies outside the bounds of all laws.
+    difference : LawDifference or None
+        Error of an approximating law.
+    where : str
+        State of the slices: "over the curves".
+    what : str
+        What the fractions are of.
+    tolerance : float
+        Relative error up to which a message is no warning of its own.
+    """
+    messages = list[ValidityMessage]()
+    for excess in sorted(excesses, key=lambda each: (each.is_common, -each.severity)):
+        if excess.fraction < REPORTED_FROM:
             continue
-        ring = f" of the {one.ring} ring" if one.ring else ""
-        detail = f" ({one.detail})" if one.detail else ""
-        left = f"{_percent(one.fraction)} {what}{ring} is"
-        if left.startswith("100 % of the contact force"):
-            left = f"all loaded contacts{ring} are"
-        text = (
-            f"{one.law} is valid for {bound_of(one.validity)}; {left} outside"
-            f"{f' {where}' if where else ''}{detail}, where {one.validity.consequence_at(*one.values)}; "
-            f"remedy: {one.validity.remedy}"
-        )
-        short = f"{one.law} ({bound_of(one.validity)}; {_percent(one.fraction)} outside)"
-        warned = not one.counted and one.weight > tolerance
-        said.append(
-            Told(
-                law=one.law,
-                made_for=bound_of(one.validity),
-                weight=one.weight,
-                text=text,
-                short=short,
-                warned=warned,
-                code=one.validity.code,
+        if difference is not None and _is_of_approximation(excess, difference):
+            continue
+        bound = describe_bound(excess.validity)
+        messages.append(
+            ValidityMessage(
+                law=excess.law,
+                made_for=bound,
+                severity=excess.severity,
+                text=_describe_excess(excess, bound, where, what),
+                short=f"{excess.law} ({bound}; {_percent(excess.fraction)} outside)",
+                is_warning=not excess.is_common and excess.severity > tolerance,
+                code=excess.validity.code,
             )
         )
-    if off is not None:
-        text = _off(off, found, where, what)
-        short = f"{off.law!r} for {off.reference!r}"
-        first = Told(
-            law=off.law,
-            made_for=off.reference,
-            weight=off.rms,
-            text=text,
-            short=short,
-            warned=off.rms > tolerance,
-            measured=True,
-            code=APPROXIMATION,
-        )
-        said.insert(0 if first.warned else len(said), first)
-    return said
+    if difference is None:
+        return messages
+    approximation = ValidityMessage(
+        law=difference.law,
+        made_for=difference.reference,
+        severity=difference.rms,
+        text=_describe_difference(difference, excesses, where, what),
+        short=f"{difference.law!r} for {difference.reference!r}",
+        is_warning=difference.rms > tolerance,
+        measured=True,
+        code=APPROXIMATION,
+    )
+    if approximation.is_warning:
+        return [approximation, *messages]
+    return [*messages, approximation]
 
 
-def sentences(said: Sequence[Told], tolerance: float = 0.0) -> list[str]:
-    """Return the warnings of what was left, and one sentence that counts the rest; none has its full stop."""
-    rest = [one.short for one in said if not one.warned]
-    texts = [one.text for one in said if one.warned]
-    if not rest:
+def _describe_excess(excess: RangeExcess, bound: str, where: str, what: str) -> str:
+    """Return the sentence on a bound that is exceeded: the bound, what is outside, its consequence and remedy."""
+    ring = f" of the {excess.ring} ring" if excess.ring else ""
+    detail = f" ({excess.detail})" if excess.detail else ""
+    state = f" {where}" if where else ""
+    fraction = _percent(excess.fraction)
+    subject = f"{fraction} {what}{ring} is"
+    if fraction == _percent(1.0) and what == _OF_FORCE:
+        subject = f"all loaded contacts{ring} are"
+    validity = excess.validity
+    return (
+        f"{excess.law} is valid for {bound}; {subject} outside{state}{detail}, where "
+        f"{validity.consequence_at(*excess.values)}; remedy: {validity.remedy}"
+    )
+
+
+def warning_texts(messages: Sequence[ValidityMessage], tolerance: float = 0.0) -> list[str]:
+    """Return the sentences of warnings, and one sentence that counts the other messages; without full stops.
+
+    Parameters
+    ----------
+    messages : sequence of ValidityMessage
+        Messages in the order of their severity.
+    tolerance : float
+        The tolerance by which warnings were chosen; 0 for none.
+    """
+    others = [message.short for message in messages if not message.is_warning]
+    texts = [message.text for message in messages if message.is_warning]
+    if not others:
         return texts
     below = f" or below accuracy.tolerance = {tolerance:g}" if tolerance > 0.0 else ""
     return [
         *texts,
-        f"{OTHER_BOUNDS} not known{below}: {'; '.join(rest)}; rollslip run of the scene tells of each",
+        f"{OTHER_BOUNDS} not known{below}: {'; '.join(others)}; rollslip run of the scene tells of each",
     ]
 
 
@@ -409,7 +531,7 @@ def _percent(fraction: float) -> str:
     return f"{100.0 * fraction:.0f} %"
 
 
-def bound_of(validity: Validity) -> str:
+def describe_bound(validity: Validity) -> str:
     """Return a bound in words: "load parameter M >= 2", "pressure <= 100 MPa"."""
     if validity.made_for:
         return validity.made_for
@@ -417,79 +539,100 @@ def bound_of(validity: Validity) -> str:
     name = validity.called or name
     if unit == "1":
         return f"{name} {validity.bound}"
-    ends = ((">=", validity.low), ("<=", validity.high))
-    return f"{name} {' and '.join(f'{sign} {format_quantity(x, unit, 3)}' for sign, x in ends if np.isfinite(x))}"
+    limits = ((">=", validity.low), ("<=", validity.high))
+    bounds = [f"{sign} {format_quantity(x, unit, 3)}" for sign, x in limits if np.isfinite(x)]
+    return f"{name} {' and '.join(bounds)}"
 
 
-def _told_with(one: Outside, off: Difference) -> bool:
-    """Whether a bound is one of the approximation itself, whose error is known already."""
-    return one.law == f"traction {off.law!r}" and one.validity.quantity not in {
-        *QUANTITIES,
-        *COLUMNS,
-        *CONDITIONS,
-    }
+def _is_of_approximation(excess: RangeExcess, difference: LawDifference) -> bool:
+    """Whether a bound is one of an approximation itself, whose error is known by its difference."""
+    general = {*QUANTITIES, *COLUMNS, *CONDITIONS}
+    return excess.law == f"traction {difference.law!r}" and excess.validity.quantity not in general
 
 
-def _off(off: Difference, found: Sequence[Outside], where: str, what: str) -> str:
+def _describe_difference(
+    difference: LawDifference, excesses: Sequence[RangeExcess], where: str, what: str
+) -> str:
+    """Return the sentence on the error of an approximation, with what is outside its own bounds."""
     bounds = [
-        f"{_percent(one.fraction)} at {bound_of(one.validity).replace('<=', '>').replace('>=', '<')}"
-        for one in found
-        if _told_with(one, off) and one.fraction >= REPORTED_FROM
+        f"{_percent(excess.fraction)} at "
+        f"{describe_bound(excess.validity).replace('<=', '>').replace('>=', '<')}"
+        for excess in excesses
+        if _is_of_approximation(excess, difference) and excess.fraction >= REPORTED_FROM
     ]
     beyond = f", with {' and '.join(bounds)} {what}" if bounds else ""
-    rms, mean, largest = (100.0 * fraction for fraction in (off.rms, off.mean, off.largest))
+    rms = 100.0 * difference.rms
+    mean = 100.0 * difference.mean
+    largest = 100.0 * difference.largest
     return (
-        f"the friction of {off.law!r} is {rms:.2g} % (rms) off that of {off.reference!r}, the law that it "
-        f"approximates, {where or 'on these slices'}: {mean:+.2g} % in the mean, {largest:+.2g} % at most{beyond}; "
-        f"remedy: {off.key} = {off.reference!r}"
+        f"the friction of {difference.law!r} is {rms:.2g} % (rms) off that of {difference.reference!r}, the law that "
+        f"it approximates, {where or 'on these slices'}: {mean:+.2g} % in the mean, {largest:+.2g} % at most{beyond}; "
+        f"remedy: {difference.key} = {difference.reference!r}"
     )
 
 
-def corrections(film: FilmModel) -> list[str]:
-    """Say that want of oil thins the film, which a reader must know who compares it with others."""
-    said = f"want of oil in the inlets, by lubrication or models.film, thins the film by {film.inlet_starvation}"
-    return [said] if film.inlet_starvation else []
+def starvation_notes(film: FilmModel) -> list[str]:
+    """Return the note that starved inlets thin the film, for readers who compare it with other programs."""
+    if not film.inlet_starvation:
+        return []
+    return [
+        f"want of oil in the inlets, by lubrication or models.film, thins the film by {film.inlet_starvation}"
+    ]
 
 
-def record(
-    found: Sequence[Outside], off: Difference | None, said: Sequence[Told] = ()
+def validity_record(
+    excesses: Sequence[RangeExcess],
+    difference: LawDifference | None,
+    messages: Sequence[ValidityMessage] = (),
 ) -> dict[str, Any]:
-    """Return all as plain values: each bound with its share, what the law is off, and how it is told; NaN is None."""
+    """Return a check of validity as plain values, for JSON.
+
+    Parameters
+    ----------
+    excesses : sequence of RangeExcess
+        One for each bound; a fraction that is not known is None.
+    difference : LawDifference or None
+        Error of an approximating law.
+    messages : sequence of ValidityMessage
+        How these are reported.
+    """
     rows = [
         {
-            "code": one.validity.code,
-            "law": one.law,
-            "made_for": bound_of(one.validity),
-            "fraction_outside": one.fraction if one.known else None,
-            "ring": one.ring,
-            "values_outside": list(one.values),
-            "consequence": one.validity.consequence_at(*one.values)
-            if one.values
-            else one.validity.told,
-            "remedy": one.validity.remedy,
-            "source": one.validity.source,
+            "code": excess.validity.code,
+            "law": excess.law,
+            "made_for": describe_bound(excess.validity),
+            "fraction_outside": excess.fraction if excess.is_known else None,
+            "ring": excess.ring,
+            "values_outside": list(excess.values),
+            "consequence": excess.validity.consequence_at(*excess.values)
+            if excess.values
+            else excess.validity.told,
+            "remedy": excess.validity.remedy,
+            "source": excess.validity.source,
         }
-        for one in found
+        for excess in excesses
     ]
     return {
         "bounds": rows,
-        "approximation": None if off is None else attrs.asdict(off),
-        "told": [attrs.asdict(one) for one in said],
+        "approximation": None if difference is None else attrs.asdict(difference),
+        "messages": [attrs.asdict(message) for message in messages],
     }
 
 
 def rolling_slices(assembly: Assembly) -> list[LoadedSlices]:
-    """Return the loaded slices of both rings at the first instant, where the bearing rolls without slip."""
+    """Return the loaded slices of both rings at the first roller position, where the bearing rolls without slip."""
     loads = assembly.load_distribution(1)
     speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
-    found = []
+    contacts = []
     for raceway, load, rolling in (
         (assembly.inner, loads.inner_load, speeds.inner_rolling),
         (assembly.outer, loads.outer_load, speeds.outer_rolling),
     ):
         places = assembly.places(raceway.ring, loads.psi[0], np.arange(float(loads.psi.shape[1])))
-        one = LoadedContacts(raceway, load[0], assembly.widths, 1.0, places=places)
-        found.append(
-            LoadedSlices(0, raceway.ring, one.load, float(rolling), 0.0, one.force, one.places)
+        loaded = LoadedContacts(raceway, load[0], assembly.widths, 1.0, places=places)
+        contacts.append(
+            LoadedSlices(
+                0, raceway.ring, loaded.load, float(rolling), 0.0, loaded.force, loaded.places
+            )
         )
-    return found
+    return contacts

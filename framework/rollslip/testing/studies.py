@@ -72,7 +72,7 @@ def _assembly(**changes: Any) -> Assembly:
 
 @cache
 def _result(study: Study) -> "xr.Dataset":
-    return study.at(_COARSE).run(_assembly())
+    return study.with_resolution(_COARSE).run(_assembly())
 
 
 def _differs(one: Any, other: Any) -> bool:
@@ -194,7 +194,7 @@ def check_its_curves_can_be_compared(study: Study) -> None:
 def check_it_gives_the_same_bits_twice(study: Study) -> None:
     """A result must not depend on what ran before."""
     first = _result(study)
-    second = study.at(_COARSE).run(_assembly())
+    second = study.with_resolution(_COARSE).run(_assembly())
     for name in map(str, first.data_vars):
         refuse_unless(
             not _differs(first[name], second[name]), f"{name} is another at the second run"
@@ -207,7 +207,7 @@ def check_what_does_not_act_changes_nothing(study: Study) -> None:
     for name, changed in (("slices", 8), ("n_positions", 3), ("table_tolerance", 0.01)):
         if name in study.affected_by:
             continue
-        other = study.at(_COARSE).run(_assembly(**{name: changed}))
+        other = study.with_resolution(_COARSE).run(_assembly(**{name: changed}))
         for variable in study.controlled_outputs.values():
             same = not _differs(_value(_result(study), variable), _value(other, variable))
             refuse_unless(same, f"{variable} depends on {name}, which affected_by does not name")
@@ -219,7 +219,7 @@ def check_leaving_outputs_out_changes_no_other(study: Study) -> None:
     kept = {name for name, output in study.outputs.items() if output.default} | set(
         study.controlled_outputs.values()
     )
-    fewer = study.without_outputs(frozenset(study.outputs.keys() - kept)).at(_COARSE).run(_assembly())
+    fewer = study.without_outputs(frozenset(study.outputs.keys() - kept)).with_resolution(_COARSE).run(_assembly())
     for name in kept:
         one = _value(_result(study), name)
         other = _value(fewer, name)
@@ -232,7 +232,7 @@ def check_short_ways_give_what_a_run_gives(study: Study) -> None:
     """A point of a sweep may take a shorter way to some outputs; it leads to the same bits."""
     names = [name for name, output in study.outputs.items() if output.default]
     names += [study.outputs[name].status for name in names if study.outputs[name].status]
-    variables, _, _ = evaluate(study.at(_COARSE), _assembly(), list(dict.fromkeys(names)))
+    variables, _, _ = evaluate(study.with_resolution(_COARSE), _assembly(), list(dict.fromkeys(names)))
     for name, (_, values, _) in variables.items():
         one = _value(_result(study), name)
         refuse_unless(
@@ -249,7 +249,7 @@ def check_it_is_planned(study: Study) -> None:
     for part, errors in estimated.errors.items():
         for key, error in errors.items():
             refuse_unless(error >= 0.0, f"the error of {key} by {part} is {error}")
-    planned = study.at(estimated.resolution)
+    planned = study.with_resolution(estimated.resolution)
     costs = planned.cost(stated.at(estimated.resolution))
     for part, seconds in costs.items():
         refuse_unless(

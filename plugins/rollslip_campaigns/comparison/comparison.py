@@ -320,15 +320,7 @@ def run_comparison(
         for label, combination in comparison.combinations.items()
         if combination.error is not None
     }
-    done: dict[str, xr.Dataset] = {}
-    for k, label in enumerate(plans):
-        progress(label, 0.5 * k / len(plans))
-        try:
-            done[label] = execute(plans[label], comparison.study)
-        except Exception as error:  # a third-party model may raise anything
-            errors[label] = error
-    if not done:
-        _raise_all(errors)
+    done = _execute_all(comparison, errors, progress)
     # without the reference the slices of another combination serve to measure the cost
     standard = reference if reference in done else next(iter(done))
     work = EvaluatedSlices.from_result(plans[standard], comparison.study, done[standard])
@@ -340,7 +332,7 @@ def run_comparison(
         extract = extract_criteria(law) if label == reference else extract_friction
         try:
             columns[label], times[label] = work.evaluate(plans[label], extract)
-        except Exception as error:
+        except Exception as error:  # a third-party model may raise anything
             errors[label] = error
     if not columns:
         _raise_all(errors)
@@ -360,6 +352,21 @@ def run_comparison(
             sorted_by="" if law is None else law.name, sorted_by_own=int(own)
         )
     return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - start))
+
+
+def _execute_all(
+    comparison: Comparison, errors: dict[str, Exception], progress: Callable[[str, float], None]
+) -> "dict[str, xr.Dataset]":
+    """Return the results of all combinations that run, by label; add the errors of the others, raise if none runs."""
+    plans = comparison.plans
+    done: dict[str, xr.Dataset] = {}
+    for k, label in enumerate(plans):
+        progress(label, 0.5 * k / len(plans))
+        try:
+            done[label] = execute(plans[label], comparison.study)
+        except Exception as error:  # a third-party model may raise anything
+            errors[label] = error
+    return done or _raise_all(errors)
 
 
 def _raise_all(errors: Mapping[str, Exception]) -> NoReturn:

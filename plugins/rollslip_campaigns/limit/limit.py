@@ -40,9 +40,9 @@ from rollslip.studies.surface_damage.model import named_damage
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
 from rollslip_campaigns.limit.search import (
     Requirement,
-    next_places,
-    outputs_of,
-    passages,
+    next_indices,
+    output_of_text,
+    brackets,
     read_requirement,
     refuse_text_output,
 )
@@ -70,12 +70,12 @@ __all__ = ["RESULT", "Limit", "plan_limit", "run_limit"]
 
 RESULT: Final = "limit.nc"
 #: Values that are computed first where nothing is said.
-_FIRST: Final = 9
+_DEFAULT_COUNT: Final = 9
 #: Ratio of the ends beyond which a quantity is taken by its logarithm.
-_FACTOR: Final = 3.0
-_MOST: Final = 100_000
+_LOGARITHMIC_RATIO: Final = 3.0
+_MAX_VALUES: Final = 100_000
 #: Time of a point up to which one alone is computed in this process, which saves the start of others [s].
-_SOON: Final = 2.0
+_SERIAL_SECONDS: Final = 2.0
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -106,7 +106,7 @@ class Limit:
     within: float
     logarithmic: bool
     point_seconds: float
-    off: Mapping[str, float]
+    errors: Mapping[str, float]
 
     @property
     def unusual(self) -> tuple[str, ...]:
@@ -124,7 +124,7 @@ class Limit:
         return self.first[1] - self.first[0]
 
     @property
-    def each(self) -> int:
+    def max_refinements(self) -> int:
         """Points that a passage takes at most beside the first ones."""
         return 2 * math.ceil(math.log2(self.spacing)) if self.spacing > 1 else 0
 
@@ -136,11 +136,11 @@ class Limit:
         first = len(self.first)
         lines = [
             self.sweep.headline,
-            f"  {self.requirement.told}: {self.axis.key} from {low} to {high}, to {100 * self.within:.3g} % of {how}",
-            f"  {first} values at first, and {self.each} more at most wherever the limit is passed",
+            f"  {self.requirement.text}: {self.axis.key} from {low} to {high}, to {100 * self.within:.3g} % of {how}",
+            f"  {first} values at first, and {self.max_refinements} more at most wherever the limit is passed",
         ]
         if not math.isnan(self.point_seconds):
-            once = duration_range(self.point_seconds * (first + self.each))
+            once = duration_range(self.point_seconds * (first + self.max_refinements))
             lines.append(
                 f"  each takes {duration_range(self.point_seconds)} of one core, all {once} where it is passed once"
             )
@@ -153,7 +153,7 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     over = read_overs(requested.over)
     within = read_fraction(requested.within)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
-    name = study_with_outputs(base, requested.study, outputs_of(requested.keep))
+    name = study_with_outputs(base, requested.study, output_of_text(requested.keep))
     requirement = read_requirement(requested.keep, study_class(name, base), named_damage(base))
     if not 1e-6 <= within <= 0.5:
         raise SceneError(
@@ -203,12 +203,12 @@ def plan_limit(requested: "LimitSettings") -> Limit:
         else 1.0 / within
     )
     spacing = 2 ** max(0, math.ceil(math.log2(width / (count - 1))))
-    if (size := (count - 1) * spacing + 1) > _MOST:
+    if (size := (count - 1) * spacing + 1) > _MAX_VALUES:
         raise SceneError(
-            [f"{key}: {size} values are more than {_MOST}; widen --within, or narrow the range"]
+            [f"{key}: {size} values are more than {_MAX_VALUES}; widen --within, or narrow the range"]
         )
     ends: Sequence[dict[str, object]] = ({}, {key: values[0]}, {key: values[-1]})
-    resolution, seconds, off = _resolution(base, name, requirement.output, ends)
+    resolution, seconds, errors = _resolution(base, name, requirement.output, ends)
     axis = read_axis(quantity, f"{span}:{size}{ending}", sampled=False)
     assert isinstance(axis, Axis)
     axis = attrs.evolve(axis, display_unit=axis.given)
@@ -228,7 +228,7 @@ def plan_limit(requested: "LimitSettings") -> Limit:
         within=within,
         logarithmic=logarithmic,
         point_seconds=seconds,
-        off=off,
+        errors=errors,
     )
 
 
@@ -244,8 +244,8 @@ def _range(quantity: Quantity, text: str) -> tuple[str, int, bool]:
         low, high = evenly(*ends, 2, str(quantity.unit))
     except UnitError as error:
         raise SceneError([str(error)]) from error
-    wide = low > 0.0 and high > _FACTOR * low and quantity.unit != "K"
-    return ":".join(ends), int(count or _FIRST), logarithmic or wide
+    wide = low > 0.0 and high > _LOGARITHMIC_RATIO * low and quantity.unit != "K"
+    return ":".join(ends), int(count or _DEFAULT_COUNT), logarithmic or wide
 
 
 def _resolution(
@@ -257,7 +257,7 @@ def _resolution(
     what its plan chooses.
     """
     found = list[tuple[Scene, Resolution]]()
-    off = dict[str, float]()
+    errors = dict[str, float]()
     cls = study_class(study)
     needed = {output, cls.outputs[output].status, *cls.controlled_outputs.values()}
     for changes in places:
@@ -268,17 +268,17 @@ def _resolution(
                 if not one.failed:
                     found.append((at, one.resolution))
                 continue
-            made = plan(at, study, cheaper_laws=False, without=cls.outputs.keys() - needed)
-            run = compute(made, study)
+            search = plan(at, study, cheaper_laws=False, without=cls.outputs.keys() - needed)
+            run = compute(search, study)
         except RollslipError:  # the point will say why
             continue
         found.append((at, run.plan.choices[study].resolution))
         accuracy = at.accuracy
         for name, error in exceeding(run.error.total, accuracy).items():
             if accuracy.of(name) > EXACT:
-                off[name] = max(error if math.isfinite(error) else math.inf, off.get(name, 0.0))
+                errors[name] = max(error if math.isfinite(error) else math.inf, errors.get(name, 0.0))
     if not found:
-        return None, math.nan, off
+        return None, math.nan, errors
     alike = ("integrator", "friction", "level")
     resolution = Resolution.maximum_of([one for _, one in found], alike)
     seconds = list[float]()
@@ -297,14 +297,14 @@ def _resolution(
         # maps of a motion, which a plan makes for its run, every point makes for itself, as was done here
         spent = time.process_time() - begin if study_class(study).is_transient else 0.0
         seconds.append(max(cost, spent))
-    return resolution, max(seconds, default=math.nan), off
+    return resolution, max(seconds, default=math.nan), errors
 
 
 # The search ----------------------------------------------------------------------------------------------------------
 
 
 def run_limit(
-    made: Limit,
+    search: Limit,
     folder: Path,
     *,
     print_line: Callable[[str], None] = lambda text: None,
@@ -316,34 +316,34 @@ def run_limit(
     """
     from rollslip.catalogue.registry import get_model
 
-    points = Points.in_folder(made.sweep, folder, print_line, report)
-    slacks, failed, longest = _known(made, folder)
-    requested = sorted({*made.first, *failed})
+    points = Points.in_folder(search.sweep, folder, print_line, report)
+    slacks, failed, longest = _read_points(search, folder)
+    requested = sorted({*search.first, *failed})
     again: tuple[str, ...] = FAILED
     alone = (
         None
-        if requested_engine(made.sweep) is not None or made.sweep.local
+        if requested_engine(search.sweep) is not None or search.sweep.local
         else get_model("engine", "serial")
     )
     while requested:
         points.compute(
             requested,
-            engine=alone if len(requested) == 1 and longest <= _SOON else None,
+            engine=alone if len(requested) == 1 and longest <= _SERIAL_SECONDS else None,
             retry_statuses=again,
         )
-        slacks, failed, longest = _known(made, folder)
-        requested = next_places(slacks, failed, made.spacing)
+        slacks, failed, longest = _read_points(search, folder)
+        requested = next_indices(slacks, failed, search.spacing)
         again = ()
         points = attrs.evolve(points, print_line=lambda text: None)
         print_line(
-            f"{len(slacks) + len(failed)} values computed{_so_far(made, slacks) if requested else ''}"
+            f"{len(slacks) + len(failed)} values computed{_describe_brackets(search, slacks) if requested else ''}"
         )
-    dataset = _dataset(made, points, slacks, failed)
+    dataset = _dataset(search, points, slacks, failed)
     save(dataset, folder / RESULT)
     return dataset
 
 
-def _known(made: Limit, folder: Path) -> tuple[dict[int, float], set[int], float]:
+def _read_points(search: Limit, folder: Path) -> tuple[dict[int, float], set[int], float]:
     """Return how far results are within the limit, which points failed, and the longest time of one, by number."""
     slacks = dict[int, float]()
     failed = set[int]()
@@ -351,46 +351,46 @@ def _known(made: Limit, folder: Path) -> tuple[dict[int, float], set[int], float
     for row in records(folder):
         longest = max(longest, row.seconds)
         if row.status == "ok":
-            slacks[row.number] = made.requirement.slack(_result(made, row_values(row)))
+            slacks[row.number] = search.requirement.slack(_result(search, row_values(row)))
             failed.discard(row.number)
         elif row.number not in slacks:
             failed.add(row.number)
     return slacks, failed, longest
 
 
-def _result(made: Limit, arrays: Mapping[str, Any]) -> float:
+def _result(search: Limit, arrays: Mapping[str, Any]) -> float:
     """Return the worst value of the output at a point."""
-    values = arrays.get(made.requirement.output)
+    values = arrays.get(search.requirement.output)
     if values is None:
         return math.nan
     if np.asarray(values).dtype.kind not in "fiu":
-        raise refuse_text_output(made.requirement.output)
-    return made.requirement.worst(np.ravel(values).tolist())
+        raise refuse_text_output(search.requirement.output)
+    return search.requirement.worst(np.ravel(values).tolist())
 
 
-def _inexact(made: Limit) -> list[str]:
+def _describe_errors(search: Limit) -> list[str]:
     """Say which results stay off by more than the tolerance, and by how much."""
-    tolerance = made.sweep.scene.accuracy.of
-    where = f"with the scene's own {made.axis.key} or at an end of its range"
+    tolerance = search.sweep.scene.accuracy.of
+    where = f"with the scene's own {search.axis.key} or at an end of its range"
     return [
         f"{name.replace('_', ' ')} is off by about {error:.1e} {where}, more than the tolerance of "
         f"{tolerance(name):g}: the limit is off by what this makes of it"
         if math.isfinite(error)
         else f"how far {name.replace('_', ' ')} is off {where} cannot be determined"
-        for name, error in made.off.items()
+        for name, error in search.errors.items()
     ]
 
 
-def _so_far(made: Limit, slacks: Mapping[int, float]) -> str:
+def _describe_brackets(search: Limit, slacks: Mapping[int, float]) -> str:
     """Tell between which values the limit is passed as far as is known."""
-    shown = made.axis.shown
-    ends = [(made.axis.values[a], made.axis.values[b]) for a, b in passages(slacks)]
+    shown = search.axis.shown
+    ends = [(search.axis.values[a], search.axis.values[b]) for a, b in brackets(slacks)]
     return "; the limit is passed between " + ", and between ".join(
         f"{shown(a)} and {shown(b)}" for a, b in ends
     )
 
 
-def of_the_worst(
+def status_of_worst(
     requested: Requirement, values: "np.ndarray[Any, Any]", words: "np.ndarray[Any, Any]"
 ) -> str:
     """Return what a study says of the worst of several values; of all where none is known."""
@@ -400,16 +400,16 @@ def of_the_worst(
 
 
 def _dataset(
-    made: Limit, points: Points, slacks: Mapping[int, float], failed: set[int]
+    search: Limit, points: Points, slacks: Mapping[int, float], failed: set[int]
 ) -> "xr.Dataset":
     import xarray as xr
 
     places = sorted({*slacks, *failed})
     whole = points.collect(places)
-    at = whole.isel({made.sweep.names[made.axis.key]: places})
-    quantity = made.axis.quantity
-    requested = made.requirement
-    values = np.array(made.axis.values, dtype=float)
+    at = whole.isel({search.sweep.names[search.axis.key]: places})
+    quantity = search.axis.quantity
+    requested = search.requirement
+    values = np.array(search.axis.values, dtype=float)
     unit = str(quantity.unit)
     named = f"study_{requested.output}" if f"study_{requested.output}" in at else requested.output
     rows = (
@@ -417,7 +417,7 @@ def _dataset(
         if named in at
         else np.full((len(places), 1), np.nan)
     )
-    output = study_class(made.sweep.study).outputs[requested.output]
+    output = study_class(search.sweep.study).outputs[requested.output]
     why = f"study_{output.status}" if f"study_{output.status}" in at else output.status
     words = np.full(rows.shape, "")
     if why in at:  # one for each value, or one for all of a point
@@ -426,13 +426,13 @@ def _dataset(
             .to_numpy()
             .reshape(len(places), -1)
         )
-    edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in passages(slacks)]
+    edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in brackets(slacks)]
     lost = [any(min(edge) < place < max(edge) for place in failed) for edge in edges]
     variables: dict[str, Any] = {
         "searched": (
             "point",
             values[places],
-            about(unit, quantity.doc) | {"key": made.axis.key, "given": made.axis.given},
+            about(unit, quantity.doc) | {"key": search.axis.key, "given": search.axis.given},
         ),
         "result": (
             "point",
@@ -449,7 +449,7 @@ def _dataset(
         "message": ("point", at["message"].to_numpy(), about("1", "why it is not ok")),
         "result_status": (
             "point",
-            np.array([of_the_worst(requested, *one) for one in zip(rows, words, strict=True)]),
+            np.array([status_of_worst(requested, *one) for one in zip(rows, words, strict=True)]),
             about("1", "what the study says of the result"),
         ),
         "seconds": ("point", at["seconds"].to_numpy(), about("s", "time that the point took")),
@@ -474,24 +474,24 @@ def _dataset(
         for name, value in whole.attrs.items()
         if name not in ("axes", "sampling", "seed")
     }
-    told["left"] = json.dumps([*_inexact(made), *json.loads(told.get("left", "[]"))])
+    told["left"] = json.dumps([*_describe_errors(search), *json.loads(told.get("left", "[]"))])
     return xr.Dataset(
         variables,
         attrs=told
         | {
             "study": "limit",
-            "searched_key": made.axis.key,
-            "searched_given": made.axis.given or "",
-            "logarithmic": int(made.logarithmic),
-            "within": made.within,
-            "first": len(made.first),
+            "searched_key": search.axis.key,
+            "searched_given": search.axis.given or "",
+            "logarithmic": int(search.logarithmic),
+            "within": search.within,
+            "first": len(search.first),
             "output": requested.output,
             "sense": requested.sense,
             "limit": requested.limit,
             "limit_given": requested.given,
-            "requirement": requested.told,
+            "requirement": requested.text,
             "range": json.dumps(
-                [format_quantity(float(one), unit, 4, made.axis.given) for one in values[[0, -1]]]
+                [format_quantity(float(one), unit, 4, search.axis.given) for one in values[[0, -1]]]
             ),
         },
     )

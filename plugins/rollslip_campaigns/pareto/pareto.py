@@ -85,8 +85,8 @@ def run_family(family: Family, folder: Path, show: "Shown") -> "xr.Dataset":
     """Run all choices of a family, or what is left of them in a folder."""
     begin = time.perf_counter()
     with StoredValues(folder, _digest(family)) as kept:
-        records = [Record(**kept.known.get(k, {})) for k in range(len(family.choices))]
-        resumed = bool(kept.known)
+        records = [Record(**kept.values.get(k, {})) for k in range(len(family.choices))]
+        resumed = bool(kept.values)
         for (
             study
         ) in family.studies:  # what is loaded at first use is to be loaded before anything is timed
@@ -105,7 +105,7 @@ def run_family(family: Family, folder: Path, show: "Shown") -> "xr.Dataset":
             _take(family, choice, record)
             if k in timed:  # a reference says nothing of the others
                 last[k] = time.perf_counter() - started
-            kept.keep(k, attrs.asdict(record))
+            kept.store(k, attrs.asdict(record))
         return _dataset(family, records, time.perf_counter() - begin, resumed)
 
 
@@ -289,7 +289,7 @@ def _coordinates(family: Family) -> dict[str, Any]:
     for one in family.choices:
         r = one.resolution
         settings = family.studies[one.study]
-        own = settings.at(r).numerical_settings(family.plan.assembly)
+        own = settings.with_resolution(r).numerical_settings(family.plan.assembly)
         law = family.plan.assembly.traction.full_film.name if r.traction == "named" else r.traction
         row = {
             "slices": r.slices if family.plan.assembly.slices > 1 else 1,

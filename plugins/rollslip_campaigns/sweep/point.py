@@ -253,7 +253,7 @@ class _Point:
         self.row.key = self.task.key(scene, resolution)
         self.assembly = _assemble_cached(work, scene, resolution)
         study = self.task.study(scene)
-        self.study = study if resolution is None else study.at(resolution)
+        self.study = study if resolution is None else study.with_resolution(resolution)
         if digest := self.study.digest(self.assembly):
             self.row.key = hashlib.sha256(f"{self.row.key} {digest}".encode()).hexdigest()
 

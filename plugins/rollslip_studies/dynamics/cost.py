@@ -24,7 +24,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
-from rollslip.studies.timing import timed
+from rollslip.studies.timing import processor_time
 from rollslip_studies.dynamics.choice import MotionStudy, with_coarse_slices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.motion.time_integration import Trajectory
@@ -67,7 +67,7 @@ def costs_of(study: MotionStudy, assembly: Assembly) -> dict[str, float]:
     """
     study.moving(assembly)
     moving = study.moving(assembly)
-    tables = timed(partial(study.moving, assembly), 1)
+    tables = processor_time(partial(study.moving, assembly), 1)
     sliced = study.friction == "conventional" and moving.friction.uses_slices
     trial = study.moving(with_coarse_slices(assembly)) if sliced else moving
     evaluations, seconds, last = _estimate_evaluations(study, trial)
@@ -101,7 +101,7 @@ def _estimate_evaluations(
             break
     # repeat the last interval, now that its loads are cached
     assert found is not None
-    seconds = timed(
+    seconds = processor_time(
         partial(study.trial_motion, moving, np.array(ends[-1:]), study.relative_tolerance, before),
         1,
     )

@@ -35,7 +35,7 @@ from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.studies.answers import Part
 from rollslip.studies.thermal_balance.model import ThermalModel, from_bearing, thermal_model
-from rollslip.studies.timing import timed
+from rollslip.studies.timing import processor_time
 from rollslip_studies.dynamics.choice import MotionStudy
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History
 from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, ThermalPath, with_changes
@@ -543,7 +543,7 @@ def heating_cost(
         return {}
     warmer_nodes = model.start(assembly.scene) + _TEMPERATURE_STEP
     warmer = with_changes(assembly, model.changes(warmer_nodes, assembly.scene))
-    seconds = timed(lambda: study.moving_along(study.course(warmer), warmer), 1)
+    seconds = processor_time(lambda: study.moving_along(study.course(warmer), warmer), 1)
     return {
         "temperatures": COST.passes * (COST.slowdown * motion_seconds + COST.bearings * seconds)
     }

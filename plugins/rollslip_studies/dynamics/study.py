@@ -202,7 +202,7 @@ class Dynamics(Study):
                 "film_limit", f"only known to friction = 'conventional', not to {self.friction!r}"
             )
 
-    def at(self, resolution: Resolution) -> "Dynamics":
+    def with_resolution(self, resolution: Resolution) -> "Dynamics":
         """Return the study with friction, level, integrator and step tolerance of a resolution, where it has them."""
         choices: dict[str, Any] = {
             "friction": resolution.friction,
@@ -284,7 +284,7 @@ class Dynamics(Study):
 
     def _with_steps(self, estimated: ResolutionChoice, assembly: Assembly) -> ResolutionChoice:
         """Return a choice with the step tolerance and its error."""
-        study = self.at(estimated.resolution)
+        study = self.with_resolution(estimated.resolution)
         tolerance, error = step_tolerance(
             study, assembly, self._estimates_decay(study.level, assembly)
         )
@@ -480,7 +480,7 @@ class Dynamics(Study):
             If loads or friction cannot be tabulated.
         """
         dataset = over_time.with_single_values(
-            self.at(assembly.resolution)._run(assembly, context or RunContext())
+            self.with_resolution(assembly.resolution)._run(assembly, context or RunContext())
         )
         damage, measures = over_motion(
             assembly, dataset, partial(over_time.bearing_at, assembly, dataset)

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.critical import PURE_SLIDING, Critical, Curve, searched, slip_grid
+from rollslip.bearing.critical import PURE_SLIDING, Critical, Curve, find_critical_slips, slip_grid
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway, mean_friction
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
@@ -19,8 +19,8 @@ from rollslip.results.dataset import about
 from rollslip.scene.relations import impossible_pressure
 from rollslip.structure import Location
 from rollslip.studies.answers import LoadedSlices, Output, PartialResult, RunContext
-from rollslip.studies.study import JUDGED, Study
-from rollslip.studies.timing import POINTS, onwards, timed
+from rollslip.studies.study import N_VALIDITY_SLIPS, Study
+from rollslip.studies.timing import POINTS, extrapolate_line, processor_time
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -160,8 +160,8 @@ class FrictionCurve(Study):
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the curves, measured with few points."""
-        times = [timed(partial(attrs.evolve(self, points=n).run, assembly)) for n in POINTS]
-        return {"friction": onwards(POINTS, times, self.points)}
+        times = [processor_time(partial(attrs.evolve(self, points=n).run, assembly)) for n in POINTS]
+        return {"friction": extrapolate_line(POINTS, times, self.points)}
 
     def loaded_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[LoadedSlices]:
         """Yield the slices of each normal force, slip by slip."""
@@ -171,7 +171,7 @@ class FrictionCurve(Study):
 
     def expected_slices(self, assembly: Assembly) -> tuple[str, list[LoadedSlices]]:
         """Return the slices of each normal force at a few slips of the curves."""
-        slips = np.linspace(self.max_slip / JUDGED, self.max_slip, JUDGED)
+        slips = np.linspace(self.max_slip / N_VALIDITY_SLIPS, self.max_slip, N_VALIDITY_SLIPS)
         return "over the curves", [*self._evaluated(assembly, self.rolling_speed(assembly), slips)]
 
     def _evaluated(self, assembly: Assembly, u: float, slips: Array) -> Iterator[LoadedSlices]:
@@ -261,10 +261,10 @@ class FrictionCurve(Study):
         """Largest friction of curves."""
         key = f"study.{cls.name}.max_slip"
         sought = [
-            Curve(slip, known, key, most=PURE_SLIDING)
+            Curve(slip, known, key, max_slip=PURE_SLIDING)
             for (*_, slip), known in zip(curves, friction, strict=True)
         ]
-        return searched(
+        return find_critical_slips(
             sought, lambda requested: _friction([(*curves[k][:2], slip) for k, slip in requested])
         )
 

@@ -224,7 +224,7 @@ def _resistance(contacts: LoadedContacts, u: float) -> float:
     """Sum of the rolling resistances at a rolling speed [N]; it does not depend on sliding."""
     if not contacts.raceway.chain.resists:
         return 0.0
-    few = contacts.fewer(_LOADS, whole=True)
+    few = contacts.reduced(_LOADS, whole=True)
     return float((contacts.raceway.evaluate(few.load, u, 0.0).resistance * few.width).sum())
 
 

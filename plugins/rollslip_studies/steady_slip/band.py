@@ -546,5 +546,5 @@ def _with_friction_factor(
         coarse,
         inner=attrs.evolve(coarse.inner, chain=chain),
         outer=attrs.evolve(coarse.outer, chain=chain),
-        known_maps={},
+        map_cache={},
     )

@@ -74,7 +74,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "steady cage slip",
             status="status",
             default=True,
-            also=("slip", "cage_slip", "steady_cage_slip"),
+            aliases=("slip", "cage_slip", "steady_cage_slip"),
         ),
         "status": Output("", "1", "what was found"),
         "limit_drag": Output(
@@ -83,14 +83,14 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "limit drag torque",
             status="skidding_status",
             default=True,
-            also=("limit_drag_torque",),
+            aliases=("limit_drag_torque",),
         ),
         "skidding_slip": Output(
             "",
             "1",
             "cage slip at which skidding begins",
             status="skidding_status",
-            also=("skidding_slip",),
+            aliases=("skidding_slip",),
         ),
         "skidding_status": Output("", "1", "what was found of the limit drag torque"),
         "limit_drag_error": Output("", "1", "relative error left of it", status="skidding_status"),
@@ -127,7 +127,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "first_maximum_slip": Output("", "1", "cage slip there", status="skidding_status"),
         "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
         "torque": Output(
-            "steady", "N m", "drag torque that is carried", status="status", also=("steady_drag",)
+            "steady", "N m", "drag torque that is carried", status="status", aliases=("steady_drag",)
         ),
         "stable": Output("steady", "1", "held"),
         "stability": Output("steady", "1", "stability in words"),

@@ -40,7 +40,7 @@ from rollslip.studies.surface_damage.model import (
     parts,
     values_of,
 )
-from rollslip.studies.timing import timed
+from rollslip.studies.timing import processor_time
 from rollslip_studies.motion.torque_balance import Orbit
 from rollslip_studies.steady_slip.evaluated import (
     choose_by_torques,
@@ -52,7 +52,7 @@ from rollslip_studies.steady_slip.study import SteadySlip
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Share of the largest slip at which a motion is timed, and how many of them a steady slip takes.
+#: Share of the largest slip at which a motion is processor_time, and how many of them a steady slip takes.
 _TRIED = 0.3
 _ORBITS = 30
 #: Parts of a resolution that change films and widths of contacts.
@@ -154,7 +154,7 @@ class SurfaceDamage(Study):
             return {"run": 0.0}
         there = assembly.with_resistance()
         slip = self.cage_slip or _TRIED * self.max_cage_slip
-        one = timed(lambda: self._steady.balance(there).orbit(slip), 1)
+        one = processor_time(lambda: self._steady.balance(there).orbit(slip), 1)
         return {"run": one * (_ORBITS if self.cage_slip is None else 1)}
 
     def extra_parts(

@@ -1,7 +1,7 @@
-"""Study thermal-balance: all bulk temperatures that losses of a bearing lead to, and how far the fold is.
+"""Study thermal-balance: all bulk temperatures at which losses and cooling are in balance, and their limit point.
 
-``models.thermal`` says how heat leaves. Without it temperatures are those of ``operation``, and the study tells the
-heat that has to be carried away to hold them.
+``models.thermal`` describes how heat leaves. Without it temperatures are those of ``operation``, and the study reports
+the heat that has to be carried away to maintain them. The method is that of `rollslip_studies.thermal_balance.balance`.
 """
 
 import json
@@ -18,27 +18,37 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, in_range, non_negative, parameter, positive
 from rollslip.results.dataset import about
+from rollslip.results.words import Status
 from rollslip.studies.answers import ComparedValues, Output, ResolutionChoice, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel, from_bearing, thermal_model
 from rollslip_studies.steady_slip.evaluated import choose_by_torques
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
+from rollslip_studies.thermal_balance.findings import COURSE_COMPLETE, NO_JUMPS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Step of temperature [K] to a steady slip whose time is measured; slips for a temperature of the curve where nodes
-#: follow, and for a course in time.
-_NEARBY: Final = 0.3
-_FOLLOWING = 4
-_COURSE = 200
-#: Slip below which an answer shows no digits of it.
-_SHOWN: Final = 1e-3
-#: What is known of a bearing that has settled before anything of warmer balances is.
-_OF_STATIONARY: Final = frozenset(
+#: Step of temperature [K] to the steady slip whose time an estimate of the cost measures. Chosen: a typical iteration.
+_TIMED_STEP: Final = 0.3
+#: Mean number of steady slips for a point of the curve where other nodes follow; it scales the estimate of the cost.
+#: Chosen from the number of fixed-point iterations.
+_SLIPS_PER_POINT: Final = 4
+#: Number of steady slips for a course over time; it scales the estimate of the cost. Chosen.
+_SLIPS_PER_COURSE: Final = 200
+#: Slip below which an answer shows no digits, so that its error is not estimated.
+_MIN_SHOWN_SLIP: Final = 1e-3
+#: Length of an interval [K] up to which a jump is described by one temperature.
+_SHORT_INTERVAL: Final = 0.1
+#: Outputs of the coldest stable balance, which need no warmer balances.
+_STATIONARY_OUTPUTS: Final = frozenset(
     {"stationary_temperature", "stationary_slip", "stationary_status"}
 )
+
+
+#: Status of a stationary state and of a limit where there are balances and none is stable.
+_NONE_STABLE: Final = "no balance lasts"
 
 
 @attrs.frozen(kw_only=True)
@@ -169,7 +179,7 @@ class ThermalBalance(Study):
     def choose_resolution(
         self, assembly: Assembly, *, cheaper_laws: bool = True
     ) -> ResolutionChoice:
-        """Choose slices, instants and laws as for the torques of a steady slip at the temperatures of the scene."""
+        """Choose slices, roller positions and laws as for torques of a steady slip at the temperatures of the scene."""
         return choose_by_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
@@ -178,34 +188,35 @@ class ThermalBalance(Study):
         return (*self._steady.models(assembly), *(() if model is None else (("thermal", model),)))
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return the time [s] from that of steady slips: one if nothing follows, else some for each temperature."""
-        from rollslip.studies.timing import timed
+        """Return the estimated time of a run [s], from the measured time and the number of steady slips."""
+        from rollslip.studies.timing import processor_time
 
         model = self._model(assembly)
         heated = Heated(assembly, model, self._steady)
-        first = timed(heated.given, 1)  # with what all share
+        first = processor_time(heated.given, 1)
         if not model.nodes:
             return {"run": first}
-        again = timed(Heated(assembly, model, self._steady).given, 1)
+        again = processor_time(Heated(assembly, model, self._steady).given, 1)
         start = model.start(assembly.scene)
         n = len(model.nodes)
         seconds = []
         for fraction in (0.0, 0.5):
             T = start + fraction * (self.highest_temperature - start[0])
             heated.at(T)
-            seconds.append(timed(partial(heated.at, T + _NEARBY), 1))
-        states = self.points * (1 if n == 1 else _FOLLOWING) + 4 * n + _COURSE * bool(self.duration)
+            seconds.append(processor_time(partial(heated.at, T + _TIMED_STEP), 1))
+        per_point = 1 if n == 1 else _SLIPS_PER_POINT
+        states = self.points * per_point + 4 * n + _SLIPS_PER_COURSE * bool(self.duration)
         return {"run": again + states * sum(seconds) / len(seconds)}
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
-        """Return the steady slip of the coldest balance that lasts."""
+        """Return the steady slip of the coldest stable balance."""
         status = str(dataset["stationary_status"].item())
         return {"steady cage slip": ComparedValues([[float(dataset["stationary_slip"])]], status)}
 
     def without_outputs(self, outputs: frozenset[str]) -> "ThermalBalance":
-        """Return a study without the course in time, or without all but the coldest balance that lasts."""
-        if outputs >= self.outputs.keys() - _OF_STATIONARY:
-            return _Settled(**attrs.asdict(self) | {"duration": 0.0})
+        """Return the study without the course over time, or of the coldest stable balance alone, if nothing else counts."""
+        if outputs >= self.outputs.keys() - _STATIONARY_OUTPUTS:
+            return _ColdestBalance(**attrs.asdict(self) | {"duration": 0.0})
         return (
             self.with_settings(duration=0.0)
             if outputs >= {"course_temperature", "course_slip"}
@@ -213,37 +224,54 @@ class ThermalBalance(Study):
         )
 
     def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
-        """Return by how much slip and losses of a bearing that has settled are off, at the temperatures of that.
+        """Return the relative errors of slip and losses at the stationary temperatures, by a finer bearing.
 
-        The resolution is chosen at those of the scene. A slip that is shown without digits is left out.
+        The resolution was chosen at the temperatures of the scene. A slip that is shown without digits is omitted.
+
+        Parameters
+        ----------
+        finer : Assembly
+            The bearing at a finer resolution.
+        dataset : xarray.Dataset
+            The result whose errors are estimated.
         """
-        settled = dataset["stationary_slip"]
-        if not (slip := float(settled)) > 0.0:
+        stationary = dataset["stationary_slip"]
+        slip = float(stationary)
+        if not slip > 0.0:
             return {}
         model = self._model(finer)
         temperatures = dataset["stationary_temperature"].to_numpy() if model.nodes else None
         try:
-            off, of_loss = Heated(finer, model, self._steady).off(
-                temperatures, slip, settled.attrs["loss"]
+            slip_error, loss_error = Heated(finer, model, self._steady).relative_errors(
+                temperatures, slip, stationary.attrs["loss"]
             )
         except (SceneError, DomainError):
             return {"power loss": np.inf}
-        return {"power loss": of_loss} | ({"cage slip": off} if slip >= _SHOWN else {})
+        errors = {"power loss": loss_error}
+        if slip >= _MIN_SHOWN_SLIP:
+            errors["cage slip"] = slip_error
+        return errors
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
-        """Return all balances, the curve that they are the zeros of, and the limit.
+        """Return all balances, the excess heat whose zeros they are, and the limit.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing at the temperatures of its scene.
+        keep : Keep, optional
+            Not used: there are no intermediate results.
 
         Returns
         -------
         xarray.Dataset
             Dimensions (balance,): stable, stability, growth, steady_slip, balance_error; (node, balance): temperature;
             (source, balance): loss; (sink, balance): carried_away; (node,): stationary_temperature, of the
-            coldest balance
-            that lasts; (part,): given_temperature; scalars: status, stationary_slip, stationary_status, given_slip,
-            given_loss, given_status. With a model of nodes (point,): leading_temperature,
-            excess_heat; scalars jumps, heat_margin, limit_temperature, inlet_limit, limit_status; with a duration
-            (time, node): course_temperature; (time,): course_slip; scalar course_status. Without a balance there is one
-            NaN in its place, and no source.
+            coldest stable balance; (part,): given_temperature; scalars: status, stationary_slip, stationary_status,
+            given_slip, given_loss, given_status. With a model of nodes (point,): leading_temperature, excess_heat;
+            scalars: jumps, heat_margin, limit_temperature, inlet_limit, limit_status. With a duration (time, node):
+            course_temperature; (time,): course_slip; scalar: course_status. Without a balance there is one with NaN,
+            and no source.
 
         Raises
         ------
@@ -251,7 +279,7 @@ class ThermalBalance(Study):
             If the cage or the thermal model is wrong, or heat has no way out.
         """
         model = self._model(assembly)
-        assembly.cage  # noqa: B018 - a wrong one is refused before anything is computed
+        assembly.cage  # noqa: B018 - a wrong cage is refused before anything is computed
         heated = Heated(assembly, model, self._steady)
         given = heated.given()
         operation = assembly.scene.operation
@@ -263,12 +291,12 @@ class ThermalBalance(Study):
             given_slip=given.slip,
             given_loss=given.loss,
             given_temperature=np.array(temperatures),
-            given_status=given.refusal or "found",
+            given_status=given.refusal or Status.FOUND.value,
         )
         if model.nodes:
-            some, at = self._balances(heated)
+            of_model, coords_of_model = self._balances(heated)
         else:
-            some, at = self._held(given, np.array(temperatures))
+            of_model, coords_of_model = self._given_temperatures(given, np.array(temperatures))
         import xarray as xr
 
         attributes = {
@@ -277,13 +305,16 @@ class ThermalBalance(Study):
             "thermal_model": repr(model),
             "taken_from_bearing": json.dumps(from_bearing(assembly.scene, model)),
         }
-        return xr.Dataset(variables | some, coords | at, attrs=self.attributes | attributes)
+        return xr.Dataset(
+            variables | of_model, coords | coords_of_model, attrs=self.attributes | attributes
+        )
 
-    def _held(
+    def _given_temperatures(
         self, given: State, temperatures: "np.ndarray[Any, Any]"
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Temperatures as they are given: one state, whose heat something outside carries away."""
+        """Return variables and coordinates of one state at the temperatures of the scene."""
         losses = () if given.power is None else given.power.losses
+        status = given.refusal or "the temperatures are given"
         variables = self.variables(
             temperature=temperatures[:, None],
             stable=np.zeros(1, np.int8),
@@ -293,204 +324,230 @@ class ThermalBalance(Study):
             loss=np.array([[loss.power] for loss in losses]).reshape(len(losses), 1),
             carried_away=np.array([[given.loss]]),
             balance_error=np.full(1, np.nan),
-            status=(status := given.refusal or "the temperatures are given"),
+            status=status,
         )
         coords = _coordinates(tuple(ROLES.values()), [loss.source for loss in losses], ["outside"])
-        return variables | self._settled(temperatures, given, status), coords
+        return variables | self._stationary(temperatures, given, status), coords
 
-    def _settled(self, temperatures: Any, state: State, status: str) -> dict[str, Any]:
-        """Return what a cold bearing settles at; with the slip the loss [W], by which that is judged."""
-        found = self.variables(
+    def _stationary(self, temperatures: Any, state: State, status: str) -> dict[str, Any]:
+        """Return the stationary state of a cold bearing; the slip has the loss [W], with which errors are estimated."""
+        variables = self.variables(
             stationary_temperature=temperatures,
             stationary_slip=state.slip,
             stationary_status=status,
         )
-        found["stationary_slip"][-1]["loss"] = state.loss
-        return found
+        variables["stationary_slip"][-1]["loss"] = state.loss
+        return variables
 
-    def _sought(
+    def _search(
         self, heated: Heated, *, first: bool = False
     ) -> tuple[Curve, dict[float, Any], list[Balance]]:
-        """Return the curve of excess heat, temperatures of all nodes along it, and its balances."""
+        """Return the curve of excess heat, temperatures of all nodes by the leading one, and the balances."""
         model = heated.model
         lowest = float(
             min([*model.start(heated.scene), *(() if model.inlet is None else model.inlet[:1])])
         )
         highest = max(self.highest_temperature, lowest + 1.0)
-        curve, places = heated.curve(lowest, highest, self.points, first=first)
-        found = (heated.balance(places[x]) for x in heated.zeros(curve, places))
-        return curve, places, [one for one in found if one is not None]
+        curve, temperatures = heated.curve(lowest, highest, self.points, first=first)
+        zeros = heated.zeros(curve, temperatures)
+        balances = (heated.balance(temperatures[x]) for x in zeros)
+        return curve, temperatures, [balance for balance in balances if balance is not None]
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return variables and coordinates of the balances, the excess heat, the limit and the course over time."""
         model = heated.model
-        scene = heated.scene
-        start = model.start(scene)
-        curve, places, balances = self._sought(heated)
-        sinks = list(model.carried_away(start))
-        powers = [one.state.power for one in balances]
-        sources = [loss.source for loss in powers[0].losses] if powers and powers[0] else []
-        shown = balances or [Balance(np.full(start.size, np.nan), State(np.nan), np.nan, np.nan)]
-        status = "found" if balances else self._none(heated, curve)
-        settled = next((one for one in balances if one.stable), None)
-        variables = self.variables(
-            temperature=np.array([one.temperatures for one in shown]).T,
-            stable=np.array([one.stable for one in shown]).astype(np.int8),
-            stability=np.array([_stability(one) for one in balances] or ["no balance"]),
-            growth=np.array([one.growth for one in shown]),
-            steady_slip=np.array([one.state.slip for one in shown]),
-            loss=np.array(
-                [[loss.power for loss in power.losses] for power in powers if power]
-            ).T.reshape(len(sources), len(shown)),
-            carried_away=np.array(
-                [list(model.carried_away(one.temperatures).values()) for one in balances]
-            ).T
-            if balances
-            else np.full((len(sinks), 1), np.nan),
-            balance_error=np.array([one.error for one in shown]),
-            status=status,
-            jumps=_jumps(heated),
+        curve, temperatures, balances = self._search(heated)
+        status = Status.FOUND.value if balances else self._reason_without_balance(heated, curve)
+        stationary = next((balance for balance in balances if balance.stable), None)
+        variables, coords = self._balance_variables(heated, balances, status)
+        variables |= self.variables(
+            jumps=_describe_jumps(heated),
             leading_temperature=curve.temperature,
             excess_heat=curve.excess,
         )
-        if settled is None:
-            status = "no balance lasts" if balances else status
-            variables |= self._settled(np.full(start.size, np.nan), State(np.nan), status)
+        if stationary is None:
+            status = _NONE_STABLE if balances else status
+            nothing = np.full(len(model.nodes), np.nan)
+            variables |= self._stationary(nothing, State(np.nan), status)
         else:
-            variables |= self._settled(settled.temperatures, settled.state, status)
-        variables |= self._limit(heated, curve, places, balances)
-        coords = _coordinates(model.nodes, sources, sinks)
+            variables |= self._stationary(stationary.temperatures, stationary.state, status)
+        variables |= self._limit(heated, curve, temperatures, balances)
         if self.duration > 0.0:
             solver = get_model("integrator", self.integrator).solver()
-            times, rows, slips, ended = heated.course(self.duration, self.course_points, solver)
+            times, rows, slips, reason = heated.course(self.duration, self.course_points, solver)
             variables |= self.variables(
                 course_temperature=rows,
                 course_slip=slips,
-                course_status=ended or "the time is over",
+                course_status=reason or COURSE_COMPLETE,
             )
             coords["time"] = "time", times, about("s", "time")
         return variables, coords
 
-    def _none(self, heated: Heated, curve: Curve) -> str:
-        """Say why there is no balance."""
+    def _balance_variables(
+        self, heated: Heated, balances: list[Balance], status: str
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return variables and coordinates of the balances; without any, those of one with NaN."""
+        model = heated.model
+        start = model.start(heated.scene)
+        sinks = list(model.carried_away(start))
+        powers = [balance.state.power for balance in balances]
+        sources = [loss.source for loss in powers[0].losses] if powers and powers[0] else []
+        carried_away = np.full((len(sinks), 1), np.nan)
+        if balances:
+            heats = [list(model.carried_away(balance.temperatures).values()) for balance in balances]
+            carried_away = np.array(heats).T
+        shown = balances or [Balance(np.full(start.size, np.nan), State(np.nan), np.nan, np.nan)]
+        losses = [[loss.power for loss in power.losses] for power in powers if power]
+        variables = self.variables(
+            temperature=np.array([balance.temperatures for balance in shown]).T,
+            stable=np.array([balance.stable for balance in shown]).astype(np.int8),
+            stability=np.array(list(map(_describe_stability, balances)) or ["no balance"]),
+            growth=np.array([balance.growth for balance in shown]),
+            steady_slip=np.array([balance.state.slip for balance in shown]),
+            loss=np.array(losses).T.reshape(len(sources), len(shown)),
+            carried_away=carried_away,
+            balance_error=np.array([balance.error for balance in shown]),
+            status=status,
+        )
+        return variables, _coordinates(model.nodes, sources, sinks)
+
+    def _reason_without_balance(self, heated: Heated, curve: Curve) -> str:
+        """Return why there is no balance, in words."""
         if heated.jumps:
-            return f"no balance: {_jumps(heated)}"
-        known = np.isfinite(curve.excess)
+            return f"no balance: {_describe_jumps(heated)}"
+        known = np.flatnonzero(np.isfinite(curve.excess))
+        celsius = curve.temperature - 273.15
         node = heated.model.nodes[0]
-        if not known.any():
-            ends, first, last = curve.refusals[0], *(curve.temperature[[0, -1]] - 273.15)
-            said = f"no steady state is known from {first:.4g} to {last:.4g} degC of the {node}; with the coldest, "
-            return f"no balance: {'' if ends.by_film else said}{ends.refusal}"
-        first, last = (int(np.flatnonzero(known)[k]) for k in (0, -1))
-        if curve.excess[first] < 0.0:
-            reason = (
-                f", where the data of the scene end: {curve.refusals[first - 1].refusal}"
-                if first
-                else ""
-            )
+        if not known.size:
+            coldest = curve.refusals[0]
+            if coldest.cage_skids:
+                return f"no balance: {coldest.refusal}"
             return (
-                f"no balance down to {curve.temperature[first] - 273.15:.4g} degC of the {node}: there "
+                f"no balance: no steady state is known from {celsius[0]:.4g} to {celsius[-1]:.4g} degC of the {node}; "
+                f"with the coldest, {coldest.refusal}"
+            )
+        first = int(known[0])
+        last = int(known[-1])
+        if curve.excess[first] < 0.0:
+            reason = ""
+            if first:
+                reason = f", where the data of the scene end: {curve.refusals[first - 1].refusal}"
+            return (
+                f"no balance down to {celsius[first]:.4g} degC of the {node}: there "
                 f"{-curve.excess[first]:.3g} W more are carried away than are lost{reason}; check the temperatures and "
                 "the cooling that the thermal model takes"
             )
-        at = f"{curve.temperature[last] - 273.15:.4g} degC"
-        if last == len(known) - 1:
+        if last == curve.excess.size - 1:
             return (
-                f"no balance up to {at}: losses exceed what is carried away by {np.nanmin(curve.excess):.3g} W or "
-                f"more, and the {node} heats on: a runaway of the bulk"
+                f"no balance up to {celsius[last]:.4g} degC: losses exceed what is carried away by "
+                f"{np.nanmin(curve.excess):.3g} W or more, and the {node} heats on: a runaway of the bulk"
             )
-        ends = curve.refusals[last + 1]
-        how = (
-            "a runaway of the film before one of the bulk"
-            if ends.by_film
-            else "the data of the scene end"
+        end = curve.refusals[last + 1]
+        cause = "the data of the scene end"
+        if end.cage_skids:
+            cause = "a runaway of the film before one of the bulk"
+        return (
+            f"no balance up to {celsius[last]:.4g} degC of the {node}, where {cause}: {end.refusal}"
         )
-        return f"no balance up to {at} of the {node}, where {how}: {ends.refusal}"
 
     def _limit(
-        self, heated: Heated, curve: Curve, places: dict[float, Any], balances: list[Balance]
+        self,
+        heated: Heated,
+        curve: Curve,
+        temperatures: dict[float, Any],
+        balances: list[Balance],
     ) -> dict[str, Any]:
-        """Return how much heat, or how warm an inlet, the coldest balance that lasts bears."""
+        """Return how much heat, or how warm an inlet, the coldest stable balance bears."""
         model = heated.model
-        first = next((one for one in balances if one.stable), None)
-        if first is None:
+        stable = next((balance for balance in balances if balance.stable), None)
+        if stable is None:
             return self.variables(
                 heat_margin=np.nan,
                 limit_temperature=np.nan,
                 inlet_limit=np.nan,
-                limit_status="no balance lasts",
+                limit_status=_NONE_STABLE,
             )
-        begin = float(first.temperatures[0])
-        later = [
-            float(one.temperatures[0]) for one in balances if float(one.temperatures[0]) > begin
+        start = float(stable.temperatures[0])
+        warmer = [
+            leading
+            for balance in balances
+            if (leading := float(balance.temperatures[0])) > start
         ]
-        upto = Curve(curve.temperature, np.where(curve.temperature > min(later, default=np.inf), np.nan, curve.excess),
-                     curve.refusals)  # fmt: skip
-        at, value, ends = heated.least(upto if later else curve, places, begin)
+        if warmer:  # only the curve up to the next balance counts
+            excess = np.where(curve.temperature > min(warmer), np.nan, curve.excess)
+            curve = attrs.evolve(curve, excess=excess)
+        limit, value, end = heated.minimum_excess(curve, temperatures, start)
         inlet = np.nan if model.inlet is None else model.inlet[0] - value / model.inlet[1]
+        status = "the bulk: warmer than that losses rise faster than what is carried away"
+        is_known = True
         last = float(curve.temperature[-1])
-        if at >= last - 1e-6:
-            at = np.nan
-            value = np.nan
-            inlet = np.nan
+        if limit >= last - 1e-6:
+            is_known = False
             status = (
                 f"no limit up to {last - 273.15:.4g} degC: there more is carried away than is lost, look further with "
                 f"--set {self.table}.highest_temperature"
             )
-        elif ends is not None and ends.by_film:
-            status = f"the film: {ends.refusal}"
-        elif ends is not None and ends.refusal:
-            status = f"no limit is known beyond {at - 273.15:.4g} degC: {ends.refusal}"
-            at = np.nan
-            value = np.nan
-            inlet = np.nan
-        else:
-            status = "the bulk: warmer than that losses rise faster than what is carried away"
+        elif end is not None and end.cage_skids:
+            status = f"the film: {end.refusal}"
+        elif end is not None and end.refusal:
+            is_known = False
+            status = f"no limit is known beyond {limit - 273.15:.4g} degC: {end.refusal}"
         return self.variables(
-            heat_margin=-value, limit_temperature=at, inlet_limit=inlet, limit_status=status
+            heat_margin=-value if is_known else np.nan,
+            limit_temperature=limit if is_known else np.nan,
+            inlet_limit=inlet if is_known else np.nan,
+            limit_status=status,
         )
+
 
 
 @attrs.frozen(kw_only=True)
-class _Settled(ThermalBalance):
-    """The coldest balance that lasts: of the curve, all up to it is enough, where it has one."""
+class _ColdestBalance(ThermalBalance):
+    """The study of the coldest stable balance alone, which needs the curve only up to its first zero."""
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
-        settled = next((one for one in self._sought(heated, first=True)[-1] if one.stable), None)
-        if settled is None:
+        *_, balances = self._search(heated, first=True)
+        stationary = next((balance for balance in balances if balance.stable), None)
+        if stationary is None:
             return super()._balances(heated)
-        return self._settled(settled.temperatures, settled.state, "found"), _coordinates(
-            heated.model.nodes, [], []
+        variables = self._stationary(
+            stationary.temperatures, stationary.state, Status.FOUND.value
         )
+        return variables, _coordinates(heated.model.nodes, [], [])
 
 
-def _jumps(heated: Heated) -> str:
-    """Say where the excess heat jumps past zero."""
+def _describe_jumps(heated: Heated) -> str:
+    """Return where the excess heat jumps past zero, and which temperatures were skipped; `NO_JUMPS` if there are none."""
     node = heated.model.nodes[0]
-    unknown = ", ".join(f"{x - 273.15:.4g}" for x in heated.unknown)
-    passed = (
-        f"at {unknown} degC of the {node} no steady state was found, and the curve passes over it"
-        if unknown
-        else ""
-    )
-    if not heated.jumps:
-        return passed or "none"
-    places = " and ".join(
-        f"from {low - 273.15:.4g} to {high - 273.15:.4g} degC"
-        if high - low > 0.1
-        else f"at {low - 273.15:.4g} degC"
-        for low, high in heated.jumps
-    )
-    said = f"{places} of the {node} losses jump past what is carried away, with the steady slip: no balance is there"
-    return f"{said}; {passed}" if passed else said
+    skipped = ", ".join(f"{x - 273.15:.4g}" for x in heated.skipped)
+    texts = []
+    if heated.jumps:
+        intervals = " and ".join(
+            f"from {low - 273.15:.4g} to {high - 273.15:.4g} degC"
+            if high - low > _SHORT_INTERVAL
+            else f"at {low - 273.15:.4g} degC"
+            for low, high in heated.jumps
+        )
+        texts.append(
+            f"{intervals} of the {node} losses jump past what is carried away, with the steady slip: no balance is "
+            "there"
+        )
+    if skipped:
+        texts.append(
+            f"at {skipped} degC of the {node} no steady state was found, and the curve passes over it"
+        )
+    return "; ".join(texts) or NO_JUMPS
 
 
-def _stability(balance: Balance) -> str:
+def _describe_stability(balance: Balance) -> str:
+    """Return whether a balance is stable, and its time constant, in words."""
     if balance.stable:
         return f"stable: a disturbance fades with a time of {-1.0 / balance.growth:.3g} s"
     return f"unstable: a little warmer it heats on, with a time of {1.0 / balance.growth:.3g} s"
 
 
 def _coordinates(nodes: tuple[str, ...], sources: list[str], sinks: list[str]) -> dict[str, Any]:
+    """Return the coordinates of balances."""
     return {
         "node": ("node", list(nodes), about("1", "part of the bearing")),
         "source": ("source", np.array(sources, dtype=np.str_), about("1", "what loses power")),
