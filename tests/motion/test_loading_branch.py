@@ -17,7 +17,7 @@ from rollslip.errors import SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.loading_branch import (
-    TOLERANCES,
+    SEARCH,
     _drop_doubtful,
     _estimate_rise,
     _find_maxima,
@@ -146,7 +146,7 @@ def marched(one, slip, start):
     kernel = motions.spins(np.array([slip])).kernel
     K = motions.positions
     c = motions._inertia * (1.0 - slip)
-    (low, high) = motions._bracket(np.array([slip]))[0]
+    (low, high) = motions._rolling_slips(np.array([slip]))[0]
     at = start
     orbit = np.empty(K)
     step = (high - low) / 400.0
@@ -180,14 +180,14 @@ def test_rollers_are_sent_round_as_by_a_plain_march(drags, slip):
     one = balance("1032930-30C", slices=1, **{"cage.drag": drags, "operation.radial_load": "20 kN"})
     motions = one.motions
     slips = np.array([slip])
-    ends = motions._ends(motions.spins(slips), slips)
-    found, _, left = motions._came_to(slips, ends, motions.spins(slips))
+    ends = motions._march_starts(motions.spins(slips), slips)
+    march = motions._march(slips, ends, motions.spins(slips))
     for walker in range(2):
         want = marched(one, slip, ends[0, walker])
         np.testing.assert_allclose(
-            found[0, walker], want, atol=2e-3 * float(motions.unit(slips)[0])
+            march.roller_slips[0, walker], want, atol=2e-3 * float(motions.unit(slips)[0])
         )
-    assert left.max() < 1e-3, "of rolling on either ring, which are 1.8 units apart"
+    assert march.changes.max() < 1e-3, "of rolling on either ring, which are 1.8 units apart"
 
 
 def test_rows_are_sent_round_as_each_by_itself():
@@ -242,7 +242,7 @@ def test_all_motions_lie_between_those_that_both_ends_lead_to(number, resists, p
     found = motions.find(slips)[0]
     high = found[0].fraction
     low = found[-1].fraction
-    low_end, high_end = motions._ends(motions.spins(slips), slips)[0] / motions.unit(slips)[0]
+    low_end, high_end = motions._march_starts(motions.spins(slips), slips)[0] / motions.unit(slips)[0]
     between = motions.find(slips, np.array([low_end + part * (high_end - low_end)]))[0][0]
     nearest = min(motions.distance(between.fraction, one) for one in (high, low))
     if len(found) == 1:
@@ -494,9 +494,9 @@ def test_maxima_of_a_way_fall_behind_by_more_than_rounding_before_a_larger_one_c
             curve(
                 1.0,
                 3.0,
-                3.0 * (1.0 - 0.5 * TOLERANCES.min_fall),
+                3.0 * (1.0 - 0.5 * SEARCH.min_fall),
                 4.0,
-                4.0 * (1.0 - 0.5 * TOLERANCES.min_fall),
+                4.0 * (1.0 - 0.5 * SEARCH.min_fall),
             )
         )
         == []

@@ -96,7 +96,7 @@ def test_contacts_are_evaluated_in_the_motion_and_counted_once():
     before = chain.evaluated
     for _ in range(3):
         spins.kernel.torques(np.zeros(one.motions.positions))
-        spins.ended("")
+        spins.check("")
     assert chain.evaluated - before == sum(spins.kernel.evaluated)
 
 

@@ -34,7 +34,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.critical import Critical, Curve, searched
+from rollslip.bearing.critical import Critical, Curve, find_critical_slips
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
@@ -342,7 +342,7 @@ def _shape(friction: Law, rolling: float) -> _Shape:
         Curve(probe[grid], values[grid], "")
         for grid in ([k - 1, k, k + 1, end] for k in peaks.tolist())
     ]
-    maxima = searched(
+    maxima = find_critical_slips(
         curves, lambda requested: [*friction(np.concatenate([V for _, V in requested]))[:, None]]
     )
     found = (one for one in maxima if not math.isnan(one.slip))

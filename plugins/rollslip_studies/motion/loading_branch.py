@@ -51,7 +51,7 @@ from rollslip_studies.motion.spins import (
 
 
 @attrs.frozen(kw_only=True)
-class Tolerances:
+class SearchTolerances:
     """Numbers that control the search for the loading branch."""
 
     #: Smallest cage slip of the grid. F_smallest
@@ -83,7 +83,7 @@ class Tolerances:
     slope_step: float = 1e-4
 
 
-TOLERANCES: Final = Tolerances()
+SEARCH: Final = SearchTolerances()
 
 
 @attrs.frozen
@@ -216,7 +216,7 @@ class LoadingBranch:
     ) -> list[SteadyMotion]:
         """The steady motion of a cage that is faster than its epicyclic speed; none beyond twice that speed."""
         high = 0.0
-        low = -TOLERANCES.first_negative_slip
+        low = -SEARCH.first_negative_slip
         while high > -1.0:
             motion = self.full_motions.find(np.array([low]))[0][0]
             lower_excess = motion.torque + drag(low)
@@ -237,14 +237,14 @@ class LoadingBranch:
         """The steady motion in an interval of slips, on all slices, from the excess torques at its ends."""
         excess = _ExcessTorque(self.full_motions, drag, known)
         low, high = interval
-        slip = bracketed(excess, low, high, *excesses, relative=TOLERANCES.steady_slip)
+        slip = bracketed(excess, low, high, *excesses, relative=SEARCH.steady_slip)
         distance = min(abs(slip - low), abs(high - slip))
-        if distance <= TOLERANCES.imbalance * abs(slip) and not excess.is_balanced:
+        if distance <= SEARCH.imbalance * abs(slip) and not excess.is_balanced:
             # few loads of a roller give a sign at that end which all slices do not give: the root is outside
-            factor = TOLERANCES.outside_factor
+            factor = SEARCH.outside_factor
             first, last = sorted((slip / factor, slip * factor))
             slope = (excesses[1] - excesses[0]) / (high - low)
-            tolerance = TOLERANCES.steady_slip * abs(slip)
+            tolerance = SEARCH.steady_slip * abs(slip)
             root = secants(excess, slip, slope, tolerance=tolerance, within=(first, last))
             if root is None:
                 excess(slip)
@@ -267,7 +267,7 @@ class _ExcessTorque:
         nearest = min(self.known, key=lambda motion: abs(motion.slip - slip))
         self.motion = self.motions.find(np.array([slip]), nearest.fraction[:1])[0][0]
         excess = self.motion.torque + self.drag(slip)
-        is_rounding = abs(excess) <= TOLERANCES.steady_slip * abs(self.motion.torque)
+        is_rounding = abs(excess) <= SEARCH.steady_slip * abs(self.motion.torque)
         return 0.0 if is_rounding else excess
 
     @property
@@ -275,11 +275,11 @@ class _ExcessTorque:
         """Whether the torques balance at the last slip."""
         motion = self.motion
         imbalance = abs(motion.torque + self.drag(motion.slip))
-        return not imbalance > TOLERANCES.imbalance * abs(motion.torque)
+        return not imbalance > SEARCH.imbalance * abs(motion.torque)
 
     def slope(self) -> float:
         """Derivative with respect to the slip at the last slip [N m], by the central difference."""
-        step = TOLERANCES.slope_step
+        step = SEARCH.slope_step
         slips = self.motion.slip * np.array([1.0 - step, 1.0 + step])
         found = self.motions.find(slips, np.full(2, self.motion.fraction[0]))
         left, right = (motions[0] for motions in found)
@@ -391,7 +391,7 @@ class _Search:
         lowest = min(branch[k + 1 : after], key=lambda motion: motion.torque)
         around = branch[:after], k, coarse
         if is_smooth:
-            slips = _slips_within(*around, coarse.logit, TOLERANCES.equal_drag)
+            slips = _slips_within(*around, coarse.logit, SEARCH.equal_drag)
             low, high = (logit_slip(slip) for slip in slips)
             half_width = 0.5 * (high - low)
             fine = self._find_fine_vertex(branch[k], coarse.logit, half_width, lowest.logit_slip)
@@ -420,13 +420,13 @@ class _Search:
         low = below.logit_slip
         high = above.logit_slip
         ends = below.torque - drag, above.torque - drag
-        return slip_from_logit(bracketed(excess, low, high, *ends, tolerance=TOLERANCES.regain))
+        return slip_from_logit(bracketed(excess, low, high, *ends, tolerance=SEARCH.regain))
 
     def _find_vertex(self, motions: Motions, samples: list[Motion]) -> _Maximum:
         """The maximum between samples, by vertices of interpolating polynomials."""
         known = {motion.logit_slip: motion for motion in samples}
         error = math.inf
-        while len(known) < TOLERANCES.vertex_samples and error > TOLERANCES.vertex:
+        while len(known) < SEARCH.vertex_samples and error > SEARCH.vertex:
             logits = sorted(known)
             logit, height = vertex(logits, [known[x].torque for x in logits])
             if logit in known:  # a kink, or the largest sample is at an end
@@ -447,8 +447,8 @@ class _Search:
 
     @cached_property
     def _fine_motions(self) -> Motions:
-        n_positions = TOLERANCES.position_factor * self.motions.n_positions
-        return self.full_motions.with_resolution(n_positions, TOLERANCES.n_loads)
+        n_positions = SEARCH.position_factor * self.motions.n_positions
+        return self.full_motions.with_resolution(n_positions, SEARCH.n_loads)
 
     def _find_fine_motion(self, motion: Motion) -> Motion:
         """A motion on four times as many positions."""
@@ -458,10 +458,10 @@ class _Search:
         self, start: Motion, logit: float, half_width: float, end: float
     ) -> _Maximum | None:
         """A smooth maximum on four times as many positions, up to ``end``; None if marches do not converge there."""
-        half_width = min(half_width, TOLERANCES.max_half_width)
+        half_width = min(half_width, SEARCH.max_half_width)
         known = dict[float, Motion]()
         logits = [logit - half_width, logit, min(logit + half_width, end)]
-        for _ in range(TOLERANCES.max_extensions):
+        for _ in range(SEARCH.max_extensions):
             slips = np.array([slip_from_logit(x) for x in logits])
             found = self._fine_motions.find(slips, np.full(slips.size, start.fraction[0]))
             for x, (motion, *_) in zip(logits, found, strict=True):
@@ -484,11 +484,11 @@ class _Search:
 
     def _find_fine_end(self, motion: Motion) -> _Maximum | None:
         """The end of a motion on four times as many positions; None if the torque is not largest inside the range."""
-        low = motion.logit_slip - TOLERANCES.max_half_width
-        high = motion.logit_slip + TOLERANCES.max_half_width
-        n = TOLERANCES.end_samples
+        low = motion.logit_slip - SEARCH.max_half_width
+        high = motion.logit_slip + SEARCH.max_half_width
+        n = SEARCH.end_samples
         maximum: _Maximum | None = None
-        for _ in range(TOLERANCES.end_passes):
+        for _ in range(SEARCH.end_passes):
             logits = np.linspace(low, high, n).tolist()
             slips = np.array([slip_from_logit(x) for x in logits])
             found = self._fine_motions.find(slips, np.full(n, motion.fraction[0]))
@@ -507,12 +507,12 @@ class _Search:
 
         They make it fall by little, or by more where the finer torque rises up to the lowest motion itself.
         """
-        is_shallow = lowest.torque > (1.0 - TOLERANCES.shallow_fall) * maximum.torque
-        is_at_end = maximum.logit > lowest.logit_slip - TOLERANCES.gap_width
+        is_shallow = lowest.torque > (1.0 - SEARCH.shallow_fall) * maximum.torque
+        is_at_end = maximum.logit > lowest.logit_slip - SEARCH.gap_width
         if not (is_shallow or is_at_end):
             return False
         fine = self._find_fine_motion(lowest)
-        return fine.converged and fine.torque >= (1.0 - TOLERANCES.min_fall) * maximum.torque
+        return fine.converged and fine.torque >= (1.0 - SEARCH.min_fall) * maximum.torque
 
     def estimate_error(self, motion: Motion) -> float:
         """Relative error of the torque of a motion: its own, and twice the change by four times the positions."""
@@ -550,8 +550,8 @@ def _find_intervals(branch: list[Motion], lowest: float) -> list[int]:
             for j in (k, k + 1)
         ):
             bound = _bound_at_maximum(branch, k)
-        exceeded = (1.0 + TOLERANCES.equal_drag) * running_maxima[k + 1]
-        if b.logit_slip - a.logit_slip > TOLERANCES.gap_width and bound > max(exceeded, 0.0):
+        exceeded = (1.0 + SEARCH.equal_drag) * running_maxima[k + 1]
+        if b.logit_slip - a.logit_slip > SEARCH.gap_width and bound > max(exceeded, 0.0):
             intervals.append(k)
     return intervals
 
@@ -571,7 +571,7 @@ def _bound_at_maximum(branch: list[Motion], k: int) -> float:
     width = branch[k + 1].logit_slip - branch[k].logit_slip
     bend = max(_second_derivative(branch, k), _second_derivative(branch, k + 1))
     torque = max(branch[k].torque, branch[k + 1].torque)
-    return torque + TOLERANCES.curvature_factor * bend * width**2 / 8.0
+    return torque + SEARCH.curvature_factor * bend * width**2 / 8.0
 
 
 def _second_derivative(branch: list[Motion], k: int) -> float:
@@ -592,7 +592,7 @@ def _find_maxima(branch: list[Motion]) -> list[int]:
     while k < len(branch):
         after = next((j for j in range(k + 1, len(branch)) if torques[j] > torques[k]), len(branch))
         lowest = min(torques[k + 1 : after], default=math.inf)
-        if torques[k] > 0.0 and lowest < (1.0 - TOLERANCES.min_fall) * torques[k]:
+        if torques[k] > 0.0 and lowest < (1.0 - SEARCH.min_fall) * torques[k]:
             maxima.append(k)
         k = after
     return maxima
@@ -678,10 +678,10 @@ def find_loading_branch(
     ConvergenceError
         If the march of the rollers converges at no slip.
     """
-    start = logit_slip(min(TOLERANCES.smallest_slip, 0.5 * max_slip))
+    start = logit_slip(min(SEARCH.smallest_slip, 0.5 * max_slip))
     end = logit_slip(max_slip)
     refusal = ""
-    count = max(math.ceil((end - start) / TOLERANCES.grid_step), steps)
+    count = max(math.ceil((end - start) / SEARCH.grid_step), steps)
     logits = np.linspace(start, end, count + 1)[:-1].tolist()
     slips = [*(slip_from_logit(x) for x in logits), max_slip]
     search = _Search(motions, full_motions)

@@ -1,20 +1,32 @@
-"""Spins of rollers at steady slips of the cage: friction of both contacts, and motions that rollers are sent round to.
+"""Motions of the rollers at steady cage slips: periodic solutions of the spin of one roller over its orbit.
 
-- All rollers see the same orbit, so the periodic spin of one is all, at each cage slip. It solves a scalar equation
-  that is periodic in the angle, so its motions are ordered: rollers that are sent round from rolling on the outer ring,
-  and from rolling on the inner one, come to the last and the first of them. If these agree there is one at that slip.
-- Differences over whole positions have motions besides that no roller has: jumps from ring to ring that may stand at
-  any position. So a motion counts only if rollers that are *sent round* come to it, by implicit Euler, from a position
-  to the first balance of the next; what backward differences of second order make of it is what is told. These are
-  L-stable, which heavily loaded rollers need: those follow their balance within less than a position. What an orbit
-  leaves of a disturbance of the spin, Floquet's multiplier, is exp(-2 pi <dG/dS_r>/(J w_re |w_c|)).
-- With resistance to rolling, or friction in the pockets, rollers slip without the cage. Rolling on one ring is no bound
-  any more on that side: it goes to where no position of the orbit lets a roller slip more.
-- Without inertia a roller is where torques balance, at every position; of several balances, in the first that it comes
-  to in the sense of its torque, as with next to no inertia.
-- The unknown is the roller slip, in which sliding speeds vanish exactly with the slips.
+All rollers see the same orbit, so that at each cage slip the periodic spin of one roller is that of all. The spin
+solves a scalar differential equation which is periodic in the angle. Its solutions do not cross, so that they lie
+between the two that rollers reach from rolling on the outer ring and from rolling on the inner one. If these two
+agree, the motion is unique.
+
+1. March two rollers round the orbit by implicit Euler, one from rolling on either ring, until their roller slips
+   repeat after an orbit (or eight orbits have passed). At each position take the first balance of torques in the
+   sense of the torque. Loads of the slices are replaced by a Gauss rule of four.
+2. From each result, solve the equation with backward differences of second order (BDF2) on all slices by Newton's
+   method. Both methods are L-stable, as heavily loaded rollers require: these follow their balance within less than
+   the distance of two positions.
+3. Accept the solution if it is stable and near to what the march reached. Finite differences also have solutions that
+   no roller has: jumps from ring to ring which may be at any position. Therefore a motion counts only if it is reached
+   by marching.
+4. Where Newton's method fails, march by BDF2. Where that does not repeat, take the result of implicit Euler, with its
+   discretisation error.
+
+An orbit multiplies a disturbance of the spin by Floquet's multiplier, exp(-2 pi <dG/dS_r>/(J w_re |w_c|)).
+
+- With rolling resistance, or friction in the pockets, rollers slip even if the cage does not. Then rolling on one ring
+  is not a bound on that side: the march starts where no position of the orbit increases the roller slip.
+- Without inertia a roller is in balance at every position, and of several balances in the first one in the sense of
+  its torque, as with very little inertia.
+- The unknown is the roller slip S_r, so that sliding speeds vanish exactly where the slips do.
 """
 
+import enum
 import math
 from collections.abc import Sequence
 from functools import cached_property
@@ -42,49 +54,114 @@ from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.train import Train
 
-Found: TypeAlias = NDArray[np.bool_]
+Flags: TypeAlias = NDArray[np.bool_]
 Rows: TypeAlias = NDArray[np.intp]
-#: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
+#: What compiled code takes of a friction curve: nodes, limits, scale of sliding, forces and resistances.
+CompiledCurve: TypeAlias = tuple[Array, tuple[float, float], float, Array, Array]
+
+
+#: Lower bound of the entrainment speed in the film [m/s], u_film = sqrt(u^2 + SLOW^2). Doubling it thickens films where
+#: a contact hardly rolls. Chosen, so that the film does not vanish there.
 SLOW: Final = 1e-3
-#: Loads of a roller that is sent round.
-_ROUGH: Final = 4
-#: Orbits at most, by implicit Euler and by differences of second order; exactness of balances, relative to the bracket,
-#: with inertia and without.
-_ORBITS = 8
-_LONG = 24
-_EXACT = 1e-5
-_EXACTLY = 1e-12
-#: Step, relative to the roller slip, at which a motion is found, and what is left of one that repeats.
-_SETTLED = 1e-7
-_REPEATS = 1e-3
-#: Mean shares, by load, by which motions are two, and up to which one goes on from another.
-DISTINCT = 0.02
-GOES_ON = 0.15
-#: Part of the weights of positions that is even where unloaded rollers brake; least roller slips that count.
-_EVEN = 0.5
-_LEAST = 1e-9
-_NOTHING = 1e-12
-#: Width, in roller slips, in which it is first looked for what rollers slip without the cage.
-_AT_REST: Final = 1e-3
-#: Torque at an end of the bracket that is rounding, relative to the largest; how far that end may go, in roller slips.
-_IDLE = 1e-12
-_WIDEST = 64.0
-#: Error of a motion of first order beyond which it is not converged.
-_WRONG = 1e-2
-#: Exactness of what neighbours brake, relative to the largest; turns at most; turns whose mean is taken where steps do
-#: not fall, and how much of the least one so far a step is that does not.
-_PUSHED = 1e-5
-_TURNS = 40
-_MEAN = 8
-_SLOWLY = 0.8
+#: Load-weighted L1 distance of normalised roller slips from which on two motions are different ones. Neither
+#: half nor twice the value changes a result of 55 random bearings; chosen, 2 % of
+#: the distance from rolling on one ring to rolling on the other one.
+DISTINCT: Final = 0.02
+#: The same distance up to which a motion continues the motion at the previous slip. Half the
+#: value splits branches where slips change fast: jumps differ in 3 of 55 random bearings. Twice the value changes
+#: torques by less than 1e-11. Chosen, so that a change from ring to ring, which is near 1, is a gap.
+CONTINUES: Final = 0.15
+
+
+@attrs.frozen(kw_only=True)
+class MarchTolerances:
+    """Numbers that control the search for periodic motions."""
+
+    #: Loads of a Gauss rule which stand for the slices of a roller that is marched. Two instead of
+    #: four change the largest torques of 55 random bearings by up to 1.1 %, eight by less than 1e-7, at twice the cost.
+    n_loads: int = 4
+    #: Maximum number of orbits by implicit Euler. Four instead of eight change torques of 55 random
+    #: bearings by up to 5e-7, sixteen by less than 1e-11.
+    euler_orbits: int = 8
+    #: Maximum number of orbits by differences of second order, where Newton's method failed. Neither
+    #: half nor twice as many change a result of 55 random bearings; chosen, three times `euler_orbits`.
+    second_order_orbits: int = 24
+    #: Tolerance of the balance at a position, relative to the difference of roller slips of rolling on either ring.
+    #: Half and twice the value change torques of 55 random bearings by up to 2.6e-3, within their stated errors;
+    #: chosen, below the discretisation error, because Newton's method refines the result.
+    balance: float = 1e-5
+    #: The same for rollers without inertia, where nothing refines the result: a few times the rounding. Doubling it
+    #: doubles an error of 1e-12.
+    balance_without_inertia: float = 1e-12
+    #: Step of Newton's method, relative to the roller slip, at which a periodic motion is accepted. Half the
+    #: value makes it fail near rounding, and changes a torque by 1.6e-3, where a march then replaces it; twice the
+    #: value changes torques by less than 2e-7, because the convergence is quadratic; chosen.
+    newton: float = 1e-7
+    #: Change over an orbit, relative as `balance`, below which a march counts as periodic. Half and twice
+    #: the value change torques by less than 1e-11; chosen, below `DISTINCT`.
+    periodic: float = 1e-3
+    #: Relative discretisation error of implicit Euler up to which a motion counts as converged. Neither
+    #: half nor twice the value changes a result of 55 random bearings; chosen.
+    max_error: float = 1e-2
+
+
+@attrs.frozen(kw_only=True)
+class NeighbourTolerances:
+    """Numbers that control the fixed-point iteration of the moments by which neighbours brake rollers."""
+
+    #: Step of the moments, relative to the largest one, at which they count as converged. Doubling it saves 2 % of the
+    #: iterations, and changes torques of six full-complement bearings by up to 7e-7; chosen.
+    moments: float = 1e-5
+    #: Maximum number of iterations. Doubling it changes nothing, halving it torques by up to 1.3e-5; chosen, five
+    #: times the median.
+    max_iterations: int = 40
+    #: Number of iterations whose mean is taken where the spin changes from one balance to another and back, and number
+    #: of steps that do not decrease after which that is assumed. Half and twice as many change torques by up to 2 %,
+    #: which is within the error, and cost 9 % less and 22 % more; chosen.
+    n_averaged: int = 8
+    #: Ratio of a step to the smallest one so far above which it counts as not decreasing. Doubling it costs
+    #: 27 % more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
+    #: below 1 so that slow convergence counts, too.
+    stall_ratio: float = 0.8
+
+
+MARCH: Final = MarchTolerances()
+NEIGHBOURS: Final = NeighbourTolerances()
+#: Part of the weights of positions that is uniform where unloaded rollers are braked, too. Half
+#: the value costs 1 % more evaluations and changes torques by 3.5e-4; chosen, because unloaded rollers are braked.
+_UNIFORM_WEIGHT: Final = 0.5
+#: Smallest mean roller slip without cage slip that counts, and smallest unit of roller slips: both only keep quotients
+#: finite. Doubling them changes numbers below the rounding of a roller slip of 1e-3; chosen.
+_MIN_IDLE_SLIP: Final = 1e-9
+#: Smallest unit of roller slips; it keeps quotients finite where neither cage nor rollers slip. Doubling it has no
+#: effect on any result; chosen, far below the roller slips of bearings.
+_MIN_UNIT: Final = 1e-12
+#: Width of the first search, in roller slips, for the slip of rollers on a cage that does not slip. Half and
+#: twice the value change torques by rounding; chosen, near the slips of rollers with rolling resistance.
+_IDLE_WIDTH: Final = 1e-3
+#: Torque at the upper start of a march that counts as rounding, relative to the largest one. Neither half nor
+#: twice the value changes a result of 55 random bearings; chosen, a few thousand times the rounding.
+_ZERO_TORQUE: Final = 1e-12
+#: Largest upper start of a march, as a roller slip. Doubling it takes one step more of a doubling search which ends
+#: before in all bearings known; chosen, so that the search ends.
+_MAX_START: Final = 64.0
+
+
+class KernelStatus(enum.StrEnum):
+    """How a call of the compiled search ended."""
+
+    CONVERGED = ""
+    NO_BALANCE = "lost"  # torques balance nowhere between the bounds
+    INNER_REFUSED = "inner"  # a law of the inner contact has no value
+    OUTER_REFUSED = "outer"
 
 
 def _film_speed(rolling: Array) -> Array:
     return np.asarray(np.hypot(rolling, SLOW))
 
 
-class Conventional:
-    """The whole chain of models on every loaded slice."""
+class ConventionalFriction:
+    """Friction of one ring by the whole chain of models on every loaded slice."""
 
     def __init__(self, contacts: LoadedContacts) -> None:
         self.contacts = contacts
@@ -103,7 +180,7 @@ class Conventional:
 
 
 class EffectiveCurve:
-    """Effective friction of one raceway against its sliding speed, from a table, beyond which it is held."""
+    """Effective friction of one raceway against its sliding speed, from a table, and constant beyond it."""
 
     def __init__(self, nodes: Array, limits: tuple[float, float], scale: float) -> None:
         from scipy.interpolate import CubicHermiteSpline
@@ -120,19 +197,21 @@ class EffectiveCurve:
         return np.asarray(self._friction(np.clip(x, *limits)), dtype=float)
 
 
-class Effective:
-    """Effective friction of the raceway times the normal force, resistance as without slip."""
+class EffectiveFriction:
+    """Effective friction of one ring times the normal force, rolling resistance as without slip."""
 
-    def __init__(self, curve: EffectiveCurve, contacts: Conventional, rolling: float) -> None:
+    def __init__(
+        self, curve: EffectiveCurve, friction: ConventionalFriction, rolling: float
+    ) -> None:
         self._curve = curve
-        self._force = contacts.contacts.per_roller(contacts.contacts.force)
+        self._force = friction.contacts.per_roller(friction.contacts.force)
         free = np.full_like(self._force, rolling)
-        self._resistance = (
-            contacts(free, np.zeros_like(free))[1] if contacts.resists else 0.0 * free
-        )
+        self._resistance = 0.0 * free
+        if friction.resists:
+            self._resistance = friction(free, np.zeros_like(free))[1]
 
     @property
-    def ring(self) -> "Curved":
+    def compiled(self) -> CompiledCurve:
         """What compiled code takes of it."""
         return *self._curve.compiled, self._force, self._resistance
 
@@ -141,17 +220,13 @@ class Effective:
         return self._curve(sliding) * self._force, self._resistance * rolling / _film_speed(rolling)
 
 
-#: What compiled code takes of a friction curve: nodes, limits, scale of sliding, forces and resistances.
-Curved = tuple[Array, tuple[float, float], float, Array, Array]
-
-
 def logit_slip(slip: float) -> float:
-    """Return the place ln(S/(1 - S)) of a cage slip between 0 and 1."""
+    """Return logit(S) = ln(S/(1 - S)) of a cage slip between 0 and 1."""
     return math.log(slip / (1.0 - slip))
 
 
 def slip_from_logit(logit: float) -> float:
-    """Return the cage slip at a place."""
+    """Return the cage slip of a logit, the logistic function."""
     return 1.0 / (1.0 + math.exp(-logit))
 
 
@@ -159,27 +234,22 @@ def slip_from_logit(logit: float) -> float:
 class Motion:
     """A motion of the rollers at a steady cage slip."""
 
-    #: slip, torque: Cage slip, and mean torque of all rollers on the cage [N m], positive where it drives.
-    slip: float
-    torque: float
-    fraction: (
-        Array  # roller slips along the orbit over ``unit``, which goes with the cage slip, (K,)
-    )
-    unit: float  # roller slip of share one
-    #: Whether it repeats, is held by the rollers and was found by differences of second order, or is told with its
-    #: error.
+    slip: float  # cage slip
+    torque: float  # mean torque of all rollers on the cage [N m], positive where it drives
+    fraction: Array  # normalised roller slips: roller slips along the orbit over ``unit``, (K,)
+    unit: float  # roller slip of fraction one
+    #: Whether the motion is periodic, stable and of second order, or is of first order with a small error.
     converged: bool
-    error: float = 0.0  # what it leaves of the torque, relative, where it is of first order only
-    linked: bool = True  # whether it goes on from the motion at the slip below
-    brakes: Array | None = (
-        None  # moments by which neighbours brake the spin, without a cage [N m], (K,)
-    )
-    #: What an orbit leaves of a disturbance of the spin: the rollers hold the motion if it is below 1 in size.
+    error: float = 0.0  # relative discretisation error of the torque, where it is of first order
+    linked: bool = True  # whether it continues the motion at the previous slip
+    #: Moments by which neighbours brake the spin, without a cage [N m], (K,).
+    brakes: Array | None = None
+    #: Floquet's multiplier of a disturbance of the spin over an orbit: the motion is stable if it is below 1 in size.
     multiplier: float = 0.0
 
     @property
     def logit_slip(self) -> float:
-        """Place of the slip."""
+        """Logit of the cage slip."""
         return logit_slip(self.slip)
 
     @property
@@ -189,50 +259,66 @@ class Motion:
 
 
 class Spins:
-    """Compiled torques of rollers at some positions: what finds their balances, and motions that repeat."""
+    """Compiled torques of rollers at some positions, by which their balances and periodic motions are found."""
 
     def __init__(
         self,
-        kinematics: Kinematics,  # the bearing's
-        positions: int,  # how many
+        kinematics: Kinematics,  # of the bearing
+        positions: int,  # their number
         # Loaded contacts of inner and outer ring at the positions, or their friction curves.
-        contacts: Sequence[LoadedContacts | Curved],
+        contacts: Sequence[LoadedContacts | CompiledCurve],
         *,
-        slow: float = 0.0,  # speed that the film never falls below [m/s], 0 for none
+        slow: float = 0.0,  # lower bound of the speed in the film [m/s], 0 for none
         pocket: float = 0.0,  # coefficient of friction in the pockets
-        brakes: Array | None = None,  # moments that brake the spins besides [N m], (positions,)
+        brakes: Array | None = None,  # further moments that brake the spins [N m], (positions,)
         # Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
         k = kinematics
         tables = {} if tables is None else tables
-        self._contacts = tuple(one for one in contacts if isinstance(one, LoadedContacts))
-        self._gathered = [one.gathered(tables.get(one.raceway)) for one in self._contacts]
+        self._contacts = tuple(ring for ring in contacts if isinstance(ring, LoadedContacts))
+        self._gathered = [ring.gathered(tables.get(ring.raceway)) for ring in self._contacts]
         tables.update(
-            (one.raceway, made[:2])
-            for one, made in zip(self._contacts, self._gathered, strict=True)
+            (ring.raceway, gathered[:2])
+            for ring, gathered in zip(self._contacts, self._gathered, strict=True)
         )
-        self._told = (0, 0)
-        curved = [one for one in contacts if not isinstance(one, LoadedContacts)]
+        self._reported = (0, 0)
+        curves = [ring for ring in contacts if not isinstance(ring, LoadedContacts)]
         radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
         rolling = k.roller_radius * k.epicyclic_roller_speed
-        rings = curved or [ring for *_, ring in self._gathered]
+        rings = curves or [ring for *_, ring in self._gathered]
         self.kernel = Kernel(positions, rings, radii, rolling, slow, pocket, brakes)
 
-    def ended(self, how: str) -> None:
-        """Take note of how a call ended: tell the chains what was evaluated, and raise what one of them refused."""
+    def check(self, status: str) -> KernelStatus:
+        """Return how a call of the kernel ended, report to the chains what it evaluated, and raise their refusals.
+
+        Parameters
+        ----------
+        status : str
+            What the kernel returned last.
+        """
         count = self.kernel.evaluated
-        before = self._told
-        self._told = self.kernel.evaluated
+        before = self._reported
+        self._reported = self.kernel.evaluated
         for k, contacts in enumerate(self._contacts):
             contacts.raceway.chain.kernel.evaluated += count[k] - before[k]
-        if how in RINGS:
-            k = RINGS.index(how)
+        if status in RINGS:
+            k = RINGS.index(status)
             chain = self._contacts[k].raceway.chain
             (stage, table, _) = self._gathered[k]
             refusal = chain.kernel.refusal(stage)
             assert refusal is not None
             raise chain.error(refusal, table)
+        return KernelStatus(status)
+
+
+@attrs.frozen(eq=False)
+class _March:
+    """Roller slips which rollers reach from two starts at each of n cage slips."""
+
+    roller_slips: Array  # (n, 2, K)
+    agree: Flags  # whether both rollers reach the same motion, (n,)
+    changes: Array  # over the last orbit, relative to the width of the search, (n, 2)
 
 
 class Motions:
@@ -240,17 +326,17 @@ class Motions:
 
     def __init__(
         self,
-        assembly: Assembly,  # the bearing, with its resistance to rolling
-        n_positions: int,  # instants of a roller pitch; the orbit has Z times as many positions
+        assembly: Assembly,  # the bearing, with its rolling resistance
+        n_positions: int,  # roller positions within a pitch; the orbit has Z times as many
         *,
         pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
-        rubbing: float = 0.0,  # and of rollers without a cage at their neighbours
+        rubbing: float = 0.0,  # coefficient of friction of rollers without a cage at their neighbours
         # Friction curves of inner and outer raceway in place of the whole chain.
         effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
         inertia: bool = True,  # False for rollers without inertia of their spin
-        few: int = 0,  # loads that stand for the slices of a roller, 0 for all of these
-        # Others of the same bearing, or one nearly alike, which know what its rollers slip without slip of the cage.
-        beside: "Motions | None" = None,
+        n_loads: int = 0,  # loads that stand for the slices of a roller, 0 for all of these
+        # Motions of the same bearing, or of one nearly alike, which know the slip of its rollers without cage slip.
+        similar: "Motions | None" = None,
     ) -> None:
         self.assembly = assembly
         self.n_positions = n_positions
@@ -258,414 +344,483 @@ class Motions:
         self.inertia = inertia
         self.pocket = pocket
         self.rubbing = rubbing
-        self._few = 0 if assembly.inner.chain.placed else few
+        self._n_loads = 0 if assembly.inner.chain.placed else n_loads
         k = assembly.kinematics
         self.positions = assembly.scene.bearing.rollers * n_positions
-        #: 1 or -1: that in which the kinematics let the rollers go round
+        #: 1 or -1: that in which the kinematics let the rollers orbit
         self.sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
         self.resists = assembly.inner.chain.resists or pocket > 0.0 or rubbing > 0.0
-        self._on_inner = -k.inner_radius / k.outer_radius
+        self._inner_ratio = -k.inner_radius / k.outer_radius
         spin = 0.5 * assembly.roller_mass * k.roller_radius**2 * k.epicyclic_roller_speed
         pace = abs(k.epicyclic_cage_speed) * self.positions / (2.0 * np.pi)
         #: torque that changes the roller slip by one from a position to the next, at no cage slip
         self._inertia = spin * pace if inertia else 0.0
-        along, across = assembly.body_force
-        if pocket > 0.0 and (along or across):
-            told = "friction in pockets is that of forces along the orbit, and those of a carrier are not among them"
-            where = Location(assembly.scene.origins, ("cage", "drag"))
-            raise SceneError([where.message(f"{told}; leave out one of them")])
-        angle = self._orbit[1]
-        #: torque of the body force on a roller along the orbit, in its sense [N m], (K,)
-        self._pull = self.sense * k.orbit_radius * (across * np.cos(angle) - along * np.sin(angle))
+        self._body_torque = self._compute_body_torque()
         self._rollers = self.sense * assembly.scene.bearing.rollers
         self._lever = 1.0 + k.outer_radius / k.roller_radius
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
-        self._idle = self._most = 0.0
+        self._idle_slip = 0.0  # mean roller slip without cage slip
+        self._max_idle_slip = 0.0
         self._last: tuple[bytes, list[LoadedContacts]] = b"", []
+        self._weight = self._compute_weights()
+        if similar is not None:
+            self._idle_slip = similar._idle_slip
+            self._max_idle_slip = similar._max_idle_slip
+        elif self.resists:
+            idle = np.abs(self._march(np.zeros(1), np.zeros((1, 2))).roller_slips[0, 0])
+            self._idle_slip = max(float(idle.mean()), _MIN_IDLE_SLIP)
+            self._max_idle_slip = float(idle.max())
+
+    def _compute_body_torque(self) -> Array:
+        """Torque of the body force on a roller along the orbit, in its sense [N m], (K,)."""
+        along, across = self.assembly.body_force
+        if self.pocket > 0.0 and (along or across):
+            where = Location(self.assembly.scene.origins, ("cage", "drag"))
+            reason = "friction in pockets is that of forces along the orbit, and those of a carrier are not among them"
+            raise SceneError([where.message(f"{reason}; leave out one of them")])
+        angle = self._orbit[1]
+        radius = self.assembly.kinematics.orbit_radius
+        return np.asarray(self.sense * radius * (across * np.cos(angle) - along * np.sin(angle)))
+
+    def _compute_weights(self) -> Array:
+        """Weights of the positions in distances of motions, by the load, (K,)."""
         inner, outer = ((load * width).sum(axis=1) for load, width in self.loads(np.zeros(1)))
         weight = inner
         if self.resists:
-            weight = _EVEN * (inner + outer).mean() + (1.0 - _EVEN) * (inner + outer)
-        self._weight = weight / (weight.sum() or 1.0) / (1.0 - self._on_inner)
-        if beside is not None:
-            self._idle = beside._idle
-            self._most = beside._most
-        elif self.resists:  # what rollers slip without slip of the cage
-            rest = self._came_to(np.zeros(1), np.zeros((1, 2)))[0][0, 0]
-            self._idle, self._most = (
-                max(float(np.abs(rest).mean()), _LEAST),
-                float(np.abs(rest).max()),
-            )
+            mean = (inner + outer).mean()
+            weight = _UNIFORM_WEIGHT * mean + (1.0 - _UNIFORM_WEIGHT) * (inner + outer)
+        return np.asarray(weight / (weight.sum() or 1.0) / (1.0 - self._inner_ratio))
 
     def with_resolution(self, n_positions: int, n_loads: int) -> "Motions":
-        """Return those at other instants, by other loads of a roller."""
+        """Return those at other numbers of positions, and of loads of a roller (0 for all slices)."""
         return Motions(
-            self.assembly, n_positions, pocket=self.pocket, rubbing=self.rubbing, effective=self.effective,
-            inertia=self.inertia, few=n_loads, beside=self,
-        )  # fmt: skip
+            self.assembly,
+            n_positions,
+            pocket=self.pocket,
+            rubbing=self.rubbing,
+            effective=self.effective,
+            inertia=self.inertia,
+            n_loads=n_loads,
+            similar=self,
+        )
 
     def loads(self, slips: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         """Loads of inner and outer ring [N/m], rows of positions in the sense of the orbit, and their widths [m]."""
         speeds = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - slips)
         order, _ = self._orbit
 
-        def rows(of: Array) -> Array:
-            return (
-                of
-                if of.ndim == 1
-                else of.reshape(slips.size, order.size, -1)[:, order].reshape(-1, of.shape[-1])
-            )
+        def rows(values: Array) -> Array:
+            if values.ndim == 1:
+                return values
+            ordered = values.reshape(slips.size, order.size, -1)[:, order]
+            return ordered.reshape(-1, values.shape[-1])
 
-        inner, outer = orbit_loads(self.assembly, self.n_positions, speeds, self._few)
+        inner, outer = orbit_loads(self.assembly, self.n_positions, speeds, self._n_loads)
         return (rows(inner[0]), rows(inner[1])), (rows(outer[0]), rows(outer[1]))
 
     @cached_property
     def _orbit(self) -> tuple[Rows, Array]:
-        """Positions of an orbit in its sense, by number in the order of instants, and their angles [rad], (K,)."""
+        """Positions of an orbit in its sense, by their numbers within all pitches, and their angles [rad], (K,)."""
         psi = angular_positions(self.assembly.scene.bearing.rollers, self.n_positions).ravel()
         order = np.argsort(psi)[(int(self.sense) * np.arange(self.positions)) % self.positions]
         return order, psi[order]
 
     def unit(self, slips: Array) -> Array:
-        """Roller slips of share one: of rolling on the outer ring, and what rollers slip without the cage."""
-        return np.maximum(np.abs(self._lag(slips)) + self._idle, _NOTHING)
+        """Roller slips of fraction one, (n,): of rolling on the outer ring, and without cage slip."""
+        return np.maximum(np.abs(self._outer_rolling_slip(slips)) + self._idle_slip, _MIN_UNIT)
 
-    def _lag(self, slips: Array) -> Array:
-        k = self.assembly.kinematics
-        return (
-            np.asarray(k.roller_slip_outer_rolling(slips)) if slips.any() else np.zeros_like(slips)
-        )
+    def _outer_rolling_slip(self, slips: Array) -> Array:
+        """Roller slips of rolling on the outer ring, (n,)."""
+        if not slips.any():
+            return np.zeros_like(slips)
+        return np.asarray(self.assembly.kinematics.roller_slip_outer_rolling(slips))
 
     def distance(self, one: Array, two: Array) -> float:
-        """Mean difference of shares, by load, relative to that of rolling on either ring."""
+        """Load-weighted L1 distance of normalised roller slips, relative to that of rolling on either ring."""
         return float(self._weight @ np.abs(one - two))
 
-    def contacts(self, slips: Array, few: int | None = None) -> tuple[Conventional, Conventional]:
+    def contacts(
+        self, slips: Array, n_loads: int | None = None
+    ) -> tuple[ConventionalFriction, ConventionalFriction]:
         """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
         key = slips.tobytes()
         if self._last[0] != key:
             a = self.assembly
             angle = np.tile(self._orbit[1], slips.size)
-            self._last = (
-                key,
-                [
-                    LoadedContacts(
-                        a.inner, *own, 1.0, places=a.places(ring, angle)
-                    )  # every roller is at each of them
-                    for ring, own in zip(RINGS, self.loads(slips), strict=True)
-                ],
-            )
-        made = self._last[1]
-        if few is not None and few != self._few:  # the rule of a rule is that of what it stands for
-            made = [of.fewer(few) for of in made]
+            loaded = [
+                LoadedContacts(a.inner, *own, 1.0, places=a.places(ring, angle))
+                for ring, own in zip(RINGS, self.loads(slips), strict=True)
+            ]  # every roller is at each of the positions
+            self._last = key, loaded
+        contacts = self._last[1]
+        if n_loads is not None and n_loads != self._n_loads:
+            # the Gauss rule of a Gauss rule is that of the slices
+            contacts = [ring.reduced(n_loads) for ring in contacts]
         inner, outer = (
-            Conventional(of.on(own)) for of, own in zip(made, self.assembly.raceways, strict=True)
+            ConventionalFriction(ring.on(raceway))
+            for ring, raceway in zip(contacts, self.assembly.raceways, strict=True)
         )
         return inner, outer
 
     def frictions(
-        self, contacts: tuple[Conventional, Conventional]
-    ) -> tuple["Conventional | Effective", ...]:
+        self, contacts: tuple[ConventionalFriction, ConventionalFriction]
+    ) -> tuple[ConventionalFriction | EffectiveFriction, ...]:
         """Friction of both rings: that of the contacts, or the effective one of their forces."""
         if self.effective is None:
             return contacts
         k = self.assembly.kinematics
         free = k.roller_radius * k.epicyclic_roller_speed
         return tuple(
-            Effective(curve, of, free) for curve, of in zip(self.effective, contacts, strict=True)
+            EffectiveFriction(curve, ring, free)
+            for curve, ring in zip(self.effective, contacts, strict=True)
         )
 
-    def spins(self, slips: Array, few: int | None = None, brakes: Array | None = None) -> Spins:
-        """Compiled torques of rows of positions, one for each cage slip, under what neighbours brake, (n, K)."""
+    def spins(self, slips: Array, n_loads: int | None = None, brakes: Array | None = None) -> Spins:
+        """Compiled torques of rows of positions, one for each cage slip, braked by neighbours (n, K)."""
         k = self.assembly.kinematics
-        frictions = self.frictions(self.contacts(slips, few))
-        given = [one.ring if isinstance(one, Effective) else one.contacts for one in frictions]
+        rings = [
+            friction.compiled if isinstance(friction, EffectiveFriction) else friction.contacts
+            for friction in self.frictions(self.contacts(slips, n_loads))
+        ]
         spins = Spins(
-            k, self.positions * slips.size, given, slow=SLOW, pocket=self.pocket, tables=self._tables[few is None],
+            k,
+            self.positions * slips.size,
+            rings,
+            slow=SLOW,
+            pocket=self.pocket,
+            tables=self._tables[n_loads is None],
             brakes=None if brakes is None else brakes.ravel(),
-        )  # fmt: skip
+        )
         spins.kernel.at(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
         return spins
 
-    def _bracket(self, slips: Array) -> Array:
-        """Roller slips of rolling on either ring, (n, 2), the lower one first."""
-        lag = self._lag(slips)
-        return np.sort(np.stack((lag, lag * self._on_inner), axis=1), axis=1)
+    # The march --------------------------------------------------------------------------------------------------------
 
-    def _ends(self, spins: Spins, slips: Array) -> Array:
-        """Roller slips (n, 2) that an orbit never takes a roller from between: what resists only slows rollers."""
-        ends = self._bracket(slips)
+    def _rolling_slips(self, slips: Array) -> Array:
+        """Roller slips of rolling on either ring, (n, 2), the lower one first."""
+        outer = self._outer_rolling_slip(slips)
+        return np.sort(np.stack((outer, outer * self._inner_ratio), axis=1), axis=1)
+
+    def _march_starts(self, spins: Spins, slips: Array) -> Array:
+        """Roller slips (n, 2) between which every orbit leaves a roller: what resists only slows rollers."""
+        starts = self._rolling_slips(slips)
         if not self.resists:
-            return ends
-        step = 0.25 * (ends[:, 1] - ends[:, 0]) + 1.25 * self._most
-        ends[:, 1] += step
+            return starts
+        step = 0.25 * (starts[:, 1] - starts[:, 0]) + 1.25 * self._max_idle_slip
+        starts[:, 1] += step
         while True:
-            torques, _, how = spins.kernel.torques(np.repeat(ends[:, 1], self.positions))
-            spins.ended(how)
+            torques, _ = self._torques(spins, np.repeat(starts[:, 1], self.positions))
             torques = torques.reshape(slips.size, -1)
-            short = (torques < -_IDLE * np.abs(torques).max()).any(axis=1) & (ends[:, 1] < _WIDEST)
-            if not short.any():
-                return ends
+            negative = (torques < -_ZERO_TORQUE * np.abs(torques).max()).any(axis=1)
+            is_inside = negative & (starts[:, 1] < _MAX_START)
+            if not is_inside.any():
+                return starts
             step *= 2.0
-            ends[:, 1] += np.where(short, step, 0.0)
+            starts[:, 1] += np.where(is_inside, step, 0.0)
 
     @staticmethod
-    def _torques(spins: Spins, at: Array) -> tuple[Array, Array]:
+    def _torques(spins: Spins, roller_slips: Array) -> tuple[Array, Array]:
         """Torques on the spins and, of one roller, on the cage [N m], at roller slips of all rows."""
-        spin, torque, how = spins.kernel.torques(at)
-        spins.ended(how)
+        spin, torque, status = spins.kernel.torques(roller_slips)
+        spins.check(status)
         return spin, torque
 
-    def _braked(self, slips: Array, starts: Array | None) -> tuple[Array, Array]:
-        """Moments (n, K) by which neighbours brake the spins [N m], and what they leave of the torque, relative (n,).
+    @property
+    def _march_loads(self) -> int | None:
+        """Loads of a roller that is marched, None for those of the motions: without inertia nothing refines it."""
+        return MARCH.n_loads if self._inertia else None
 
-        `rollslip_studies.motion.train` says how they are made. Where a spin goes on to change from one balance to
-        another and back, the mean is told, and by how much the torque changes with it.
-        """
-        k = self.assembly.kinematics
-        train = Train.of(k, self.assembly.scene.bearing.rollers, self.rubbing)
-        few = _ROUGH if self._inertia else None
-        brakes = np.zeros((slips.size, self.positions))
-        left = np.zeros(slips.size)
-        driven = []
-        least = np.full(slips.size, np.inf)
-        stalled = np.zeros(slips.size)
-        rows = np.arange(slips.size)
-        friction = train.coefficient * train.radius
-        now = brakes[rows]
-        spins = None
-        for _ in range(_TURNS):
-            shape = rows.size, self.positions
-            # compiled code reads ``now`` itself
-            spins = self.spins(slips[rows], few, now) if spins is None else spins
-            at = self._came_to(slips[rows], None if starts is None else starts[rows], spins)[0][
-                :, 0
-            ].ravel()
-            (spin, torque) = self._torques(spins, at)
-            (spin_there, torque_there) = self._torques(spins, at + NUDGED)
-            # a spin stays in balance, so a moment on it takes traction, which leaves less for the train
-            rises = np.maximum(spin_there - spin, 0.0)
-            taken = np.divide(
-                rises - torque_there + torque, rises, out=np.zeros_like(rises), where=rises > 0.0
-            )
-            turns = k.roller_radius * k.epicyclic_roller_speed * (1.0 - at)
-            falls = (
-                np.clip(taken, 0.0, k.outer_radius / k.roller_radius)
-                * turns
-                / np.hypot(turns, SLIDES)
-            )
-            torque = self.sense * torque.reshape(shape)
-            falls = falls.reshape(shape)
-            step = (
-                friction * sum(train.pushes(torque + self._pull + falls * now, falls * friction))
-                - now
-            )
-            size = np.abs(step).max(axis=1)
-            stalled[rows] += size > _SLOWLY * least[rows]
-            least[rows] = np.minimum(size, least[rows])
-            now += step / (1.0 + stalled[rows, None])
-            brakes[rows] = now
-            driven.append(np.full(slips.size, np.nan))
-            driven[-1][rows] = torque.mean(axis=1) / np.abs(torque).mean(axis=1)
-            left[rows] = np.ptp(driven[-_MEAN:], axis=0)[rows]
-            left[rows[exact := size <= _PUSHED * now.max(axis=1)]] = 0.0
-            if np.all(done := exact | (stalled[rows] >= _MEAN)):
-                break
-            if done.any():
-                rows = rows[~done]
-                spins = None
-                now = brakes[rows]
-        return brakes, left
-
-    def _came_to(
+    def _march(
         self,
         slips: Array,
         starts: Array | None,
         spins: Spins | None = None,
         brakes: Array | None = None,
-    ) -> tuple[Array, Found, Array]:
-        """Roller slips (n, 2, K) that rollers come to from two starts, whether both are one, and what is left."""
-        spins = (
-            self.spins(slips, _ROUGH if self._inertia else None, brakes) if spins is None else spins
-        )
-        starts = self._ends(spins, slips) if starts is None else starts
-        exact = _EXACT if self._inertia else _EXACTLY
-        found, met, left, how = spins.kernel.sent_round(
-            np.arange(slips.size), self.positions, self._inertia * np.abs(1.0 - slips), self._bracket(slips),
-            self._wide(slips), starts, _ORBITS, exact,
-        )  # fmt: skip
-        spins.ended(how)
-        if how:
-            raise ConvergenceError("rollers that are sent round find no balance on their way")
-        return found, met, left
+    ) -> _March:
+        """March rollers round the orbit by implicit Euler, from two roller slips each (n, 2), by default all there are.
 
-    def _wide(self, slips: Array) -> Array:
-        return (self.unit(slips) + _AT_REST * (self.resists and not self._idle)) * (
-            1.0 - self._on_inner
+        Other torques than those of the loads of a march may be given as ``spins``.
+        """
+        spins = self.spins(slips, self._march_loads, brakes) if spins is None else spins
+        starts = self._march_starts(spins, slips) if starts is None else starts
+        tolerance = MARCH.balance if self._inertia else MARCH.balance_without_inertia
+        *reached, status = spins.kernel.sent_round(
+            np.arange(slips.size),
+            self.positions,
+            self._inertia * np.abs(1.0 - slips),
+            self._rolling_slips(slips),
+            self._march_widths(slips),
+            starts,
+            MARCH.euler_orbits,
+            tolerance,
         )
+        if spins.check(status) is KernelStatus.NO_BALANCE:
+            raise ConvergenceError("rollers that are sent round find no balance on their way")
+        return _March(*reached)
+
+    def _march_widths(self, slips: Array) -> Array:
+        """Widths of the search for balances, in roller slips, (n,)."""
+        idle = _IDLE_WIDTH * (self.resists and not self._idle_slip)
+        return (self.unit(slips) + idle) * (1.0 - self._inner_ratio)
 
     def find(self, slips: Array, starts: Array | None = None) -> list[list[Motion]]:
-        """Motions at cage slips, one or the two between which all others lie: of rollers sent round from both ends.
+        """Return the motions at cage slips: one each, or the two between which all others lie.
 
-        From ``starts``, shares at the first position (n,), it is the one that they come to.
+        Parameters
+        ----------
+        slips : ndarray
+            Cage slips, (n,).
+        starts : ndarray, optional
+            Normalised roller slips at the first position, (n,). With them there is one motion at each slip, which
+            rollers reach from there; without, those which they reach from rolling on either ring.
         """
         unit = self.unit(slips)
-        begin = None if starts is None else np.repeat((starts * unit)[:, None], 2, axis=1)
-        brakes, missed = self._braked(slips, begin) if self.rubbing > 0.0 else (None, None)
-        found, met, left = self._came_to(slips, begin, brakes=brakes)
-        fractions = found / unit[:, None, None]
-        two = [
-            row
-            for row in np.flatnonzero(~met).tolist()
-            if starts is None
-            and self.distance(fractions[row, 0], fractions[row, 1])
-            >= (DISTINCT if left[row].max() < _REPEATS else 0.0)
-        ]
-        rows = np.array([*range(slips.size), *two])
-        which = np.array([0] * slips.size + [1] * len(two))
-        motions = self._settled(slips, rows, found[rows, which], left[rows, which], brakes)
-        if missed is not None:
+        pairs = None if starts is None else np.repeat((starts * unit)[:, None], 2, axis=1)
+        brakes, changes = None, None
+        if self.rubbing > 0.0:
+            brakes, changes = self._find_brakes(slips, pairs)
+        march = self._march(slips, pairs, brakes=brakes)
+        doubled = [] if starts is not None else self._find_doubled(march, unit)
+        rows = np.array([*range(slips.size), *doubled])
+        walkers = np.array([0] * slips.size + [1] * len(doubled))
+        roller_slips = march.roller_slips[rows, walkers]
+        motions = self._refine(slips, rows, roller_slips, march.changes[rows, walkers], brakes)
+        if changes is not None:
             motions = [
                 attrs.evolve(
-                    one, error=max(one.error, off), converged=one.converged and off < _WRONG
+                    motion,
+                    error=max(motion.error, change),
+                    converged=motion.converged and change < MARCH.max_error,
                 )
-                for one, off in zip(motions, missed[rows].tolist(), strict=True)
+                for motion, change in zip(motions, changes[rows].tolist(), strict=True)
             ]
         out = [[motion] for motion in motions[: slips.size]]
-        for row, motion in zip(two, motions[slips.size :], strict=True):
-            if brakes is not None:  # neighbours brake it in its own way
+        for row, motion in zip(doubled, motions[slips.size :], strict=True):
+            if brakes is not None:  # neighbours brake it by moments of its own
                 motion = self.find(slips[row : row + 1], motion.fraction[:1])[0][0]
             if self.distance(out[row][0].fraction, motion.fraction) >= DISTINCT:
                 out[row].append(motion)
         return out
 
-    def _settled(
-        self, slips: Array, rows: Rows, came: Array, left: Array, brakes: Array | None
+    def _find_doubled(self, march: _March, unit: Array) -> list[int]:
+        """The slips at which marches from both rings reach motions that differ, or may do so."""
+        doubled = []
+        for row in np.flatnonzero(~march.agree).tolist():
+            one, two = march.roller_slips[row] / unit[row]
+            is_periodic = march.changes[row].max() < MARCH.periodic
+            if self.distance(one, two) >= (DISTINCT if is_periodic else 0.0):
+                doubled.append(row)
+        return doubled
+
+    # Second order -----------------------------------------------------------------------------------------------------
+
+    def _refine(
+        self, slips: Array, rows: Rows, marched: Array, changes: Array, brakes: Array | None
     ) -> list[Motion]:
-        """Motions of second order beside those that rollers came to, which are of first."""
-        unit = self.unit(slips)
-        c = self._inertia * np.abs(1.0 - slips)
-        K = self.positions
-        Z = self._rollers
+        """Motions of second order near marched roller slips (m, K), at some rows of the slips, (m,)."""
+        unit = self.unit(slips)[rows]
+        inertia = (self._inertia * np.abs(1.0 - slips))[rows]
         spins = self.spins(slips, brakes=brakes)
-        kernel = spins.kernel
-        weight = self._weight
-        braked: list[Array | None] = [None] * slips.size if brakes is None else list(brakes)
-
-        def driven(which: Rows, at: Array) -> tuple[Array, Array]:
-            _, left, on_cage, _, how = kernel.settled(
-                which, K, c[which], at, unit[which], as_guessed=True
-            )
-            spins.ended(how)
-            return np.asarray(Z * on_cage), left
-
-        if not self._inertia:
-            of_rows = zip(rows.tolist(), driven(rows, came)[0].tolist(), came, strict=True)
-            return [
-                Motion(
-                    float(slips[r]),
-                    T,
-                    at / unit[r],
-                    float(unit[r]),
-                    converged=True,
-                    brakes=braked[r],
-                )
-                for r, T, at in of_rows
-            ]
-        at, multiplier, torque, held, how = kernel.settled(
-            rows, K, c[rows], came, unit[rows], _SETTLED
-        )
-        spins.ended(how)
-        torque = Z * torque
         error = np.zeros(rows.size)
-        moved = np.abs(at - came) @ weight / unit[rows]
-        converged = held & (np.abs(multiplier) < 1.0) & ~((left < _REPEATS) & (moved > GOES_ON))
-        todo = np.flatnonzero(~converged)
-        if (
-            todo.size
-        ):  # Newton's method has failed: differences of second order, in order, as rollers go
-            which = rows[todo]
-            known = np.repeat(came[todo][:, None], 2, axis=1)
-            begin = np.repeat(came[todo][:, :1], 2, axis=1)
-            exactly, _, rest, how = kernel.sent_round(
-                which,
-                K,
-                c[which],
-                self._bracket(slips)[which],
-                self._wide(slips)[which],
-                begin,
-                _LONG,
-                _SETTLED,
-                known,
+        if self._inertia:
+            found, multiplier, torque, is_found, status = spins.kernel.settled(
+                rows, self.positions, inertia, marched, unit, MARCH.newton
             )
-            spins.ended(how)
-            repeats = rest[:, 0] <= 100.0 * _SETTLED
-            at[todo] = np.where(repeats[:, None], exactly[:, 0], came[todo])
-            torque[todo], multiplier[todo] = driven(which, at[todo])
-            bend = (
-                0.5 * came[todo]
-                - np.roll(came[todo], 1, axis=1)
-                + 0.5 * np.roll(came[todo], 2, axis=1)
-            )
-            missed = (
-                Z
-                * self._lever
-                * c[which]
-                * np.abs(bend).mean(axis=1)
-                / np.maximum(np.abs(torque[todo]), 1e-300)
-            )
-            error[todo] = np.where(repeats, 0.0, missed)
-            converged[todo] = error[todo] < _WRONG
+            spins.check(status)
+            torque = self._rollers * torque
+            change = np.abs(found - marched) @ self._weight / unit
+            is_other = (changes < MARCH.periodic) & (change > CONTINUES)
+            converged = is_found & (np.abs(multiplier) < 1.0) & ~is_other
+            failed = np.flatnonzero(~converged)
+            if failed.size:
+                of_failed = self._march_second_order(
+                    spins, slips, rows[failed], marched[failed], unit[failed]
+                )
+                found[failed], multiplier[failed], torque[failed], error[failed] = of_failed
+                converged[failed] = error[failed] < MARCH.max_error
+        else:
+            found = marched
+            multiplier = np.zeros(rows.size)
+            torque, _ = self._mean_torques(spins, rows, found, inertia, unit)
+            converged = np.ones(rows.size, dtype=bool)
         return [
             Motion(
                 slip=float(slips[r]),
                 torque=float(torque[k]),
-                fraction=at[k] / unit[r],
-                unit=float(unit[r]),
+                fraction=found[k] / unit[k],
+                unit=float(unit[k]),
                 converged=bool(converged[k]),
                 error=float(error[k]),
                 multiplier=float(multiplier[k]),
-                brakes=braked[r],
+                brakes=None if brakes is None else brakes[r],
             )
             for k, r in enumerate(rows.tolist())
         ]
 
-    def link(self, below: Motion, motion: Motion) -> Motion:
-        """Return a motion, marked by whether it goes on from the one at the slip below."""
-        return attrs.evolve(
-            motion, linked=self.distance(below.fraction, motion.fraction) <= GOES_ON
+    def _mean_torques(
+        self, spins: Spins, rows: Rows, roller_slips: Array, inertia: Array, unit: Array
+    ) -> tuple[Array, Array]:
+        """Mean torques of all rollers on the cage [N m] and multipliers of given roller slips (m, K), (m,) each."""
+        _, multiplier, torque, _, status = spins.kernel.settled(
+            rows, self.positions, inertia, roller_slips, unit, as_guessed=True
         )
+        spins.check(status)
+        return np.asarray(self._rollers * torque), multiplier
+
+    def _march_second_order(
+        self, spins: Spins, slips: Array, rows: Rows, marched: Array, unit: Array
+    ) -> tuple[Array, Array, Array, Array]:
+        """Roller slips, multipliers, torques [N m] and relative errors by a march of second order, (m, ...) each.
+
+        Where the march is not periodic, they are those of the march of first order, with its discretisation error.
+        """
+        inertia = (self._inertia * np.abs(1.0 - slips))[rows]
+        second, _, change, status = spins.kernel.sent_round(
+            rows,
+            self.positions,
+            inertia,
+            self._rolling_slips(slips)[rows],
+            self._march_widths(slips)[rows],
+            np.repeat(marched[:, :1], 2, axis=1),
+            MARCH.second_order_orbits,
+            MARCH.newton,
+            np.repeat(marched[:, None], 2, axis=1),
+        )
+        spins.check(status)
+        is_periodic = change[:, 0] <= 100.0 * MARCH.newton
+        found = np.where(is_periodic[:, None], second[:, 0], marched)
+        torque, multiplier = self._mean_torques(spins, rows, found, inertia, unit)
+        bend = 0.5 * marched - np.roll(marched, 1, axis=1) + 0.5 * np.roll(marched, 2, axis=1)
+        error = (
+            self._rollers
+            * self._lever
+            * inertia
+            * np.abs(bend).mean(axis=1)
+            / np.maximum(np.abs(torque), 1e-300)
+        )
+        return found, multiplier, torque, np.where(is_periodic, 0.0, error)
+
+    def link(self, below: Motion, motion: Motion) -> Motion:
+        """Return a motion, marked by whether it continues the motion at the previous slip."""
+        distance = self.distance(below.fraction, motion.fraction)
+        return attrs.evolve(motion, linked=distance <= CONTINUES)
+
+    # Neighbours -------------------------------------------------------------------------------------------------------
+
+    def _find_brakes(self, slips: Array, starts: Array | None) -> tuple[Array, Array]:
+        """Moments (n, K) by which neighbours brake the spins [N m], and the error they leave of the torque, (n,).
+
+        It is a damped fixed-point iteration of the moments and the motion; `rollslip_studies.motion.train` derives its
+        step. Where the motion alternates between two balances, the error is the change of the torque, relative to its
+        mean size along the orbit.
+        """
+        brakes = np.zeros((slips.size, self.positions))
+        errors = np.zeros(slips.size)
+        torques = list[Array]()  # of the iterations so far, relative to their mean size
+        smallest = np.full(slips.size, np.inf)
+        stalled = np.zeros(slips.size)
+        rows = np.arange(slips.size)
+        current = brakes[rows]
+        spins = None
+        for _ in range(NEIGHBOURS.max_iterations):
+            if spins is None:  # compiled code reads ``current`` itself
+                spins = self.spins(slips[rows], self._march_loads, current)
+            step, torque = self._find_brake_step(
+                slips[rows], None if starts is None else starts[rows], spins, current
+            )
+            size = np.abs(step).max(axis=1)
+            stalled[rows] += size > NEIGHBOURS.stall_ratio * smallest[rows]
+            smallest[rows] = np.minimum(size, smallest[rows])
+            current += step / (1.0 + stalled[rows, None])
+            brakes[rows] = current
+            torques.append(np.full(slips.size, np.nan))
+            torques[-1][rows] = torque.mean(axis=1) / np.abs(torque).mean(axis=1)
+            errors[rows] = np.ptp(torques[-NEIGHBOURS.n_averaged :], axis=0)[rows]
+            is_converged = size <= NEIGHBOURS.moments * current.max(axis=1)
+            errors[rows[is_converged]] = 0.0
+            is_done = is_converged | (stalled[rows] >= NEIGHBOURS.n_averaged)
+            if is_done.all():
+                break
+            if is_done.any():
+                rows = rows[~is_done]
+                spins = None
+                current = brakes[rows]
+        return brakes, errors
+
+    def _find_brake_step(
+        self, slips: Array, starts: Array | None, spins: Spins, brakes: Array
+    ) -> tuple[Array, Array]:
+        """The full step of the moments, and torques of one roller on the cage [N m], (n, K) each."""
+        k = self.assembly.kinematics
+        train = Train.of(k, self.assembly.scene.bearing.rollers, self.rubbing)
+        friction = train.coefficient * train.radius
+        roller_slips = self._march(slips, starts, spins).roller_slips[:, 0].ravel()
+        spin, torque = self._torques(spins, roller_slips)
+        nudged_spin, nudged_torque = self._torques(spins, roller_slips + NUDGED)
+        # a spin stays in balance, so a moment on it takes traction, which leaves less for the train
+        rises = np.maximum(nudged_spin - spin, 0.0)
+        taken = np.divide(
+            rises - nudged_torque + torque, rises, out=np.zeros_like(rises), where=rises > 0.0
+        )
+        turns = k.roller_radius * k.epicyclic_roller_speed * (1.0 - roller_slips)
+        falls = (
+            np.clip(taken, 0.0, k.outer_radius / k.roller_radius) * turns / np.hypot(turns, SLIDES)
+        )
+        torque = self.sense * torque.reshape(brakes.shape)
+        falls = falls.reshape(brakes.shape)
+        pushes = train.pushes(torque + self._body_torque + falls * brakes, falls * friction)
+        return friction * sum(pushes) - brakes, torque
 
 
 # Loads over an orbit ------------------------------------------------------------------------------------------------
 
 
 def orbit_loads(
-    assembly: Assembly, n_positions: int, cage_speeds: Array, few: int = 0
+    assembly: Assembly, n_positions: int, cage_speeds: Array, n_loads: int = 0
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Loads per length of inner and outer ring [N/m] at cage speeds [rad/s], and their widths [m].
+    """Return loads per length of inner and outer ring [N/m] at cage speeds, and their widths [m].
 
-    Of shape (speeds, instants, Z, slices), the widths (slices,), or both (speeds, instants, Z, few) of their Gauss
-    rules of a few loads.
+    The loads are of shape (speeds, n_positions, Z, slices), the widths (slices,); with a Gauss rule both are of shape
+    (speeds, n_positions, Z, n_loads).
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    n_positions : int
+        Roller positions within a pitch.
+    cage_speeds : ndarray
+        Cage speeds [rad/s], (n,).
+    n_loads : int
+        Loads of a Gauss rule that stand for the slices of a roller, 0 for all of these.
     """
     check_repeats(assembly)
     forces = np.array([assembly.centrifugal_force_at(speed) for speed in cage_speeds.tolist()])
 
-    def whole(part: Array) -> tuple[Array, Array]:
-        if not few:
+    def whole_pitch(part: Array) -> tuple[Array, Array]:
+        if not n_loads:
             return over_pitch(part, n_positions), assembly.widths
-        rule = row_rules(
-            np.ascontiguousarray(part).reshape(-1, assembly.slices), assembly.widths, few
+        rows = np.ascontiguousarray(part).reshape(-1, assembly.slices)
+        load, width = (
+            over_pitch(values.reshape(*part.shape[:3], n_loads), n_positions)
+            for values in row_rules(rows, assembly.widths, n_loads)
         )
-        load, width = (over_pitch(of.reshape(*part.shape[:3], few), n_positions) for of in rule)
         return load, width
 
     inner, outer = solve_orbits(assembly.load_case(n_positions), assembly.raceways, forces)
-    return whole(inner), whole(outer)
+    return whole_pitch(inner), whole_pitch(outer)
 
 
 def check_repeats(assembly: Assembly, without: str = "without skidding") -> None:
-    """Refuse a bearing whose orbits of rollers do not repeat; ``without`` says how effective friction does without."""
+    """Refuse a bearing in which the orbits of the rollers do not repeat.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    without : str
+        The part of the message which names what effective friction leaves out.
+    """
     if assembly.rings is None or not assembly.rings.turning:
         return
     o = assembly.scene.operation
@@ -673,21 +828,33 @@ def check_repeats(assembly: Assembly, without: str = "without skidding") -> None
         raceway = getattr(assembly.scene.bearing, f"{ring}_raceway")
         if raceway is not None and raceway.form and speed != 0.0:
             where = Location(assembly.scene.origins, ("bearing", f"{ring}_raceway", "form"))
-            told = "turns with its ring against the load, so that orbits of rollers do not repeat, as in a steady slip"
+            reason = (
+                "turns with its ring against the load, so that orbits of rollers do not repeat, "
+                "as in a steady slip"
+            )
             remedy = (
                 f"motions in time follow it at level 'planar', and effective friction alone, {without}, is a mean over "
                 "its turns"
             )
-            raise SceneError([where.message(f"{told}; {remedy}")])
+            raise SceneError([where.message(f"{reason}; {remedy}")])
 
 
 def solve_orbits(
     case: LoadCase, contacts: tuple[Contacts, Contacts], centrifugal: Floats
 ) -> tuple[Floats, Floats]:
-    """Loads of inner and outer ring [N/m] at several centrifugal forces [N], each from the one before.
+    """Return loads of inner and outer ring [N/m] at several centrifugal forces, each from the previous one.
 
-    Of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half. Where rings do not mirror
-    themselves in the line of load it is the whole pitch.
+    They are of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half. Where rings are
+    not symmetric about the line of load it is the whole pitch.
+
+    Parameters
+    ----------
+    case : LoadCase
+        The bearing under load, with the angles of its rollers.
+    contacts : tuple of Contacts
+        Of inner and outer ring.
+    centrifugal : ndarray
+        Centrifugal forces of a roller [N], (n,).
     """
     n_positions, rollers = case.psi.shape
     solved = n_positions // 2 + 1 if case.mirrored else n_positions
@@ -702,5 +869,13 @@ def solve_orbits(
 
 
 def over_pitch(part: Floats, n_positions: int) -> Floats:
-    """Return what rollers have over a whole pitch (n, instants, Z, ...), of its first half, which the other mirrors."""
+    """Return values of the rollers over a whole pitch (n, n_positions, Z, ...), of its first half and mirror images.
+
+    Parameters
+    ----------
+    part : ndarray
+        Values at the first half of the positions, or at all of them, (n, half, Z, ...).
+    n_positions : int
+        Number of positions within a pitch.
+    """
     return np.concatenate((part, part[:, n_positions - part.shape[1] : 0 : -1, ::-1]), axis=1)

@@ -34,7 +34,7 @@ from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import effective_table
 from rollslip_studies.motion.loading_branch import LoadingBranch, find_loading_branch
 from rollslip_studies.motion.spins import (
-    Conventional,
+    ConventionalFriction,
     EffectiveCurve,
     Motion,
     Motions,
@@ -118,7 +118,7 @@ class TorqueBalance:
         """Motions of the rollers on all slices, their loads solved at every slip."""
         return Motions(
             self.assembly, self.n_positions, pocket=self._pocket, rubbing=self._rubbing, effective=self.effective,
-            inertia=self.inertia, beside=None if self._beside is None else self._beside.motions,
+            inertia=self.inertia, similar=None if self._beside is None else self._beside.motions,
         )  # fmt: skip
 
     @cached_property
@@ -139,7 +139,7 @@ class TorqueBalance:
         few = self._few
         loaded = time.process_time()
         try:
-            few.at(
+            few.find(
                 np.array(
                     [
                         slip_from_logit(place)
@@ -249,7 +249,7 @@ class TorqueBalance:
             brakes=motion.brakes,
         )
 
-    def contacts(self, cage_slip: float) -> tuple[Conventional, Conventional]:
+    def contacts(self, cage_slip: float) -> tuple[ConventionalFriction, ConventionalFriction]:
         """Contacts of both raceways, their positions ordered in the sense of the orbit."""
         return self.motions.contacts(np.array([cage_slip]))
 
@@ -273,7 +273,10 @@ class TorqueBalance:
         return tractions, resistances, kernel.on_cage(orbit.roller_slip, tractions, resistances)
 
     def _forces(
-        self, cage_slip: float, roller_slip: Array, contacts: tuple[Conventional, Conventional]
+        self,
+        cage_slip: float,
+        roller_slip: Array,
+        contacts: tuple[ConventionalFriction, ConventionalFriction],
     ) -> tuple[Array, Array]:
         """Tractions and resistances of both contacts [N], (2, K)."""
         speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
