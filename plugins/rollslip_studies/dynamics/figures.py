@@ -1,4 +1,4 @@
-"""Figures of motions in time: speeds, maps over orbit and time, the energy ledger, the tracks of the centres.
+"""Figures of motions: speeds, maps over orbit and time, the energy ledger, the tracks of the centres.
 
 Style, sizes and files are those of `rollslip.results.style`. Everything reads in grey: motions that are compared differ
 in dashes, maps in lightness.
@@ -48,28 +48,40 @@ if TYPE_CHECKING:
 
 __all__ = ["motion_figures", "plot_together"]
 
-#: Speeds are shown to people in revolutions per minute.
+#: Revolutions per minute in a radian per second: speeds are shown in rpm.
 _RPM = 30.0 / math.pi
-#: With fewer stored instants an orbit, the curve of a single roller would not be what it did; with more orbits, it
-#: would run together on paper.
-_INSTANTS = 6.0
-_ORBITS = 40.0
-#: Cells of a map along time at most; along the orbit it has one for each roller, within limits.
-_TIMES = 60
-_POSITIONS = (12, 48)
-#: Pieces of one shade of a track that darkens in time.
-_PIECES: Final = 30
-#: Share of the largest slip from which on a slip of running away beyond it is worth the room on the axis.
-_NEAR = 0.5
-#: Film parameter over the smallest from which on thicker films look the same: without load it grows beyond all bounds.
-_THICK = 3.0
+#: Least number of stored times an orbit for the curve of a single roller, else that of the mean is drawn. Halved, the
+#: curve would alias. Chosen.
+_MIN_TIMES_PER_ORBIT = 6.0
+#: Largest number of orbits for the curve of a single roller. Doubled, the lines merge on paper. Chosen.
+_MAX_ORBITS = 40.0
+#: Largest number of cells of a map along time. Doubled, files are twice as large. Chosen by eye.
+_MAX_TIME_CELLS = 60
+#: Least and largest number of cells of a map along the orbit; between, one for each roller. Chosen by eye.
+_ORBIT_CELLS = (12, 48)
+#: Pieces of one shade of a track that gets darker with time. Doubled, files are larger, and shades differ less. Chosen
+#: by eye.
+_TRACK_PIECES: Final = 30
+#: Least ratio of the largest slip to the skidding slip for which the latter is drawn. Halved, half of the axis may be
+#: empty or more. Chosen by eye.
+_MIN_SLIP_RATIO = 0.5
+#: Film parameter over the smallest one from which on cells have the same colour: unloaded contacts have large values,
+#: which would hide the differences of the small ones. Chosen by eye.
+_MAX_FILM_RATIO = 3.0
+#: Relative range of values below which a map has a range of 10 % of its value: below it is rounding.
+_ROUNDING = 1e-9
+#: Largest number of marks of events along the axis of time. Doubled, marks overlap on paper. Chosen by eye.
+_MAX_EVENT_MARKS = 300.0
+#: Duration below which times are shown in ms [s]. Chosen.
+_MAX_MILLISECONDS = 0.05
+#: Style of lines that are for orientation.
 _QUIET: Final[Mapping[str, Any]] = {"color": "0.45", "linewidth": 0.8, "zorder": 1}
 
 
 def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the figures of a motion; give name, caption and figure of each.
+    """Draw the figures of a motion; yield name, caption and figure of each.
 
-    The names hold the friction, so that motions of one run do not overwrite each other's figures.
+    The names contain the friction, so that motions of one run do not overwrite each other's figures.
     """
     name = f"dynamics-{dataset.attrs['friction']}"
     which = f"level {dataset.attrs['level']}, {dataset.attrs['friction']} friction"
@@ -108,9 +120,9 @@ def plot_together(datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[Pa
     Parameters
     ----------
     datasets : mapping of str to xarray.Dataset
-        Two results of dynamics or more, by what the legend shall call them; the others are held against the first.
+        Two or more results of dynamics, by their names in the legend; the others are compared with the first.
     folder : Path
-        Where the file goes; it is made if it does not exist.
+        Folder of the file; it is created if it does not exist.
 
     Returns
     -------
@@ -118,12 +130,12 @@ def plot_together(datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[Pa
         The one file, "dynamics-together.svg".
     """
 
-    def drawn() -> "Iterator[tuple[str, str, Figure]]":
+    def figures() -> "Iterator[tuple[str, str, Figure]]":
         caption = f"Speed of cage and roller against time: {', '.join(datasets)}."
         yield "dynamics-together", caption, _together(datasets)
 
     return save_figures(
-        drawn(),
+        figures(),
         " ".join(f"{text[:1].upper()}{text[1:]}." for text in describe_differences(datasets)),
         folder,
     )
@@ -133,45 +145,66 @@ def plot_together(datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[Pa
 
 
 def _speeds(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.patches import Patch
-
+    """Draw the speeds of cage and rollers over time."""
     sheet = _sheet(1)
     cage, roller = sheet.axes
     time = _time(dataset)
     speed = _RPM * dataset["cage_speed"].to_numpy()
     _line(sheet, cage, time, speed, label="cage", color=MODEL_COLOURS[0])
-    history = history_findings.has_history(dataset)
-    unslipped = math.nan if history else _RPM * unslipped_cage_speed(dataset)
-    if history:
-        without = _RPM * dataset["epicyclic_cage_speed"].to_numpy()
-        _line(sheet, cage, time, without, label="without slip", linestyle="dotted", **_QUIET)
-    largest = float(dataset["cage_slip"].max())
-    away = skidding_slip(dataset)
-    if not math.isnan(unslipped):
-        for axes, level in ((cage, unslipped), (roller, _RPM * unslipped_roller_speed(dataset))):
-            if not math.isnan(level):
-                axes.axhline(level, linestyle="dotted", **_QUIET)
-        sheet.key("without slip", linestyle="dotted", **_QUIET)
-        _slip_axis(cage, unslipped)
-        if largest > _NEAR * away:
-            cage.axhline((1.0 - away) * unslipped, linestyle=DASHES[1], **_QUIET)
-            sheet.key(f"skidding begins, {100 * away:.3g} %", linestyle=DASHES[1], **_QUIET)
+    if history_findings.has_history(dataset):
+        epicyclic = _RPM * dataset["epicyclic_cage_speed"].to_numpy()
+        _line(sheet, cage, time, epicyclic, label="without slip", linestyle="dotted", **_QUIET)
+    else:
+        _draw_levels(sheet, dataset)
+    _draw_events(sheet, dataset, speed)
+    _draw_roller_speeds(sheet, dataset)
+    cage.set_ylabel("Cage speed [rpm]")
+    roller.set_ylabel("Roller speed, relative to the cage [rpm]")
+    for axes in (cage, roller):
+        _time_axis(axes, dataset)
+    return _done(sheet)
+
+
+def _draw_levels(sheet: Sheet, dataset: "xr.Dataset") -> None:
+    """Draw the speeds without slip, the axis of slips, and the cage speed at which skidding begins."""
+    cage, roller = sheet.axes
+    unslipped = _RPM * unslipped_cage_speed(dataset)
+    if math.isnan(unslipped):
+        return
+    for axes, speed in ((cage, unslipped), (roller, _RPM * unslipped_roller_speed(dataset))):
+        if not math.isnan(speed):
+            axes.axhline(speed, linestyle="dotted", **_QUIET)
+    sheet.key("without slip", linestyle="dotted", **_QUIET)
+    _slip_axis(cage, unslipped)
+    limit = skidding_slip(dataset)
+    if float(dataset["cage_slip"].max()) > _MIN_SLIP_RATIO * limit:
+        cage.axhline((1.0 - limit) * unslipped, linestyle=DASHES[1], **_QUIET)
+        sheet.key(f"skidding begins, {100 * limit:.3g} %", linestyle=DASHES[1], **_QUIET)
+
+
+def _draw_events(sheet: Sheet, dataset: "xr.Dataset", speed: Array) -> None:
+    """Mark the passages of the skidding slip on the curve of the cage speed, and other events at its axis."""
+    cage = sheet.axes[0]
     passages = skidding_passages(dataset)
-    for moment, rising in passages:
-        cage.plot(
-            _scale(dataset) * moment,
-            np.interp(_scale(dataset) * moment, time, speed),
-            **_passage(rising),
-        )
-    for rising, words in ((True, "rising"), (False, "falling")):
-        if any(one is rising for _, one in passages):
-            sheet.key(f"passed while {words}", linestyle="none", **_passage(rising))
+    for passage_time, rising in passages:
+        time = _scale(dataset) * passage_time
+        cage.plot(time, np.interp(time, _time(dataset), speed), **_passage(rising))
+    for rising, label in ((True, "rising"), (False, "falling")):
+        if rising in [passage_rising for _, passage_rising in passages]:
+            sheet.key(f"passed while {label}", linestyle="none", **_passage(rising))
     if others := _other_events(dataset):
         cage.vlines(
             others, 0.0, 0.03, transform=cage.get_xaxis_transform(), color="0.3", linewidth=0.6
         )
         sheet.key("events (at the foot)", linestyle="none", marker="|", color="0.3", markersize=5)
 
+
+def _draw_roller_speeds(sheet: Sheet, dataset: "xr.Dataset") -> None:
+    """Draw the range of the speeds of all rollers, and the curve of one roller or of the mean."""
+    from matplotlib.patches import Patch
+
+    roller = sheet.axes[1]
+    time = _time(dataset)
     speeds = _RPM * dataset["roller_speed"].to_numpy()
     if dataset.sizes["roller"] > 1:
         tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
@@ -185,18 +218,13 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
     curve, label = _shown_roller(dataset)
     _line(sheet, roller, time, curve, label=label, color=MODEL_COLOURS[1], linewidth=0.8)
 
-    cage.set_ylabel("Cage speed [rpm]")
-    roller.set_ylabel("Roller speed, relative to the cage [rpm]")
-    for axes in (cage, roller):
-        _time_axis(axes, dataset)
-    return _done(sheet)
-
 
 def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
+    """Draw the speeds of several motions, and their differences from the first."""
     sheet = _sheet(2, height_ratios=(3, 1), sharex="col")
     panels = sheet.axes
     (first, reference), *_ = datasets.items()
-    longest = max(datasets.values(), key=lambda one: float(one["time"][-1]))
+    longest = max(datasets.values(), key=lambda dataset: float(dataset["time"][-1]))
     scale = _scale(longest)
     single = all(_resolved(dataset) for dataset in datasets.values())
     for k, (name, dataset) in enumerate(datasets.items()):
@@ -228,6 +256,7 @@ def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
 
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
+    """Draw maps of the contacts with the inner ring over orbit and time."""
     inner = dataset.sel(ring="inner")
     sliding, force, film = (
         inner[name].to_numpy() for name in ("sliding_speed", "normal_force", "film_parameter")
@@ -263,7 +292,9 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         axes.set_yticks((-180, -90, 0, 90, 180))
         axes.set_ylabel("Orbit position [°]")
         if np.isfinite(cells.values).any():
-            _draw_cells(sheet.figure, axes, cells, label, _THICK if "Λ" in label else math.inf)
+            _draw_cells(
+                sheet.figure, axes, cells, label, _MAX_FILM_RATIO if "Λ" in label else math.inf
+            )
         else:
             axes.text(
                 0.5,
@@ -280,6 +311,7 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
 
 
 def _energy(dataset: "xr.Dataset") -> "Figure":
+    """Draw the works of the energy ledger, and its residual."""
     sheet = Sheet(
         (TWO_COLUMNS[0], TWO_COLUMNS[1] + 20 * MM), 2, 1, sharex=True, height_ratios=(3, 1)
     )
@@ -287,7 +319,7 @@ def _energy(dataset: "xr.Dataset") -> "Figure":
     time = _time(dataset)
     energy = dataset["energy"].to_numpy()
     for k, (name, work) in enumerate(ledger(dataset).items()):
-        # an entry that went round the colours comes with other dashes
+        # entries of the same colour have different dashes
         dashes = DASHES[(k + k // len(MODEL_COLOURS)) % len(DASHES)]
         _line(
             sheet,
@@ -346,13 +378,13 @@ def _centres(dataset: "xr.Dataset") -> "Figure":
     panels = sheet.axes
     time = _time(dataset)
     colours = light_to_dark()
-    pieces = np.array_split(np.arange(time.size), min(time.size, _PIECES))
+    pieces = np.array_split(np.arange(time.size), min(time.size, _TRACK_PIECES))
     edges = np.unique(np.append(time[[piece[0] for piece in pieces]], time[-1]))
     shades = colours(np.linspace(0.0, 1.0, len(pieces)))
     for axes, name, title in zip(panels, ("cage", "ring"), ("cage", "inner ring"), strict=True):
         along, across = (
-            1e6 * dataset[f"{name}_displacement"].sel(direction=way).to_numpy()
-            for way in ("along", "across")
+            1e6 * dataset[f"{name}_displacement"].sel(direction=direction).to_numpy()
+            for direction in ("along", "across")
         )
         for piece, shade in zip(pieces, shades, strict=True):
             part = np.arange(max(piece[0] - 1, 0), piece[-1] + 1)
@@ -378,59 +410,64 @@ def _centres(dataset: "xr.Dataset") -> "Figure":
 
 @attrs.frozen(eq=False)
 class _Cells:
-    """A value over time and orbital position: edges of the cells in time, and values, NaN where there are none."""
+    """Map of a value over time and orbital position: edges of the cells in time, and values, NaN where unknown."""
 
     edges: Array
     values: Array
 
     @classmethod
     def of(cls, dataset: "xr.Dataset", values: Array, summary: Any) -> "_Cells":
-        """Sum up values (time, roller) in cells of a few instants and a few degrees; NaN does not count."""
+        """Return the map of a summary, such as the mean, of the values (time, roller) in each cell, without NaN."""
         time = _time(dataset)
-        groups = np.array_split(np.arange(time.size), min(time.size, _TIMES))
-        begins, ends = (time[[group[k] for group in groups]] for k in (0, -1))
-        edges = np.concatenate((time[:1], 0.5 * (ends[:-1] + begins[1:]), time[-1:]))
+        groups = np.array_split(np.arange(time.size), min(time.size, _MAX_TIME_CELLS))
+        starts, ends = (time[[group[k] for group in groups]] for k in (0, -1))
+        edges = np.concatenate((time[:1], 0.5 * (ends[:-1] + starts[1:]), time[-1:]))
         if time.size == 1:
             edges = time[0] + np.array([-0.5, 0.5])
-        count = int(np.clip(dataset.sizes["roller"], *_POSITIONS))
+        count = int(np.clip(dataset.sizes["roller"], *_ORBIT_CELLS))
         # the middle of a cell is the line of load
-        place = (
-            np.floor(dataset["orbit_angle"].to_numpy() * count / (2.0 * math.pi) + 0.5).astype(int)
-            % count
-        )
+        turns = dataset["orbit_angle"].to_numpy() * count / (2.0 * math.pi)
+        cell = np.floor(turns + 0.5).astype(int) % count
         found = np.full((len(groups), count), np.nan)
         for i, group in enumerate(groups):
-            here = place[group].ravel()
-            what = values[group].ravel()
-            for j in np.unique(here[np.isfinite(what)]):
-                found[i, j] = summary(what[(here == j) & np.isfinite(what)])
+            known = np.isfinite(values[group])
+            cells = cell[group][known]
+            known_values = values[group][known]
+            for j in np.unique(cells):
+                found[i, j] = summary(known_values[cells == j])
         return cls(edges, found)
 
     def rectangles(self, chosen: NDArray[np.bool_]) -> Array:
-        """Corners of rectangles that cover the chosen cells, shape (rectangles, 5, 2), neighbours in time as one."""
+        """Return corners of rectangles that cover the chosen cells, (rectangles, 5, 2), neighbours in time as one."""
         count = chosen.shape[1]
         corners = []
         for j in range(count):
             steps = np.diff(np.concatenate(([0], chosen[:, j].astype(int), [0])))
             low, high = (360.0 * (j + side) / count for side in (-0.5, 0.5))
-            # what lies beyond +180 degrees is drawn from -180 on; the axes cut the cell that has both
-            turns = [0.0, -360.0] if low < 180.0 < high else [-360.0] if low >= 180.0 else [0.0]
-            for begin, end in zip(
+            # angles beyond +180 degrees are drawn from -180 on; the axes cut the cell that contains 180 degrees
+            shifts = [0.0] if low < 180.0 else []
+            if high > 180.0:
+                shifts.append(-360.0)
+            for start, end in zip(
                 np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True
             ):
-                a = self.edges[begin]
-                b = self.edges[end]
-                corners += [
-                    [(a, low + t), (b, low + t), (b, high + t), (a, high + t), (a, low + t)]
-                    for t in turns
-                ]
+                left = self.edges[start]
+                right = self.edges[end]
+                for shift in shifts:
+                    bottom = low + shift
+                    top = high + shift
+                    corners.append(
+                        [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
+                    )
         return np.array(corners)
 
 
-def _draw_cells(figure: "Figure", axes: "Axes", cells: _Cells, label: str, most: float) -> None:
-    """Fill the cells, those of a colour as one path: a figure without bitmaps stays small.
+def _draw_cells(
+    figure: "Figure", axes: "Axes", cells: _Cells, label: str, max_ratio: float
+) -> None:
+    """Fill the cells, those of one colour as one path, since figures without bitmaps are small.
 
-    Values of more than `most` times the smallest have the colour of the largest.
+    Values of more than ``max_ratio`` times the smallest have the colour of the largest.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import BoundaryNorm
@@ -440,9 +477,9 @@ def _draw_cells(figure: "Figure", axes: "Axes", cells: _Cells, label: str, most:
 
     low = float(np.nanmin(cells.values))
     high = float(np.nanmax(cells.values))
-    beyond = high > most * low > 0.0
-    high = most * low if beyond else high
-    if high - low <= 1e-9 * max(abs(low), abs(high)):  # the same everywhere, but for rounding
+    is_cut = high > max_ratio * low > 0.0
+    high = max_ratio * low if is_cut else high
+    if high - low <= _ROUNDING * max(abs(low), abs(high)):
         low = low - 0.05 * (abs(low) or 1.0)
         high = high + 0.05 * (abs(high) or 1.0)
     levels = np.asarray(MaxNLocator(16).tick_values(low, high))
@@ -454,7 +491,7 @@ def _draw_cells(figure: "Figure", axes: "Axes", cells: _Cells, label: str, most:
             outline = Outline.make_compound_path_from_polys(cells.rectangles(classes == k))
             axes.add_patch(PathPatch(outline, facecolor=colour, edgecolor=colour, linewidth=0.2))
     bar = figure.colorbar(
-        scale, ax=axes, aspect=14, pad=0.015, extend="max" if beyond else "neither"
+        scale, ax=axes, aspect=14, pad=0.015, extend="max" if is_cut else "neither"
     )
     bar.set_label(label)
     bar.locator = MaxNLocator(5)
@@ -462,29 +499,33 @@ def _draw_cells(figure: "Figure", axes: "Axes", cells: _Cells, label: str, most:
     seamless(bar)
 
 
-# What they share ----------------------------------------------------------------------------------------------------
+# Shared by the figures ------------------------------------------------------------------------------------------------
 
 
 def _sheet(rows: int, **options: Any) -> Sheet:
+    """Return a sheet of two columns with room for the axis of slips."""
     sheet = Sheet(TWO_COLUMNS, rows, 2, **options)
     sheet.figure.get_layout_engine().set(wspace=0.04)  # type: ignore  # the slip axis has labels there
     return sheet
 
 
 def _scale(dataset: "xr.Dataset") -> float:
-    """What seconds are multiplied with: short motions are shown in milliseconds."""
-    return 1e3 if 0.0 < float(dataset["time"][-1]) < 0.05 else 1.0
+    """Return the factor of times in seconds: short motions are shown in milliseconds."""
+    return 1e3 if 0.0 < float(dataset["time"][-1]) < _MAX_MILLISECONDS else 1.0
 
 
 def _time_unit(dataset: "xr.Dataset") -> str:
+    """Return the unit in which times are shown."""
     return "ms" if _scale(dataset) > 1.0 else "s"
 
 
 def _time(dataset: "xr.Dataset") -> Array:
+    """Return the stored times in the unit in which they are shown."""
     return np.asarray(_scale(dataset) * dataset["time"].to_numpy())
 
 
 def _time_axis(axes: "Axes", dataset: "xr.Dataset", *, limits: bool = True) -> None:
+    """Label the axis of time and set its limits."""
     axes.set_xlabel(f"Time [{_time_unit(dataset)}]")
     time = _time(dataset)
     if time.size == 1:
@@ -500,7 +541,7 @@ def _line(sheet: Sheet, axes: "Axes", x: Array, y: Array, **style: Any) -> None:
 
 
 def _passage(rising: bool) -> dict[str, Any]:
-    """Marker of a passage of the slip of running away, full while slip rises."""
+    """Return the style of the marker of a passage of the skidding slip, filled while slip rises."""
     face = MODEL_COLOURS[1] if rising else "white"
     return {
         "marker": "o",
@@ -512,25 +553,24 @@ def _passage(rising: bool) -> dict[str, Any]:
 
 
 def _other_events(dataset: "xr.Dataset") -> list[float]:
-    """Times of the events besides passing the slip of running away, those that would coincide on paper only once."""
-    away = [moment for moment, _ in skidding_passages(dataset)]
-    times = np.setdiff1d(dataset["event_time"].to_numpy(), away)
-    apart = max(float(dataset["time"][-1]), 1e-300) / 300.0
-    return [
-        float(moment) for moment in _scale(dataset) * apart * np.unique(np.round(times / apart))
-    ]
+    """Return times of events that are not passages of the skidding slip; times that coincide on paper count once."""
+    passages = [time for time, _ in skidding_passages(dataset)]
+    times = np.setdiff1d(dataset["event_time"].to_numpy(), passages)
+    distance = max(float(dataset["time"][-1]), 1e-300) / _MAX_EVENT_MARKS
+    rounded = _scale(dataset) * distance * np.unique(np.round(times / distance))
+    return [float(time) for time in rounded]
 
 
 def _resolved(dataset: "xr.Dataset") -> bool:
-    """Whether what a roller does within an orbit is stored, and can be seen."""
+    """Return whether the motion of a roller within an orbit is stored, and can be seen."""
     time = dataset["time"].to_numpy()
     speed = np.abs(dataset["cage_speed"].to_numpy())
     orbits = float(np.trapezoid(speed, time)) / (2.0 * math.pi)
-    return bool(time.size > _INSTANTS * orbits and orbits < _ORBITS)
+    return bool(time.size > _MIN_TIMES_PER_ORBIT * orbits and orbits < _MAX_ORBITS)
 
 
 def _shown_roller(dataset: "xr.Dataset", single: bool | None = None) -> tuple[Array, str]:
-    """Spin of a roller in rpm and whose it is: the first roller's, or the mean where it would not be seen."""
+    """Return a spin [rpm] and its name: that of the first roller, or the mean where a single one cannot be seen."""
     speeds = _RPM * dataset["roller_speed"].to_numpy()
     if _resolved(dataset) if single is None else single:
         return speeds[:, 0], f"roller {dataset['roller'].to_numpy()[0]}"
@@ -538,7 +578,7 @@ def _shown_roller(dataset: "xr.Dataset", single: bool | None = None) -> tuple[Ar
 
 
 def _slip_axis(axes: "Axes", unslipped: float) -> None:
-    """Show the cage slip that belongs to a cage speed at the right."""
+    """Add an axis at the right with the cage slip of each cage speed."""
 
     def slip(speed: Any) -> Array:
         return np.asarray(100.0 * (1.0 - np.asarray(speed) / unslipped))
@@ -551,7 +591,6 @@ def _slip_axis(axes: "Axes", unslipped: float) -> None:
 
 
 def _done(sheet: Sheet, **options: Any) -> "Figure":
+    """Return the figure, with a legend of rows of similar length, five entries at most."""
     count = len(sheet.handles)
-    return sheet.done(
-        columns=-(-count // -(-count // 5)), **options
-    )  # five at most, and rows of like length
+    return sheet.done(columns=-(-count // -(-count // 5)), **options)
