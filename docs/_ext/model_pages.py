@@ -12,7 +12,7 @@ import numpy as np
 
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.catalogue.registry import available, get_class, get_model
-from rollslip_campaigns.comparison.choices import KINDS as HELD
+from rollslip_campaigns.comparison.choices import KINDS
 from rollslip_campaigns.validation import ValidationSettings, findings
 from rollslip_campaigns.validation.validate import AS_STATED, run_validation
 
@@ -75,8 +75,8 @@ def errors(name):
 
 def held(kind, name):
     """What the models of each data set give with this one in its place, beside what was measured."""
-    if kind not in HELD:
-        return [f"Only {', '.join(HELD)} models are put in the place of those of a data set.", ""]
+    if kind not in KINDS:
+        return [f"Only {', '.join(KINDS)} models are put in the place of those of a data set.", ""]
     sets = [one for one in available("measurement") if not get_model("measurement", one).is_form]
     sets = [one for one in sets if kind == "film" or not _of_films(one)]
     left = [one for one in sets if one in LONG or (name in SOLVED and not _of_films(one))]
@@ -112,7 +112,7 @@ def cost(made):
     """The time of a value of each quantity, beside that of the data set's own models."""
     own = made["row_models"].to_numpy() == AS_STATED.label
     rows = []
-    for (quantity,) in findings.together(made, "quantity"):
+    for (quantity,) in findings.unique_texts(made, "quantity"):
         of = made["row_quantity"].to_numpy() == quantity
         every = [made["seconds"].to_numpy()[of & which] for which in (~own, own)]
         known = [times[np.isfinite(times)] for times in every]

@@ -11,14 +11,14 @@ from output import write_table
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 from published_slip import PUBLISHED, slip, steady
-from rollslip_campaigns.validation.validate import AS_STATED, judged_statement
+from rollslip_campaigns.validation.validate import AS_STATED, evaluate_statement
 
 
 def main():
     """Compute all statements."""
     rows = []
     for said in PUBLISHED.statements:
-        judged = judged_statement(PUBLISHED, said, AS_STATED)
+        judged = evaluate_statement(PUBLISHED, said, AS_STATED)
         rows.append((said.says, said.by_whom, judged.found.replace(", ", "; "), judged.verdict))
         print(*rows[-1], sep=" | ", flush=True)
     for at in (70, 50, 30):

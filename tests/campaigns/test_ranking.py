@@ -15,7 +15,7 @@ from rollslip.cli.units import with_units
 from rollslip.errors import SceneError
 from rollslip.results.accounts import account_of
 from rollslip_campaigns.validation.predictions import form, read_predictions
-from rollslip_campaigns.validation.ranking import FEWEST, tell
+from rollslip_campaigns.validation.ranking import MIN_CONDITIONS, estimate_significance
 from synthetic_traction import exact, synthetic
 
 SIX = "muraki,maxwell-eyring,eyring,eyring-thermal,limiting-shear,newtonian-thermal"
@@ -23,7 +23,7 @@ SIX = "muraki,maxwell-eyring,eyring,eyring-thermal,limiting-shear,newtonian-ther
 
 def test_one_pair_is_told_by_the_tosses_of_a_coin():
     """Six conditions at which one law is twice as good: of 64 patterns of signs two have so large a mean."""
-    told = tell(np.array([np.full(6, 1.0), np.full(6, 2.0)]))
+    told = estimate_significance(np.array([np.full(6, 1.0), np.full(6, 2.0)]))
     assert told.probability[0, 1] == told.probability[1, 0] == 2 / 64
     assert (told.low[1], told.high[1]) == (2.0, 2.0)
 
@@ -31,25 +31,25 @@ def test_one_pair_is_told_by_the_tosses_of_a_coin():
 def test_one_condition_against_five_is_chance():
     errors = np.array([np.ones(6), [2.0, 2.0, 2.0, 2.0, 2.0, 1 / 2.0]])
     assert (
-        tell(errors).probability[0, 1] == 14 / 64
+        estimate_significance(errors).probability[0, 1] == 14 / 64
     )  # patterns with at most one sign against the others
 
 
 def test_laws_that_are_the_same_cannot_be_told():
     errors = np.tile(np.linspace(1.0, 3.0, 8), (2, 1))
-    assert tell(errors).probability[0, 1] == 1.0
+    assert estimate_significance(errors).probability[0, 1] == 1.0
 
 
 def test_the_interval_of_an_error_is_that_of_means_of_drawn_conditions():
     """Half of eight errors are e: as many of eight drawn ones as a coin says, from 1 to 7 in 95 % of draws."""
-    told = tell(np.exp([[0.0] * 4 + [1.0] * 4]))
+    told = estimate_significance(np.exp([[0.0] * 4 + [1.0] * 4]))
     ends = binom.ppf([0.025, 0.975], 8, 0.5) / 8
     assert np.log([told.low[0], told.high[0]]) == pytest.approx(ends)
 
 
 def test_few_conditions_tell_nothing():
-    errors = np.array([np.full(FEWEST - 1, 1.0), np.full(FEWEST - 1, 100.0)])
-    assert np.isnan(tell(errors).probability).all()
+    errors = np.array([np.full(MIN_CONDITIONS - 1, 1.0), np.full(MIN_CONDITIONS - 1, 100.0)])
+    assert np.isnan(estimate_significance(errors).probability).all()
 
 
 def test_what_is_told_of_laws_of_equal_worth_is_wrong_in_one_of_twenty_rankings_at_most():
@@ -57,7 +57,7 @@ def test_what_is_told_of_laws_of_equal_worth_is_wrong_in_one_of_twenty_rankings_
     wrong = 0
     for seed in range(400):
         errors = np.exp(np.random.default_rng(seed).standard_t(3, size=(6, 10)))
-        wrong += bool((tell(errors, seed).probability <= 0.05).any())
+        wrong += bool((estimate_significance(errors, seed).probability <= 0.05).any())
     assert wrong <= 29
 
 
@@ -66,9 +66,9 @@ def test_groups_count_as_one_each():
     days = [f"day {k // 3}" for k in range(18)]
     errors = np.array([np.ones(18), np.full(18, 2.0)])
     assert (
-        1 / 4096 <= tell(errors).probability[0, 1] <= 2 / 4096
+        1 / 4096 <= estimate_significance(errors).probability[0, 1] <= 2 / 4096
     )  # what was observed is one of the patterns
-    one = tell(errors, groups=days)
+    one = estimate_significance(errors, groups=days)
     assert (one.probability[0, 1], one.low[1], one.high[1]) == (
         2 / 64,
         pytest.approx(2.0),
@@ -77,12 +77,14 @@ def test_groups_count_as_one_each():
     # what a day has in common: independent conditions tell a difference, five days against one do not
     common = np.array([np.ones(18), np.repeat([2.0, 2.0, 2.0, 2.0, 2.0, 0.5], 3)])
     assert (
-        tell(common).probability[0, 1]
+        estimate_significance(common).probability[0, 1]
         <= 0.05
-        < tell(common, groups=days).probability[0, 1]
+        < estimate_significance(common, groups=days).probability[0, 1]
         == 14 / 64
     )
-    assert np.isnan(tell(errors, groups=["rig"] * 9 + ["other"] * 9).probability).all()
+    assert np.isnan(
+        estimate_significance(errors, groups=["rig"] * 9 + ["other"] * 9).probability
+    ).all()
 
 
 @pytest.fixture(scope="module")
@@ -285,5 +287,5 @@ def test_a_file_that_a_fit_reads_is_ranked(tmp_path, data):
 def test_films_are_ranked_on_a_set_that_comes_with_the_program():
     found = rank(["film-limits"], film="moes,dowson-toyoda,dowson-higginson")
     assert found.law.to_numpy()[0] == "moes"
-    assert found.sizes["condition"] >= FEWEST
+    assert found.sizes["condition"] >= MIN_CONDITIONS
     assert (found.probability.sel(law="moes").to_numpy()[1:] <= 0.05).all()

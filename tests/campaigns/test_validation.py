@@ -20,7 +20,7 @@ from rollslip_campaigns.validation import ValidationSettings
 from rollslip_campaigns.validation import validate as way
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import form, read_predictions
-from rollslip_campaigns.validation.residuals import Value, held, verdict_on
+from rollslip_campaigns.validation.residuals import Value, check_statement, compare_series
 from rollslip_campaigns.validation.validate import run_validation
 from synthetic_traction import exact, synthetic
 
@@ -52,7 +52,9 @@ def test_chi_square_is_that_of_both_uncertainties_and_of_what_rows_share():
     shared = 0.2 * np.array([-1.0, 1.0] * 50)
     samples = np.column_stack([1.0 + shared, 2.0 + shared])
     variance = np.var(shared, ddof=1)
-    _, group = held(OF, series_of((1.1, 0.1), (2.3, 0.1)), values_of(1.0, 2.0), samples, "")
+    _, group = compare_series(
+        OF, series_of((1.1, 0.1), (2.3, 0.1)), values_of(1.0, 2.0), samples, ""
+    )
     a = 0.01 + variance
     b = variance
     by_hand = (a * (0.1**2 + 0.3**2) - 2 * b * 0.1 * 0.3) / (a**2 - b**2)
@@ -72,7 +74,7 @@ def test_a_value_is_inside_within_two_deviations_of_both_together(measured, verd
     from scipy.special import ndtri
 
     samples = 1.0 + 0.2 * ndtri((np.arange(400) + 0.5) / 400)
-    [row], _ = held(OF, series_of((measured, 0.15)), values_of(1.0), samples[:, None], "")
+    [row], _ = compare_series(OF, series_of((measured, 0.15)), values_of(1.0), samples[:, None], "")
     assert row.verdict == verdict
     assert row.ratio == pytest.approx(1.0 / measured)
     assert row.calculated_low == pytest.approx(1.0 - 1.96 * 0.2, rel=0.01)
@@ -85,7 +87,7 @@ def test_a_value_is_inside_within_two_deviations_of_both_together(measured, verd
 
 def test_values_beyond_the_range_are_larger_than_all_in_it():
     samples = np.array([0.5] * 50 + [math.inf] * 50)[:, None]
-    [row], group = held(
+    [row], group = compare_series(
         OF, series_of((0.8, 0.01)), [Value(math.inf, "friction still rises", 0.0)], samples, ""
     )
     assert row.verdict == "inside"
@@ -96,15 +98,20 @@ def test_values_beyond_the_range_are_larger_than_all_in_it():
 
 def test_values_that_are_not_known_leave_the_verdict_open():
     samples = np.array([0.5] * 90 + [math.nan] * 10)[:, None]
-    [row], _ = held(OF, series_of((0.5, 0.01)), values_of(0.5), samples, "")
+    [row], _ = compare_series(OF, series_of((0.5, 0.01)), values_of(0.5), samples, "")
     assert row.verdict == "cannot be determined"
     assert row.status == "10% of the samples have no value"
     few = np.array([0.5] * 98 + [math.nan] * 2)[:, None]  # up to 2.5 %, which the band leaves out
-    assert held(OF, series_of((0.5, 0.01)), values_of(0.5), few, "")[0][0].verdict == "inside"
+    assert (
+        compare_series(OF, series_of((0.5, 0.01)), values_of(0.5), few, "")[0][0].verdict
+        == "inside"
+    )
 
 
 def test_too_few_samples_give_no_chi_square():
-    _, group = held(OF, series_of((1.0, 0.1), (2.0, 0.1)), values_of(1.0, 2.0), np.ones((8, 2)), "")
+    _, group = compare_series(
+        OF, series_of((1.0, 0.1), (2.0, 0.1)), values_of(1.0, 2.0), np.ones((8, 2)), ""
+    )
     assert math.isnan(group.chi2)
     assert "too few" in group.status
 
@@ -130,7 +137,7 @@ def test_a_statement_holds_or_not_as_its_values_go(expect, values, verdict):
         quantity="cage-slip", unit="1", text="", by_whom="", expect=expect, by=0.02,
         limit=0.5 if expect in ("below", "above") else None, steps=(Step(text=""),) * len(values),
     )  # fmt: skip
-    assert verdict_on(said, np.array(values)) == verdict
+    assert check_statement(said, np.array(values)) == verdict
 
 
 @pytest.fixture(scope="module")
@@ -227,8 +234,8 @@ def test_a_film_is_held_against_one_at_the_same_place_alone():
         way.nominal_values(series, way.Combination("", one))[0]
         for one in ({}, {"film": "dowson-toyoda"})
     )
-    assert (right.why, right.value) == ("", pytest.approx(series.rows[0].measured, rel=1e-3))
-    assert other.why == "dowson-toyoda gives the central film, measured was the minimum"
+    assert (right.reason, right.value) == ("", pytest.approx(series.rows[0].measured, rel=1e-3))
+    assert other.reason == "dowson-toyoda gives the central film, measured was the minimum"
 
 
 def test_samples_of_an_oil_beyond_its_models_are_counted_and_rows_share_the_time(monkeypatch):
@@ -246,10 +253,10 @@ def test_samples_of_an_oil_beyond_its_models_are_counted_and_rows_share_the_time
             raise DomainError("beyond")
         return np.ones(len(series.rows))
 
-    monkeypatch.setattr(way, "_oils", lambda *_: ([None, "known"], ""))
-    monkeypatch.setattr(way, "_contacts", contacts)
+    monkeypatch.setattr(way, "_sample_oils", lambda *_: ([None, "known"], ""))
+    monkeypatch.setattr(way, "_contact_column", contacts)
     plan = ValidationSettings("klebanov-2022", samples=2).plan()
-    _, samples, note = way._of_contacts(series, way.AS_STATED, plan)
+    _, samples, note = way._contact_values(series, way.AS_STATED, plan)
     assert np.isnan(samples).all(axis=1).tolist() == [True, False]
     assert note == "1 of 2 samples of the oil lie outside the domain of a model"
     with pytest.raises(SceneError, match="a band needs 2 at least"):

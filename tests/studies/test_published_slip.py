@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from published_slip import PUBLISHED, slip, steady
-from rollslip_campaigns.validation.validate import AS_STATED, judged_statement
+from rollslip_campaigns.validation.validate import AS_STATED, evaluate_statement
 
 
 @pytest.mark.parametrize(
     "said", PUBLISHED.statements, ids=[said.says for said in PUBLISHED.statements]
 )
 def test_slip_goes_the_way_that_is_published(said):
-    judged = judged_statement(PUBLISHED, said, AS_STATED)
+    judged = evaluate_statement(PUBLISHED, said, AS_STATED)
     assert judged.verdict == "held", judged.found
 
 

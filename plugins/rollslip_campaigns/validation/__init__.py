@@ -1,4 +1,4 @@
-"""Hold models against what was measured: data sets, predictions of any program, and which law is the better one."""
+"""Campaigns validate and rank: models compared with measured data, and laws ranked by their errors."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ from rollslip.planning.campaign import Campaign, setting
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.validation.validate import Validation
 
 Names = Sequence[str] | str
@@ -43,7 +43,9 @@ class ValidationSettings(Campaign):
     name = "validate"
     result = "validation"
 
-    data: Any = setting("", default=(), argument="[DATA]...", many=True, first=True, more=_DATA)
+    data: Any = setting(
+        "", default=(), argument="[DATA]...", repeatable=True, positional=True, details=_DATA
+    )
     traction: Names = setting(
         "Traction models beside those of the data sets' scenes.", default="", metavar="A,B"
     )
@@ -54,34 +56,36 @@ class ValidationSettings(Campaign):
         "Contact models beside those of the data sets' scenes.", default="", metavar="A,B"
     )
     predictions: Sequence[Any] = setting(
-        _PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True
+        _PREDICTIONS, default=(), value_type=Path, metavar="FILE.csv", repeatable=True
     )
-    form: Path | None = setting("Write a file for such predictions.", of=Path, metavar="FILE.csv")
+    form: Path | None = setting(
+        "Write a file for such predictions.", value_type=Path, metavar="FILE.csv"
+    )
     samples: int = setting(
-        "Of what scatters.", of=int, default=128, least=0, metavar="N", shown=True
+        "Of what scatters.", value_type=int, default=128, minimum=0, metavar="N", show_default=True
     )
-    seed: int = setting("Seed of the samples.", of=int, default=0, least=0, metavar="N")
+    seed: int = setting("Seed of the samples.", value_type=int, default=0, minimum=0, metavar="N")
 
     def plan(self) -> "Validation":
-        """Check what is asked for."""
+        """Return what is compared, after a check of all names."""
         from rollslip_campaigns.validation.validate import plan_validation
 
         return plan_validation(self)
 
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
-        """Hold the models against the data."""
+        """Return the comparison of models with data."""
         from rollslip_campaigns.validation.validate import run_validation
 
         return run_validation(made, show)
 
-    def place(self, made: Any, about: str) -> str:
-        """Return how the folder of the results is called."""
+    def folder_name(self, made: Any, about: str) -> str:
+        """Return the default name of the folder of the results."""
         return "validation" if len(made.sets) != 1 else f"{made.sets[0].name}-validation"
 
-    def instead(self) -> str:
-        """Write a file for predictions of one data set, where that is asked for."""
+    def alternative_action(self) -> str:
+        """Write a file for predictions, if it is requested, and return a line about it."""
         from rollslip_campaigns.validation.predictions import write_form
 
         return "" if self.form is None else write_form(self.data, self.form)
@@ -107,7 +111,12 @@ class RankingSettings(Campaign):
     samples = 0
 
     data: Any = setting(
-        "", default=attrs.NOTHING, argument="DATA...", many=True, first=True, more=_DATA
+        "",
+        default=attrs.NOTHING,
+        argument="DATA...",
+        repeatable=True,
+        positional=True,
+        details=_DATA,
     )
     traction: Names = setting("Traction laws.", default="", metavar="A,B")
     film: Names = setting("Film laws; all combinations are ranked.", default="", metavar="A,B")
@@ -116,28 +125,29 @@ class RankingSettings(Campaign):
         "What is fitted to friction of rigs.", default="", metavar="NAME,NAME"
     )
     predictions: Sequence[Any] = setting(
-        _PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True
+        _PREDICTIONS, default=(), value_type=Path, metavar="FILE.csv", repeatable=True
     )
     groups: str = setting(
         "What has errors in common: conditions of a series, such as a day's, or of a set, such as a rig's.",
-        default="", metavar="series|set",
-    )  # fmt: skip
-    seed: int = setting("Seed of what is drawn.", of=int, default=0, least=0, metavar="N")
+        default="",
+        metavar="series|set",
+    )
+    seed: int = setting("Seed of what is drawn.", value_type=int, default=0, minimum=0, metavar="N")
 
     def plan(self) -> "Validation":
-        """Check what is asked for."""
+        """Return what is ranked, after a check of all names."""
         from rollslip_campaigns.validation.ranking import plan_ranking
 
         return plan_ranking(self)
 
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
-        """Score and rank the laws."""
+        """Return the scores of the laws, the best first."""
         from rollslip_campaigns.validation.ranking import run_ranking
 
         return run_ranking(made, self, show)
 
-    def place(self, made: Any, about: str) -> str:
-        """Return how the folder of the results is called."""
+    def folder_name(self, made: Any, about: str) -> str:
+        """Return the default name of the folder of the results."""
         return "ranking" if len(made.sets) != 1 else f"{Path(about).name}-ranking"

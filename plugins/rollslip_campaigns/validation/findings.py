@@ -1,4 +1,4 @@
-"""What a validation found, in sentences, tables and plain values."""
+"""Report on a validation: sentences, tables and plain values."""
 
 import json
 import math
@@ -19,14 +19,14 @@ __all__ = [
     "ROWS",
     "STATEMENTS",
     "ValidationAccount",
+    "format_value",
     "models_of",
     "row_tables",
-    "shown",
     "statement_tables",
-    "together",
+    "unique_texts",
 ]
 
-#: Heads of the tables.
+#: Headings of the table of rows.
 ROWS: Final = (
     "condition",
     "models",
@@ -35,6 +35,7 @@ ROWS: Final = (
     "ratio, 95 %",
     "verdict",
 )
+#: Headings of the table of chi-square.
 CHI_SQUARE: Final = (
     "data set",
     "series",
@@ -43,14 +44,28 @@ CHI_SQUARE: Final = (
     "degrees of freedom",
     "probability",
 )
+#: Headings of the table of statements.
 STATEMENTS: Final = ("statement", "models", "verdict", "found")
+#: Verdicts: see `rollslip_campaigns.validation.residuals`, which reports do not import.
 INSIDE: Final = "inside"
 UNDETERMINED: Final = "cannot be determined"
-HELD: Final = "held"
+CONFIRMED: Final = "held"
 
 
-def shown(value: float, unit: str, quantity: str, digits: int = 3) -> str:
-    """Show a value of a quantity in people's units; slips in percent."""
+def format_value(value: float, unit: str, quantity: str, digits: int = 3) -> str:
+    """Return a value of a quantity as text, in a readable unit; slips in percent.
+
+    Parameters
+    ----------
+    value : float
+        The value, in the unit; NaN is "none", an infinite value is beyond or below the range.
+    unit : str
+        SI unit.
+    quantity : str
+        Name of the quantity.
+    digits : int
+        Significant digits.
+    """
     if math.isnan(value):
         return "none"
     if math.isinf(value):
@@ -65,41 +80,50 @@ def shown(value: float, unit: str, quantity: str, digits: int = 3) -> str:
 
 
 def _band(low: float, high: float, unit: str = "1", quantity: str = "") -> str:
+    """Return a band in parentheses, or nothing where an end is NaN."""
     if math.isnan(low) or math.isnan(high):
         return ""
-    texts = (shown(end, unit, quantity) for end in (low, high))
+    texts = (format_value(end, unit, quantity) for end in (low, high))
     return f" ({' to '.join(texts)})"
 
 
-def together(dataset: "xr.Dataset", *names: str, of: str = "row") -> list[tuple[str, ...]]:
-    """Return the combinations of texts of rows, or statements, each once."""
-    return list(
-        dict.fromkeys(
-            zip(*(map(str, dataset[f"{of}_{name}"].to_numpy()) for name in names), strict=True)
-        )
-    )
+def unique_texts(dataset: "xr.Dataset", *names: str, prefix: str = "row") -> list[tuple[str, ...]]:
+    """Return the combinations of texts of rows or statements, each once, in their order.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Result of a validation.
+    *names : str
+        Names of text variables without their prefix.
+    prefix : str
+        "row" or "statement".
+    """
+    columns = [map(str, dataset[f"{prefix}_{name}"].to_numpy()) for name in names]
+    return list(dict.fromkeys(zip(*columns, strict=True)))
 
 
 def row_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
     """Return caption and rows of a table for each series."""
     tables = dict[str, list[list[str]]]()
-    for one in rows_along(dataset, "row"):
-        of = one["row_unit"], one["row_quantity"]
-        ratio = f"{one['ratio']:.3g}" if math.isfinite(one["ratio"]) else ""
-        tables.setdefault(f"{one['row_data_set']}: {one['row_series']}", []).append(
+    for row in rows_along(dataset, "row"):
+        unit = row["row_unit"], row["row_quantity"]
+        ratio = f"{row['ratio']:.3g}" if math.isfinite(row["ratio"]) else ""
+        tables.setdefault(f"{row['row_data_set']}: {row['row_series']}", []).append(
             [
-                one["row_condition"],
-                one["row_models"],
-                f"{shown(one['measured'], *of)} ± {shown(1.96 * one['uncertainty'], *of, 2)}",
-                shown(one["calculated"], *of)
-                + _band(one["calculated_low"], one["calculated_high"], *of),
-                f"{ratio}{_band(one['ratio_low'], one['ratio_high'])}".strip(),
-                one["row_verdict"],
+                row["row_condition"],
+                row["row_models"],
+                f"{format_value(row['measured'], *unit)} ± {format_value(1.96 * row['uncertainty'], *unit, 2)}",
+                format_value(row["calculated"], *unit)
+                + _band(row["calculated_low"], row["calculated_high"], *unit),
+                f"{ratio}{_band(row['ratio_low'], row['ratio_high'])}".strip(),
+                row["row_verdict"],
             ]
         )
     return [*tables.items()]
 
 
+#: Variables of rows that are numbers.
 _NUMBERS: Final = (
     "measured", "uncertainty", "calculated", "calculated_low", "calculated_high", "ratio", "ratio_low", "ratio_high",
     "seconds",
@@ -109,14 +133,14 @@ _NUMBERS: Final = (
 def statement_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
     """Return caption and rows of a table for the statements of each data set."""
     tables = dict[str, list[list[str]]]()
-    for one in rows_along(dataset, "statement"):
-        cells = [one[f"statement_{name}"] for name in ("text", "models", "verdict", "found")]
-        tables.setdefault(f"{one['statement_data_set']}, in words", []).append(cells)
+    for row in rows_along(dataset, "statement"):
+        cells = [row[f"statement_{name}"] for name in ("text", "models", "verdict", "found")]
+        tables.setdefault(f"{row['statement_data_set']}, in words", []).append(cells)
     return [*tables.items()]
 
 
 class ValidationAccount(Account):
-    """How models that were held against what was measured are told."""
+    """Reports models compared with data: tables of rows and statements, and numbers of values inside."""
 
     units: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("chi2", "freedom", "probability", "ratio", "ratio_high", "ratio_low"), "1"
@@ -125,8 +149,8 @@ class ValidationAccount(Account):
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say how many values lie inside and which statements hold, by the models."""
-        found = {name: [_of_models(dataset, name)] for name in models_of(dataset)}
+        """Return sentences for each models: how many values lie inside and how many statements hold; and reasons."""
+        topics = {name: [_count_verdicts(dataset, name)] for name in models_of(dataset)}
         sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
         estimated = [
             f"{name}: {', '.join(about['estimated'])}"
@@ -134,15 +158,17 @@ class ValidationAccount(Account):
             if about["estimated"] and not about["form"]
         ]
         if estimated:
-            found["estimated"] = [f"not stated by the source and estimated: {'; '.join(estimated)}"]
-        open_ = dataset["row_verdict"].to_numpy() == UNDETERMINED
-        reasons = dict.fromkeys(map(str, dataset["row_status"].to_numpy()[open_]))
-        found["not told"] = [f"cannot be determined: {reason}" for reason in reasons if reason]
-        return {name: texts for name, texts in found.items() if texts}
+            topics["estimated"] = [
+                f"not stated by the source and estimated: {'; '.join(estimated)}"
+            ]
+        undetermined = dataset["row_verdict"].to_numpy() == UNDETERMINED
+        reasons = dict.fromkeys(map(str, dataset["row_status"].to_numpy()[undetermined]))
+        topics["not told"] = [f"cannot be determined: {reason}" for reason in reasons if reason]
+        return {name: texts for name, texts in topics.items() if texts}
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return what was found as plain values; what has no value is null."""
+        """Return rows, series and statements as plain values; a missing value is None."""
         texts = (
             "data_set",
             "series",
@@ -154,19 +180,19 @@ class ValidationAccount(Account):
             "status",
         )
         rows = [
-            {name: one[f"row_{name}"] for name in texts}
-            | {name: or_none(one[name]) for name in _NUMBERS}
-            for one in rows_along(dataset, "row")
+            {name: row[f"row_{name}"] for name in texts}
+            | {name: or_none(row[name]) for name in _NUMBERS}
+            for row in rows_along(dataset, "row")
         ]
         groups = [
-            {name: one[f"group_{name}"] for name in ("data_set", "series", "models")}
-            | {name: or_none(one[name]) for name in ("chi2", "freedom", "probability")}
-            | {"status": one["chi2_status"]}
-            for one in rows_along(dataset, "group")
+            {name: row[f"group_{name}"] for name in ("data_set", "series", "models")}
+            | {name: or_none(row[name]) for name in ("chi2", "freedom", "probability")}
+            | {"status": row["chi2_status"]}
+            for row in rows_along(dataset, "group")
         ]
         statements = [
-            {name.removeprefix("statement_"): text for name, text in one.items()}
-            for one in rows_along(dataset, "statement")
+            {name.removeprefix("statement_"): text for name, text in row.items()}
+            for row in rows_along(dataset, "statement")
         ]
         return {
             "data_sets": json.loads(dataset.attrs["data_sets"]),
@@ -177,15 +203,14 @@ class ValidationAccount(Account):
         }
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
-        """Return rows and statements."""
-        rows = [Table(caption, ROWS, cells) for caption, cells in row_tables(dataset)]
-        said = [Table(caption, STATEMENTS, cells) for caption, cells in statement_tables(dataset)]
-        chi2 = chi_square_cells(dataset)
-        return [
-            *rows,
-            *said,
-            *([Table("All rows of a series together", CHI_SQUARE, chi2)] if chi2 else []),
+        """Return tables of rows, statements and chi-square."""
+        tables = [Table(caption, ROWS, cells) for caption, cells in row_tables(dataset)]
+        tables += [
+            Table(caption, STATEMENTS, cells) for caption, cells in statement_tables(dataset)
         ]
+        if chi2 := chi_square_cells(dataset):
+            tables.append(Table("All rows of a series together", CHI_SQUARE, chi2))
+        return tables
 
 
 def models_of(dataset: "xr.Dataset") -> list[str]:
@@ -197,17 +222,20 @@ def models_of(dataset: "xr.Dataset") -> list[str]:
     )
 
 
-def _of_models(dataset: "xr.Dataset", name: str) -> str:
+def _count_verdicts(dataset: "xr.Dataset", name: str) -> str:
+    """Return a sentence on the verdicts of all rows and statements under some models."""
     parts = []
-    for of, good, what in (
+    for prefix, verdict, text in (
         ("row", INSIDE, "values inside the 95 % band of both uncertainties"),
-        ("statement", HELD, "statements hold"),
+        ("statement", CONFIRMED, "statements hold"),
     ):
-        verdicts = dataset[f"{of}_verdict"].to_numpy()[dataset[f"{of}_models"].to_numpy() == name]
+        verdicts = dataset[f"{prefix}_verdict"].to_numpy()[
+            dataset[f"{prefix}_models"].to_numpy() == name
+        ]
         undetermined = int((verdicts == UNDETERMINED).sum())
         if verdicts.size:
             parts.append(
-                f"{int((verdicts == good).sum())} of {verdicts.size - undetermined} {what}"
+                f"{int((verdicts == verdict).sum())} of {verdicts.size - undetermined} {text}"
             )
         if undetermined:
             parts.append(f"of {undetermined} it cannot be determined")
@@ -218,14 +246,14 @@ def _of_models(dataset: "xr.Dataset", name: str) -> str:
 
 
 def chi_square_cells(dataset: "xr.Dataset") -> list[list[str]]:
-    """Return chi-square of every series of several rows that has one, as texts."""
+    """Return the cells of the table of chi-square, for each series of several rows that has row."""
     return [
         [
-            one["group_data_set"], one["group_series"], one["group_models"], f"{one['chi2']:.3g}", str(one["freedom"]),
-            f"{one['probability']:.2g}",
+            row["group_data_set"], row["group_series"], row["group_models"], f"{row['chi2']:.3g}", str(row["freedom"]),
+            f"{row['probability']:.2g}",
         ]
-        for one in rows_along(dataset, "group")
-        if math.isfinite(one["chi2"]) and one["freedom"] > 1
+        for row in rows_along(dataset, "group")
+        if math.isfinite(row["chi2"]) and row["freedom"] > 1
     ]  # fmt: skip
 
 

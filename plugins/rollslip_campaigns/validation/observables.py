@@ -1,8 +1,9 @@
-"""What models give for what was measured: a quantity as a variable of a study, or as a column of a rig's contacts.
+"""Compute a measured quantity by models: as a variable of a study.
 
-- Points are computed as those of a sweep: by the same reading, assembly and study as ``rollslip run``, and none raises.
-- Where a slip is not inside the range of its study there is no value but a reason. Of a slip that comes at the end, of
-  running away for example, that means that it is larger than all in the range, and it counts so: as infinite.
+- Points are computed as those of a sweep: by the same reading, assembly and study as ``rollslip run``, and a point that
+  fails raises nothing.
+- Where the slip of a state is outside the range of its study, there is no value but a reason. A state beyond the end of
+  the range, such as skidding, means that the quantity is larger than all values in the range; its value is infinite.
 """
 
 import json
@@ -21,23 +22,23 @@ from rollslip.studies.answers import Measurable
 from rollslip.studies.study import Study, study_class
 from rollslip_campaigns.sweep.definition import SweepWork
 from rollslip_campaigns.sweep.journal import Row as PointRow
-from rollslip_campaigns.sweep.point import compute, unpacked
+from rollslip_campaigns.sweep.point import compute, unpack_values
 from rollslip_campaigns.validation.residuals import Value
 
 __all__ = ["observe"]
 
-#: What may be said of a dimension in place of one of its names.
+#: Reductions over a dimension that may be named instead of one of its coordinates.
 EXTREMES: Final[Mapping[object, Callable[[Array], Any]]] = {"smallest": np.min, "largest": np.max}
-#: Tells which steady slips last.
-_LASTS: Final = "stable"
+#: Variable that says which steady slips are stable.
+_STABLE: Final = "stable"
 
 
-def _found(quantity: str, scene: Scene) -> tuple[type[Study], Measurable]:
-    """Return the study that gives a quantity of a bearing, and how."""
-    name, of_study, variable = quantity.partition("/")
-    if not of_study:
-        for one in available("study"):
-            study: type[Study] = get_class("study", one)
+def _measurable(quantity: str, scene: Scene) -> tuple[type[Study], Measurable]:
+    """Return the study that gives a quantity, and its variable with the reading of it."""
+    name, separator, variable = quantity.partition("/")
+    if not separator:
+        for study_name in available("study"):
+            study: type[Study] = get_class("study", study_name)
             if quantity in study.measured:
                 return study, study.measured[quantity]
         raise SceneError([f"no study that is installed gives the quantity {quantity!r}"])
@@ -53,51 +54,77 @@ def _found(quantity: str, scene: Scene) -> tuple[type[Study], Measurable]:
 def observe(
     scene: Scene, quantity: str, at: Mapping[str, object], points: Sequence[Mapping[str, object]]
 ) -> list[Value]:
-    """Return what the models of a scene give for a quantity at points, each some changes of the scene."""
-    study, one = _found(quantity, scene)
-    status = study.outputs[one.variable].status
+    """Return the values of a quantity by the models of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    quantity : str
+        A quantity that studies declare as measured, or "study/variable".
+    at : mapping
+        Coordinate, or "smallest" or "largest", by dimension of the variable.
+    points : sequence of mapping
+        Changes of the scene at each point.
+
+    Returns
+    -------
+    list of Value
+        One for each point; infinite beyond the range of the study, NaN with a reason where there is none.
+    """
+    study, measurable = _measurable(quantity, scene)
+    status = study.outputs[measurable.variable].status
     outputs = (
-        one.variable,
+        measurable.variable,
         *([status] if status else []),
-        *([_LASTS] if one.lasting is not None else []),
+        *([_STABLE] if measurable.lasting is not None else []),
     )
     work = SweepWork(
         scene=scene, study=study.name, outputs=tuple(dict.fromkeys(outputs)), packages=("rollslip",)
     )
     rows = compute(work, [(k, changes) for k, changes in enumerate(points)]).rows
-    return [_value(one, status, at, row) for row in sorted(rows, key=lambda row: row.number)]
+    return [_value(measurable, status, at, row) for row in sorted(rows, key=lambda row: row.number)]
 
 
-def _value(one: Measurable, status: str | None, at: Mapping[str, object], row: PointRow) -> Value:
+def _value(
+    measurable: Measurable, status: str | None, at: Mapping[str, object], row: PointRow
+) -> Value:
+    """Return the value in the row of a computed point."""
     if row.status != "ok":
         return Value(math.nan, f"{row.status}: {row.message}", row.seconds)
     layout = json.loads(row.layout)
-    arrays = unpacked(layout, row.numbers, row.texts)
+    arrays = unpack_values(layout, row.numbers, row.texts)
     names: dict[str, Sequence[object]] = {
         name: about["values"] for name, about in layout["coords"].items()
     }
     dims: dict[str, Sequence[str]] = {
         name: about["dims"] for name, about in layout["variables"].items()
     }
-    if one.lasting is not None:
-        lasting = np.flatnonzero(arrays[_LASTS] == 1.0)
-        value = float(arrays[one.variable][lasting[one.lasting]]) if lasting.size else math.nan
+    if measurable.lasting is not None:
+        lasting = np.flatnonzero(arrays[_STABLE] == 1.0)
+        value = (
+            float(arrays[measurable.variable][lasting[measurable.lasting]])
+            if lasting.size
+            else math.nan
+        )
     else:
-        value = _single(one.variable, arrays[one.variable], dims[one.variable], names, at)
+        value = _single(
+            measurable.variable, arrays[measurable.variable], dims[measurable.variable], names, at
+        )
     if math.isfinite(value):
         return Value(value, "", row.seconds)
-    why = ""
+    reason = ""
     if status in arrays and arrays[status].size:
-        said = arrays[status]
-        of = dims[status][0] if said.ndim == 1 else ""
-        why = str(
-            said[list(names[of]).index(at[of])]
-            if of in at and at[of] not in EXTREMES
-            else said.ravel()[0]
+        statuses = arrays[status]
+        dim = dims[status][0] if statuses.ndim == 1 else ""
+        reason = str(
+            statuses[list(names[dim]).index(at[dim])]
+            if dim in at and at[dim] not in EXTREMES
+            else statuses.ravel()[0]
         )
-    if one.below and Status.of(why) is one.below:
-        return Value(-math.inf, why, row.seconds)
-    return Value(math.inf if one.beyond else math.nan, why, row.seconds)
+    if measurable.below and Status.of(reason) is measurable.below:
+        return Value(-math.inf, reason, row.seconds)
+    return Value(math.inf if measurable.beyond else math.nan, reason, row.seconds)
 
 
 def _single(
@@ -107,28 +134,28 @@ def _single(
     names: Mapping[str, Sequence[object]],
     at: Mapping[str, object],
 ) -> float:
-    """Take one value of a variable, at names of its dimensions, or the smallest or largest along some."""
+    """Return one value of a variable, at coordinates of its dimensions, or the smallest or largest along some."""
     index: list[Any] = []
     extreme: Callable[[Array], Any] | None = None
     for k, dim in enumerate(dims):
-        wanted = at.get(dim)
-        if wanted in EXTREMES:
+        coordinate = at.get(dim)
+        if coordinate in EXTREMES:
             index.append(slice(None))
-            extreme = EXTREMES[wanted]
+            extreme = EXTREMES[coordinate]
         elif dim in at:
             known = list(names.get(dim, range(values.shape[k])))
-            if wanted not in known:
+            if coordinate not in known:
                 raise SceneError(
-                    [f"{variable} has no {dim} {wanted!r}; it has {', '.join(map(str, known))}"]
+                    [f"{variable} has no {dim} {coordinate!r}; it has {', '.join(map(str, known))}"]
                 )
-            index.append(known.index(wanted))
+            index.append(known.index(coordinate))
         elif values.shape[k] == 1:
             index.append(0)
         else:
             reason = f"{variable} has {values.shape[k]} values along {dim}; say which by at = {{ {dim} = ... }}"
             raise SceneError([reason])
-    left = np.asarray(values[tuple(index)])
-    known_values = left[np.isfinite(left)]
+    selected = np.asarray(values[tuple(index)])
+    finite = selected[np.isfinite(selected)]
     if extreme is None:
-        return float(left)
-    return float(extreme(known_values)) if known_values.size else math.nan
+        return float(selected)
+    return float(extreme(finite)) if finite.size else math.nan

@@ -1,7 +1,7 @@
-"""Predictions of other programs for the rows of a data set: a plain CSV, so that closed programs can take part too.
+"""Read predictions of other programs for the rows of a data set: plain CSV, which any program can write.
 
-- ``rollslip validate NAME --form FILE.csv`` writes the rows with an empty column; what comes back has numbers there.
-- A file is of one data set. Its comments may say ``# program: NAME``, and ``# parameters: N`` that were fitted for it.
+- ``rollslip validate NAME --form FILE.csv`` writes the rows with an empty column, which is then filled with numbers.
+- A file belongs to one data set. Its comments may state ``# program: NAME``, and ``# parameters: N`` that were fitted.
 """
 
 import csv
@@ -9,7 +9,7 @@ import io
 import math
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -32,53 +32,58 @@ __all__ = [
     "Predictions", "data_set_of", "form", "measurement_named", "predictions_of", "read_predictions", "write_form",
 ]  # fmt: skip
 
-#: Uncertainty of rows that have none, relative to the largest friction.
-ALIKE: Final = 0.01
+#: Standard uncertainty of rows for which the data state none, relative to the largest friction. Doubling it halves all
+#: errors over the uncertainty; the ranking of laws stays. Chosen, typical of traction rigs; reports say so.
+DEFAULT_UNCERTAINTY: Final = 0.01
+#: Quantiles that represent the normal error of a predicted value. Doubling it refines the ends of bands; chosen.
+_ERROR_QUANTILES = 256
+#: Columns of a file of predictions.
 _HEAD: Final = ("data_set", "series", "line", "conditions", "unit", "predicted", "uncertainty")
 
 
 @attrs.frozen(kw_only=True)
 class Predictions:
-    """What a program gives for rows of a data set.
+    """Predictions of a program for rows of a data set.
 
     Attributes
     ----------
-    of : str
-        The data set.
+    data_set : str
+        Name of the data set.
     program : str
-        Who predicts.
+        Name of the program.
     parameters : int
-        How many parameters were fitted to the data for it; 0 if nothing was.
+        Number of parameters that were fitted to the data for it; 0 if none was.
     source : str
         File.
     values : mapping
-        (series, line in its file) -> value and standard uncertainty in SI units.
+        Value and standard uncertainty in SI units, by (series, line in its file).
     """
 
-    of: str
+    data_set: str
     program: str
     parameters: int
     source: str
     values: dict[tuple[str, int], tuple[float, float]] = attrs.field(repr=False)
 
     def values_of(self, series: Series) -> tuple[list[Value], NDArray[np.float64]] | None:
-        """Return what is predicted of a series, as values and samples of their errors; None if nothing is."""
-        found = [self.values.get((series.name, row.line)) for row in series.rows]
-        if not series.rows or all(one is None for one in found):
+        """Return predicted values of a series, and samples with errors (samples, rows); None if there are none."""
+        predicted = [self.values.get((series.name, row.line)) for row in series.rows]
+        if not series.rows or all(prediction is None for prediction in predicted):
             return None
         from scipy.special import ndtri
 
-        errors = ndtri((np.arange(256) + 0.5) / 256)
+        errors = ndtri((np.arange(_ERROR_QUANTILES) + 0.5) / _ERROR_QUANTILES)
         values = list[Value]()
         columns = []
-        for one in found:
-            value, sigma = (math.nan, 0.0) if one is None else one
-            values.append(Value(value, "" if one is not None else "not predicted", math.nan))
+        for prediction in predicted:
+            value, sigma = prediction or (math.nan, 0.0)
+            values.append(Value(value, "" if prediction else "not predicted", math.nan))
             columns.append(value + sigma * errors)
         generator = np.random.default_rng(0)  # errors of different rows are independent
         columns = [generator.permutation(column) for column in columns]
-        sampled = np.array(columns).T
-        return values, sampled if any(one is not None and one[1] for one in found) else sampled[:0]
+        samples = np.array(columns).T
+        has_errors = any(prediction and prediction[1] for prediction in predicted)
+        return values, samples if has_errors else samples[:0]
 
 
 def measurement_named(name: str | Path | Measurement) -> Measurement:
@@ -86,20 +91,24 @@ def measurement_named(name: str | Path | Measurement) -> Measurement:
     if isinstance(name, Measurement):
         return name
     if Path(name).suffix == ".csv":
-        return _of_file(Path(name))
+        return _measurement_of_file(Path(name))
     if isinstance(name, Path) or (name not in available("measurement") and Path(name).is_dir()):
         return load_measurement(name)
-    made: Measurement = get_model("measurement", name)
-    return made
+    measurement: Measurement = get_model("measurement", name)
+    return measurement
 
 
-def _of_file(path: Path) -> Measurement:
-    """Return the data set of friction in a file, on the rig beside it; without uncertainties all rows weigh alike."""
+def _measurement_of_file(path: Path) -> Measurement:
+    """Return the data set of friction in a file and of rig.toml beside it; the uncertainty may be the default one."""
     data = read_data(path)
     rig = load_rig(path.with_name("rig.toml"))
     friction = data.columns["friction"]
     given = data.columns.get("friction_uncertainty")
-    sigma = np.full(friction.shape, ALIKE * np.abs(friction).max()) if given is None else given
+    sigma = (
+        np.full(friction.shape, DEFAULT_UNCERTAINTY * np.abs(friction).max())
+        if given is None
+        else given
+    )
     names = [name for name in data.columns if not name.startswith("friction")]
     rows = tuple(
         Row(
@@ -110,11 +119,11 @@ def _of_file(path: Path) -> Measurement:
         )
         for k, line in enumerate(data.lines)
     )
-    about = (
-        ""
-        if given is not None
-        else f"none given: {100.0 * ALIKE:g} % of the largest friction in every row"
-    )
+    about = ""
+    if given is None:
+        about = (
+            f"none given: {100.0 * DEFAULT_UNCERTAINTY:g} % of the largest friction in every row"
+        )
     unit = QUANTITIES["friction"].unit
     series = ContactSeries(
         name=path.stem,
@@ -139,17 +148,33 @@ def _of_file(path: Path) -> Measurement:
 def predictions_of(
     given: Iterable[str | Path | Predictions], names: Sequence[Any]
 ) -> list[Predictions]:
-    """Return predictions, those of files read, each of the data set that it names, or of the only one."""
+    """Return predictions; files are read, each for the data set that it names, or for the only one.
+
+    Parameters
+    ----------
+    given : iterable of str, Path or Predictions
+        Files or predictions.
+    names : sequence
+        The requested data sets.
+    """
     return [
-        one
-        if isinstance(one, Predictions)
-        else read_predictions(one, measurement_named(data_set_of(one, names)))
-        for one in given
+        item
+        if isinstance(item, Predictions)
+        else read_predictions(item, measurement_named(data_set_of(item, names)))
+        for item in given
     ]
 
 
 def write_form(names: Sequence[str], path: Path) -> str:
-    """Write a file for predictions of one data set; say what to do with it."""
+    """Write a file for predictions of one data set, and return a line that says what to do with it.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The requested data set.
+    path : Path
+        The new file.
+    """
     if len(names) != 1:
         raise SceneError(["form: needs one data set; name one"])
     if path.exists():
@@ -181,14 +206,18 @@ def form(measurement: Measurement) -> str:
 
 
 def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> Predictions:
-    """Read predictions for a data set."""
+    """Return the predictions in a file; all faults are raised at once.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    measurement : Measurement
+        The data set that it is for.
+    """
     source, text = text_named(path)
     comments = dict(re.findall(r"^#\s*(program|parameters):\s*(.+?)\s*$", text, re.MULTILINE))
-    lines = [
-        (k, line)
-        for k, line in enumerate(text.split("\n"), 1)
-        if line.strip() and not line.startswith("#")
-    ]
+    lines = _content_lines(text)
     problems = list[str]()
     values = dict[tuple[str, int], tuple[float, float]]()
     if not lines:
@@ -201,33 +230,8 @@ def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> 
     rows = {(series.name, row.line): series for series in measurement.series for row in series.rows}
     for number, line in lines[1:]:
         cells = dict(zip(head, (cell.strip() for cell in next(csv.reader([line]))), strict=False))
-        place = f"{source}:{number}"
-        key = (cells.get("series", ""), _whole(cells.get("line", "")))
-        if cells.get("data_set", measurement.name) != measurement.name:
-            problems.append(
-                f"{place}: data_set: {as_written(cells['data_set'])} is not {measurement.name!r}"
-            )
-        elif key not in rows:
-            problems.append(
-                f"{place}: series {as_written(key[0])} has no row of line {cells.get('line')}"
-            )
-        elif key in values:
-            problems.append(f"{place}: series {as_written(key[0])}, line {key[1]} once more")
-        elif cells.get("unit", rows[key].unit) != rows[key].unit:
-            problems.append(
-                f"{place}: unit: {as_written(cells['unit'])}; predictions are in {rows[key].unit!r}"
-            )
-        else:
-            value = _number(cells.get("predicted", ""))
-            sigma = _number(cells.get("uncertainty") or "0")
-            if value is None or sigma is None or sigma < 0.0:
-                what = "predicted" if value is None else "uncertainty"
-                wanted = "a number" if value is None else "a number from 0 on, or nothing,"
-                problems.append(
-                    f"{place}: {what}: {wanted} is expected, not {as_written(cells.get(what, ''))}"
-                )
-            else:
-                values[key] = value, sigma
+        if problem := _read_row(cells, measurement.name, rows, values):
+            problems.append(f"{source}:{number}: {problem}")
     count = _whole(comments.get("parameters", "0"))
     if count < 0:
         problems.append(
@@ -239,18 +243,51 @@ def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> 
         raise SceneError(problems)
     program = comments.get("program", Path(path).stem)
     return Predictions(
-        of=measurement.name, program=program, parameters=count, source=source, values=values
+        data_set=measurement.name, program=program, parameters=count, source=source, values=values
     )
+
+
+def _read_row(
+    cells: Mapping[str, str],
+    data_set: str,
+    rows: Mapping[tuple[str, int], Series],
+    values: dict[tuple[str, int], tuple[float, float]],
+) -> str:
+    """Add the prediction in the cells of a row to `values`; return the fault of the row, if it has one."""
+    key = (cells.get("series", ""), _whole(cells.get("line", "")))
+    if cells.get("data_set", data_set) != data_set:
+        return f"data_set: {as_written(cells['data_set'])} is not {data_set!r}"
+    if key not in rows:
+        return f"series {as_written(key[0])} has no row of line {cells.get('line')}"
+    if key in values:
+        return f"series {as_written(key[0])}, line {key[1]} once more"
+    if cells.get("unit", rows[key].unit) != rows[key].unit:
+        return f"unit: {as_written(cells['unit'])}; predictions are in {rows[key].unit!r}"
+    value = _number(cells.get("predicted", ""))
+    if value is None:
+        return f"predicted: a number is expected, not {as_written(cells.get('predicted', ''))}"
+    sigma = _number(cells.get("uncertainty") or "0")
+    if sigma is None or sigma < 0.0:
+        text = as_written(cells.get("uncertainty", ""))
+        return f"uncertainty: a number from 0 on, or nothing, is expected, not {text}"
+    values[key] = value, sigma
+    return ""
 
 
 def data_set_of(path: str | os.PathLike[str], requested: Sequence[str]) -> str:
-    """Return the data set that a file of predictions is of: the one that it names, or the only one asked for."""
+    """Return the name of the data set of a file of predictions: the one that it names, or the only one requested.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    requested : sequence of str
+        The requested data sets.
+    """
     if len(requested) == 1:
         return requested[0]
     source, text = text_named(path)
-    rows = csv.DictReader(
-        line for line in text.split("\n") if line.strip() and not line.startswith("#")
-    )
+    rows = csv.DictReader(line for _, line in _content_lines(text))
     named = next((row["data_set"] for row in rows if row.get("data_set")), "")
     if not named:
         raise SceneError(
@@ -259,11 +296,22 @@ def data_set_of(path: str | os.PathLike[str], requested: Sequence[str]) -> str:
     return named
 
 
+def _content_lines(text: str) -> list[tuple[int, str]]:
+    """Return number and text of all lines that are neither blank nor comments."""
+    return [
+        (number, line)
+        for number, line in enumerate(text.split("\n"), 1)
+        if line.strip() and not line.startswith("#")
+    ]
+
+
 def _whole(text: str) -> int:
+    """Return a whole number of up to nine digits, or -1 for other texts."""
     return int(text) if re.fullmatch(r"\d{1,9}", text, re.ASCII) else -1
 
 
 def _number(text: str) -> float | None:
+    """Return a finite number, or None for other texts."""
     try:
         value = float(text)
     except ValueError:

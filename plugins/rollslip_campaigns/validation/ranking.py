@@ -1,21 +1,24 @@
-"""Rank laws by how well they predict conditions that they were not fitted to, and say what of it can be told.
+"""Rank laws by their errors on conditions that they were not fitted to, and test which differences are significant.
 
-- A *condition* is what a rig held at one temperature, load and speed, or a row of any other series. Parameters are
-  fitted to friction on all conditions but one, and the law is scored on that one; so for every condition in turn. What
-  is fitted to nothing is scored as it is.
-- The error of a law on a condition is the root mean square of its misses, over the standard uncertainty of the measured
-  values: 1 is as good as the data are, and less than a tenth of that is none. Its *error* is the geometric mean over
-  the conditions, so that no single one decides: twice the error is twice the error wherever it is.
-- Two laws are held against each other condition by condition. If neither was the better one, the sign of each
-  difference would be that of a coin: all tosses, or 4096 drawn ones, tell how often so large a mean difference over its
-  spread comes by chance, the largest one among all pairs (Fisher's randomisation, with Westfall and Young's step for
-  many pairs). So all that is told of a ranking holds together with a confidence of 95 %. What does not reach it *cannot
-  be told*; so is everything of fewer than six conditions, of which no pattern of signs is that rare.
-- Intervals of single errors are those of a bootstrap over the conditions: how they scatter under others like them.
-- Number of parameters and cost stand beside the error: they are no part of it.
-- All this takes conditions for independent: it is of noise alone. What a rig or a day has in common, such as a constant
-  error of temperature, is not in it, unless the conditions are grouped by series or set: then the mean difference of a
-  group is tossed as one, groups are drawn, and six of them are needed.
+1. A *condition* is one operating point of a rig (one temperature, load and speed), or a row of any other series.
+2. Score each law by leave-one-out cross-validation: fit its parameters to friction on all conditions except one, and
+   compute the error on that one; so for each condition in turn. A law without fitted parameters is scored as it is.
+3. The error on a condition is the root mean square of the deviations over the standard uncertainty of the measured
+   values: 1 is as good as the data, and less than a tenth counts as a tenth. The error of a law is the geometric mean
+   over the conditions, so that no single one decides.
+4. Compare each pair of laws by Fisher's randomisation test on the differences of the logarithms of their errors: if
+   neither law was better, the sign of each difference would be random. All patterns of signs, or 4096 random ones, give
+   the probability of so large a mean difference over its spread. The largest one among all pairs is taken for each
+   pattern (the step of Westfall and Young for multiple tests), so that all conclusions hold together with a confidence
+   of 95 %.
+5. Differences without this confidence *cannot be determined*; so are all with fewer than six conditions, of which no
+   pattern of signs is rare enough.
+6. Intervals of single errors are those of a bootstrap over the conditions.
+
+- The number of parameters and the time of a value are reported and are no part of the error.
+- The test takes conditions for independent. Errors that are common to a rig or a day, such as a constant error of
+  temperature, are not in it, unless conditions are grouped by series or set: then the mean difference of a group has
+  one random sign, whole groups are drawn, and six groups are needed.
 """
 
 import itertools
@@ -33,7 +36,7 @@ from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
 from rollslip.results.dataset import about
 from rollslip.search import Array
-from rollslip_campaigns.fit.least_squares import estimate, minimise
+from rollslip_campaigns.fit.least_squares import Residuals, estimate, minimise
 from rollslip_campaigns.fit.problem import (
     Parameter,
     RigProblem,
@@ -59,20 +62,27 @@ if TYPE_CHECKING:
 
     from rollslip_campaigns.validation import RankingSettings
 
-__all__ = ["FEWEST", "Told", "plan_ranking", "run_ranking", "tell"]
+__all__ = ["MIN_CONDITIONS", "Significance", "estimate_significance", "plan_ranking", "run_ranking"]
 
-#: Conditions without which nothing is told.
-FEWEST: Final = 6
+#: Smallest number of conditions, or groups, for a conclusion: with five, 2^-4 = 6 % of the patterns of signs are as
+#: extreme as all signs alike, more than 1 - `CONFIDENCE`; with six 3 %.
+MIN_CONDITIONS: Final = 6
 #: What conditions may be grouped by.
 GROUPS: Final = ("", "series", "set")
+#: Confidence of all conclusions together, and of the intervals. Halving 1 - confidence leaves fewer conclusions.
 CONFIDENCE: Final = 0.95
-_RESAMPLED: Final = 4096
-#: Misses over their uncertainty below which one law is no better than another.
-_LEAST: Final = 0.1
+#: Number of random patterns of signs, and of bootstrap samples; all patterns where there are fewer. Doubling it halves
+#: the smallest probability, 1/4096, which is far below 5 %; chosen.
+_RESAMPLES: Final = 4096
+#: Error on a condition, over the uncertainty, below which one law is no better than another. Without it, a law that
+#: agrees by chance would decide the geometric mean. Doubling it ignores more differences; chosen.
+_MIN_ERROR: Final = 0.1
+#: Relative tolerance of the comparison of statistics: patterns that give the observed value count in spite of rounding.
+_TIE_TOLERANCE: Final = 1e-12
 
 
 def plan_ranking(requested: "RankingSettings") -> Validation:
-    """Check what is asked for."""
+    """Return the laws and data sets that are requested, after a check of names and numbers."""
     plan = plan_validation(requested)
     if len(plan.combinations[1:] or plan.combinations) + len(plan.predictions) < 2:
         raise SceneError(
@@ -92,11 +102,27 @@ def run_ranking(
     requested: "RankingSettings",
     report: Callable[[str, float], None] = lambda text, fraction: None,
 ) -> "xr.Dataset":
-    """Rank laws by their errors on conditions that they were not fitted to."""
-    begin = time.perf_counter()
+    """Return laws ranked by their errors on conditions that they were not fitted to.
+
+    Parameters
+    ----------
+    plan : Validation
+        Data sets, laws and predictions.
+    requested : RankingSettings
+        Parameters to fit, groups and seed.
+    report : callable
+        Receives the progress: a text, and the fraction that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        See `rollslip.rank`. The error of a law is NaN where its ``status`` says why; probabilities and intervals are
+        NaN where there are too few conditions.
+    """
+    start = time.perf_counter()
     laws = plan.combinations[1:] or plan.combinations
-    wanted = listed(requested.parameters)
-    scored = list[_Scored]()
+    names = listed(requested.parameters)
+    scores = list[_Score]()
     conditions = list[str]()
     groups = list[str]()
     parts = [
@@ -108,33 +134,31 @@ def run_ranking(
     for measurement, series in parts:
         labels = _labels(series)
         conditions += [f"{measurement.name}, {series.name}: {label}" for label in labels]
-        groups += [
-            measurement.name + (f", {series.name}" if requested.groups == "series" else "")
-        ] * len(labels)
+        group = measurement.name + (f", {series.name}" if requested.groups == "series" else "")
+        groups += [group] * len(labels)
     for k, law in enumerate(laws):
         report(law.label, k / len(laws))
-        scored.append(_scored(law, parts, wanted))
-    unknown = set(wanted) - {name for one in scored for name in one.fitted}
+        scores.append(_score_law(law, parts, names))
+    unknown = set(names) - {name for score in scores for name in score.fitted}
     if unknown:
         raise SceneError(
             [f"parameters: no law has {', '.join(sorted(unknown))} to fit to these data"]
         )
-    scored += [_predicted(one, parts) for one in plan.predictions]
-    alike = [
+    scores += [_score_predictions(predictions, parts) for predictions in plan.predictions]
+    warnings = [
         f"{measurement.name}, {series.name}: uncertainties: {series.about_uncertainty}"
         for measurement, series in parts
         if series.about_uncertainty.startswith("none given")
     ]
-    taken = groups if requested.groups else []
     return _dataset(
         plan,
-        scored,
+        scores,
         conditions,
-        tuple(wanted),
+        tuple(names),
         requested,
-        taken,
-        alike,
-        time.perf_counter() - begin,
+        groups if requested.groups else [],
+        warnings,
+        time.perf_counter() - start,
     )
 
 
@@ -142,8 +166,8 @@ def run_ranking(
 
 
 @attrs.frozen(kw_only=True)
-class _Scored:
-    """A law with its error on every condition."""
+class _Score:
+    """Errors of a law on all conditions, (conditions,), and what they cost."""
 
     label: str
     errors: Array
@@ -154,13 +178,14 @@ class _Scored:
 
 
 def _conditions(series: Series) -> list[NDArray[np.intp]]:
-    """Rows of each condition of a series."""
+    """Return the rows of each condition of a series."""
     if series.quantity == "friction" and isinstance(series, ContactSeries):
         return operating_points(rig_problem(series.data, series.rig))
     return [np.array([k]) for k in range(len(series.rows))]
 
 
 def _labels(series: Series) -> list[str]:
+    """Return the labels of the conditions of a series."""
     sets = _conditions(series)
     if len(sets) == len(series.rows):
         return [row.label for row in series.rows]
@@ -168,109 +193,129 @@ def _labels(series: Series) -> list[str]:
 
 
 def _errors(series: Series, values: Array) -> Array:
-    """Root mean square of the misses over their uncertainty, condition by condition."""
+    """Return the root mean square of the deviations over their uncertainty, for each condition."""
     measured = np.array([row.measured for row in series.rows])
     sigma = np.array([row.uncertainty for row in series.rows])
-    misses = (values - measured) / sigma
+    deviations = (values - measured) / sigma
     return np.array(
-        [max(math.sqrt(float(np.mean(misses[rows] ** 2))), _LEAST) for rows in _conditions(series)]
+        [
+            max(math.sqrt(float(np.mean(deviations[rows] ** 2))), _MIN_ERROR)
+            for rows in _conditions(series)
+        ]
     )
 
 
-def _scored(
-    law: Combination, parts: Sequence[tuple[Measurement, Series]], wanted: Sequence[str]
-) -> _Scored:
+def _score_law(
+    law: Combination, parts: Sequence[tuple[Measurement, Series]], names: Sequence[str]
+) -> _Score:
+    """Return the errors of a law; NaN with a status where it fails."""
     errors = list[Array]()
     fitted = list[str]()
     seconds = list[float]()
     try:
         for _, series in parts:
             if series.quantity == "friction" and isinstance(series, ContactSeries):
-                values, known, cost = _left_out(series, law, wanted)
-                fitted += known
+                values, parameters, cost = _cross_validate(series, law, names)
+                fitted += parameters
                 seconds.append(cost)
             else:
-                found = nominal_values(series, law)
-                values = np.array([one.value for one in found])
-                seconds += [one.seconds for one in found]
+                calculated = nominal_values(series, law)
+                values = np.array([value.value for value in calculated])
+                seconds += [value.seconds for value in calculated]
             errors.append(_errors(series, values))
     except RollslipError as error:
         count = sum(len(_conditions(series)) for _, series in parts)
-        return _Scored(
+        return _Score(
             label=law.label, errors=np.full(count, math.nan), status=str(error).splitlines()[0]
         )
-    names = tuple(dict.fromkeys(fitted))
-    every = np.concatenate(errors)
-    status = "" if np.isfinite(every).all() else "has no value at some conditions"
-    return _Scored(
-        label=law.label, errors=every, fitted=names, parameters=len(names), seconds=float(np.median(seconds)),
+    fitted_names = tuple(dict.fromkeys(fitted))
+    all_errors = np.concatenate(errors)
+    status = "" if np.isfinite(all_errors).all() else "has no value at some conditions"
+    return _Score(
+        label=law.label,
+        errors=all_errors,
+        fitted=fitted_names,
+        parameters=len(fitted_names),
+        seconds=float(np.median(seconds)),
         status=status,
-    )  # fmt: skip
+    )
 
 
-def _left_out(
-    series: ContactSeries, law: Combination, wanted: Sequence[str]
+def _cross_validate(
+    series: ContactSeries, law: Combination, names: Sequence[str]
 ) -> tuple[Array, list[str], float]:
-    """Friction of every condition by a law that was fitted to all others; what was fitted; seconds a value."""
+    """Return friction on each condition by a law fitted to all others, the parameters, and the time of a value [s]."""
     problem = rig_problem(
         series.data, series.rig, law.models.get("traction"), law.models.get("film")
     )
-    free = _known(problem, wanted)
-    begin = time.perf_counter()
+    free = _parameters_of_law(problem, names)
+    start = time.perf_counter()
     values = problem.friction(problem.lubricant, problem.chain)
-    seconds = (time.perf_counter() - begin) / len(series.rows)
+    seconds = (time.perf_counter() - start) / len(series.rows)
     if not free:
         return values, [], seconds
     low, high = bounds_of(free)
     residuals = partial(misfit, problem, free, np.array([row.uncertainty for row in series.rows]))
-    whole = estimate(residuals, low, high, known=True, profiles=False).best.x
+    fitted_to_all = estimate(residuals, low, high, known=True, profiles=False).best.x
     for rows in operating_points(problem):
         others = np.setdiff1d(np.arange(values.size), rows)
-        found = minimise(lambda x, others=others: residuals(x)[others], whole, low, high)  # type: ignore[misc]
-        x = whole if found is None else found.x
+        minimum = minimise(partial(_select, residuals, others), fitted_to_all, low, high)
+        x = fitted_to_all if minimum is None else minimum.x
         values[rows] = friction_at(problem, free, x)[rows]
     return values, [p.name for p in free], seconds
 
 
-def _known(problem: RigProblem, wanted: Sequence[str]) -> list[Parameter]:
-    """Parameters of these names that a law or its oil has."""
-    found = list[Parameter]()
-    for name in wanted:
+def _select(residuals: Residuals, rows: NDArray[np.intp], x: Array) -> Array:
+    """Return the residuals of some rows at coordinates x."""
+    return residuals(x)[rows]
+
+
+def _parameters_of_law(problem: RigProblem, names: Sequence[str]) -> list[Parameter]:
+    """Return those of the named parameters that a law or its oil has."""
+    parameters = list[Parameter]()
+    for name in names:
         try:
-            found += parameters_named(problem, [name])
+            parameters += parameters_named(problem, [name])
         except SceneError:
             continue
-    return found
+    return parameters
 
 
-def _predicted(one: Predictions, parts: Sequence[tuple[Measurement, Series]]) -> _Scored:
+def _score_predictions(
+    predictions: Predictions, parts: Sequence[tuple[Measurement, Series]]
+) -> _Score:
+    """Return the errors of the predictions of a program; NaN where it does not predict all conditions."""
     errors = []
     for measurement, series in parts:
-        values = one.values_of(series) if one.of == measurement.name else None
-        given = (
-            np.full(len(series.rows), math.nan)
-            if values is None
-            else np.array([v.value for v in values[0]])
-        )
-        errors.append(_errors(series, given))
-    every = np.concatenate(errors)
-    status = "" if np.isfinite(every).all() else "does not predict all conditions"
-    return _Scored(label=one.program, errors=every, parameters=one.parameters, status=status)
+        values = predictions.values_of(series) if predictions.data_set == measurement.name else None
+        predicted = np.full(len(series.rows), math.nan)
+        if values is not None:
+            predicted = np.array([value.value for value in values[0]])
+        errors.append(_errors(series, predicted))
+    all_errors = np.concatenate(errors)
+    status = "" if np.isfinite(all_errors).all() else "does not predict all conditions"
+    return _Score(
+        label=predictions.program,
+        errors=all_errors,
+        parameters=predictions.parameters,
+        status=status,
+    )
 
 
 # Ranking ------------------------------------------------------------------------------------------------------------
 
 
 @attrs.frozen(eq=False)
-class Told:
-    """What can be told of errors, shape (law, condition).
+class Significance:
+    """Significance of the differences between the errors of laws.
 
     Attributes
     ----------
     probability : ndarray
-        (law, law): chance of so large a difference anywhere among all pairs; NaN where nothing can be told.
+        (law, law): probability of so large a difference by chance anywhere among all pairs; NaN where it cannot be
+        determined.
     low, high : ndarray
-        95 % interval of the error of each law by itself.
+        Bounds of the 95 % interval of the error of each law by itself; NaN likewise.
     """
 
     probability: Array
@@ -278,41 +323,51 @@ class Told:
     high: Array
 
 
-def tell(errors: Array, seed: int = 0, groups: Sequence[str] = ()) -> Told:
-    """Return which differences between laws are more than chance, with the group of each condition, if any is common.
+def estimate_significance(errors: Array, seed: int = 0, groups: Sequence[str] = ()) -> Significance:
+    """Return which differences between laws are more than chance, by a randomisation test.
 
-    A group counts as one, by the mean of its logarithms, however many conditions it has.
+    Parameters
+    ----------
+    errors : array
+        Errors of the laws, (law, condition); a law with NaN is left out.
+    seed : int
+        Seed of random patterns and of the bootstrap.
+    groups : sequence of str
+        Group of each condition. A group counts as one condition, by its geometric mean error; empty for no groups.
     """
     errors = _grouped(errors, groups)
     count, conditions = errors.shape
     probability = np.full((count, count), math.nan)
     low = np.full(count, math.nan)
     high = np.full(count, math.nan)
-    kept = np.flatnonzero(np.isfinite(errors).all(axis=1))
-    if conditions < FEWEST or not kept.size:
-        return Told(probability, low, high)
+    complete = np.flatnonzero(np.isfinite(errors).all(axis=1))
+    if conditions < MIN_CONDITIONS or not complete.size:
+        return Significance(probability, low, high)
     scores = np.log(errors)
     generator = np.random.default_rng(seed)
-    drawn = generator.integers(conditions, size=(_RESAMPLED, conditions))
-    means = np.exp(scores[kept][:, drawn].mean(axis=2))
-    low[kept], high[kept] = np.quantile(means, ((1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2), axis=1)
-    pairs = list(itertools.combinations(kept, 2))
+    resampled = generator.integers(conditions, size=(_RESAMPLES, conditions))
+    means = np.exp(scores[complete][:, resampled].mean(axis=2))
+    low[complete], high[complete] = np.quantile(
+        means, ((1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2), axis=1
+    )
+    pairs = list(itertools.combinations(complete, 2))
     signs = _signs(conditions, generator)
     differences = np.array([scores[i] - scores[j] for i, j in pairs]).reshape(
         len(pairs), conditions
     )
-    # of what is tossed the sum of squares stays, and with it t rises with the mean alone
+    # the sum of squares does not depend on the signs, so that t rises with the mean alone
     square = np.mean(differences**2, axis=1)
     size = np.sqrt(np.where(square > 0.0, square, 1.0))
     largest = np.max(np.abs(signs @ (differences / size[:, None]).T), axis=1, initial=0.0)
     for k, (i, j) in enumerate(pairs):
         observed = abs(differences[k].sum()) / size[k]
-        probability[i, j] = probability[j, i] = float(np.mean(largest >= observed * (1 - 1e-12)))
-    return Told(probability, low, high)
+        probability[i, j] = float(np.mean(largest >= observed * (1 - _TIE_TOLERANCE)))
+        probability[j, i] = probability[i, j]
+    return Significance(probability, low, high)
 
 
 def _grouped(errors: Array, groups: Sequence[str]) -> Array:
-    """Return geometric means of errors (law, condition) over groups; the errors where there are none."""
+    """Return the geometric means of errors (law, condition) over groups; the errors where there are none."""
     if not groups:
         return errors
     which = np.unique(np.array(groups), return_inverse=True)[1]
@@ -321,48 +376,47 @@ def _grouped(errors: Array, groups: Sequence[str]) -> Array:
 
 
 def _signs(conditions: int, generator: np.random.Generator) -> Array:
-    """Return all patterns of signs, or as many drawn ones, the one that was observed among them."""
-    if 2**conditions <= _RESAMPLED:
+    """Return all patterns of signs, or random ones with the observed one among them, (patterns, conditions)."""
+    if 2**conditions <= _RESAMPLES:
         patterns = (np.arange(2**conditions)[:, None] >> np.arange(conditions)) & 1
     else:
-        patterns = generator.integers(2, size=(_RESAMPLED, conditions))
+        patterns = generator.integers(2, size=(_RESAMPLES, conditions))
         patterns[0] = 1
     return np.asarray(2.0 * patterns - 1.0, dtype=np.float64)
 
 
 def _dataset(
-    plan: Validation, scored: Sequence[_Scored], conditions: Sequence[str], wanted: tuple[str, ...],
+    plan: Validation, scores: Sequence[_Score], conditions: Sequence[str], names: tuple[str, ...],
     requested: "RankingSettings", groups: Sequence[str], warnings: Sequence[str], seconds: float,
 ) -> "xr.Dataset":  # fmt: skip
+    """Return the result, with the smallest error first."""
     import xarray as xr
 
     mean = np.array(
-        [float(np.exp(np.log(_grouped(one.errors[None], groups)).mean())) for one in scored]
+        [float(np.exp(np.log(_grouped(score.errors[None], groups)).mean())) for score in scores]
     )
-    order = sorted(range(len(scored)), key=lambda k: (math.isnan(mean[k]), mean[k]))
-    scored = [scored[k] for k in order]
+    order = sorted(range(len(scores)), key=lambda k: (math.isnan(mean[k]), mean[k]))
+    scores = [scores[k] for k in order]
     mean = mean[order]
-    labels = [one.label for one in scored]
-    if twice := {label for label in labels if labels.count(label) > 1}:
+    labels = [score.label for score in scores]
+    if repeated := {label for label in labels if labels.count(label) > 1}:
         raise SceneError(
-            [f"two are called {label!r}; give a program another name" for label in sorted(twice)]
+            [f"two are called {label!r}; give a program another name" for label in sorted(repeated)]
         )
-    errors = np.array([one.errors for one in scored])
-    told = tell(errors, requested.seed, groups)
-    fitted, status = (
-        np.array(one, dtype=object)
-        for one in ([", ".join(one.fitted) for one in scored], [one.status for one in scored])
-    )
+    errors = np.array([score.errors for score in scores])
+    significance = estimate_significance(errors, requested.seed, groups)
+    fitted = np.array([", ".join(score.fitted) for score in scores], dtype=object)
+    status = np.array([score.status for score in scores], dtype=object)
     variables = {
         "error": ("law", mean, about("1", "geometric mean error, over the uncertainty of the data")),
-        "error_low": ("law", told.low, about("1", "lower end of its 95 % interval")),
-        "error_high": ("law", told.high, about("1", "upper end of its 95 % interval")),
-        "parameters": ("law", np.array([one.parameters for one in scored]), about("1", "parameters fitted")),
+        "error_low": ("law", significance.low, about("1", "lower end of its 95 % interval")),
+        "error_high": ("law", significance.high, about("1", "upper end of its 95 % interval")),
+        "parameters": ("law", np.array([score.parameters for score in scores]), about("1", "parameters fitted")),
         "fitted": ("law", fitted, about("1", "what they are")),
-        "seconds": ("law", np.array([one.seconds for one in scored]), about("s", "time of one value")),
+        "seconds": ("law", np.array([score.seconds for score in scores]), about("s", "time of one value")),
         "status": ("law", status, about("1", "why there is no error")),
         "condition_error": (("law", "condition"), errors, about("1", "error at a condition")),
-        "probability": (("law", "other"), told.probability, about("1", "chance of so large a difference")),
+        "probability": (("law", "other"), significance.probability, about("1", "chance of so large a difference")),
     }  # fmt: skip
     coordinates = {
         "law": ("law", np.array(labels, dtype=object), about("1", "law")),
@@ -372,13 +426,16 @@ def _dataset(
     attributes = plan.origin(
         study="ranking",
         title="Laws ranked by conditions that they were not fitted to",
-        wanted=list(wanted),
+        wanted=list(names),
         confidence=CONFIDENCE,
-        fewest=FEWEST,
+        min_conditions=MIN_CONDITIONS,
         seed=requested.seed,
         groups=requested.groups,
         independent=len(set(groups)) or len(conditions),
-        warnings=[*warnings, *(f"{one.label}: {one.status}" for one in scored if one.status)],
+        warnings=[
+            *warnings,
+            *(f"{score.label}: {score.status}" for score in scores if score.status),
+        ],
         evaluations=int(errors.size),
         wall_time=seconds,
     )

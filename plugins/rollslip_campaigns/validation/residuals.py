@@ -1,4 +1,11 @@
-"""Holds calculated values against measured ones: bands and verdicts of rows, chi-square of series, and statements."""
+"""Compare calculated with measured values: bands and verdicts of rows, chi-square of series, and statements.
+
+- A row is *inside* if zero lies in the central 95 % of the differences between calculated samples and the measured
+  value with its normal error. The normal error is represented by its quantiles, and no distribution of the calculated
+  values is assumed.
+- Chi-square of a series uses the covariance of the samples and of the measured values (generalised least squares): the
+  rows of a series share what scatters.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,43 +18,61 @@ from rollslip.search import Array
 from rollslip_campaigns.measurement.values import Series, Statement
 
 __all__ = [
-    "BROKEN",
-    "HELD",
+    "CONFIRMED",
     "INSIDE",
+    "NOT_CONFIRMED",
     "OUTSIDE",
     "UNDETERMINED",
-    "Group",
-    "Judged",
-    "Said",
+    "RowResult",
+    "SeriesResult",
+    "StatementResult",
     "Value",
-    "held",
-    "verdict_on",
+    "check_statement",
+    "compare_series",
 ]
 
-#: Points of the normal error of a measured value.
-_ERRORS: Final = 64
-#: Samples that each row needs for a covariance to mean something.
-_FOR_CHI2: Final = 10
+#: Quantiles that represent the normal error of a measured value. Doubling it refines the tails of a band beyond 0.8 %
+#: and doubles the differences of a row; chosen, since the band ends at 2.5 %.
+_ERROR_QUANTILES: Final = 64
+#: Samples for each row that a covariance needs: with fewer its inverse is too uncertain. Doubling it suppresses
+#: chi-square of more series. Chosen, a usual rule.
+_SAMPLES_PER_ROW: Final = 10
+#: Verdict of a row whose band of differences includes zero.
 INSIDE = "inside"
+#: Verdict of a row whose band of differences does not include zero.
 OUTSIDE = "outside"
+#: Verdict of a row or statement without enough values, or with values of another kind than was measured.
 UNDETERMINED = "cannot be determined"
-HELD = "held"
-BROKEN = "not held"
+#: Verdict of a statement with which the calculated values agree.
+CONFIRMED = "held"
+#: Verdict of a statement with which the calculated values do not agree.
+NOT_CONFIRMED = "not held"
+#: Probabilities at which a band of 95 % ends.
 _BAND: Final = (0.025, 0.975)
 
 
 @attrs.frozen
 class Value:
-    """What a model gives at one point: the value, infinite outside the range, NaN where there is none; and why."""
+    """Value of a model at one point.
+
+    Attributes
+    ----------
+    value : float
+        The value; infinite outside the range of a study, NaN where there is none.
+    reason : str
+        Why the value is missing, or of another kind than was measured.
+    seconds : float
+        Time of one value [s].
+    """
 
     value: float
-    why: str
+    reason: str
     seconds: float
 
 
 @attrs.frozen(kw_only=True)
-class Judged:
-    """A row, held against what was calculated."""
+class RowResult:
+    """Comparison of a measured row with calculated values; limits are those of 95 % bands."""
 
     data_set: str
     series: str
@@ -69,8 +94,8 @@ class Judged:
 
 
 @attrs.frozen(kw_only=True)
-class Group:
-    """A series under some models, as a whole."""
+class SeriesResult:
+    """Comparison of a series as a whole: chi-square is NaN where `status` says why."""
 
     data_set: str
     series: str
@@ -82,8 +107,8 @@ class Group:
 
 
 @attrs.frozen(kw_only=True)
-class Said:
-    """A statement under some models."""
+class StatementResult:
+    """Verdict on a statement under some models, and the calculated values."""
 
     data_set: str
     models: str
@@ -93,30 +118,52 @@ class Said:
     found: str
 
 
-def held(
-    of: tuple[str, str, str], series: Series, nominal: Sequence[Value], samples: Array, note: str
-) -> tuple[list[Judged], Group]:
-    """Hold values against the rows of a series; ``of`` are data set, series and models."""
-    named = dict(zip(("data_set", "series", "models"), of, strict=True))
+def compare_series(
+    labels: tuple[str, str, str],
+    series: Series,
+    nominal: Sequence[Value],
+    samples: Array,
+    note: str,
+) -> tuple[list[RowResult], SeriesResult]:
+    """Return the comparison of each row of a series, and that of the whole series.
+
+    Parameters
+    ----------
+    labels : tuple of str
+        Names of data set, series and models.
+    series : Series
+        The measured rows.
+    nominal : sequence of Value
+        Calculated values without scatter, one for each row.
+    samples : array
+        Calculated values with scatter, (samples, rows); no samples for none.
+    note : str
+        Status of the whole series, where there is one already.
+    """
+    named = dict(zip(("data_set", "series", "models"), labels, strict=True))
     rows = [_row(named, series, k, value, samples[:, k]) for k, value in enumerate(nominal)]
-    return rows, _group(named, series, nominal, samples, note)
+    return rows, _series(named, series, nominal, samples, note)
 
 
-def _row(named: Mapping[str, str], series: Series, k: int, value: Value, samples: Array) -> Judged:
+def _row(
+    named: Mapping[str, str], series: Series, k: int, value: Value, samples: Array
+) -> RowResult:
+    """Return the comparison of row k with its calculated value and samples, (samples,)."""
     row = series.rows[k]
     sampled = samples if samples.size else np.array([value.value])
     unknown = float(np.isnan(sampled).mean())
-    status = value.why
+    status = value.reason
     verdict = UNDETERMINED
-    band = ratio_band = (math.nan, math.nan)
+    band = (math.nan, math.nan)
+    ratio_band = (math.nan, math.nan)
     if unknown <= _BAND[0]:
         known = sampled[~np.isnan(sampled)]
-        error = row.uncertainty * _normal(_ERRORS)
+        error = row.uncertainty * _normal(_ERROR_QUANTILES)
         measured = row.measured + error
         differences = (known[:, None] - measured[None, :]).ravel()
         low, high = _quantiles(differences)
         verdict = INSIDE if low <= 0.0 <= high else OUTSIDE
-        if value.why and math.isfinite(value.value):  # it is not what was measured
+        if value.reason and math.isfinite(value.value):  # another kind than was measured
             verdict = UNDETERMINED
         band = _quantiles(known) if samples.size else band
         if (measured > 0.0).all():
@@ -124,7 +171,7 @@ def _row(named: Mapping[str, str], series: Series, k: int, value: Value, samples
     else:
         status = status or f"{unknown:.0%} of the samples have no value"
     ratio = value.value / row.measured if row.measured else math.nan
-    return Judged(
+    return RowResult(
         **named, quantity=series.quantity, unit=series.unit, condition=row.label, measured=row.measured,
         uncertainty=row.uncertainty, calculated=value.value, calculated_low=band[0], calculated_high=band[1],
         ratio=ratio, ratio_low=ratio_band[0], ratio_high=ratio_band[1], verdict=verdict, status=status,
@@ -133,61 +180,63 @@ def _row(named: Mapping[str, str], series: Series, k: int, value: Value, samples
 
 
 def _quantiles(values: Array) -> tuple[float, float]:
-    """Ends of the central 95 %; values may be infinite, so nothing is interpolated."""
+    """Return the bounds of the central 95 %, without interpolation, because values may be infinite."""
     low, high = np.quantile(values, _BAND, method="inverted_cdf")
     return float(low), float(high)
 
 
 def _normal(count: int) -> Array:
+    """Return quantiles of the normal distribution in the middle of intervals of equal probability, (count,)."""
     from scipy.special import ndtri
 
     return np.asarray(ndtri((np.arange(count) + 0.5) / count))
 
 
-def _group(
+def _series(
     named: Mapping[str, str], series: Series, nominal: Sequence[Value], samples: Array, note: str
-) -> Group:
+) -> SeriesResult:
+    """Return chi-square of a series, with the covariance of its samples."""
     from scipy.special import chdtrc
 
     count = len(nominal)
-    values = np.array([one.value for one in nominal])
+    values = np.array([value.value for value in nominal])
     sigma = np.array([row.uncertainty for row in series.rows])
-    misses = values - np.array([row.measured for row in series.rows])
+    deviations = values - np.array([row.measured for row in series.rows])
     status = ""
-    if any(one.why and math.isfinite(one.value) for one in nominal):
-        status = next(one.why for one in nominal if one.why)
+    if any(value.reason and math.isfinite(value.value) for value in nominal):
+        status = next(value.reason for value in nominal if value.reason)
     elif not np.isfinite(values).all() or not np.isfinite(samples).all():
         status = "a value is not known, or beyond the range"
-    elif 0 < len(samples) < _FOR_CHI2 * count:
-        status = f"{len(samples)} samples are too few for the covariance of {count} rows, which takes {_FOR_CHI2} a row"
+    elif 0 < len(samples) < _SAMPLES_PER_ROW * count:
+        too_few = f"{len(samples)} samples are too few for the covariance of {count} rows"
+        status = f"{too_few}, which takes {_SAMPLES_PER_ROW} a row"
     if status:
-        return Group(
+        return SeriesResult(
             **named, chi2=math.nan, freedom=count, probability=math.nan, status=note or status
         )
     covariance = np.diag(sigma**2)
     if len(samples):
         covariance = covariance + np.atleast_2d(np.cov(samples, rowvar=False))
-    chi2 = float(misses @ np.linalg.solve(covariance, misses))
-    return Group(
+    chi2 = float(deviations @ np.linalg.solve(covariance, deviations))
+    return SeriesResult(
         **named, chi2=chi2, freedom=count, probability=float(chdtrc(count, chi2)), status=note
     )
 
 
-def verdict_on(said: Statement, values: Array) -> str:
-    """Tell whether values go as a statement says."""
-    if said.expect == "none":
-        return HELD if not np.isfinite(values).any() else BROKEN
+def check_statement(statement: Statement, values: Array) -> str:
+    """Return the verdict on a statement: whether calculated values at its steps, (steps,), agree with it."""
+    if statement.expect == "none":
+        return CONFIRMED if not np.isfinite(values).any() else NOT_CONFIRMED
     if np.isnan(values).any():
         return UNDETERMINED
-    if said.expect in ("below", "above"):
-        assert said.limit is not None
-        return (
-            HELD
-            if (values < said.limit if said.expect == "below" else values > said.limit).all()
-            else BROKEN
-        )
+    if statement.expect in ("below", "above"):
+        assert statement.limit is not None
+        agrees = values > statement.limit
+        if statement.expect == "below":
+            agrees = values < statement.limit
+        return CONFIRMED if agrees.all() else NOT_CONFIRMED
     if np.isinf(values).sum() > 1:
         return UNDETERMINED
-    moves = np.diff(values) * (1.0 if said.expect == "rises" else -1.0)
-    least = said.by * np.abs(np.where(np.isfinite(values[:-1]), values[:-1], values[1:]))
-    return HELD if (moves > least).all() else BROKEN
+    changes = np.diff(values) * (1.0 if statement.expect == "rises" else -1.0)
+    minimum = statement.by * np.abs(np.where(np.isfinite(values[:-1]), values[:-1], values[1:]))
+    return CONFIRMED if (changes > minimum).all() else NOT_CONFIRMED

@@ -1,13 +1,12 @@
-"""Hold data sets against models: calculated over measured with the uncertainty of both, and what was said in words.
+"""Compare models with data sets: calculated over measured values with the uncertainty of both, and statements.
 
-- Models are those of a data set's scene, and all combinations of those that are named, put in its place as
-  ``rollslip compare`` puts them.
-- What is estimated or known to scatter is sampled: the scene's table ``[uncertainty]``, or else the scatter of its oil.
-  All rows of a series and all models see the same samples, so that what they share is shared.
-- A row is *inside* where zero lies in the central 95 % of the differences between calculated samples and the measured
-  value with its normal error. No distribution of the calculated values is assumed.
-- Chi-square takes the covariance of the samples with it: an oil that is wrong is wrong in all rows. It is told where
-  all rows have finite values and there are ten samples a row; elsewhere a reason stands in its place.
+- Models are those of the scene of a data set, and all combinations of those that are named, in its place as
+  ``rollslip compare`` puts them there.
+- What is estimated, or known to scatter, is sampled by a Sobol sequence: the table ``[uncertainty]`` of the scene, or
+  else the scatter of its oil. All rows of a series and all models have the same samples, so that common errors are
+  common.
+- Rows, chi-square and statements are evaluated in module `residuals`. Chi-square is reported where all rows have finite
+  values and there are ten samples for each row; elsewhere there is a reason.
 """
 
 import itertools
@@ -41,17 +40,17 @@ from rollslip_campaigns.fit.problem import RigProblem, rig_problem
 from rollslip_campaigns.measurement import Measurement
 from rollslip_campaigns.measurement.values import ContactSeries, Series, Statement
 from rollslip_campaigns.sweep.sampling import probabilities
-from rollslip_campaigns.validation.findings import shown
+from rollslip_campaigns.validation.findings import format_value
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import Predictions, measurement_named, predictions_of
 from rollslip_campaigns.validation.residuals import (
     UNDETERMINED,
-    Group,
-    Judged,
-    Said,
+    RowResult,
+    SeriesResult,
+    StatementResult,
     Value,
-    held,
-    verdict_on,
+    check_statement,
+    compare_series,
 )
 from rollslip_studies.variation.distributions import DISTRIBUTIONS, read_uncertainty
 from rollslip_studies.variation.quantities import quantities
@@ -63,26 +62,26 @@ if TYPE_CHECKING:
     from rollslip_campaigns.validation import RankingSettings, ValidationSettings
 
 __all__ = [
-    "AS_STATED", "Combination", "Validation", "judged_statement", "nominal_values", "plan_validation",
+    "AS_STATED", "Combination", "Validation", "evaluate_statement", "nominal_values", "plan_validation",
     "run_validation",
 ]  # fmt: skip
 
 
 @attrs.frozen
 class Combination:
-    """Models by kind that take the place of those of a data set; none for its own."""
+    """Models by kind in place of those of a data set; an empty mapping for its own models."""
 
     label: str
     models: Mapping[str, str]
 
 
-#: The models of a data set's own scene.
+#: The models of the scene of a data set.
 AS_STATED: Final = Combination("as stated", {})
 
 
 @attrs.frozen(kw_only=True)
 class Validation:
-    """What is held against what.
+    """Data sets and the models that are compared with them.
 
     Attributes
     ----------
@@ -91,9 +90,9 @@ class Validation:
     combinations : tuple of Combination
         The models.
     predictions : tuple of Predictions
-        What other programs give.
+        Predictions of other programs.
     samples, seed : int
-        Of what scatters.
+        Number of samples of what scatters, and seed of the sequence.
     """
 
     sets: tuple[Measurement, ...]
@@ -103,64 +102,80 @@ class Validation:
     seed: int
 
     def origin(self, models: Iterable[SliceModel] = (), **facts: Any) -> dict[str, Any]:
-        """Return facts as attributes, with data sets, packages, and what to cite for the data and some models."""
+        """Return facts as attributes, with data sets, packages, and citations of data and models.
+
+        Parameters
+        ----------
+        models : iterable of SliceModel
+            Models to cite.
+        **facts
+            Attributes.
+        """
         offers = [
-            find("measurement", one.name)
-            for one in self.sets
-            if one.name in available("measurement")
+            find("measurement", measurement.name)
+            for measurement in self.sets
+            if measurement.name in available("measurement")
         ]
         offers += [
-            find(kind, name) for one in self.combinations for kind, name in one.models.items()
+            find(kind, name)
+            for combination in self.combinations
+            for kind, name in combination.models.items()
         ]
         return origin(
             **facts,
-            source=", ".join(one.name for one in self.sets),
+            source=", ".join(measurement.name for measurement in self.sets),
             packages=packages_of(offers),
             **describe_citations(
-                cited(models, [cite for one in self.sets for cite in one.references])
+                cited(
+                    models, [cite for measurement in self.sets for cite in measurement.references]
+                )
             ),
         )
 
 
 def plan_validation(requested: "ValidationSettings | RankingSettings") -> Validation:
-    """Check what is asked for."""
-    names = (
-        [requested.data]
-        if isinstance(requested.data, str | Path | Measurement)
-        else list(requested.data)
-    )
-    sets = tuple(measurement_named(one) for one in names or available("measurement"))
+    """Return the data sets, models and predictions that are requested, after a check of all names."""
+    names = requested.data
+    names = [names] if isinstance(names, str | Path | Measurement) else list(names)
+    sets = tuple(measurement_named(name) for name in names or available("measurement"))
     if not sets:
         raise SceneError(
             ["there is no data set; 'rollslip plugins new NAME --kind measurement' writes one"]
         )
     if requested.samples == 1:
         raise SceneError(["samples: a band needs 2 at least, or 0 for none, not 1"])
-    laws = {kind: listed(getattr(requested, kind)) for kind in KINDS}
-    for kind, named in laws.items():
-        for name in named:
-            find(kind, name)
-    wanted = {kind: named for kind, named in laws.items() if named}
-    products = (
-        [dict(zip(wanted, each, strict=True)) for each in itertools.product(*wanted.values())]
-        if wanted
-        else []
-    )
-    combinations = [AS_STATED, *(Combination(" + ".join(one.values()), one) for one in products)]
-    known = {one.name for one in sets}
+    known = {measurement.name for measurement in sets}
+    combinations = _combinations(requested)
     predictions = predictions_of(requested.predictions, names)
-    for one in predictions:
-        if one.of not in known:
+    for prediction in predictions:
+        if prediction.data_set not in known:
             raise SceneError(
-                [f"{one.source}: predictions of data set {one.of!r}, which is not asked for"]
+                [
+                    f"{prediction.source}: predictions of data set {prediction.data_set!r}, which is not asked for"
+                ]
             )
     return Validation(
         sets=sets,
-        combinations=tuple(combinations),
+        combinations=combinations,
         predictions=tuple(predictions),
         samples=requested.samples,
         seed=requested.seed,
     )
+
+
+def _combinations(requested: "ValidationSettings | RankingSettings") -> tuple[Combination, ...]:
+    """Return the models as stated, and all combinations of the named models, whose names are checked."""
+    laws = {kind: listed(getattr(requested, kind)) for kind in KINDS}
+    for kind, names in laws.items():
+        for name in names:
+            find(kind, name)
+    named = {kind: names for kind, names in laws.items() if names}
+    if not named:
+        return (AS_STATED,)
+    products = [
+        dict(zip(named, names, strict=True)) for names in itertools.product(*named.values())
+    ]
+    return (AS_STATED, *(Combination(" + ".join(models.values()), models) for models in products))
 
 
 # Running ------------------------------------------------------------------------------------------------------------
@@ -169,44 +184,51 @@ def plan_validation(requested: "ValidationSettings | RankingSettings") -> Valida
 def run_validation(
     plan: Validation, report: Callable[[str, float], None] = lambda text, fraction: None
 ) -> "xr.Dataset":
-    """Compute what a validation needs; see `rollslip.validate`."""
-    begin = time.perf_counter()
-    rows = list[Judged]()
-    groups = list[Group]()
-    said = list[Said]()
+    """Return the comparison of models with data; see `rollslip.validate`.
+
+    Parameters
+    ----------
+    plan : Validation
+        Data sets, models and predictions.
+    report : callable
+        Receives the progress: a text, and the fraction that is done.
+    """
+    start = time.perf_counter()
+    rows = list[RowResult]()
+    groups = list[SeriesResult]()
+    statements = list[StatementResult]()
     warnings = list[str]()
     parts = [
-        (measurement, thing, combination)
+        (measurement, part, combination)
         for measurement in plan.sets
-        for thing in list[Series | Statement]([*measurement.series, *measurement.statements])
+        for part in list[Series | Statement]([*measurement.series, *measurement.statements])
         for combination in plan.combinations
     ]
-    for k, (measurement, thing, combination) in enumerate(parts):
-        what = thing.text if isinstance(thing, Statement) else thing.name
-        report(f"{measurement.name}: {what}, {combination.label}", k / len(parts))
-        if isinstance(thing, Statement):
-            said.append(judged_statement(measurement, thing, combination))
-        elif thing.rows:
-            judged, group = _judged_series(plan, measurement, thing, combination, warnings)
-            rows += judged
+    for k, (measurement, part, combination) in enumerate(parts):
+        text = part.text if isinstance(part, Statement) else part.name
+        report(f"{measurement.name}: {text}, {combination.label}", k / len(parts))
+        if isinstance(part, Statement):
+            statements.append(evaluate_statement(measurement, part, combination))
+        elif part.rows:
+            compared, group = _compare_models(plan, measurement, part, combination, warnings)
+            rows += compared
             groups.append(group)
-    for one in plan.predictions:
-        measurement = next(each for each in plan.sets if each.name == one.of)
+    for prediction in plan.predictions:
+        measurement = next(known for known in plan.sets if known.name == prediction.data_set)
         for series in measurement.series:
-            if (values := one.values_of(series)) is not None:
-                judged, group = held(
-                    (measurement.name, series.name, one.program), series, *values, ""
-                )
-                rows += judged
+            if (values := prediction.values_of(series)) is not None:
+                labels = (measurement.name, series.name, prediction.program)
+                compared, group = compare_series(labels, series, *values, "")
+                rows += compared
                 groups.append(group)
     for measurement in plan.sets:
         if measurement.is_form:
             warnings.append(f"{measurement.name} is a form without numbers: {measurement.recipe}")
-    return _dataset(plan, rows, groups, said, warnings, time.perf_counter() - begin)
+    return _dataset(plan, rows, groups, statements, warnings, time.perf_counter() - start)
 
 
 def _scene_with(scene: Scene, combination: Combination) -> Scene:
-    """Return a scene with other models in it."""
+    """Return a scene with the models of a combination."""
     problems = list[str]()
     unknown = list[PluginError]()
     tables = {
@@ -217,35 +239,46 @@ def _scene_with(scene: Scene, combination: Combination) -> Scene:
     return evolve(scene, tables) if tables else scene
 
 
-def _judged_series(
+def _compare_models(
     plan: Validation,
     measurement: Measurement,
     series: Series,
     combination: Combination,
     warnings: list[str],
-) -> tuple[list[Judged], Group]:
-    of = (measurement.name, series.name, combination.label)
+) -> tuple[list[RowResult], SeriesResult]:
+    """Return the comparison of a series with models; notes are added to `warnings`, an error is the status."""
+    labels = (measurement.name, series.name, combination.label)
     try:
         if isinstance(series, ContactSeries):
-            nominal, samples, note = _of_contacts(series, combination, plan)
+            nominal, samples, note = _contact_values(series, combination, plan)
         else:
             assert series.scene is not None
-            nominal, samples, note = _of_bearing(
+            nominal, samples, note = _bearing_values(
                 series, _scene_with(series.scene, combination), plan
             )
     except RollslipError as error:
         reason = str(error).splitlines()[0]
         failed = [Value(math.nan, reason, math.nan) for _ in series.rows]
-        return held(of, series, failed, np.full((0, len(series.rows)), math.nan), reason)
+        return compare_series(
+            labels, series, failed, np.full((0, len(series.rows)), math.nan), reason
+        )
     if note:
         warnings.append(f"{measurement.name}: {note}")
-    return held(of, series, nominal, samples, note)
+    return compare_series(labels, series, nominal, samples, note)
 
 
 def nominal_values(series: Series, combination: Combination) -> list[Value]:
-    """Return what models give for the rows of a series, without scatter."""
+    """Return the values of models for the rows of a series, without scatter.
+
+    Parameters
+    ----------
+    series : Series
+        The measured rows.
+    combination : Combination
+        The models.
+    """
     if isinstance(series, ContactSeries):
-        return _of_contacts(
+        return _contact_values(
             series, combination, Validation(sets=(), combinations=(), samples=0, seed=0)
         )[0]
     assert series.scene is not None
@@ -253,14 +286,16 @@ def nominal_values(series: Series, combination: Combination) -> list[Value]:
     return observe(scene, series.quantity, series.at, [dict(row.changes) for row in series.rows])
 
 
-def _of_bearing(series: Series, scene: Scene, plan: Validation) -> tuple[list[Value], Array, str]:
-    """Values of the rows as the scene states them, and with samples of what scatters, shape (sample, row)."""
+def _bearing_values(
+    series: Series, scene: Scene, plan: Validation
+) -> tuple[list[Value], Array, str]:
+    """Return values of the rows without scatter, samples with scatter (samples, rows), and a note if there are none."""
     nominal = observe(scene, series.quantity, series.at, [dict(row.changes) for row in series.rows])
     note = ""
     sampled = list[dict[str, object]]()
     if plan.samples:
         try:
-            sampled = _samples(with_scatter(scene)[0], plan)
+            sampled = _sample_scene(with_scatter(scene)[0], plan)
         except SceneError as error:
             note = f"no band of the calculated values: {error.problems[0]}"
     columns = []
@@ -275,8 +310,8 @@ def _of_bearing(series: Series, scene: Scene, plan: Validation) -> tuple[list[Va
     return nominal, np.array(columns, dtype=float).T.reshape(len(sampled), len(series.rows)), note
 
 
-def _samples(scene: Scene, plan: Validation) -> list[dict[str, object]]:
-    """Return samples of what a scene calls uncertain, as changes of it."""
+def _sample_scene(scene: Scene, plan: Validation) -> list[dict[str, object]]:
+    """Return samples of the uncertain quantities of a scene, as changes of it."""
     problems: list[str] = []
     assembly = assemble(scene)
     known = quantities(assembly, settings(scene))
@@ -290,42 +325,42 @@ def _samples(scene: Scene, plan: Validation) -> list[dict[str, object]]:
     return [dict(zip(keys, row, strict=True)) for row in drawn.tolist()]
 
 
-def _of_contacts(
+def _contact_values(
     series: ContactSeries, combination: Combination, plan: Validation
 ) -> tuple[list[Value], Array, str]:
-    """Values of a rig's rows, with samples of the oil's own scatter."""
+    """Return the values of the rows of a rig, samples with the scatter of the oil (samples, rows), and a note."""
     column = series.quantity.replace("-", "_")
     data = series.data
-    if column == "film_thickness":  # what was measured must not take the place of the model
+    if column == "film_thickness":  # else the measured film would replace the model
         columns = {name: values for name, values in data.columns.items() if name != column}
         data = attrs.evolve(data, columns=columns | {"slide_roll_ratio": np.zeros(len(data))})
-    begin = time.perf_counter()
-    film_named = _film_at(series, combination)
-    problem = rig_problem(data, series.rig, combination.models.get("traction"), film_named)
-    nominal = _contacts(problem, problem.lubricant, column)
-    seconds = (time.perf_counter() - begin) / len(data)
-    drawn, note = _oils(problem.lubricant, plan)
-    lost = 0
+    start = time.perf_counter()
+    film_choice = _film_model(series, combination)
+    problem = rig_problem(data, series.rig, combination.models.get("traction"), film_choice)
+    nominal = _contact_column(problem, problem.lubricant, column)
+    seconds = (time.perf_counter() - start) / len(data)
+    oils, note = _sample_oils(problem.lubricant, plan)
+    failed = 0
     sampled = []
-    for oil in drawn:
+    for oil in oils:
         try:
-            sampled.append(_contacts(problem, oil, column))
+            sampled.append(_contact_column(problem, oil, column))
         except (DomainError, FieldError):
-            lost += 1
+            failed += 1
             sampled.append(np.full(len(data), math.nan))
-    if lost:
-        note = f"{lost} of {len(drawn)} samples of the oil lie outside the domain of a model"
-    why = ""
+    if failed:
+        note = f"{failed} of {len(oils)} samples of the oil lie outside the domain of a model"
+    reason = ""
     film = problem.film
-    wanted = str(series.at.get("location", ""))
-    if column == "film_thickness" and film is not None and wanted not in film.location:
-        why = f"{film.name} gives the {film.location} film, measured was the {wanted}"
-    values = [Value(float(value), why, seconds) for value in nominal]
-    return values, np.array(sampled).reshape(len(drawn), len(data)), note
+    location = str(series.at.get("location", ""))
+    if column == "film_thickness" and film is not None and location not in film.location:
+        reason = f"{film.name} gives the {film.location} film, measured was the {location}"
+    values = [Value(float(value), reason, seconds) for value in nominal]
+    return values, np.array(sampled).reshape(len(oils), len(data)), note
 
 
-def _film_at(series: ContactSeries, combination: Combination) -> dict[str, object] | str | None:
-    """Return the film model that is named, where it has a choice with the film that was measured."""
+def _film_model(series: ContactSeries, combination: Combination) -> dict[str, object] | str | None:
+    """Return the film model, at the location that was measured if the model has a choice."""
     own = series.rig.models.film
     name = combination.models.get("film", own.name)
     if "location" not in series.at or "thickness" not in {
@@ -336,7 +371,8 @@ def _film_at(series: ContactSeries, combination: Combination) -> dict[str, objec
     return {"model": name, **parameters, "thickness": series.at["location"]}
 
 
-def _contacts(problem: RigProblem, oil: Lubricant, column: str) -> Array:
+def _contact_column(problem: RigProblem, oil: Lubricant, column: str) -> Array:
+    """Return friction, or else film thickness [m], of all rows with an oil, (rows,)."""
     values = np.array(problem.friction(oil, problem.chain))
     if column == "friction":
         return values
@@ -345,8 +381,8 @@ def _contacts(problem: RigProblem, oil: Lubricant, column: str) -> Array:
     return values
 
 
-def _oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str]:
-    """Return samples of an oil by its own scatter; none, and why, where it knows of none."""
+def _sample_oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str]:
+    """Return samples of an oil by its own scatter; or none and the reason, where the oil states no scatter."""
     if not plan.samples:
         return [], ""
     if not oil.scatter:
@@ -357,14 +393,14 @@ def _oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str]:
     drawn = probabilities("sobol", plan.samples, len(oil.scatter), plan.seed)
     columns = dict[str, Array]()
     fields = {attribute.name: attribute for attribute in attrs.fields(Lubricant)}
-    for k, one in enumerate(oil.scatter):
-        unit = fields[one.quantity].metadata.get("unit") or "1"
+    for k, scatter in enumerate(oil.scatter):
+        unit = fields[scatter.quantity].metadata.get("unit") or "1"
         stated = {
             key: in_unit(value, unit) if isinstance(value, str) else value
-            for key, value in one.parameters.items()
+            for key, value in scatter.parameters.items()
         }
-        distribution = DISTRIBUTIONS[one.distribution](**stated)
-        columns[one.quantity] = distribution.centred(getattr(oil, one.quantity)).quantile(
+        distribution = DISTRIBUTIONS[scatter.distribution](**stated)
+        columns[scatter.quantity] = distribution.centred(getattr(oil, scatter.quantity)).quantile(
             drawn[:, k]
         )
     oils = list[Lubricant]()
@@ -374,11 +410,21 @@ def _oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str]:
     return oils, ""
 
 
-def judged_statement(
+def evaluate_statement(
     measurement: Measurement, statement: Statement, combination: Combination
-) -> Said:
-    """Tell whether a statement of a data set holds under some models, with what was found."""
-    of = {
+) -> StatementResult:
+    """Return the verdict on a statement of a data set under some models, and the calculated values.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data set.
+    statement : Statement
+        The statement, with the steps at which it is evaluated.
+    combination : Combination
+        The models.
+    """
+    labels = {
         "data_set": measurement.name,
         "models": combination.label,
         "text": statement.text,
@@ -397,25 +443,22 @@ def judged_statement(
             for step in statement.steps
         ]
     except RollslipError as error:
-        return Said(**of, verdict=UNDETERMINED, found=str(error).splitlines()[0])
-
-    def told(value: Value, quantity: str) -> str:
-        if math.isnan(value.value):
-            return f"no value ({value.why.partition(';')[0]})"
-        return shown(value.value, statement.unit, quantity)
-
-    found = ", ".join(
-        f"{step.text}: {told(value, step.quantity or statement.quantity)}"
-        for step, value in zip(statement.steps, values, strict=True)
-    )
-    verdict = verdict_on(statement, np.array([value.value for value in values]))
-    return Said(**of, verdict=verdict, found=found)
+        return StatementResult(**labels, verdict=UNDETERMINED, found=str(error).splitlines()[0])
+    texts = list[str]()
+    for step, value in zip(statement.steps, values, strict=True):
+        text = f"no value ({value.reason.partition(';')[0]})"
+        if not math.isnan(value.value):
+            quantity = step.quantity or statement.quantity
+            text = format_value(value.value, statement.unit, quantity)
+        texts.append(f"{step.text}: {text}")
+    verdict = check_statement(statement, np.array([value.value for value in values]))
+    return StatementResult(**labels, verdict=verdict, found=", ".join(texts))
 
 
 # Dataset ------------------------------------------------------------------------------------------------------------
 
-#: Variable -> field of a row, unit and meaning.
-_OF_ROWS: Final[Mapping[str, tuple[str, str, str]]] = {
+#: Field of a row, unit and meaning of each variable.
+_ROW_VARIABLES: Final[Mapping[str, tuple[str, str, str]]] = {
     "row_data_set": ("data_set", "1", "data set"),
     "row_series": ("series", "1", "series"),
     "row_models": ("models", "1", "models"),
@@ -434,8 +477,8 @@ _OF_ROWS: Final[Mapping[str, tuple[str, str, str]]] = {
     "ratio_high": ("ratio_high", "1", "upper end of its 95 % band"),
     "seconds": ("seconds", "s", "time of one value"),
 }
-#: Variable -> field of a group, unit and meaning.
-_OF_GROUPS: Final[Mapping[str, tuple[str, str, str]]] = {
+#: Field of a series as a whole, unit and meaning of each variable.
+_SERIES_VARIABLES: Final[Mapping[str, tuple[str, str, str]]] = {
     "group_data_set": ("data_set", "1", "data set"),
     "group_series": ("series", "1", "series"),
     "group_models": ("models", "1", "models"),
@@ -444,22 +487,22 @@ _OF_GROUPS: Final[Mapping[str, tuple[str, str, str]]] = {
     "probability": ("probability", "1", "chance of a larger one"),
     "chi2_status": ("status", "1", "why there is none"),
 }
-#: Variable -> field of a statement, unit and meaning.
-_OF_STATEMENTS: Final[Mapping[str, tuple[str, str, str]]] = {
+#: Field of a statement, unit and meaning of each variable.
+_STATEMENT_VARIABLES: Final[Mapping[str, tuple[str, str, str]]] = {
     f"statement_{name}": (name, "1", name)
     for name in ("data_set", "models", "text", "by", "verdict", "found")
 }
 
 
 def _variables(
-    dim: str, cls: type, things: Sequence[Any], columns: Mapping[str, tuple[str, str, str]]
+    dim: str, cls: type, results: Sequence[Any], columns: Mapping[str, tuple[str, str, str]]
 ) -> dict[str, Any]:
-    """Return variables over a dimension, each a field of some things."""
-    kinds = {one.name: object if one.type is str else one.type for one in attrs.fields(cls)}
+    """Return variables over a dimension, each from a field of some results."""
+    kinds = {field.name: object if field.type is str else field.type for field in attrs.fields(cls)}
     return {
         name: (
             dim,
-            np.array([getattr(one, field) for one in things], dtype=kinds[field]),
+            np.array([getattr(result, field) for result in results], dtype=kinds[field]),
             about(unit, meaning),
         )
         for name, (field, unit, meaning) in columns.items()
@@ -468,29 +511,42 @@ def _variables(
 
 def _dataset(
     plan: Validation,
-    rows: list[Judged],
-    groups: list[Group],
-    said: list[Said],
+    rows: list[RowResult],
+    groups: list[SeriesResult],
+    statements: list[StatementResult],
     warnings: list[str],
     seconds: float,
 ) -> "xr.Dataset":
+    """Return the result: rows, series and statements, with data sets and citations."""
     import xarray as xr
 
     dataset = xr.Dataset(
         {
-            **_variables("row", Judged, rows, _OF_ROWS),
-            **_variables("group", Group, groups, _OF_GROUPS),
-            **_variables("statement", Said, said, _OF_STATEMENTS),
+            **_variables("row", RowResult, rows, _ROW_VARIABLES),
+            **_variables("group", SeriesResult, groups, _SERIES_VARIABLES),
+            **_variables("statement", StatementResult, statements, _STATEMENT_VARIABLES),
         }
     )
     sources = {
-        one.name: {"description": one.description, "source": one.source, "estimated": dict(one.estimated),
-                   "form": one.is_form}
-        for one in plan.sets
-    }  # fmt: skip
-    requested = {(kind, name) for one in plan.combinations for kind, name in one.models.items()}
+        measurement.name: {
+            "description": measurement.description,
+            "source": measurement.source,
+            "estimated": dict(measurement.estimated),
+            "form": measurement.is_form,
+        }
+        for measurement in plan.sets
+    }
+    requested = {
+        (kind, name)
+        for combination in plan.combinations
+        for kind, name in combination.models.items()
+    }
     dataset.attrs |= plan.origin(
-        [get_model(kind, name) for kind, name in sorted(requested) if _plain(kind, name)],
+        [
+            get_model(kind, name)
+            for kind, name in sorted(requested)
+            if _needs_no_parameters(kind, name)
+        ],
         study="validation",
         title="Models against what was measured",
         data_sets=sources,
@@ -503,8 +559,8 @@ def _dataset(
     return dataset
 
 
-def _plain(kind: str, name: str) -> bool:
-    """Whether a model can be made without parameters."""
+def _needs_no_parameters(kind: str, name: str) -> bool:
+    """Return whether a model can be made without parameters."""
     try:
         get_model(kind, name)
     except RollslipError:
