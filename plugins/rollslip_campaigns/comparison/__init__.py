@@ -11,7 +11,7 @@ from rollslip.planning.campaign import OfScene, setting
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.comparison.alternatives import Alternatives
     from rollslip_campaigns.comparison.comparison import Comparison
 
@@ -60,38 +60,44 @@ class ComparisonSettings(OfScene):
     name = "compare"
 
     traction: Sequence[Any] | str = setting(
-        "Traction models to compare.", default=(), metavar="A,B", many=True,
-        more="Names, tables with ``model`` and its parameters, or models; by default the scene's own, also of film and "
+        "Traction models to compare.",
+        default=(),
+        metavar="A,B",
+        repeatable=True,
+        details="Names, tables with ``model`` and its parameters, or models; by default the scene's own, also of film and "
         "contact. A bare name that the scene uses keeps the scene's parameters.",
-    )  # fmt: skip
+    )
     film: Sequence[Any] | str = setting(
-        "Film models to compare.", default=(), metavar="A,B", many=True
+        "Film models to compare.", default=(), metavar="A,B", repeatable=True
     )
     contact: Sequence[Any] | str = setting(
-        "Contact models to compare.", default=(), metavar="A,B", many=True
+        "Contact models to compare.", default=(), metavar="A,B", repeatable=True
     )
     reference: Any = setting(
-        "Traction that the others are compared with; NAME,NAME for its film and contact too.", metavar="NAME",
-        more="Or a mapping of kind to model. Without it what is reported is no error but a difference.",
-    )  # fmt: skip
+        "Traction that the others are compared with; NAME,NAME for its film and contact too.",
+        metavar="NAME",
+        details="Or a mapping of kind to model. Without it what is reported is no error but a difference.",
+    )
     study: str | None = setting(
         "Study with friction curves; by default the first of the scene.", metavar="STUDY"
     )
-    oil: Sequence[str] | str = setting("Oils to choose from.", default=(), metavar="A,B", many=True)
+    oil: Sequence[str] | str = setting(
+        "Oils to choose from.", default=(), metavar="A,B", repeatable=True
+    )
     bearing: Sequence[str] | str = setting(
-        "Bearings to choose from.", default=(), metavar="A,B", many=True
+        "Bearings to choose from.", default=(), metavar="A,B", repeatable=True
     )
     cage: Sequence[str] | str = setting(
-        "What the cage may be of.", default=(), metavar="A,B", many=True
+        "What the cage may be of.", default=(), metavar="A,B", repeatable=True
     )
     clearance_class: Sequence[str] | str = setting(
-        "Clearances to choose from.", default=(), metavar="C3,C4", many=True
+        "Clearances to choose from.", default=(), metavar="C3,C4", repeatable=True
     )
     outer_ring: Sequence[str] | str = setting(
-        "How the outer ring yields.", default=(), metavar="A,B", many=True
+        "How the outer ring yields.", default=(), metavar="A,B", repeatable=True
     )
     inner_ring: Sequence[str] | str = setting(
-        "How the inner ring yields.", default=(), metavar="A,B", many=True
+        "How the inner ring yields.", default=(), metavar="A,B", repeatable=True
     )
 
     @property
@@ -118,7 +124,7 @@ class ComparisonSettings(OfScene):
         return plan_comparison(self)
 
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
         """Run the combinations or alternatives, and return the result."""
         if self._of_scenes:
@@ -129,10 +135,10 @@ class ComparisonSettings(OfScene):
 
         return run_comparison(made, show)
 
-    def place(self, made: Any, about: str) -> str:
+    def folder_name(self, made: Any, about: str) -> str:
         """Return the default name of the folder of the results."""
         return f"{Path(about).stem}-comparison"
 
-    def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
+    def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return an empty list if a combination failed, else None."""
         return [] if (dataset["status"] != "done").any() else None

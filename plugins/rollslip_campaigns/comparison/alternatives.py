@@ -34,7 +34,7 @@ from rollslip_studies.steady_slip.study import SteadySlip
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.comparison import ComparisonSettings
 
 __all__ = ["KEYS", "STUDY", "Alternatives", "plan_alternatives", "ratio_band", "run_alternatives"]
@@ -103,7 +103,7 @@ class Alternatives:
     keys: tuple[str, ...]
     scenes: Mapping[str, Scene]
     refused: Mapping[str, str]
-    told: tuple[str, ...] = ()
+    messages: tuple[str, ...] = ()
 
 
 def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
@@ -127,7 +127,7 @@ def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
         label = _SEPARATOR.join(names)
         try:
             scene = evolve(
-                requested.given,
+                requested.base_scene,
                 {KEYS[option]: name for option, name in zip(named, names, strict=True)},
             )
             assemble(scene)  # refuse unknown oils and clearance classes at once
@@ -141,17 +141,17 @@ def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
             or [f"{next(iter(named))}: name two at least, with commas between, to compare them"]
         )
     keys = tuple(KEYS[option] for option in named)
-    return Alternatives(requested.given, keys, scenes, refused)
+    return Alternatives(requested.base_scene, keys, scenes, refused)
 
 
-def run_alternatives(plan: Alternatives, show: "Shown") -> "xr.Dataset":
+def run_alternatives(plan: Alternatives, show: "ProgressReporter") -> "xr.Dataset":
     """Run all alternatives and return their answers, best first.
 
     Parameters
     ----------
     plan : Alternatives
         Scenes to run.
-    show : Shown
+    show : ProgressReporter
         Is called with the progress.
 
     Returns
@@ -174,18 +174,8 @@ def run_alternatives(plan: Alternatives, show: "Shown") -> "xr.Dataset":
 
     answers = {label: answer(result, scene=label) for label, result in done.items()}
     order = sorted(done, key=lambda label: _rank(answers[label]))
-    rows = list[dict[str, Any]]()
-    for label, (low, high) in zip(order, _ratio_bands(order, done, plan.keys), strict=True):
-        values: dict[str, Any] = {
-            "ratio_low": low,
-            "ratio_high": high,
-            "verdict": answers[label].verdict,
-        }
-        for row in answers[label].rows:
-            values[row.key] = row.value
-            if row.key == "cage_slip" and row.band is not None:
-                values["cage_slip_low"], values["cage_slip_high"] = row.band
-        rows.append(values | {"status": "done"})
+    bands = _ratio_bands(order, done, plan.keys)
+    rows = [_values(answers[label], band) for label, band in zip(order, bands, strict=True)]
     rows += [{"message": reason} for reason in failed.values()]
     dim = "alternative"
     runs = [result.attrs for result in done.values()]
@@ -210,6 +200,21 @@ def run_alternatives(plan: Alternatives, show: "Shown") -> "xr.Dataset":
             wall_time=time.perf_counter() - start,
         ),
     )
+
+
+def _values(answer: Answer, ratio: tuple[float, float]) -> dict[str, Any]:
+    """Return the values of an alternative, by the names of `VARIABLES`."""
+    values: dict[str, Any] = {
+        "ratio_low": ratio[0],
+        "ratio_high": ratio[1],
+        "verdict": answer.verdict,
+        "status": "done",
+    }
+    for row in answer.rows:
+        values[row.key] = row.value
+        if row.key == "cage_slip" and row.band is not None:
+            values["cage_slip_low"], values["cage_slip_high"] = row.band
+    return values
 
 
 def _rank(answer: Answer) -> tuple[int, float]:

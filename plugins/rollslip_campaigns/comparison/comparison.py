@@ -120,7 +120,7 @@ class Comparison:
         return 1.5 * sum(plan.seconds for plan in self.plans.values())
 
     @property
-    def told(self) -> list[str]:
+    def messages(self) -> list[str]:
         """Lines that describe the combinations, the number of slices and the estimated time."""
         from rollslip.cli.console import headline_of
 
@@ -154,7 +154,7 @@ class Comparison:
 
 def plan_comparison(requested: "ComparisonSettings") -> Comparison:
     """Return the comparison of all combinations, after a check of names and parameters."""
-    scene = requested.given
+    scene = requested.base_scene
     study = _study(scene, requested.study)
     problems = list[str]()
     unknown = list[PluginError]()

@@ -263,6 +263,28 @@ _MIN_SLIP: Final = 1e-3
 _MIN_CLEAR_RATIO: Final = 1.05
 
 
+#: Sentence on the alternatives whose slip compares in the same way with that of the first, in the order of a report.
+_SLIP_SENTENCES: Final = {
+    "small": "{first} and {others} slip less than 0.1 %",
+    "same": "{first} and {others} are the same here",
+    "uncertain": "no clear winner between {first} and {others}: where data scatter either may slip less",
+    "larger": "{first} slips less than {others}, with more than 95 %",
+    "unknown": "{first} stands first by verdict and slip; how sure that is beside {others} is not known",
+}
+
+
+def _compare_slips(row: Mapping[str, Any], best: Mapping[str, Any]) -> str:
+    """Return how the slip of an alternative compares with that of the best one: a key of `_SLIP_SENTENCES`."""
+    low = row["ratio_low"]
+    if max(abs(best["cage_slip"]), abs(row["cage_slip"])) < _MIN_SLIP:
+        return "small"
+    if math.isnan(low):
+        return "unknown"
+    if low == row["ratio_high"] == 1.0:
+        return "same"
+    return "larger" if low > _MIN_CLEAR_RATIO else "uncertain"
+
+
 class AlternativesAccount(Account):
     """Reports alternatives of a scene: a row for each, and which slips least."""
 
@@ -294,32 +316,15 @@ class AlternativesAccount(Account):
         if len(done) < 2:
             return failed
         first = done[0]["alternative"]
-        smallest = abs(done[0]["cage_slip"])
-        others = [(row["alternative"], row["ratio_low"], row["ratio_high"]) for row in done[1:]]
-        small = [
-            row["alternative"]
-            for row in done[1:]
-            if max(smallest, abs(row["cage_slip"])) < _MIN_SLIP
-        ]
-        same = [label for label, low, high in others if label not in small and low == high == 1.0]
-        unknown = [label for label, low, _ in others if label not in small and math.isnan(low)]
-        close = [
-            label
-            for label, low, _ in others
-            if label not in (*small, *same) and low <= _MIN_CLEAR_RATIO
-        ]
-        worse = [label for label, low, _ in others if label not in small and low > _MIN_CLEAR_RATIO]
-        sentences = [
-            f"{first} and {', '.join(small)} slip less than 0.1 %" * bool(small),
-            f"{first} and {', '.join(same)} are the same here" * bool(same),
-            f"no clear winner between {first} and {', '.join(close)}: where data scatter either may slip less"
-            * bool(close),
-            f"{first} slips less than {', '.join(worse)}, with more than 95 %" * bool(worse),
-            f"{first} stands first by verdict and slip; how sure that is beside {', '.join(unknown)} is not known"
-            * bool(unknown),
-        ]
-        sentence = "; ".join(filter(None, sentences))
-        if close or worse:
+        groups: dict[str, list[str]] = {}
+        for row in done[1:]:
+            groups.setdefault(_compare_slips(row, done[0]), []).append(row["alternative"])
+        sentence = "; ".join(
+            template.format(first=first, others=", ".join(groups[group]))
+            for group, template in _SLIP_SENTENCES.items()
+            if group in groups
+        )
+        if "uncertain" in groups or "larger" in groups:
             sentence += "; ratio: slip over that of the first, 5 to 95 %"
         return [sentence, *failed]
 
