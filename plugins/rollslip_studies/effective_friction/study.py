@@ -1,22 +1,23 @@
-"""Study effective-friction: friction of each raceway as a whole against cage slip, and the critical cage slip.
+"""Study effective-friction: friction of each raceway as a whole over the cage slip, and the critical cage slip.
 
-- One revolution is one to two orders shorter than the cage's transient, so a raceway acts on the cage through its
-  effective friction mu_e = sum(mu_km Q_km)/sum(Q_km) over its *loaded* contacts k and the instants m of a revolution
-  (Klebanov et al. 2022); averaging unloaded rollers in is a known mistake. With slices the sum runs over them too.
-- Equal rollers repeat after one pitch, so the instants are spread over a pitch and doubled until the curve and its
-  maximum stand still; what the last doubling still moved is reported.
-- Effective friction is positive where it drives the cage towards its epicyclic speed. With the outer ring driving that
-  is against the direction in which rolling speeds are positive, hence the sign in ``LoadedContacts``.
-- The map over cage slip and roller slip, which needs no closure, is stored beside the curve.
-- The critical slip of a curve is that of its closure. Where the cage runs away, the balance of torques with freely
-  spinning rollers on both rings says (`motion.loading_branch`), and it is told first; so does the same balance say at
-  which slip the cage runs where the scene gives drags.
+One revolution is one to two orders shorter than the transient of the cage, so that a raceway acts on the cage through
+its effective friction mu_e = sum(mu_km Q_km)/sum(Q_km) over its *loaded* contacts k and the roller positions m of a
+revolution (Klebanov et al. 2022). A mean over unloaded rollers, too, is a known mistake. With slices the sum is over
+them as well. Effective friction is positive where it drives the cage towards its epicyclic speed. With a driving outer
+ring that is against the sense in which rolling speeds are positive, hence the sign in ``LoadedContacts``.
+
+1. Equal rollers repeat after one pitch, so the positions are within one pitch. Double them until the curves and their
+   maxima change by less than the tolerance; the last change is reported as discretisation error.
+2. The critical slip of a curve is that of its maximum, with the closure for the rollers' spin.
+3. The map over cage slip and roller slip, which needs no closure, is evaluated beside the curves.
+4. Where skidding begins, and at which slip the cage runs with the drags of the scene, follows from the torque balance
+   with freely spinning rollers on both rings (`motion.loading_branch`).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -46,7 +47,7 @@ from rollslip_studies.motion.spins import check_repeats
 from rollslip_studies.motion.torque_balance import (
     SkiddingOnset,
     TorqueBalance,
-    look_along,
+    evaluate_on_branch,
     reserve,
     rollers,
     running,
@@ -58,20 +59,31 @@ if TYPE_CHECKING:
 
     from rollslip.scene.values import Scene
 
-#: Doublings start here and give up there.
-_FIRST_POSITIONS = 2
-_MAX_POSITIONS = 1024
+#: Roller positions within a pitch at which doubling starts. Any small number serves; chosen.
+_FIRST_POSITIONS: Final = 2
+#: Roller positions above which the run fails. Twice as many take twice the time of the last step; chosen.
+_MAX_POSITIONS: Final = 1024
 
 
-#: Slices from which on costs go with their number, and points of maps on which costs are measured.
-_MANY: Final = 128
-_MAP: Final = (3, 6)
-#: Evaluations in the search for the critical slips of both rings, each of one ring.
-_SEARCH: Final = 40
+@attrs.frozen
+class _CostModel:
+    """Numbers by which times of small evaluations are extrapolated to the cost of a run."""
+
+    #: Slices up to which times are measured; above it they are proportional to the number of slices. Half as many would
+    #: measure the overhead of a call. Chosen.
+    max_slices: int = 128
+    #: Points of the two maps whose times are extrapolated linearly. Larger ones cost more than they improve. Chosen.
+    map_points: tuple[int, int] = (3, 6)
+    #: Evaluations of the search for the critical slips of both rings, each of one ring. The estimated time of the
+    #: search is proportional to it. Chosen.
+    search_evaluations: int = 40
+
+
+_COST: Final = _CostModel()
 #: Error of the smallest film parameter just before a roller jumps to another balance of forces. It is a bound; it falls
 #: only with the number of roller positions, because the jump lies between two of them.
 FILM_AT_JUMPS: Final = "film parameter, where rollers jump,"
-#: Closure -> what the rollers do, as it is told of a critical slip.
+#: Closure -> its name in texts on critical slips.
 CLOSURES: Final[Mapping[str, str]] = MappingProxyType(
     {
         "epicyclic": "with rollers in pure rolling",
@@ -80,10 +92,11 @@ CLOSURES: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 
-#: What the curves and their maxima give.
-_OF_CURVES: Final = frozenset(
+#: Outputs of the curves and their maxima.
+_CURVE_OUTPUTS: Final = frozenset(
     {"effective_friction", "critical_cage_slip", "critical_friction", "critical_status", *FIRST}
 )
+#: Dimensions of the curves.
 _CURVE: Final = "ring cage_slip"
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
@@ -157,16 +170,21 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         ),
     }
 )
-#: What of them takes the whole curve, and not its maxima alone.
+#: Outputs that need the whole curve, and not its maxima alone.
 _WHOLE_CURVE: Final = frozenset({"effective_friction"})
-#: How many times as far a film is off its thinnest to one side as to the other where rollers jump, or the tolerance.
-_JUMP: Final = 10.0
-#: Error that few loads may leave of the friction of all slices, relative to the tolerance.
-_COARSE_FRACTION: Final = 1e-2
-#: What is found of running away.
+#: Ratio of the relative differences of the film parameter from its minimum, at both neighbours of the minimum, above
+#: which rollers jump to another motion between them. At a smooth minimum the ratio is near 1. Twice as much misses
+#: small jumps; half as much may take an asymmetric minimum for a jump, with a bound that is too large. Chosen.
+_JUMP_RATIO: Final = 10.0
+#: Error of friction by reduced loads up to which it is used in place of all slices, relative to the tolerance. Twice as
+#: much adds up to 2 % of the tolerance to the error of a critical slip, half as much evaluates all slices more often.
+#: Chosen.
+_REDUCED_ERROR_FRACTION: Final = 1e-2
+#: Outputs of the onset of skidding.
 _SKIDDING: Final = frozenset({"skidding_slip", "limit_drag", "skidding_status"})
-#: What is found of how the cage runs.
+#: Outputs of the drag reserve.
 _RESERVE: Final = frozenset({"drag_reserve", "reserve_status"})
+#: Outputs of the steady slip, with the reserve.
 _STEADY: Final = frozenset({"steady_cage_slip", "steady_drag", "steady_status"}) | _RESERVE
 
 
@@ -229,8 +247,16 @@ class EffectiveFriction(Study):
     )
 
     def with_bands(self, scene: "Scene", dataset: "xr.Dataset") -> "xr.Dataset":
-        """Return a result with the band of its steady slip, which every slice's friction gives."""
-        from rollslip_studies.steady_slip.band import with_bands  # of the few who ask for it
+        """Return a result with the band of its steady slip, as study steady-slip has it.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene of the result.
+        dataset : Dataset
+            The result.
+        """
+        from rollslip_studies.steady_slip.band import with_bands  # a late import: few runs need it
 
         return with_bands(scene, dataset, "steady_cage_slip")
 
@@ -245,7 +271,7 @@ class EffectiveFriction(Study):
                 (assembly.outer, loads.outer_load),
             )
         )
-        n_positions = 2 * _FIRST_POSITIONS  # at which most curves stand still
+        n_positions = 2 * _FIRST_POSITIONS  # at which most curves converge
         per_point = 12 if self.closure == "free-roller" else 1
         curves = (_FIRST_POSITIONS + n_positions) * (
             self.points + 15
@@ -257,7 +283,7 @@ class EffectiveFriction(Study):
         )
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return how many numbers curves and map hold at least: what is stored of a slip, and the rollers' speeds."""
+        """Return how many numbers curves and map have at least: those stored of a slip, and the rollers' speeds."""
         rollers = assembly.scene.bearing.rollers
         of_rollers = 6 * (self.closure == "free-roller") + 2 * self.per_roller
         surface = float(self.map_points) * max(2 * self.map_points - 1, 0)
@@ -267,7 +293,7 @@ class EffectiveFriction(Study):
         }
 
     def without_outputs(self, outputs: frozenset[str]) -> "EffectiveFriction":
-        """Return a study without the map and without running away, which are most of the work, and single rollers."""
+        """Return a study that does not compute outputs: the map, the torque balance, and single rollers."""
         return attrs.evolve(
             self,
             map_points=0 if "friction_map" in outputs else self.map_points,
@@ -276,42 +302,48 @@ class EffectiveFriction(Study):
         )
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return the time [s] of loads, friction, regimes and map, from few slips, instants and points."""
+        """Return the time [s] of loads, friction, regimes and map, extrapolated from coarse evaluations."""
         resolution = assembly.resolution
         slip = slip_grid(self.max_cage_slip, POINTS[0])[1:]
-        some = assembly.at(attrs.evolve(resolution, slices=min(resolution.slices, _MANY)))
+        slices = min(resolution.slices, _COST.max_slices)
+        coarse = assembly.at(attrs.evolve(resolution, slices=slices))
         times: dict[str, list[float]] = {
             "load distribution": [],
             "friction": [],
             "film regimes": [],
         }
         for m in N_POSITIONS:
-            anew = attrs.evolve(some, load_cache={})
-            times["load distribution"].append(processor_time(partial(anew.load_distribution, m), 1))
-            raceways = self.loaded(anew, m)
-            closure = (
-                processor_time(partial(raceways.speeds, slip), 1) / slip.size
-            )  # a free roller's spin is a root, found once
+            uncached = attrs.evolve(coarse, load_cache={})
+            load_time = processor_time(partial(uncached.load_distribution, m), 1)
+            times["load distribution"].append(load_time)
+            raceways = self.loaded(uncached, m)
+            # the spin of a free roller is a root, which is found once
+            closure = processor_time(partial(raceways.speeds, slip), 1) / slip.size
             speeds = raceways.speeds(slip)
-            one, regimes = (
+            friction, regimes = (
                 processor_time(partial(work, speeds)) / slip.size
                 for work in (raceways.evaluated, raceways.regimes)
             )
             times["friction"].append(
-                one * (self.points + _SEARCH / 2) + closure * (self.points + _SEARCH / 4)
+                friction * (self.points + _COST.search_evaluations / 2)
+                + closure * (self.points + _COST.search_evaluations / 4)
             )
             times["film regimes"].append(regimes * self.points)
-        more = assembly.slices / some.slices
+        factor = assembly.slices / coarse.slices
         n_positions = resolution.n_positions or N_POSITIONS[-1]
         costs = {
-            part: more * extrapolate_line(N_POSITIONS, each, n_positions)
+            part: factor * extrapolate_line(N_POSITIONS, each, n_positions)
             for part, each in times.items()
         }
         if self.skidding_range:
             costs["skidding"] = rollers(assembly, n_positions).seconds(self.skidding_range)
         if self.map_points:
-            sizes = (_MAP[0] * (2 * _MAP[0] - 1), _MAP[1] * (2 * _MAP[1] - 1))
-            maps = [processor_time(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
+            small, large = _COST.map_points
+            sizes = (small * (2 * small - 1), large * (2 * large - 1))
+            maps = [
+                processor_time(partial(raceways.map, self.max_cage_slip, n), 1)
+                for n in (small, large)
+            ]
             costs["map"] = extrapolate_line(
                 sizes, maps, self.map_points * max(2 * self.map_points - 1, 1)
             )
@@ -324,7 +356,7 @@ class EffectiveFriction(Study):
         )
 
     def expected_slices(self, assembly: Assembly) -> tuple[str, list[LoadedSlices]]:
-        """Return the slices of both rings at a few slips of the curves, of one instant."""
+        """Return the slices of both rings at a few slips of the curves, at one roller position."""
         slips = np.linspace(
             self.max_cage_slip / N_VALIDITY_SLIPS, self.max_cage_slip, N_VALIDITY_SLIPS
         )
@@ -333,6 +365,7 @@ class EffectiveFriction(Study):
     def _evaluated(
         self, assembly: Assembly, n_positions: int, cage_slip: Array
     ) -> Iterator[LoadedSlices]:
+        """Yield the slices of both rings at cage slips and a number of roller positions."""
         raceways = self.loaded(assembly, n_positions)
         for both in raceways.contacts(raceways.speeds(cage_slip)):
             for k, (contacts, u, V) in enumerate(both):
@@ -348,10 +381,11 @@ class EffectiveFriction(Study):
         xarray.Dataset
             Dimensions (ring, cage_slip): effective_friction, sliding_speed, rolling_speed, film_parameter (smallest),
             roller_slip; (ring,): critical_cage_slip, critical_friction, critical_status, first_maximum_slip,
-            first_maximum_friction; scalars, unless it is not looked where the cage runs away: skidding_slip,
+            first_maximum_friction; scalars, if skidding is searched: skidding_slip,
             limit_drag, skidding_status, steady_cage_slip, steady_drag, steady_status, drag_reserve, reserve_status;
-            (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force at the first instant
-            and, on request, (ring, roller, cage_slip): roller_friction, NaN where the roller is not loaded.
+            (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force at the first
+            position and, on request, (ring, roller, cage_slip): roller_friction, NaN where the roller is not loaded.
+            Numbers that were not found are NaN, with a status.
 
         Raises
         ------
@@ -360,7 +394,8 @@ class EffectiveFriction(Study):
         DomainError
             If a contact rolls backwards at a cage slip of the range, or a law has no value there.
         ConvergenceError
-            If doubling the instants does not settle the curve, or the radial load is lost beside centrifugal forces.
+            If the curve does not converge over the numbers of roller positions, or the radial load is lost among
+            centrifugal forces.
         """
         if assembly.resolution.n_positions is not None:
             return self.at_positions(assembly, assembly.resolution.n_positions)
@@ -374,20 +409,29 @@ class EffectiveFriction(Study):
     def run_batch(
         cls, cases: "Sequence[tuple[EffectiveFriction, Assembly]]", outputs: frozenset[str]
     ) -> list[PartialResult] | None:
-        """Return what `run` does of curves, critical slips and running away, for several bearings at once.
+        """Return curves, critical slips and the onset of skidding of several bearings by one evaluation, as `run` does.
 
-        None if more is asked.
+        None for other outputs.
+
+        Parameters
+        ----------
+        cases : sequence of tuple of EffectiveFriction and Assembly
+            Studies and bearings.
+        outputs : frozenset of str
+            Names of the requested outputs.
         """
-        if not outputs <= _OF_CURVES | _SKIDDING | _STEADY:
+        if not outputs <= _CURVE_OUTPUTS | _SKIDDING | _STEADY:
             return None
-        aways = [
-            study._balanced(assembly, assembly.resolution.n_positions or _FIRST_POSITIONS, outputs)
-            if outputs & (_SKIDDING | _STEADY)
-            else {}
-            for study, assembly in cases
-        ]
-        found = dict[int, tuple[Array, Array | None, tuple[Critical, Critical]]]()
-        begun = list[tuple[int, Array, LoadedRaceways]]()
+        balances: list[dict[str, Any]] = [{} for _ in cases]
+        if outputs & (_SKIDDING | _STEADY):
+            balances = [
+                study._balanced(
+                    assembly, assembly.resolution.n_positions or _FIRST_POSITIONS, outputs
+                )
+                for study, assembly in cases
+            ]
+        found = dict[int, _Maxima]()
+        pending = list[tuple[int, Array, LoadedRaceways]]()
         for k, (study, assembly) in enumerate(cases):
             slip = slip_grid(study.max_cage_slip, study.points)
             n_positions = assembly.resolution.n_positions
@@ -395,80 +439,61 @@ class EffectiveFriction(Study):
                 _, (friction, _), critical, _ = study._converged(assembly, slip)
                 found[k] = slip, friction, critical
             else:
-                begun.append((k, slip, study.loaded(assembly, n_positions)))
-        if not outputs & _WHOLE_CURVE:
-            maxima = _by_few_loads([(slip, raceways) for _, slip, raceways in begun])
-            found |= {
-                k: (slip, None, known)
-                for (k, slip, _), known in zip(begun, maxima, strict=True)
-                if known is not None
-            }
-        left = [one for one in begun if one[0] not in found]
-        curves = evaluate_together(
-            [(raceways, raceways.speeds(slip)) for _, slip, raceways in left]
-        )
-        whole = [
-            (raceways, slip, friction)
-            for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)
-        ]
-        for (k, *_), (_, slip, friction), critical in zip(
-            left, whole, find_critical_together(whole), strict=True
-        ):
-            found[k] = slip, friction, critical
-        some = [_curves(*found[k]) for k in range(len(cases))]
-        return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
+                pending.append((k, slip, study.loaded(assembly, n_positions)))
+        found |= _find_maxima(pending, whole=bool(outputs & _WHOLE_CURVE))
+        results = []
+        for k, balance in enumerate(balances):
+            variables, coords = _curve_variables(*found[k])
+            results.append((variables | balance, coords))
+        return results
 
     def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
-        """Return by how much the thinnest films of both rings are off, by slices and positions where they are.
+        """Return relative errors of the smallest film parameter of both rings, from a bearing with a finer resolution.
 
-        Where rollers jump to another balance between two positions the thinnest film is that just before the jump. It
-        is bounded by that of the one position's load at the speeds of the other.
+        Where rollers jump to another motion between two positions, the smallest film is that just before the jump. Its
+        error has a bound: the film of the load at the one position with the speeds of the other.
+
+        Parameters
+        ----------
+        finer : Assembly
+            The bearing with the finer resolution.
+        dataset : Dataset
+            The result.
         """
         film = np.where(dataset["film_parameter"] > 0.0, dataset["film_parameter"], np.inf)
         n_positions = finer.resolution.n_positions or 1
         raceways = self.loaded(finer, n_positions)
-        here = film.min(axis=1)
-        off = 0.0
-        jumped = 0.0
+        own = film.min(axis=1)
         slips = dataset["cage_slip"].to_numpy()[film.argmin(axis=1)]
-        tolerance = finer.scene.accuracy.tolerance
+        film_error = 0.0
+        jump_error = 0.0
         for ring, both in enumerate(raceways.contacts(raceways.speeds(slips))):
             contacts, u, V = both[ring]
             along = raceways.thinnest(contacts, u, V)
-            over = along / (least := along[1:-1].min()) - 1.0
-            if not (np.isfinite(here[ring]) and 0.0 < least < np.inf):
+            smallest = along[1:-1].min()
+            if not (np.isfinite(own[ring]) and 0.0 < smallest < np.inf):
                 continue
-            off = max(off, MINIMUM_ERROR_FACTOR * abs(here[ring] / least - 1.0))
-            # rollers that all run alike jump nowhere, and other slices see the jump of the run
-            for step in (
-                (1, -1) if np.ndim(u) and n_positions > dataset.attrs["n_positions"] else ()
-            ):
-                near, at, far = (over[1 + k : over.size - 1 + k] for k in (-step, 0, step))
-                edges = np.flatnonzero(
-                    (at <= tolerance)
-                    & (far > _JUMP * np.maximum(near, tolerance))
-                    & np.isfinite(far)
-                )
-                if not edges.size:
-                    continue
-                # all of them at once: each neighbour moves as the position before its jump does
-                moves = np.arange(over.size - 2)
-                moves[(edges + step) % moves.size] = edges
-                as_of = moves[contacts.owner]
-                own = np.where(
-                    as_of == contacts.owner,
-                    np.arange(as_of.size),
-                    np.searchsorted(contacts.owner, as_of),
-                )
-                bounds = raceways.thinnest(contacts, u[own], V[own])[1 + edges + step]
-                jumped = max(jumped, float((least / bounds - 1.0).max()))
-        return {
-            "film parameter": float(off),
-            **({FILM_AT_JUMPS: float(jumped)} if jumped else {}),
-        }
+            film_error = max(film_error, MINIMUM_ERROR_FACTOR * abs(own[ring] / smallest - 1.0))
+            # rollers with equal speeds do not jump, and with other slices only the jump of the run counts
+            if np.ndim(u) and n_positions > dataset.attrs["n_positions"]:
+                for step in (1, -1):
+                    error = _film_error_at_jumps(raceways, both[ring], along, step)
+                    jump_error = max(jump_error, error)
+        errors = {"film parameter": float(film_error)}
+        if jump_error:
+            errors[FILM_AT_JUMPS] = float(jump_error)
+        return errors
 
     def at_positions(self, assembly: Assembly, n_positions: int) -> "xr.Dataset":
-        """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""
+        """Return the result of `run` at a number of roller positions, without discretisation errors.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        n_positions : int
+            Roller positions within a pitch.
+        """
         slip = slip_grid(self.max_cage_slip, self.points)
         raceways, curves, critical = self._on(assembly, slip, n_positions)
         return self._dataset(assembly, raceways, slip, curves, critical)
@@ -476,7 +501,7 @@ class EffectiveFriction(Study):
     def _on(
         self, assembly: Assembly, slip: Array, n_positions: int
     ) -> tuple[LoadedRaceways, tuple[Array, Array], tuple[Critical, Critical]]:
-        """Raceways, curves of friction and film, and critical slips on a number of instants."""
+        """Return raceways, curves of friction and film, and critical slips at a number of roller positions."""
         raceways = self.loaded(assembly, n_positions)
         curves = raceways.evaluated(raceways.speeds(slip))
         return raceways, curves, raceways.critical(slip, curves[0])
@@ -488,28 +513,28 @@ class EffectiveFriction(Study):
 
     @property
     def curves_with(self) -> str:
-        """What the rollers do, by the closure."""
+        """Name of the closure in texts."""
         return CLOSURES[self.closure]
 
     @property
     def is_averaged(self) -> bool:
-        """Whether the curves are means over the instants of a pitch."""
+        """Whether the curves are means over the roller positions within a pitch."""
         return True
 
     @property
     def uses_continuation(self) -> bool:
-        """Whether rollers may have several balances, of which the one that goes on from smaller slips is taken."""
+        """Whether rollers may have several motions, of which the continuation from smaller slips is taken."""
         return self.closure == "free-roller"
 
     def sample_other_contacts(self, assembly: Assembly) -> None:
-        """Evaluate the corners of the map, and contacts on the way up."""
+        """Evaluate the corners of the map, and contacts along the loading branch."""
         if self.map_points:
             self.loaded(assembly, 1).map(self.max_cage_slip, 2)
         if self.skidding_range:
-            look_along(assembly, self.skidding_range)
+            evaluate_on_branch(assembly, self.skidding_range)
 
     def curves(self, assembly: Assembly, slip: Array, n_positions: Sequence[int]) -> Array:
-        """Return effective friction on few of the instants of a pitch, each a part of the most, (k, 2, n)."""
+        """Return effective friction at numbers of roller positions, each a divisor of the largest, (k, 2, n)."""
         raceways = self.loaded(assembly, max(n_positions))
         if len(n_positions) == 1:
             return raceways.curve(slip)[None]
@@ -518,7 +543,7 @@ class EffectiveFriction(Study):
             for ring, (contacts, u, V) in enumerate(both):
                 pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)
                 force = contacts.per_roller(contacts.force)
-                for i, m in enumerate(n_positions):  # of every M/m-th position of the orbit
+                for i, m in enumerate(n_positions):  # at every M/m-th position of the orbit
                     some = slice(None, None, max(n_positions) // m)
                     found[i, ring, k] = (
                         pull[some].sum() / force[some].sum() if force[some].any() else np.nan
@@ -526,45 +551,47 @@ class EffectiveFriction(Study):
         return found
 
     def skidding_onset(self, assembly: Assembly, n_positions: int) -> SkiddingOnset | None:
-        """Return where the cage runs away, up to the largest slip that is looked at; None if it is not looked for."""
+        """Return the onset of skidding up to the largest slip of the search; None if skidding is not searched."""
         if not self.skidding_range:
             return None
-        return self._away(self._rollers(assembly, n_positions))
+        return self._onset(self._rollers(assembly, n_positions))
 
     def _rollers(self, assembly: Assembly, n_positions: int) -> TorqueBalance:
+        """Return the torque balance of the bearing; raise `SceneError` where its motion is not periodic."""
         check_repeats(assembly, f"with study.{self.name}.skidding_range = 0")
         return rollers(assembly, n_positions)
 
-    def _away(self, balance: TorqueBalance) -> SkiddingOnset:
+    def _onset(self, balance: TorqueBalance) -> SkiddingOnset:
+        """Return the onset of skidding of a torque balance."""
         return skidding_onset(balance, self.skidding_range, f"study.{self.name}.skidding_range")
 
     def _balanced(
         self, assembly: Assembly, n_positions: int, outputs: frozenset[str] = _STEADY
     ) -> dict[str, Any]:
-        """Variables of running away and of how the cage runs, none where neither is looked for."""
+        """Return variables of the onset of skidding and of the steady slip; empty if skidding is not searched."""
         if not self.skidding_range:
             return {}
         balance = self._rollers(assembly, n_positions)
-        away = self._away(balance)
-        found = self.variables(
-            skidding_slip=away.slip, limit_drag=away.drag, skidding_status=np.array(away.status)
+        onset = self._onset(balance)
+        variables = self.variables(
+            skidding_slip=onset.slip, limit_drag=onset.drag, skidding_status=np.array(onset.status)
         )
         if outputs & _STEADY:
             runs = running(balance, self.skidding_range)
-            found |= self.variables(
+            variables |= self.variables(
                 steady_cage_slip=runs.slip,
                 steady_drag=runs.drag,
                 steady_status=np.array(runs.status),
             )
             if outputs & _RESERVE:
-                kept = reserve(balance, away, runs, self.skidding_range)
-                found |= self.variables(
-                    drag_reserve=kept.factor, reserve_status=np.array(kept.status)
+                to_skidding = reserve(balance, onset, runs, self.skidding_range)
+                variables |= self.variables(
+                    drag_reserve=to_skidding.factor, reserve_status=np.array(to_skidding.status)
                 )
-        return found
+        return variables
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the drags that act on rollers, if there are any and it is looked where the cage runs away."""
+        """Return the drags that act on rollers, if skidding is searched."""
         if not self.skidding_range:
             return ()
         return tuple(
@@ -576,44 +603,52 @@ class EffectiveFriction(Study):
     def loaded(
         self, assembly: Assembly, n_positions: int, known: LoadDistribution | None = None
     ) -> LoadedRaceways:
-        """Return the loaded contacts at a number of instants of a pitch; those at half as many may be known."""
+        """Return the loaded contacts at a number of roller positions within a pitch.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        n_positions : int
+            Roller positions within a pitch.
+        known : LoadDistribution or None
+            Loads at half as many positions, which are not computed once more.
+        """
         loads = assembly.load_distribution(n_positions, known=known)
         return LoadedRaceways(assembly, loads, self.closure, self.table, shared=known is None)
 
     def _converged(
         self, assembly: Assembly, slip: Array
     ) -> tuple[LoadedRaceways, tuple[Array, Array], tuple[Critical, Critical], float]:
-        """Double the instants until neither the curves nor the critical slips move by more than the tolerance."""
+        """Double the roller positions until curves and critical slips change by less than the tolerance.
+
+        Return raceways, curves of friction and film, critical slips, and the last change.
+        """
         tolerance = assembly.scene.accuracy.tolerance
         before: tuple[Array, tuple[Critical, Critical]] | None = None
         known: LoadDistribution | None = None
         n_positions = _FIRST_POSITIONS
-        moved = np.inf
+        change = np.inf
         while n_positions <= _MAX_POSITIONS:
             raceways = self.loaded(assembly, n_positions, known)
             known = raceways.distribution
             curves = friction, _ = raceways.evaluated(raceways.speeds(slip))
             critical = raceways.critical(slip, friction)
             if before is not None:
-                moved = max(
-                    largest_relative_change(before[0], friction),
-                    *map(_critical_moved, before[1], critical),
-                )
-                if moved <= tolerance:
-                    return raceways, curves, critical, moved
+                changes = map(_critical_change, before[1], critical)
+                change = max(largest_relative_change(before[0], friction), *changes)
+                if change <= tolerance:
+                    return raceways, curves, critical, change
             before = (friction, critical)
             n_positions = 2 * n_positions
-        what = f"effective friction still moves by {moved:.1e} (relative)"
-        if np.isinf(moved):
+        what = f"effective friction still moves by {change:.1e} (relative)"
+        hint = ""
+        if np.isinf(change):
             what = "whether there is a slip at largest traction still changes"
+            hint = f", or move the end of the range, {self.table}.max_cage_slip"
         raise ConvergenceError(
             f"{what} from {_MAX_POSITIONS // 2} to {_MAX_POSITIONS} roller positions within a pitch; raise "
-            f"accuracy.tolerance, which is {tolerance:g}"
-            + (
-                f", or move the end of the range, {self.table}.max_cage_slip"
-                if np.isinf(moved)
-                else ""
-            )
+            f"accuracy.tolerance, which is {tolerance:g}{hint}"
         )
 
     def _dataset(
@@ -624,6 +659,7 @@ class EffectiveFriction(Study):
         curves: tuple[Array, Array],
         critical: tuple[Critical, Critical],
     ) -> "xr.Dataset":
+        """Return the result of curves, film parameters and critical slips, with map, regimes and torque balance."""
         import xarray as xr
 
         speeds = raceways.speeds(slip)
@@ -631,9 +667,9 @@ class EffectiveFriction(Study):
         (friction, film) = curves
         loads = raceways.distribution
         forces = np.stack([loads.inner_force[0], loads.outer_force[0]])
-        found, coords = _curves(slip, friction, critical)
+        curve_variables, coords = _curve_variables(slip, friction, critical)
         variables: dict[str, Any] = {
-            **found,
+            **curve_variables,
             **self.variables(**means, film_parameter=film),
             **regime_variables(*raceways.regimes(speeds)),
             **self.variables(normal_force=forces, angle=loads.psi[0]),
@@ -647,52 +683,115 @@ class EffectiveFriction(Study):
             variables |= self.variables(friction_map=surface)
             coords["map_cage_slip"] = ("map_cage_slip", cage, about("1", "cage slip"))
             coords["map_roller_slip"] = ("map_roller_slip", roller, about("1", "roller slip"))
-        said = {
+        attributes = {
             "closure": self.closure,
             "n_positions": int(loads.psi.shape[0]),
             "slices": assembly.slices,
             "force_residual": loads.force_residual,
             "moment_residual": loads.moment_residual,
         }
-        return xr.Dataset(variables, coords, attrs=self.attributes | said)
+        return xr.Dataset(variables, coords, attrs=self.attributes | attributes)
 
 
-def _by_few_loads(
+#: Slips, friction if all slices are evaluated, (2, n), and critical slips of both rings.
+_Maxima: TypeAlias = tuple[Array, Array | None, tuple[Critical, Critical]]
+
+
+def _find_maxima(
+    cases: Sequence[tuple[int, Array, LoadedRaceways]], *, whole: bool
+) -> dict[int, _Maxima]:
+    """Return the maxima of curves by the number of their case; with whole curves all slices are evaluated.
+
+    Else reduced loads give them where all slices confirm these.
+    """
+    found = dict[int, _Maxima]()
+    if not whole:
+        maxima = _find_maxima_by_reduced_loads([(slip, raceways) for _, slip, raceways in cases])
+        found = {
+            k: (slip, None, critical)
+            for (k, slip, _), critical in zip(cases, maxima, strict=True)
+            if critical is not None
+        }
+    left = [case for case in cases if case[0] not in found]
+    curves = evaluate_together([(raceways, raceways.speeds(slip)) for _, slip, raceways in left])
+    evaluated = [
+        (raceways, slip, friction)
+        for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)
+    ]
+    maxima_of_left = find_critical_together(evaluated)
+    for (k, slip, _), (_, _, friction), critical in zip(
+        left, evaluated, maxima_of_left, strict=True
+    ):
+        found[k] = slip, friction, critical
+    return found
+
+
+def _find_maxima_by_reduced_loads(
     cases: Sequence[tuple[Array, LoadedRaceways]],
 ) -> list[tuple[Critical, Critical] | None]:
-    """Critical slips of both rings by few loads on slips of their curves; None where all slices say otherwise."""
-    few = [raceways.with_reduced_loads() for _, raceways in cases]
+    """Return critical slips of both rings by reduced loads; None where all slices have another friction there."""
+    coarse = [raceways.with_reduced_loads() for _, raceways in cases]
     curves = evaluate_together(
-        [(own, own.speeds(slip)) for own, (slip, _) in zip(few, cases, strict=True)]
+        [(own, own.speeds(slip)) for own, (slip, _) in zip(coarse, cases, strict=True)]
     )
     critical = find_critical_together(
         [
             (own, slip, friction)
-            for own, (slip, _), (friction, _) in zip(few, cases, curves, strict=True)
+            for own, (slip, _), (friction, _) in zip(coarse, cases, curves, strict=True)
         ]
     )
-    held = [
-        (own, [_held_at(slip, ring) for ring in both])
-        for own, (slip, _), both in zip(few, cases, critical, strict=True)
+    compared = [
+        (own, [_compared_slips(slip, ring) for ring in both])
+        for own, (slip, _), both in zip(coarse, cases, critical, strict=True)
     ]
     errors = [
-        _COARSE_FRACTION * raceways.assembly.scene.accuracy.tolerance for _, raceways in cases
+        _REDUCED_ERROR_FRACTION * raceways.assembly.scene.accuracy.tolerance
+        for _, raceways in cases
     ]
     return [
         both if agrees else None
-        for both, agrees in zip(critical, are_confirmed(held, errors), strict=True)
+        for both, agrees in zip(critical, are_confirmed(compared, errors), strict=True)
     ]
 
 
-def _held_at(slip: Array, critical: Critical) -> Array:
-    """Slips at which friction of few loads is held against that of all slices: the maximum and the end."""
+def _compared_slips(slip: Array, critical: Critical) -> Array:
+    """Return the slips at which friction of reduced loads and of all slices is compared: the maximum and the end."""
     return slip[-1:] if np.isnan(critical.slip) else np.array([critical.slip, slip[-1]])
 
 
-def _curves(
+def _film_error_at_jumps(
+    raceways: LoadedRaceways, ring: tuple[LoadedContacts, Array, Array], along: Array, step: int
+) -> float:
+    """Return a bound on the relative error of the smallest film where rollers jump between positions; 0 without jumps.
+
+    ``ring`` has contacts, rolling and sliding speeds, ``along`` the film parameter at the positions with a neighbour at
+    either end, and ``step`` is 1 or -1, the side of the jump.
+    """
+    contacts, u, V = ring
+    tolerance = raceways.assembly.scene.accuracy.tolerance
+    smallest = along[1:-1].min()
+    over = along / smallest - 1.0
+    near, at, far = (over[1 + k : over.size - 1 + k] for k in (-step, 0, step))
+    edges = np.flatnonzero(
+        (at <= tolerance) & (far > _JUMP_RATIO * np.maximum(near, tolerance)) & np.isfinite(far)
+    )
+    if not edges.size:
+        return 0.0
+    # all jumps at once: the neighbour beyond each jump gets the speeds of the position before it
+    source = np.arange(over.size - 2)
+    source[(edges + step) % source.size] = edges
+    owner = source[contacts.owner]
+    own = np.where(
+        owner == contacts.owner, np.arange(owner.size), np.searchsorted(contacts.owner, owner)
+    )
+    bounds = raceways.thinnest(contacts, u[own], V[own])[1 + edges + step]
+    return float((smallest / bounds - 1.0).max())
+
+
+def _curve_variables(
     slip: Array, friction: Array | None, critical: tuple[Critical, Critical]
 ) -> PartialResult:
-    """Variables of the curves, if they are known as a whole, and their maxima, and their coordinates."""
+    """Return variables and coordinates of the maxima of curves, and of the curves if their friction is known."""
     curves = {} if friction is None else EffectiveFriction.variables(effective_friction=friction)
     return curves | EffectiveFriction.variables(
         critical_cage_slip=np.array([c.slip for c in critical]),
@@ -706,7 +805,8 @@ def _curves(
     }
 
 
-def _critical_moved(before: Critical, after: Critical) -> float:
+def _critical_change(before: Critical, after: Critical) -> float:
+    """Return the relative change of a critical slip; infinite where only one of both exists."""
     if np.isnan(before.slip) != np.isnan(after.slip):
         return np.inf
     return 0.0 if np.isnan(after.slip) else abs(after.slip / before.slip - 1.0)

@@ -49,7 +49,7 @@ from rollslip_studies.motion.torque_balance import (
     RANGE,
     Orbit,
     TorqueBalance,
-    look_along,
+    evaluate_on_branch,
     minimum_positions,
     reserve,
     running,
@@ -91,7 +91,7 @@ _MAX_POSITIONS_FOR_LIMIT_DRAG: Final = 16
 #: torque rises, to the end. Chosen; the loading branch needs no more positions between them.
 _COMPARED_FRACTIONS: Final = (0.02, 0.15, 0.5, 1.0)
 #: Fraction of the tolerances that slices and roller positions may use; the rest is for the errors of single numbers.
-#: All of it saves up to half the slices, half of it needs twice as many. Chosen.
+#: Twice as much, all of it, needs fewer slices and leaves nothing for these. Chosen.
 _TOLERANCE_FRACTION: Final = 0.5
 
 
@@ -101,11 +101,12 @@ class _CostModel:
 
     #: Loading branches of a run: those of the last two numbers of positions.
     branches: int = 2
-    #: Motions of a loading branch.
+    #: Motions of a loading branch. Chosen.
     branch_motions: int = 25
-    #: Motions of the rollers that a followed branch evaluates, as branches of shipped scenes do.
+    #: Motions of the rollers that a followed branch evaluates. Chosen.
     followed_motions: int = 350
     #: Loading branches of a search for the minimum load, where rollers have several motions at the acceptable slip.
+    #: Chosen.
     minimum_load_branches: int = 9
 
 
@@ -236,7 +237,7 @@ class SteadySlip(Study):
         )
         n_followed = sum(bool(getattr(self, name)) for name in VARIED)
         branches = _COST.branches + _COST.followed_motions * n_followed / (2 * _COST.branch_motions)
-        if self.acceptable_slip is not None and balance.has_several(self.acceptable_slip):
+        if self.acceptable_slip is not None and balance.has_several_motions(self.acceptable_slip):
             branches += _COST.minimum_load_branches
         return {"orbits": balance.seconds() * branches}
 
@@ -265,7 +266,7 @@ class SteadySlip(Study):
 
     def sample_other_contacts(self, assembly: Assembly) -> None:
         """Evaluate contacts along the loading branch."""
-        look_along(assembly, max(RANGE, self.max_cage_slip), inertia=self.inertia)
+        evaluate_on_branch(assembly, max(RANGE, self.max_cage_slip), inertia=self.inertia)
 
     @property
     def validity_state(self) -> str:
@@ -322,7 +323,7 @@ class SteadySlip(Study):
         branch = self._loading_branch(balance)
         steady = [] if balance.rolls_freely else branch.find_steady_motions(balance.drag)
         slips = [0.0] if balance.rolls_freely else [motion.slip for motion in steady]
-        states = [balance.orbit_of(motion.motion) for motion in steady]
+        states = [balance.orbit_from_motion(motion.motion) for motion in steady]
         if not states:
             end = min(self.max_cage_slip, branch.end)
             others = slips or [fraction * end for fraction in _COMPARED_FRACTIONS]
