@@ -1,18 +1,24 @@
-"""All bulk temperatures at which the losses of a bearing and its cooling are in balance, which last, and the fold.
+"""Find all bulk temperatures at which the losses of a bearing and its cooling are in balance, and the limit point.
 
-- Temperatures change viscosity, and clearance where the thermal model says so, and with them films, loads, the steady
-  slip and the losses; these heat the nodes of the model. Minutes pass there while a slip settles within seconds and a
-  film within a millisecond, so the slip is that of `rollslip_studies.steady_slip` at every temperature.
-- The leading node is held at one temperature after the other, and the others follow. What heat it then gains is one
-  curve, the *excess heat*: all of its zeros in the range are balances. A pair closer together than the curve tells is
-  sought where it turns near zero.
-- A balance lasts if all eigenvalues of C^-1 dH/dT there are negative, with the losses in H.
-- Where the cage has no steady slip the curve ends: that is a runaway of the film, and told apart from that of the bulk,
-  where the curve turns above zero.
+Temperatures change viscosity, and clearance where the thermal model says so; these change films, loads, the steady slip
+and the losses, which heat the nodes of the model. Nodes need minutes, a slip seconds and a film milliseconds, so the
+slip is the steady one of `rollslip_studies.steady_slip` at every temperature.
+
+1. Fix the temperature of the leading node at each point of a grid. Find those of the other nodes, which follow, by
+   fixed-point iteration with Anderson's acceleration of depth 1; if it does not converge, by Powell's method.
+2. The heat that the leading node then gains is the *excess heat*, a function of its temperature.
+3. Omit single points at which a search did not converge. Bisect between a point with and one without a steady slip:
+   there the curve ends.
+4. Search a pair of zeros between points by minimising |excess heat| where it has an extremum near zero (Brent).
+5. Find each zero by Brent's method; an interval in which the steady slip ends holds a jump, not a zero.
+6. Refine each balance by Newton's method on all nodes. It is stable if all eigenvalues of C^-1 dH/dT are negative, with
+   the losses in the heat flows H.
+7. The limit is the minimum of the excess heat above the coldest stable balance: the limit point (fold) at which no
+   balance is left if heat is added. Where the curve ends first, the cage skids: a limit of the film, not of the bulk.
 """
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 import attrs
@@ -30,49 +36,66 @@ from rollslip_studies.steady_slip.study import SteadySlip
 
 __all__ = ["Balance", "Curve", "Heated", "State"]
 
-#: Temperature that the nodes that follow may miss while the curve is scanned [K], how often they are put right, and
-#: how the other method is asked for it.
-_FOLLOWED: Final = 1e-2
-_MOST: Final = 25
+#: Tolerance of the temperatures of the nodes that follow, and of a zero of the curve [K]. Newton's method refines
+#: balances after that. Halving it costs about one more iteration at each point. Chosen.
+_TEMPERATURE_TOLERANCE: Final = 1e-2
+#: Maximum number of iterations, of the fixed-point iteration and of Newton's method. Chosen: converging ones need 3 to
+#: 10.
+_MAX_ITERATIONS: Final = 25
+#: Options of Powell's hybrid method, used where the fixed-point iteration does not converge. Chosen.
 _POWELL: Final[Any] = {"xtol": 1e-6, "maxfev": 40}
-#: How near the temperatures of a state have to be [K] whose slip is where the next one is sought, to what a slip is
-#: found from there, relative to it, how much it may move, and steps towards it.
-_BESIDE: Final = 3.0
-_FOUND = 1e-7
-_MOVED = 0.2
-_FAR = 0.5
-#: Step of temperature by which flows are differentiated [K].
-_STEP: Final = 0.02
-#: Relative accuracy of a steady slip, where flows are differentiated.
-_PRECISE: Final = 1e-12
-#: Heat that may be left of the nodes that follow, relative to the losses, where they are found by another method.
-_LEFT: Final = 1e-4
-#: Halvings that place the end of a curve.
-_HALVINGS: Final = 12
-#: Heat that may be left of a balance, relative to the losses.
-_BALANCED: Final = 1e-6
-#: Coldest temperature of the leading node at which balances are sought [K].
-_COLDEST: Final = 150.0
-#: How far a balance may be from where the curve has its zero [K]; farther it is another one.
-_NEAR: Final = 1.0
+#: Largest difference of temperatures [K] to a state from whose slip the secant method starts. Doubling it uses more
+#: distant slips, from which the method fails more often and the whole range is searched. Chosen.
+_START_DISTANCE: Final = 3.0
+#: Tolerance of a slip by the secant method, relative to the slip it starts from. Chosen: far below that of the losses.
+_SLIP_TOLERANCE: Final = 1e-7
+#: Tolerance of such a slip where flows are differentiated. Chosen: rounding, since differences of 0.02 K amplify
+#: errors.
+_PRECISE_SLIP_TOLERANCE: Final = 1e-12
+#: Largest change of the slip, relative to the slip it starts from, at which the result of the secant method is
+#: accepted. Doubling it may accept a slip of another branch. Chosen.
+_MAX_SLIP_CHANGE: Final = 0.2
+#: Half-width of the range in which the secant method may evaluate slips, relative to the slip it starts from. Chosen.
+_SECANT_RANGE: Final = 0.5
+#: Half the step of temperature of central differences of heat flows [K]. Doubling it quadruples their error; halving it
+#: doubles the effect of errors of the slip. Chosen.
+_DIFFERENCE_STEP: Final = 0.02
+#: Heat flow into the nodes that follow that Powell's method may leave, relative to the losses. Chosen.
+_POWELL_RESIDUAL: Final = 1e-4
+#: Number of bisections that find the end of a curve: to 1/4096 of a step of the grid. Chosen.
+_END_BISECTIONS: Final = 12
+#: Heat flow that Newton's method aims at, relative to the losses: rounding.
+_NEWTON_RESIDUAL: Final = 1e-12
+#: Largest difference of heat made and heat carried away of an accepted balance, relative to the losses. Chosen.
+_BALANCE_TOLERANCE: Final = 1e-6
+#: Lowest temperature of the leading node at which balances are sought [K]. Chosen: below it no oil is liquid.
+_LOWEST_TEMPERATURE: Final = 150.0
+#: Largest distance of a refined balance from the zero of the curve [K]; farther away it is another balance. Chosen.
+_MAX_DISTANCE: Final = 1.0
+#: Tolerance of the temperature of the limit [K]. The excess heat has a minimum there, so its error is much smaller.
+_LIMIT_TOLERANCE: Final = 0.05
 
 
 @attrs.frozen(eq=False)
 class State:
     """A bearing at given bulk temperatures, with its steady slip and losses; or why it has none."""
 
-    slip: float  # least steady cage slip that the cage holds; NaN if there is none
-    power: PowerBalance | None = None  # losses there
+    slip: float  # smallest stable steady cage slip; NaN if there is none
+    power: PowerBalance | None = None  # losses at that slip
     refusal: str = ""  # why there is no slip or no film, in words; empty if there are
-    by_film: bool = False  # whether it is the cage that runs away, and not an oil beyond its data
-    lost: bool = False  # whether a search came to no end, which says nothing of the bearing
+    cage_skids: bool = (
+        False  # whether the refusal is that the cage skids, and not that an oil has no data
+    )
+    not_converged: bool = (
+        False  # whether a search did not converge, which says nothing about the bearing
+    )
     slope: float = (
         np.nan
-    )  # how the excess torque rises with the slip there [N m]; NaN where it was not needed
+    )  # derivative of the excess torque with respect to the slip [N m]; NaN if it is not known
 
     @property
     def loss(self) -> float:
-        """All losses [W]; NaN if there is no steady state."""
+        """Sum of all losses [W]; NaN if there is no steady state."""
         return np.nan if self.power is None else self.power.total
 
     @property
@@ -84,45 +107,58 @@ class State:
 
 @attrs.frozen(eq=False)
 class Balance:
-    """Temperatures of the nodes [K] at which heat made is carried away, and the fastest growth there [1/s]."""
+    """Temperatures at which the losses are carried away."""
 
-    temperatures: Array
-    state: State
-    growth: float
-    error: float
+    temperatures: Array  # of the nodes [K], (n,)
+    state: State  # the bearing at these temperatures
+    growth: float  # largest real part of an eigenvalue of C^-1 dH/dT [1/s]
+    error: float  # losses minus heat carried away, relative to the losses
 
     @property
     def stable(self) -> bool:
-        """Whether a disturbance fades."""
+        """Whether a disturbance of the temperatures decays."""
         return self.growth < 0.0
 
 
 @attrs.frozen(eq=False)
 class Curve:
-    """Excess heat [W] of the leading node over its temperature [K], (n,); NaN and a reason where there is no slip."""
+    """Excess heat of the leading node over its temperature."""
 
-    temperature: Array
-    excess: Array
-    refusals: tuple[State, ...]
+    temperature: Array  # of the leading node [K], (n,), ascending
+    excess: Array  # excess heat [W], (n,); NaN where there is no steady slip
+    refusals: tuple[State, ...]  # states with the reason why there is none, where there is none
 
 
-class _Refused(Exception):  # noqa: N818 - no error: there is no steady state
+class _Refused(Exception):  # noqa: N818 - not an error: there is no steady state
+    """There is no steady state at some temperatures."""
+
     def __init__(self, state: State) -> None:
         super().__init__(state.refusal)
         self.state = state
 
 
 class Heated:
-    """A bearing whose losses heat it.
+    """A bearing that is heated by its losses.
 
     Parameters
     ----------
     assembly : Assembly
         The bearing at the temperatures of its scene.
     model : ThermalModel
-        With all that it takes from the bearing, `ThermalModel.of`.
+        The thermal model, with all parameters from the bearing (`ThermalModel.of`).
     study : SteadySlip
-        What finds the steady slip.
+        The study that finds the steady slip.
+
+    Attributes
+    ----------
+    jumps : list of tuple
+        Ranges of the leading temperature in which the excess heat jumps past zero [K].
+    skipped : list of float
+        Single leading temperatures at which a search did not converge, and which the curve omits [K].
+    precise_slips : bool
+        Whether slips are found to rounding, as differences of flows require, and not to the tolerance of a scan.
+    evaluations : int
+        Number of temperatures at which a steady slip was sought.
     """
 
     def __init__(self, assembly: Assembly, model: ThermalModel, study: SteadySlip) -> None:
@@ -130,15 +166,12 @@ class Heated:
         self.model = model
         self._study = study
         self.scene = assembly.scene
-        self._known = dict[tuple[float, ...], State]()
-        #: temperatures of states whose least slip was sought over the whole range, by what the model changes
-        self._sought = list[tuple[Mapping[str, float], State]]()
-        #: ranges of the leading temperature in which the excess heat jumps past zero
+        self._states = dict[tuple[float, ...], State]()
+        #: states whose slip was searched over the whole range, with the changes of the scene that lead to them
+        self._searched = list[tuple[Mapping[str, float], State]]()
         self.jumps: list[tuple[float, float]] = []
-        #: single temperatures of the leading node at which a search came to no end, and which the curve passes over
-        self.unknown: list[float] = []
-        #: whether slips are found to the last digits, as differences of flows need them, and not to the tolerance alone
-        self.sharp = False
+        self.skipped: list[float] = []
+        self.precise_slips = False
         self.evaluations = 0
 
     # At given temperatures ------------------------------------------------------------------------------------------
@@ -152,69 +185,95 @@ class Heated:
         return self._state(self.model.changes(temperatures, self.scene))
 
     def _state(self, changes: Mapping[str, float]) -> State:
-        key = (self.sharp, *changes.values())
-        if key not in self._known:
-            self._known[key] = self._solved(changes)
-        return self._known[key]
+        """Return the state with changes of the scene, computed once."""
+        key = (self.precise_slips, *changes.values())
+        if key not in self._states:
+            self._states[key] = self._computed_state(changes)
+        return self._states[key]
 
-    def _solved(self, changes: Mapping[str, float]) -> State:
+    def _computed_state(self, changes: Mapping[str, float]) -> State:
         self.evaluations += 1
         try:
-            there = self._bearing(changes)
-            if (beside := self._beside(there, changes)) is not None:
-                return beside
-            balance, steady, status = self._study.steady(there)
-            held = next((one for one in steady if one.slope > 0.0), None)
-            if held is None:
-                return State(np.nan, refusal="no slip is held" if steady else status, by_film=True)
-            state = State(
-                held.slip, power_balance(balance, balance.orbit_of(held.motion)), slope=held.slope
-            )
-            self._sought.append((changes, state))
+            bearing = self._bearing(changes)
+            neighbour = self._state_by_secants(bearing, changes)
+            if neighbour is not None:
+                return neighbour
+            balance, steady, status = self._study.steady(bearing)
+            stable = next((motion for motion in steady if motion.slope > 0.0), None)
+            if stable is None:
+                refusal = "no slip is held" if steady else status
+                return State(np.nan, refusal=refusal, cage_skids=True)
+            power = power_balance(balance, balance.orbit_from_motion(stable.motion))
+            state = State(stable.slip, power, slope=stable.slope)
+            self._searched.append((changes, state))
             return state
-        except (SceneError, DomainError) as error:  # of temperatures that nobody wrote into a scene
+        except (SceneError, DomainError) as error:
+            # the user did not write these temperatures, so the location in the scene is removed
             return State(np.nan, refusal=str(error).removeprefix("changes: "))
         except ConvergenceError as error:
-            return State(np.nan, refusal=str(error), by_film=True, lost=True)
+            return State(np.nan, refusal=str(error), cage_skids=True, not_converged=True)
 
     def _bearing(self, changes: Mapping[str, float]) -> Assembly:
+        """Return the bearing with changes of its scene."""
         scene = evolve(self.scene, changes) if changes else self.scene
-        there = assemble(scene, self.assembly.resolution, like=self.assembly)
-        return there.with_bounds(*self.assembly.inner.chain.bounds).with_resistance()
+        bearing = assemble(scene, self.assembly.resolution, like=self.assembly)
+        return bearing.with_bounds(*self.assembly.inner.chain.bounds).with_resistance()
 
-    def off(self, temperatures: Array | None, slip: float, loss: float) -> tuple[float, float]:
-        """Return by how much a steady slip and a loss [W] are off that another resolution led to, relative.
+    def relative_errors(
+        self, temperatures: Array | None, slip: float, loss: float
+    ) -> tuple[float, float]:
+        """Return the relative errors of a steady slip and a loss of another resolution.
 
-        At temperatures of the nodes [K], (n,), or at those of the scene.
+        Parameters
+        ----------
+        temperatures : ndarray, shape (n,), or None
+            Temperatures of the nodes [K]; None for those of the scene.
+        slip : float
+            Steady cage slip of the other resolution [1].
+        loss : float
+            Losses of the other resolution [W].
         """
         changes = {} if temperatures is None else self.model.changes(temperatures, self.scene)
         balance = self._study.balance(self._bearing(changes))
-        off, own = estimate_by_secant(
+        slip_error, own_loss = estimate_by_secant(
             balance, slip, lambda orbit: np.array(power_balance(balance, orbit).total)
         )
-        return off, abs(loss / float(own) - 1.0)
+        return slip_error, abs(loss / float(own_loss) - 1.0)
 
-    def _beside(self, there: Assembly, changes: Mapping[str, float]) -> State | None:
-        """The state on the branch of one at nearly the same temperatures, by secants; None where they tell of none."""
-        near, of = min(
-            ((max(abs(known[key] - changes[key]) for key in changes), k) for k, (known, _) in enumerate(self._sought)
-             if known.keys() == changes.keys() and changes), default=(np.inf, -1),
-        )  # fmt: skip
-        if near > _BESIDE or not (start := self._sought[of][1].slip) > 0.0:
+    def _state_by_secants(self, bearing: Assembly, changes: Mapping[str, float]) -> State | None:
+        """Return the state by the secant method from the slip at nearly the same temperatures; None if it fails."""
+        distances = (
+            (max(abs(searched[key] - changes[key]) for key in changes), k)
+            for k, (searched, _) in enumerate(self._searched)
+            if searched.keys() == changes.keys() and changes
+        )
+        distance, nearest = min(distances, default=(np.inf, -1))
+        if distance > _START_DISTANCE:
             return None
-        balance = self._study.balance(there)
-        known = self._sought[of][1]
-        exact = _PRECISE if self.sharp else _FOUND
-        within = (1.0 - _FAR) * start, min((1.0 + _FAR) * start, self._study.max_cage_slip)
-        found = secants(balance.excess, start, known.slope, tolerance=exact * start, within=within)
-        if found is None or not found[1] > 0.0 or abs(found[0] - start) > _MOVED * start:
+        searched, neighbour = self._searched[nearest]
+        start = neighbour.slip
+        if not start > 0.0:
             return None
-        slip, slope = found
-        self._sought[of] = (self._sought[of][0], attrs.evolve(known, slope=slope))
+        balance = self._study.balance(bearing)
+        tolerance = _PRECISE_SLIP_TOLERANCE if self.precise_slips else _SLIP_TOLERANCE
+        upper = min((1.0 + _SECANT_RANGE) * start, self._study.max_cage_slip)
+        root = secants(
+            balance.excess,
+            start,
+            neighbour.slope,
+            tolerance=tolerance * start,
+            within=((1.0 - _SECANT_RANGE) * start, upper),
+        )
+        if root is None:
+            return None
+        slip, slope = root
+        if not slope > 0.0 or abs(slip - start) > _MAX_SLIP_CHANGE * start:
+            return None
+        self._searched[nearest] = (searched, attrs.evolve(neighbour, slope=slope))
         return State(slip, power_balance(balance, balance.orbit(slip)), slope=slope)
 
     def inflows(self, temperatures: Array) -> Array:
-        """Heat that flows into each node, with the losses at these temperatures [W], (n,)."""
+        """Return the heat flow into each node [W], (n,), with the losses at temperatures of the nodes [K], (n,)."""
         state = self.at(temperatures)
         if state.refusal:
             raise _Refused(state)
@@ -223,257 +282,274 @@ class Heated:
     # The curve ------------------------------------------------------------------------------------------------------
 
     def followed(self, leading: float, guess: Array) -> tuple[Array, Mapping[str, float]]:
-        """Temperatures of all nodes where the leading one is held and the others follow, and the losses there."""
+        """Return the temperatures of all nodes [K] where the leading one is fixed, and the losses by place [W].
+
+        Parameters
+        ----------
+        leading : float
+            Temperature of the leading node [K].
+        guess : ndarray, shape (n,)
+            Temperatures from which those of the other nodes are iterated [K].
+        """
         T = np.concatenate(([leading], guess[1:]))
-        before: tuple[Array, Array] | None = None
-        for _ in range(_MOST):
+        previous: tuple[Array, Array] | None = None
+        for _ in range(_MAX_ITERATIONS):
             state = self.at(T)
             if state.refusal:
                 raise _Refused(state)
-            moved = self._cooled(T, state.heat) - T
-            if float(np.abs(moved).max(initial=0.0)) <= _FOLLOWED:
-                return T + moved, state.heat
-            mixed = moved
-            if before is not None:  # Anderson's acceleration with one step behind
-                change = moved - before[1]
-                step = T - before[0]
-                if (size := float(change @ change)) > 0.0:
-                    mixed = moved - float(moved @ change) / size * (step + change)
-            before = (T, moved)
-            T = T + mixed
-        T = self._by_powell(leading, guess)
+            residual = self._cooled(T, state.heat) - T
+            if float(np.abs(residual).max(initial=0.0)) <= _TEMPERATURE_TOLERANCE:
+                return T + residual, state.heat
+            step = residual
+            if previous is not None:  # Anderson's acceleration of depth 1
+                difference = residual - previous[1]
+                if (size := float(difference @ difference)) > 0.0:
+                    factor = float(residual @ difference) / size
+                    step = residual - factor * (T - previous[0] + difference)
+            previous = (T, residual)
+            T = T + step
+        T = self._followed_by_powell(leading, guess)
         return T, self.at(T).heat
 
-    def _by_powell(self, leading: float, guess: Array) -> Array:
-        """Temperatures as `followed` gives them, by Powell's hybrid method, where going on does not settle."""
+    def _followed_by_powell(self, leading: float, guess: Array) -> Array:
+        """Return temperatures as `followed` does, by Powell's hybrid method, where that iteration does not converge."""
         from scipy.optimize import root
 
-        def left(following: Array) -> Array:
+        def flows(following: Array) -> Array:
             return self.inflows(np.concatenate(([leading], following)))[1:]
 
-        found = root(left, guess[1:], method="hybr", options=_POWELL)
-        if not float(np.abs(found.fun).max()) <= _LEFT * self._lost(
-            T := np.concatenate(([leading], found.x))
-        ):
-            said = f"beside {leading - 273.15:.4g} degC the other parts find no temperatures: losses jump with them"
-            raise _Refused(State(np.nan, refusal=said, lost=True))
+        solution = root(flows, guess[1:], method="hybr", options=_POWELL)
+        T = np.concatenate(([leading], solution.x))
+        if not float(np.abs(solution.fun).max()) <= _POWELL_RESIDUAL * self._total_loss(T):
+            refusal = f"beside {leading - 273.15:.4g} degC the other parts find no temperatures: losses jump with them"
+            raise _Refused(State(np.nan, refusal=refusal, not_converged=True))
         return T
 
     def _cooled(self, temperatures: Array, heat: Mapping[str, float]) -> Array:
-        """Temperatures of the nodes that follow, with these losses, by Newton's method on the thermal model alone."""
+        """Return the temperatures of the nodes for fixed losses, by Newton's method on the thermal model alone."""
         T = temperatures.copy()
         n = temperatures.size
-        for _ in range(_MOST):
+        for _ in range(_MAX_ITERATIONS):
             flow = self.model.inflows(T, heat)[1:]
             if n == 1 or float(np.abs(flow).max()) == 0.0:
                 return T
-            columns = [self.model.inflows(T + one, heat)[1:] - flow for one in np.eye(n)[1:]]
+            columns = [self.model.inflows(T + unit, heat)[1:] - flow for unit in np.eye(n)[1:]]
             step = np.linalg.solve(np.array(columns).T, -flow)
             T[1:] += step
-            if float(np.abs(step).max()) <= 1e-3 * _FOLLOWED:
+            if float(np.abs(step).max()) <= 1e-3 * _TEMPERATURE_TOLERANCE:
                 return T
         return T
 
     def excess(self, leading: float, guess: Array) -> tuple[float, Array]:
-        """Excess heat of the leading node [W] at its temperature [K], and the temperatures of all nodes."""
+        """Return the excess heat of the leading node [W], and the temperatures of all nodes [K], (n,).
+
+        Parameters
+        ----------
+        leading : float
+            Temperature of the leading node [K].
+        guess : ndarray, shape (n,)
+            Temperatures from which those of the other nodes are iterated [K].
+        """
         T, heat = self.followed(leading, guess)
         return float(self.model.inflows(T, heat)[0]), T
 
     def curve(
         self, lowest: float, highest: float, points: int, *, first: bool = False
     ) -> tuple[Curve, dict[float, Array]]:
-        """Return the excess heat over the range, and temperatures of all nodes by that of the leading one.
+        """Return the excess heat over a range, and the temperatures of all nodes by that of the leading one.
 
-        The range goes on to colder ones where more is carried away than is lost already at its lowest. ``first`` ends
-        it where the curve first falls past zero, so that its beginning is the same.
+        The range is extended to lower temperatures where more heat is carried away than lost already at the lowest.
+
+        Parameters
+        ----------
+        lowest, highest : float
+            Range of the temperature of the leading node [K].
+        points : int
+            Number of points of the first grid.
+        first : bool
+            Whether the curve ends where it first falls below zero; it is the same up to there.
         """
-        grid = list(np.linspace(lowest, highest, points))
-        guess = self.model.start(self.scene)
-        known: dict[float, float] = {}
-        places: dict[float, Array] = {}
-        refused: dict[float, State] = {}
+        scan = _Scan(self)
+        grid = scan.sample_grid(lowest, highest, points, first=first)
+        scan.skip_unconverged(grid)
+        scan.bisect_ends(grid)
+        return scan.curve(), scan.temperatures
 
-        def look(x: float, near: Array) -> bool:
-            try:
-                known[x], places[x] = self.excess(x, near)
-            except _Refused as refusal:
-                known[x] = np.nan
-                refused[x] = refusal.state
-            return x not in refused
+    def zeros(self, curve: Curve, temperatures: dict[float, Array]) -> list[float]:
+        """Return every temperature of the leading node at which the curve is zero [K].
 
-        for k, x in enumerate(grid):
-            look(x, _foreseen(x, places) if places else guess)
-            if (
-                first
-                and k
-                and known[x] < 0.0
-                and (known[grid[k - 1]] > 0.0 or known[grid[0]] < 0.0)
-            ):
-                grid = grid[: k + 1]
-                break
-        while known[grid[0]] < 0.0 and (colder := grid[0] - (grid[1] - grid[0])) >= _COLDEST:
-            look(colder, _foreseen(colder, places))
-            grid.insert(0, colder)
-        for a, x, b in zip(grid, grid[1:], grid[2:], strict=False):
-            if x in refused and refused[x].lost and a not in refused and b not in refused:
-                self.unknown.append(x)
-        for x in self.unknown:
-            grid.remove(x)
-            del known[x], refused[x]
-        for a, b in itertools.pairwise(grid):  # where the curve ends
-            if (a in refused) != (b in refused):
-                good, bad = (b, a) if a in refused else (a, b)
-                for _ in range(_HALVINGS):
-                    middle = 0.5 * (good + bad)
-                    good, bad = (
-                        (middle, bad) if look(middle, _foreseen(middle, places)) else (good, middle)
-                    )
-        order = sorted(known)
-        states = tuple(refused.get(x, State(0.0)) for x in order)
-        return Curve(np.array(order), np.array([known[x] for x in order]), states), places
+        Parameters
+        ----------
+        curve : Curve
+            The excess heat.
+        temperatures : dict
+            Temperatures of all nodes by that of the leading one; new ones are added.
+        """
+        from scipy.optimize import brentq
 
-    def zeros(self, curve: Curve, places: dict[float, Array]) -> list[float]:
-        """Return every temperature of the leading node at which the curve is zero."""
-        from scipy.optimize import brentq, minimize_scalar
+        def excess(leading: float) -> float:
+            guess = _extrapolated(leading, temperatures)
+            value, temperatures[leading] = self.excess(leading, guess)
+            return value
+
+        x, values = self._with_extrema(curve, excess)
+        zeros = []
+        for a, b, left, right in zip(x, x[1:], values, values[1:], strict=False):
+            if np.isfinite([left, right]).all() and left * right < 0.0:
+                try:
+                    zeros.append(float(brentq(excess, a, b, xtol=_TEMPERATURE_TOLERANCE)))
+                except _Refused:  # a jump past zero, at which nothing is in balance
+                    self.jumps.append((a, b))
+        return zeros
+
+    @staticmethod
+    def _with_extrema(
+        curve: Curve, excess: Callable[[float], float]
+    ) -> tuple[list[float], list[float]]:
+        """Return the points of a curve and, between them, extrema beyond zero: they part two zeros of an interval."""
+        from scipy.optimize import minimize_scalar
 
         x = list(curve.temperature)
         values = list(curve.excess)
-
-        def excess(at: float) -> float:
-            value, places[at] = self.excess(at, _foreseen(at, places))
-            return value
-
         for k in range(len(x) - 2, 0, -1):
-            left, here, right = values[k - 1 : k + 2]
-            if (
-                not np.isfinite([left, here, right]).all()
-                or (here > 0.0) != (left > 0.0)
-                or (here > 0) != (right > 0)
-            ):
+            left, middle, right = values[k - 1 : k + 2]
+            same_sign = (middle > 0.0) == (left > 0.0) and (middle > 0) == (right > 0)
+            if not np.isfinite([left, middle, right]).all() or not same_sign:
                 continue
-            if abs(here) > min(abs(left), abs(right)):
+            if abs(middle) > min(abs(left), abs(right)):
                 continue
-            sign = 1.0 if here > 0.0 else -1.0
+            sign = 1.0 if middle > 0.0 else -1.0
             try:
-                best = minimize_scalar(
+                extremum = minimize_scalar(
                     lambda at, s=sign: s * excess(at), bounds=(x[k - 1], x[k + 1]), method="bounded"
                 )
             except _Refused:
                 continue
-            if best.fun < 0.0:
-                x.insert(k + (best.x > x[k]), float(best.x))
-                values.insert(k + (best.x > curve.temperature[k]), sign * float(best.fun))
-        found = []
-        for a, b, left, right in zip(x, x[1:], values, values[1:], strict=False):
-            if np.isfinite([left, right]).all() and left * right < 0.0:
-                try:
-                    found.append(float(brentq(excess, a, b, xtol=_FOLLOWED)))
-                except _Refused:  # a jump past zero, at which nothing is in balance
-                    self.jumps.append((a, b))
-        return found
+            if extremum.fun < 0.0:
+                position = k + (extremum.x > x[k])
+                x.insert(position, float(extremum.x))
+                values.insert(position, sign * float(extremum.fun))
+        return x, values
 
-    def least(
-        self, curve: Curve, places: dict[float, Array], begin: float
+    def minimum_excess(
+        self, curve: Curve, temperatures: dict[float, Array], start: float
     ) -> tuple[float, float, State | None]:
-        """Return where the curve is least from a balance on, its value there [W], and what ends it if that is its end.
+        """Return the temperature [K] and the excess heat [W] at the minimum of a curve above a balance.
 
-        The balance is lost when so much heat is added. A curve that falls to the end of the range has no fold in it.
+        The balance is lost when so much heat is added. The third value is the state that ends the curve if the minimum
+        is at its end: a curve that falls up to the end of the range has no limit point in it.
+
+        Parameters
+        ----------
+        curve : Curve
+            The excess heat.
+        temperatures : dict
+            Temperatures of all nodes by that of the leading one.
+        start : float
+            Temperature of the leading node at the balance [K].
         """
         from scipy.optimize import minimize_scalar
 
-        on = [(float(x), float(e), s) for x, e, s in zip(curve.temperature, curve.excess, curve.refusals, strict=True)
-              if x >= begin]  # fmt: skip
-        whole = []
-        ends: State | None = None
-        for x, value, state in on:
+        finite = []
+        end: State | None = None
+        for x, value, state in zip(curve.temperature, curve.excess, curve.refusals, strict=True):
+            if x < start:
+                continue
             if not np.isfinite(value):
-                ends = state
+                end = state
                 break
-            whole.append((x, value))
-        if not whole:
-            return begin, 0.0, ends
-        k = int(np.argmin([value for _, value in whole]))
-        if k == len(whole) - 1:
-            return *whole[k], ends
-        low = whole[max(k - 1, 0)][0]
-        high = whole[k + 1][0]
+            finite.append((float(x), float(value)))
+        if not finite:
+            return start, 0.0, end
+        k = int(np.argmin([value for _, value in finite]))
+        if k == len(finite) - 1:
+            return *finite[k], end
+        low = finite[max(k - 1, 0)][0]
+        high = finite[k + 1][0]
 
-        def excess(at: float) -> float:
-            return self.excess(at, _foreseen(at, places))[0]
+        def excess(leading: float) -> float:
+            return self.excess(leading, _extrapolated(leading, temperatures))[0]
 
-        best = minimize_scalar(
-            excess, bounds=(max(low, begin), high), method="bounded", options={"xatol": 0.05}
+        minimum = minimize_scalar(
+            excess,
+            bounds=(max(low, start), high),
+            method="bounded",
+            options={"xatol": _LIMIT_TOLERANCE},
         )
-        return float(best.x), float(best.fun), None
+        return float(minimum.x), float(minimum.fun), None
 
     # Balances -------------------------------------------------------------------------------------------------------
 
     def balance(self, temperatures: Array) -> Balance | None:
-        """Return the balance near temperatures, by Newton's method on all nodes, with its stability.
-
-        None where losses jump past zero.
-        """
+        """Return the balance near temperatures [K], (n,), by Newton's method on all nodes; None where losses jump."""
         try:
-            found = self._balance(temperatures)
+            balance = self._balance(temperatures)
         except _Refused:
-            found = None
-        self.sharp = False
-        away = np.inf if found is None else float(np.abs(found.temperatures - temperatures).max())
-        if found is None or not found.error <= _BALANCED or away > _NEAR:
-            self.jumps.append((float(temperatures[0]), float(temperatures[0])))
-            return None
-        return found
+            balance = None
+        self.precise_slips = False
+        if balance is not None:
+            distance = float(np.abs(balance.temperatures - temperatures).max())
+            if balance.error <= _BALANCE_TOLERANCE and not distance > _MAX_DISTANCE:
+                return balance
+        self.jumps.append((float(temperatures[0]), float(temperatures[0])))
+        return None
 
     def _balance(self, temperatures: Array) -> Balance:
         T = temperatures.copy()
-        self.sharp = True
+        self.precise_slips = True
         flow = self.inflows(T)
         jacobian = self._jacobian(T)
-        for _ in range(_MOST):
-            best = T, flow
-            if float(np.abs(flow).max()) <= 1e-12 * self._lost(T):
+        for _ in range(_MAX_ITERATIONS):
+            previous = T, flow
+            if float(np.abs(flow).max()) <= _NEWTON_RESIDUAL * self._total_loss(T):
                 break
             step = np.linalg.solve(jacobian, -flow)
             T = T + step
             flow = self.inflows(T)
-            if float(np.abs(flow).max()) >= float(np.abs(best[1]).max()):
-                T, flow = best  # rounding is reached
+            if float(np.abs(flow).max()) >= float(np.abs(previous[1]).max()):
+                T, flow = previous  # rounding is reached
                 break
         growth = float(
             np.linalg.eigvals(self._jacobian(T) / self.model.capacities()[:, None]).real.max()
         )
         carried = sum(self.model.carried_away(T).values())
-        return Balance(T, self.at(T), growth, abs(carried - self._lost(T)) / self._lost(T))
+        total_loss = self._total_loss(T)
+        return Balance(T, self.at(T), growth, abs(carried - total_loss) / total_loss)
 
-    def _lost(self, temperatures: Array) -> float:
+    def _total_loss(self, temperatures: Array) -> float:
+        """Return the losses at temperatures [W]; 1 where there are none, as errors are relative to them."""
         power = self.at(temperatures).power
         assert power is not None
         return power.total or 1.0
 
     def _jacobian(self, temperatures: Array) -> Array:
+        """Return dH/dT by central differences [W/K], (n, n)."""
         columns = [
-            (self.inflows(temperatures + step) - self.inflows(temperatures - step)) / (2.0 * _STEP)
-            for step in _STEP * np.eye(temperatures.size)
+            (self.inflows(temperatures + step) - self.inflows(temperatures - step))
+            / (2.0 * _DIFFERENCE_STEP)
+            for step in _DIFFERENCE_STEP * np.eye(temperatures.size)
         ]
         return np.array(columns).T
 
     def course(self, duration: float, points: int, solver: type) -> tuple[Array, Array, Array, str]:
-        """Return times [s], temperatures of the nodes [K], (m, n), slips, (m,), and why it ended early, from the start.
+        """Return the course of the temperatures: times, temperatures, slips, and why it ended early.
+
+        The times [s] are (m,), the temperatures of the nodes [K] (m, n) and the slips (m,). The last value is empty if
+        the course reached its duration.
 
         Parameters
         ----------
         duration : float
-            [s].
+            Time over which the heat balance is integrated [s].
         points : int
-            Instants that are kept.
+            Number of stored times.
         solver : type
             A class of ``scipy.integrate.OdeSolver``.
         """
         capacities = self.model.capacities()
         start = self.model.start(self.scene)
-        wanted = (
-            duration * np.linspace(0.0, 1.0, points) ** 3
-        )  # oil and rollers warm long before the rings
+        # dense at the start, since oil and rollers warm long before the rings
+        stored_times = duration * np.linspace(0.0, 1.0, points) ** 3
         times = [0.0]
         rows = [start]
         ended = ""
@@ -489,21 +565,104 @@ class Heated:
             )
             while run.status == "running":
                 run.step()
-                between = run.dense_output()
-                due = wanted[(wanted > times[-1]) & (wanted <= run.t)]
-                times += due.tolist()
-                rows += [np.asarray(between(t)) for t in due]
+                interpolant = run.dense_output()
+                of_step = stored_times[(stored_times > times[-1]) & (stored_times <= run.t)]
+                times += of_step.tolist()
+                rows += [np.asarray(interpolant(t)) for t in of_step]
         except _Refused as refusal:
             ended = refusal.state.refusal
         slips = np.array([self.at(row).slip for row in rows])
         return np.array(times), np.array(rows), slips, ended
 
 
-def _foreseen(at: float, places: Mapping[float, Array]) -> Array:
-    """Temperatures of all nodes where the leading one has some, on the line through those of the two nearest."""
-    near = sorted(places, key=lambda known: abs(known - at))[:2]
-    if len(near) < 2:
-        return places[near[0]]
-    (a, b) = near
-    (here, there) = (places[one] for one in near)
-    return np.asarray(here + (at - a) / (b - a) * (there - here))
+class _Scan:
+    """Samples of the excess heat of a bearing over the temperature of its leading node.
+
+    Attributes
+    ----------
+    excess : dict
+        Excess heat [W] by leading temperature [K]; NaN where there is no steady state.
+    temperatures : dict
+        Temperatures of all nodes [K], (n,), by that of the leading one.
+    refused : dict
+        States without a steady slip by leading temperature.
+    """
+
+    def __init__(self, heated: Heated) -> None:
+        self._heated = heated
+        self.excess: dict[float, float] = {}
+        self.temperatures: dict[float, Array] = {}
+        self.refused: dict[float, State] = {}
+
+    def sample(self, leading: float) -> bool:
+        """Evaluate the excess heat at a leading temperature [K]; return whether there is a steady state."""
+        if self.temperatures:
+            guess = _extrapolated(leading, self.temperatures)
+        else:
+            guess = self._heated.model.start(self._heated.scene)
+        try:
+            self.excess[leading], self.temperatures[leading] = self._heated.excess(leading, guess)
+        except _Refused as refusal:
+            self.excess[leading] = np.nan
+            self.refused[leading] = refusal.state
+        return leading not in self.refused
+
+    def sample_grid(
+        self, lowest: float, highest: float, points: int, *, first: bool
+    ) -> list[float]:
+        """Sample a uniform grid, and colder points while the coldest has an excess below zero; see `Heated.curve`."""
+        grid = list(np.linspace(lowest, highest, points))
+        excess = self.excess
+        for k, x in enumerate(grid):
+            self.sample(x)
+            falls = k > 0 and excess[x] < 0.0
+            if first and falls and (excess[grid[k - 1]] > 0.0 or excess[grid[0]] < 0.0):
+                grid = grid[: k + 1]
+                break
+        while excess[grid[0]] < 0.0:
+            colder = grid[0] - (grid[1] - grid[0])
+            if colder < _LOWEST_TEMPERATURE:
+                break
+            self.sample(colder)
+            grid.insert(0, colder)
+        return grid
+
+    def skip_unconverged(self, grid: list[float]) -> None:
+        """Remove single points at which a search did not converge, between two points with a steady state."""
+        refused = self.refused
+        for a, x, b in zip(grid, grid[1:], grid[2:], strict=False):
+            if x in refused and refused[x].not_converged and a not in refused and b not in refused:
+                self._heated.skipped.append(x)
+        for x in self._heated.skipped:
+            grid.remove(x)
+            del self.excess[x], refused[x]
+
+    def bisect_ends(self, grid: list[float]) -> None:
+        """Bisect each interval between a point with and a point without a steady state."""
+        for a, b in itertools.pairwise(grid):
+            if (a in self.refused) == (b in self.refused):
+                continue
+            inside, outside = (b, a) if a in self.refused else (a, b)
+            for _ in range(_END_BISECTIONS):
+                middle = 0.5 * (inside + outside)
+                if self.sample(middle):
+                    inside = middle
+                else:
+                    outside = middle
+
+    def curve(self) -> Curve:
+        """Return all samples in ascending order."""
+        x = sorted(self.excess)
+        states = tuple(self.refused.get(leading, State(0.0)) for leading in x)
+        return Curve(np.array(x), np.array([self.excess[leading] for leading in x]), states)
+
+
+def _extrapolated(leading: float, temperatures: Mapping[float, Array]) -> Array:
+    """Return the temperatures of all nodes [K] at a leading one, on the line through those of the two nearest."""
+    nearest = sorted(temperatures, key=lambda known: abs(known - leading))[:2]
+    if len(nearest) < 2:
+        return temperatures[nearest[0]]
+    a, b = nearest
+    of_a = temperatures[a]
+    of_b = temperatures[b]
+    return np.asarray(of_a + (leading - a) / (b - a) * (of_b - of_a))

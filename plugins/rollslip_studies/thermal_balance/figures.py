@@ -14,19 +14,21 @@ if TYPE_CHECKING:
 
 __all__ = ["course", "thermal_figures"]
 
+#: Style of a marker of an unstable balance: an open circle.
 _OPEN: dict[str, Any] = {
     "marker": "o",
     "markersize": 4,
     "markerfacecolor": "white",
     "markeredgewidth": 0.9,
 }
-_ZERO = 273.15  # K
-#: Longest time that is shown in seconds.
-_SECONDS = 120.0
+#: 0 degC in K.
+_ZERO = 273.15
+#: Longest time [s] that is shown in seconds; longer ones are shown in minutes.
+_MAX_SECONDS = 120.0
 
 
 def thermal_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the figures; give name, caption and figure of each."""
+    """Draw the figures; yield name, caption and figure of each."""
     if solved(dataset) and np.isfinite(dataset["excess_heat"]).any():
         node = dataset["node"].to_numpy()[0]
         yield (
@@ -43,6 +45,7 @@ def thermal_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]
 
 
 def _excess(dataset: "xr.Dataset") -> "Figure":
+    """Draw the excess heat over the temperature of the leading node, with its balances and the limit."""
     sheet = Sheet()
     axes = sheet.axes
     node = str(dataset["node"].to_numpy()[0])
@@ -50,7 +53,7 @@ def _excess(dataset: "xr.Dataset") -> "Figure":
     heat = dataset["excess_heat"].to_numpy()
     sheet.line(at, heat, "losses less what is carried away", color=MODEL_COLOURS[0])
     axes.axhline(0.0, color="black", linewidth=0.6)
-    for stable, style, words in (
+    for stable, style, label in (
         (1, MARKER, "balance that lasts"),
         (0, _OPEN, "balance that does not last"),
     ):
@@ -58,9 +61,9 @@ def _excess(dataset: "xr.Dataset") -> "Figure":
             dataset["steady_slip"].to_numpy()
         )
         if chosen.any():
-            place = dataset["temperature"].to_numpy()[0][chosen] - _ZERO
-            of = ", ".join(f"{value:.3g} °C" for value in place)
-            sheet.mark(place, 0.0 * place, f"{words}, {of}", zorder=4, **style)
+            celsius = dataset["temperature"].to_numpy()[0][chosen] - _ZERO
+            values = ", ".join(f"{value:.3g} °C" for value in celsius)
+            sheet.mark(celsius, 0.0 * celsius, f"{label}, {values}", zorder=4, **style)
     limit = float(dataset["limit_temperature"]) - _ZERO
     if np.isfinite(limit):
         sheet.mark(
@@ -77,7 +80,7 @@ def course(dataset: "xr.Dataset") -> "Figure":
     """Draw the temperatures of the nodes over time."""
     sheet = Sheet()
     time = dataset["time"].to_numpy()
-    unit, second = ("min", 60.0) if time[-1] > _SECONDS else ("s", 1.0)
+    unit, second = ("min", 60.0) if time[-1] > _MAX_SECONDS else ("s", 1.0)
     time = time / second
     for k, node in enumerate(dataset["node"].to_numpy()):
         values = dataset["course_temperature"].to_numpy()[:, k] - _ZERO

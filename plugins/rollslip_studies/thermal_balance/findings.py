@@ -1,4 +1,4 @@
-"""What a thermal balance says: its single values as a record, and sentences, from the dataset alone."""
+"""The account of a thermal balance: answer, single values as a record, and sentences, from the dataset alone."""
 
 import json
 import math
@@ -9,13 +9,17 @@ import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
-from rollslip.results.words import describe_estimated, format_power, percent
+from rollslip.results.words import Status, describe_estimated, format_power, percent
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.findings import next_of_others
 
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Status of a course over time that reached its duration.
+COURSE_COMPLETE: Final = "the time is over"
+#: Text of the variable ``jumps`` where the excess heat has none.
+NO_JUMPS: Final = "none"
 #: Part of a bearing -> the key of a scene with its temperature.
 _KEYS = {
     "oil": "operation.temperature",
@@ -26,32 +30,39 @@ _KEYS = {
 
 
 def solved(dataset: "xr.Dataset") -> bool:
-    """Whether temperatures follow from losses."""
+    """Return whether temperatures follow from losses."""
     return "excess_heat" in dataset
 
 
-def lasting(dataset: "xr.Dataset") -> "list[xr.Dataset]":
-    """Return the balances that last, the coldest first."""
+def all_balances(dataset: "xr.Dataset") -> "list[xr.Dataset]":
+    """Return all balances, the coldest first; one with NaN if there is none."""
+    return [dataset.isel(balance=k) for k in range(dataset.sizes["balance"])]
+
+
+def stable_balances(dataset: "xr.Dataset") -> "list[xr.Dataset]":
+    """Return the stable balances, the coldest first."""
     return [dataset.isel(balance=int(k)) for k in np.flatnonzero(dataset["stable"].to_numpy() == 1)]
 
 
 def celsius(kelvin: float) -> str:
-    """Return a temperature as people read it."""
+    """Return a temperature [K] as text in degC."""
     return format_quantity(kelvin, "K", 4)
 
 
 def _temperatures(names: Any, values: Any) -> str:
+    """Return the temperatures [K] of nodes as text."""
     return ", ".join(
         f"{name} {celsius(float(value))}" for name, value in zip(names, values, strict=True)
     )
 
 
-def _watt(format_power: float) -> str:
-    return format_quantity(format_power, "W", 3)
+def _watt(power: float) -> str:
+    """Return a power [W] as text."""
+    return format_quantity(power, "W", 3)
 
 
 class ThermalBalanceAccount(Account):
-    """How bulk temperatures are told."""
+    """The account of bulk temperatures."""
 
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
         "thermal": ("thermal model", ""),
@@ -65,7 +76,7 @@ class ThermalBalanceAccount(Account):
         """Return temperatures and slip in balance, or the heat that has to be carried away to hold those given."""
         commands = next_of_others(
             dataset
-        )  # of the slip at the temperatures of the scene another study knows
+        )  # another study has the slip at the temperatures of the scene
         if not solved(dataset):
             loss = float(dataset["given_loss"])
             text = format_power(loss)
@@ -82,16 +93,16 @@ class ThermalBalanceAccount(Account):
                 note=note,
             )
             return Answer(rows=(row,), commands=commands)
-        if not (balances := lasting(dataset)):
+        if not (balances := stable_balances(dataset)):
             note = str(dataset["status"].item())
             row = Row(
                 key="temperature", label="bulk temperature", unit="K", text="no balance", note=note
             )
             return Answer(rows=(row,), commands=commands)
-        one = balances[0]
-        names = one["node"].to_numpy()
-        values = one["temperature"].to_numpy()
-        slip = float(one["steady_slip"])
+        coldest = balances[0]
+        names = coldest["node"].to_numpy()
+        values = coldest["temperature"].to_numpy()
+        slip = float(coldest["steady_slip"])
         shown = [f"{value - 273.15:.0f} °C" for value in values]
         rows = (
             Row(key="temperature", label=f"temperature, {names[0]}", value=float(values[0]), unit="K", text=shown[0],
@@ -104,45 +115,45 @@ class ThermalBalanceAccount(Account):
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
+        """Return the findings as sentences without full stop by topic, the most important first."""
         if not solved(dataset):
             return {"heat": [_given(dataset)]}
         return {
             "bulk temperatures": _balances(dataset),
             "limit": [_limit(dataset)],
-            **({"what they rest on": [taken]} if (taken := _taken(dataset)) else {}),
+            **({"what they rest on": [estimates]} if (estimates := _estimates(dataset)) else {}),
             **({"course": [_course(dataset)]} if "course_temperature" in dataset else {}),
-            **({"other studies": [_settings(dataset)]} if lasting(dataset) else {}),
+            **({"other studies": [_settings(dataset)]} if stable_balances(dataset) else {}),
         }
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return the single values; what has no value is None."""
+        """Return the single values; None for those without a value."""
         names = ["given_slip", "given_loss", "heat_margin", "limit_temperature", "inlet_limit"]
         values = {name: float(dataset[name]) for name in names if name in dataset}
         balances = [
             {
                 "temperatures": dict(
                     zip(
-                        map(str, one["node"].to_numpy()),
-                        one["temperature"].to_numpy().tolist(),
+                        map(str, balance["node"].to_numpy()),
+                        balance["temperature"].to_numpy().tolist(),
                         strict=True,
                     )
                 ),
-                "stable": bool(one["stable"]),
-                "stability": str(one["stability"].item()),
-                "steady_slip": float(one["steady_slip"]),
-                "loss": float(one["loss"].sum()),
+                "stable": bool(balance["stable"]),
+                "stability": str(balance["stability"].item()),
+                "steady_slip": float(balance["steady_slip"]),
+                "loss": float(balance["loss"].sum()),
                 "carried_away": dict(
                     zip(
-                        map(str, one["sink"].to_numpy()),
-                        one["carried_away"].to_numpy().tolist(),
+                        map(str, balance["sink"].to_numpy()),
+                        balance["carried_away"].to_numpy().tolist(),
                         strict=True,
                     )
                 ),
             }
-            for one in (dataset.isel(balance=k) for k in range(dataset.sizes["balance"]))
-            if math.isfinite(float(one["steady_slip"]))
+            for balance in all_balances(dataset)
+            if math.isfinite(float(balance["steady_slip"]))
         ]
         texts = [
             name
@@ -157,6 +168,7 @@ class ThermalBalanceAccount(Account):
 
 
 def _given(dataset: "xr.Dataset") -> str:
+    """Return the heat to carry away at the temperatures of the scene, as a sentence."""
     loss = float(dataset["given_loss"])
     if math.isnan(loss):
         return f"at the temperatures of the scene: {dataset['given_status'].item()}"
@@ -167,41 +179,42 @@ def _given(dataset: "xr.Dataset") -> str:
 
 
 def _balances(dataset: "xr.Dataset") -> list[str]:
-    if str(dataset["status"].item()) != "found":
-        return [str(dataset["status"].item())]
-    said = []
+    """Return the balances as sentences."""
+    status = str(dataset["status"].item())
+    if Status.of(status) is not Status.FOUND:
+        return [status]
+    sentences = []
     slip = float(dataset["given_slip"])
-    for one in (dataset.isel(balance=k) for k in range(dataset.sizes["balance"])):
-        made = float(one["loss"].sum())
-        heats = list(
-            zip(one["sink"].to_numpy(), one["carried_away"].to_numpy().tolist(), strict=True)
-        )
+    given = ""
+    if not math.isnan(slip):
+        given = f", against {100.0 * slip:.3g} % at the temperatures of the scene"
+    for balance in all_balances(dataset):
+        loss = float(balance["loss"].sum())
+        sinks = balance["sink"].to_numpy()
+        heats = list(zip(sinks, balance["carried_away"].to_numpy().tolist(), strict=True))
         away = " and ".join(f"{_watt(heat)} leave by {sink}" for sink, heat in heats if heat > 0.0)
         brought = "".join(
             f", {_watt(-heat)} come in with {sink}" for sink, heat in heats if heat < 0.0
         )
-        given = (
-            ""
-            if math.isnan(slip)
-            else f", against {100.0 * slip:.3g} % at the temperatures of the scene"
-        )
-        said.append(
-            f"heat is in balance at {_temperatures(one['node'].to_numpy(), one['temperature'].to_numpy())} "
-            f"({one['stability'].item()}): {_watt(made)} are lost{brought}, {away}; the cage slip is "
-            f"{100.0 * float(one['steady_slip']):.3g} %{given}"
+        temperatures = _temperatures(balance["node"].to_numpy(), balance["temperature"].to_numpy())
+        sentences.append(
+            f"heat is in balance at {temperatures} "
+            f"({balance['stability'].item()}): {_watt(loss)} are lost{brought}, {away}; the cage slip is "
+            f"{100.0 * float(balance['steady_slip']):.3g} %{given}"
         )
     if guessed := describe_estimated(dataset):
-        said[-1] += f"; {guessed}"
-    if (jumps := str(dataset["jumps"].item())) != "none":
-        said.append(jumps)
-    if len(lasting(dataset)) > 1:
-        said.append(
+        sentences[-1] += f"; {guessed}"
+    if (jumps := str(dataset["jumps"].item())) != NO_JUMPS:
+        sentences.append(jumps)
+    if len(stable_balances(dataset)) > 1:
+        sentences.append(
             "which of the balances that last a bearing is in depends on how it came there: warm from the colder"
         )
-    return said
+    return sentences
 
 
 def _limit(dataset: "xr.Dataset") -> str:
+    """Return the limit of the coldest stable balance as a sentence."""
     at = float(dataset["limit_temperature"])
     status = str(dataset["limit_status"].item())
     if math.isnan(at):
@@ -209,40 +222,43 @@ def _limit(dataset: "xr.Dataset") -> str:
     inlet = float(dataset["inlet_limit"])
     node = str(dataset["node"].to_numpy()[0])
     margin = _watt(float(dataset["heat_margin"]))
-    beyond = (
-        f"with {margin} more, or the {node} at its inlet above {celsius(inlet)},"
-        if inlet == inlet
-        else (f"with {margin} more")
-    )
+    beyond = f"with {margin} more"
+    if not math.isnan(inlet):
+        beyond = f"with {margin} more, or the {node} at its inlet above {celsius(inlet)},"
     return f"{beyond} no balance is left, at {celsius(at)} of the {node}; what ends it is {status}"
 
 
-def _taken(dataset: "xr.Dataset") -> str:
-    taken: dict[str, str] = json.loads(dataset.attrs.get("taken_from_bearing", "{}"))
-    if "course_temperature" not in dataset:  # what stores heat sets the pace alone
-        taken = {name: value for name, value in taken.items() if not value.endswith("J/K")}
-    said = ", ".join(f"{name} {value}" for name, value in taken.items())
-    how = f"'rollslip models {dataset.attrs['thermal']}' says how, and how good that is"
+def _estimates(dataset: "xr.Dataset") -> str:
+    """Return which parameters of the thermal model are estimated, as a sentence; empty if none are."""
+    parameters: dict[str, str] = json.loads(dataset.attrs.get("taken_from_bearing", "{}"))
+    if "course_temperature" not in dataset:  # heat capacities change the course over time alone
+        parameters = {
+            name: value for name, value in parameters.items() if not value.endswith("J/K")
+        }
+    if not parameters:
+        return ""
+    text = ", ".join(f"{name} {value}" for name, value in parameters.items())
     return (
-        f"models.thermal does not give {said}: they are taken from the scene or estimated, {how}"
-        if taken
-        else ""
+        f"models.thermal does not give {text}: they are taken from the scene or estimated, "
+        f"'rollslip models {dataset.attrs['thermal']}' says how, and how good that is"
     )
 
 
 def _course(dataset: "xr.Dataset") -> str:
+    """Return the temperatures at the end of the course over time, as a sentence."""
     last = dataset.isel(time=-1)
     at = _temperatures(dataset["node"].to_numpy(), last["course_temperature"].to_numpy())
     slip = float(last["course_slip"])
     shown = f", at a cage slip of {100.0 * slip:.3g} %" if math.isfinite(slip) else ""
     ended = str(dataset["course_status"].item())
-    early = "" if ended == "the time is over" else f"; it ends there: {ended}"
+    early = "" if ended == COURSE_COMPLETE else f"; it ends there: {ended}"
     return f"from the temperatures of the scene it is after {float(last['time']):.4g} s at {at}{shown}{early}"
 
 
 def _settings(dataset: "xr.Dataset") -> str:
-    one = lasting(dataset)[0]
-    known = dict(zip(one["node"].to_numpy(), one["temperature"].to_numpy(), strict=True))
+    """Return the options with which other studies take the temperatures of the balance, as a sentence."""
+    coldest = stable_balances(dataset)[0]
+    known = dict(zip(coldest["node"].to_numpy(), coldest["temperature"].to_numpy(), strict=True))
     keys = [
         f"--set '{key}={value - 273.15:.6g} degC'"
         for part, key in _KEYS.items()

@@ -214,7 +214,7 @@ class ThermalBalance(Study):
         return {"steady cage slip": ComparedValues([[float(dataset["stationary_slip"])]], status)}
 
     def without_outputs(self, outputs: frozenset[str]) -> "ThermalBalance":
-        """Return the study without the course over time, or of the coldest stable balance alone, if nothing else counts."""
+        """Return the study without the course over time, or the study of the coldest stable balance alone."""
         if outputs >= self.outputs.keys() - _STATIONARY_OUTPUTS:
             return _ColdestBalance(**attrs.asdict(self) | {"duration": 0.0})
         return (
@@ -390,21 +390,19 @@ class ThermalBalance(Study):
         model = heated.model
         start = model.start(heated.scene)
         sinks = list(model.carried_away(start))
-        powers = [balance.state.power for balance in balances]
-        sources = [loss.source for loss in powers[0].losses] if powers and powers[0] else []
+        shown = balances or [Balance(np.full(start.size, np.nan), State(np.nan), np.nan, np.nan)]
         carried_away = np.full((len(sinks), 1), np.nan)
         if balances:
-            heats = [list(model.carried_away(balance.temperatures).values()) for balance in balances]
+            heats = [list(model.carried_away(balance.temperatures).values()) for balance in shown]
             carried_away = np.array(heats).T
-        shown = balances or [Balance(np.full(start.size, np.nan), State(np.nan), np.nan, np.nan)]
-        losses = [[loss.power for loss in power.losses] for power in powers if power]
+        sources, losses = _losses_by_source(balances)
         variables = self.variables(
             temperature=np.array([balance.temperatures for balance in shown]).T,
             stable=np.array([balance.stable for balance in shown]).astype(np.int8),
             stability=np.array(list(map(_describe_stability, balances)) or ["no balance"]),
             growth=np.array([balance.growth for balance in shown]),
             steady_slip=np.array([balance.state.slip for balance in shown]),
-            loss=np.array(losses).T.reshape(len(sources), len(shown)),
+            loss=losses.reshape(len(sources), len(shown)),
             carried_away=carried_away,
             balance_error=np.array([balance.error for balance in shown]),
             status=status,
@@ -469,9 +467,7 @@ class ThermalBalance(Study):
             )
         start = float(stable.temperatures[0])
         warmer = [
-            leading
-            for balance in balances
-            if (leading := float(balance.temperatures[0])) > start
+            leading for balance in balances if (leading := float(balance.temperatures[0])) > start
         ]
         if warmer:  # only the curve up to the next balance counts
             excess = np.where(curve.temperature > min(warmer), np.nan, curve.excess)
@@ -500,7 +496,6 @@ class ThermalBalance(Study):
         )
 
 
-
 @attrs.frozen(kw_only=True)
 class _ColdestBalance(ThermalBalance):
     """The study of the coldest stable balance alone, which needs the curve only up to its first zero."""
@@ -510,14 +505,12 @@ class _ColdestBalance(ThermalBalance):
         stationary = next((balance for balance in balances if balance.stable), None)
         if stationary is None:
             return super()._balances(heated)
-        variables = self._stationary(
-            stationary.temperatures, stationary.state, Status.FOUND.value
-        )
+        variables = self._stationary(stationary.temperatures, stationary.state, Status.FOUND.value)
         return variables, _coordinates(heated.model.nodes, [], [])
 
 
 def _describe_jumps(heated: Heated) -> str:
-    """Return where the excess heat jumps past zero, and which temperatures were skipped; `NO_JUMPS` if there are none."""
+    """Return where the excess heat jumps past zero, and which temperatures were skipped; else `NO_JUMPS`."""
     node = heated.model.nodes[0]
     skipped = ", ".join(f"{x - 273.15:.4g}" for x in heated.skipped)
     texts = []
@@ -537,6 +530,13 @@ def _describe_jumps(heated: Heated) -> str:
             f"at {skipped} degC of the {node} no steady state was found, and the curve passes over it"
         )
     return "; ".join(texts) or NO_JUMPS
+
+
+def _losses_by_source(balances: list[Balance]) -> tuple[list[str], Any]:
+    """Return the names of the losses, and the losses [W], (source, balance); neither without a balance."""
+    powers = [balance.state.power for balance in balances]
+    sources = [loss.source for loss in powers[0].losses] if powers and powers[0] else []
+    return sources, np.array([[loss.power for loss in power.losses] for power in powers if power]).T
 
 
 def _describe_stability(balance: Balance) -> str:

@@ -1,9 +1,10 @@
-"""What a model of kind ``thermal`` must offer: how the heat of the losses leaves a bearing, and what it heats.
+"""The interface of models of kind ``thermal``: how the heat of the losses leaves a bearing, and which parts it heats.
 
-- A model has nodes, each with one temperature, and says what heat flows into each. It knows nothing of films and slips:
-  losses come as power by place (`rollslip_studies.motion.losses`), temperatures go to the scene by its own keys.
-- One node *leads*: all balances are found by going through its temperature while the other nodes follow.
-- Heat is conserved: what flows into all nodes is what is lost less what is carried away. The conformance kit holds it.
+- A model is a lumped-parameter network: it has nodes, each with one temperature, and gives the heat flow into each. It
+  does not depend on films and slips: losses are powers by place (`rollslip_studies.motion.losses`), and temperatures
+  change the scene by its keys.
+- One node *leads*: all balances are found by varying its temperature while the other nodes follow.
+- Heat is conserved: the flows into all nodes are the losses minus the heat carried away. The conformance kit checks it.
 """
 
 import abc
@@ -30,9 +31,9 @@ __all__ = ["PLACES", "ROLES", "THERMAL", "ThermalModel", "from_bearing", "therma
 
 Array = NDArray[np.float64]
 
-#: Where losses make heat: contacts, pockets, the lands that guide the cage, and the oil between the rings.
+#: Places at which losses become heat: contacts, pockets, the lands that guide the cage, and the oil between the rings.
 PLACES: Final = ("inner contact", "outer contact", "pocket", "inner land", "outer land", "oil")
-#: Keys of a scene that are bulk temperatures -> what they are called.
+#: Keys of a scene that are bulk temperatures -> parts of the bearing that have them.
 ROLES: Final[Mapping[str, str]] = MappingProxyType(
     {
         "operation.temperature": "oil",
@@ -44,54 +45,73 @@ ROLES: Final[Mapping[str, str]] = MappingProxyType(
 
 
 class ThermalModel(abc.ABC):
-    """How heat flows between the parts of a bearing and leaves it; its parameters are its attrs fields."""
+    """A model of the heat flow between the parts of a bearing and out of it; its parameters are its attrs fields."""
 
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[Citation, ...]]
-    #: Rule of the conformance kit that the model breaks for a reason -> that reason.
+    #: Rule of the conformance kit that the model violates -> the reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @property
     @abc.abstractmethod
     def nodes(self) -> tuple[str, ...]:
-        """Names of the nodes, n of them, that which leads first; none if temperatures are not to follow from losses."""
+        """Names of the n nodes, the leading one first; none if temperatures do not follow from losses."""
 
     def of(self, assembly: "Assembly") -> Self:
-        """Return the model with all that it leaves to the bearing.
+        """Return the model with values from the bearing for all parameters that the scene does not give.
 
-        Heat that has no way out is a `SceneError`, and a bearing that does not give what is needed.
+        Raises
+        ------
+        SceneError
+            If heat cannot leave the bearing, or the bearing does not give a value that is needed.
         """
         return self
 
     @abc.abstractmethod
     def start(self, scene: Scene) -> Array:
-        """Return temperatures of the nodes from which their course begins, and the search for balances [K], (n,)."""
+        """Return the temperatures of the nodes at which their course and the search for balances start [K], (n,)."""
 
     @abc.abstractmethod
     def capacities(self) -> Array:
-        """Return heat capacities of the nodes [J/K], (n,), above 0."""
+        """Return the heat capacities of the nodes [J/K], (n,), above 0."""
 
     @abc.abstractmethod
     def inflows(self, temperatures: Array, losses: Mapping[str, float]) -> Array:
-        """Return the heat flow into each node [W], (n,), by temperatures [K], (n,), and losses by `PLACES` [W]."""
+        """Return the heat flow into each node [W], (n,).
+
+        Parameters
+        ----------
+        temperatures : ndarray, shape (n,)
+            Temperatures of the nodes [K].
+        losses : mapping
+            Losses by place, one of `PLACES` [W].
+        """
 
     @abc.abstractmethod
     def carried_away(self, temperatures: Array) -> dict[str, float]:
-        """Return the heat that leaves the bearing, by what carries it [W]."""
+        """Return the heat that leaves the bearing at temperatures of the nodes [K], (n,), by what carries it [W]."""
 
     @abc.abstractmethod
     def changes(self, temperatures: Array, scene: Scene) -> dict[str, float]:
-        """Return what temperatures [K], (n,), change of the scene that was written: SI values by key, as `ROLES`."""
+        """Return the values of the scene that temperatures change, by key as in `ROLES`, in SI units.
+
+        Parameters
+        ----------
+        temperatures : ndarray, shape (n,)
+            Temperatures of the nodes [K].
+        scene : Scene
+            The scene as the user wrote it.
+        """
 
     @property
     def inlet(self) -> tuple[float, float] | None:
-        """Temperature [K] of what flows into the leading node, and heat for each kelvin [W/K]; None for nothing."""
+        """Temperature [K] and heat capacity flow [W/K] of the fluid that enters the leading node; None without one."""
         return None
 
 
 def thermal_model(scene: Scene) -> ThermalModel | None:
-    """Return the model that a scene names under ``models.thermal``; None where temperatures are as they are given."""
+    """Return the model that a scene names under ``models.thermal``; None where the scene gives the temperatures."""
     choice = scene.models.thermal
     problems = list[str]()
     if choice is None:
@@ -106,15 +126,23 @@ def thermal_model(scene: Scene) -> ThermalModel | None:
 
 
 def from_bearing(scene: Scene, model: ThermalModel) -> dict[str, str]:
-    """Return the parameters that a scene does not give and its model took from the bearing, as people read them."""
-    given = thermal_model(scene)
-    kinds = cast("Any", type(model))
-    if given is None:
+    """Return the parameters that a scene does not give and its model took from the bearing, as text by name.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    model : ThermalModel
+        Its thermal model with the values from the bearing.
+    """
+    of_scene = thermal_model(scene)
+    model_class = cast("Any", type(model))
+    if of_scene is None:
         return {}
     return {
         field.name: format_quantity(value, field.metadata.get("unit", "1"), 3)
-        for field in attrs.fields(kinds)
-        if getattr(given, field.name) is None
+        for field in attrs.fields(model_class)
+        if getattr(of_scene, field.name) is None
         and isinstance(value := getattr(model, field.name), float)
     }
 
