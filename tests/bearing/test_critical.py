@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rollslip.bearing.critical import locate, search_range_hint, slip_grid
+from rollslip.bearing.critical import find_critical_slip, search_range_hint, slip_grid
 
 pytestmark = pytest.mark.quick
 
@@ -21,7 +21,7 @@ def test_locate_finds_the_maximum_of_a_known_curve(peak, height):
     def friction(s):
         return height * s / peak * np.exp(1.0 - s / peak)  # maximum height at peak
 
-    found = locate(friction, slip, friction(slip), "max")
+    found = find_critical_slip(friction, slip, friction(slip), "max")
     # a maximum is only found to the root of the rounding of its value
     assert found.slip == pytest.approx(peak, abs=3e-7)
     assert found.friction == pytest.approx(height, rel=1e-12)
@@ -37,7 +37,7 @@ def test_locate_finds_the_maximum_of_a_known_curve(peak, height):
 )
 def test_locate_says_in_words_what_there_is_instead(values, status):
     slip = np.linspace(0.0, 0.3, 4)
-    found = locate(lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip")
+    found = find_critical_slip(lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip")
     assert status in found.status
     assert np.isnan(found.slip)
     assert np.isnan(found.friction)
@@ -46,7 +46,7 @@ def test_locate_says_in_words_what_there_is_instead(values, status):
 def test_two_equal_maxima_give_the_first():
     slip = np.linspace(0.0, 1.0, 101)
     friction = np.sin(2 * np.pi * slip) ** 2
-    found = locate(lambda s: float(np.sin(2 * np.pi * s) ** 2), slip, friction, "max_slip")
+    found = find_critical_slip(lambda s: float(np.sin(2 * np.pi * s) ** 2), slip, friction, "max_slip")
     assert found.slip == pytest.approx(0.25, abs=1e-6)
 
 
@@ -60,7 +60,7 @@ def test_a_first_maximum_is_located_beside_a_larger_one_or_a_rise_to_the_end(fir
         return np.maximum(1.0 - ((s - top) / top) ** 2, 2.0 - ((s - 0.5) / 0.2) ** 2)
 
     slip = slip_grid(end, 81)
-    found = locate(lambda s: float(friction(s)), slip, friction(slip), "study.a.b")
+    found = find_critical_slip(lambda s: float(friction(s)), slip, friction(slip), "study.a.b")
     assert found.first_slip == pytest.approx(top, rel=1e-6)
     assert found.first_friction == pytest.approx(1.0, rel=1e-12)
     if end > 0.5:
@@ -79,10 +79,10 @@ def test_a_single_maximum_is_the_first_too_and_a_ripple_is_none():
     def friction(s):
         return s / 0.5 * np.exp(1.0 - s / 0.5) + np.interp(s, slip, ripple)
 
-    found = locate(lambda s: float(friction(s)), slip, friction(slip), "")
+    found = find_critical_slip(lambda s: float(friction(s)), slip, friction(slip), "")
     assert (found.first_slip, found.first_friction) == (found.slip, found.friction)
     assert found.slip == pytest.approx(0.5, abs=0.02)
-    rising = locate(lambda s: s, slip, slip, "")
+    rising = find_critical_slip(lambda s: s, slip, slip, "")
     assert np.isnan([rising.first_slip, rising.first_friction]).all()
 
 

@@ -62,7 +62,7 @@ def test_few_loads_of_a_roller_carry_its_force_and_have_its_friction(whole):
     assembly = assemble(load_scene("1032930-70C"))
     loads = assembly.load_distribution(1).inner_load[0]
     contacts = LoadedContacts(assembly.inner, loads, assembly.widths, 1.0)
-    few = contacts.fewer(24 if whole else 8, whole=whole).on(assembly.inner)
+    few = contacts.reduced(24 if whole else 8, whole=whole).on(assembly.inner)
     assert few.force.size < contacts.force.size / 3
     assert few.total == pytest.approx(contacts.total, rel=1e-13)
     for u, V in ((25.0, 0.2), (20.0, 3.0), (12.0, 15.0)):

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from rollslip import evolve, load_scene, plan
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.cage import supplied
+from rollslip.bearing.cage import oil_supply
 from rollslip.errors import SceneError
-from rollslip.scene.supply import DEEPEST, SUPPLIES, Lubrication, Supplied
+from rollslip.scene.supply import DEEPEST, SUPPLIES, Lubrication, OilSupply
 from rollslip.structure import Location, structure
 from rollslip_plugins.data.cylindrical import CATALOGUE
 
@@ -29,7 +29,7 @@ VISCOSITIES = st.floats(1e-6, 1e-3)
 
 
 def of(speed=SPEED, viscosity=12e-6, **table):
-    return Supplied.of(Lubrication(**table), RINGS, ROLLER, speed, viscosity)
+    return OilSupply.from_lubrication(Lubrication(**table), RINGS, ROLLER, speed, viscosity)
 
 
 def skf_drag(level, d, D, width, rpm):
@@ -51,7 +51,7 @@ def ratios():
         (d, D, width) = map(int, re.search(r"(\d+) x (\d+) x (\d+) mm", data.description).groups())
         speed = 1e6 / (d + D) * math.pi / 30.0  # n d_m = 5e5
         level = 0.5 * b.roller_diameter
-        phi = Supplied.of(Lubrication(), b.boundaries, b.roller_diameter, speed, 1e-9).oil_fraction
+        phi = OilSupply.from_lubrication(Lubrication(), b.boundaries, b.roller_diameter, speed, 1e-9).oil_fraction
         orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
         cage = 0.5 * (1.0 - b.roller_diameter / (2.0 * orbit))  # speed, over that of the ring
         area = b.rollers * b.roller_length * b.roller_diameter
@@ -169,7 +169,7 @@ def test_want_of_oil_thins_film_and_rolling_resistance_alike():
     bearing = assemble(scene)
     nu = bearing.lubricant.at(323.15).viscosity / bearing.lubricant.density(323.15)
     expected = math.exp(-6e-8 * 1e6 * nu * 6371.0 * 360.0 * math.sqrt(5.1 / 120.0))
-    assert supplied(scene, bearing.lubricant).starvation == pytest.approx(expected, rel=1e-12)
+    assert oil_supply(scene, bearing.lubricant).starvation == pytest.approx(expected, rel=1e-12)
     assert bearing.film.starvation == pytest.approx(expected, rel=1e-12)
     assert bearing.cage.drags.resistance.terms[0].starvation == bearing.film.starvation
     stated = evolve(scene, {"models.film": {"model": "inlet-correction", "starvation": 0.5}})

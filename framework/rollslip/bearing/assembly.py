@@ -1,4 +1,13 @@
-"""The bearing of a scene put together: models by name, oil at temperature, one bound chain for each raceway."""
+"""Assemble the bearing of a scene: models found by name, the oil at its temperature, one chain of laws per raceway.
+
+1. Read the oil (`read_oil`), and construct the models that the scene names (`_structure_models`).
+2. Let the models take from scene and oil what nobody sets (`_bind_models`), and simplify them as the resolution says.
+3. Compute the conditions that all contacts of a ring share (`_conditions`), and bind the models to one chain:
+   contact, film, pressure in the film, viscosity under pressure, traction (`rollslip.bearing.chain`).
+4. The `Assembly` then computes loads of rollers, and caches what studies compute from them.
+
+Where two scenes differ in the oil alone, `assemble` replaces only what depends on it (`like`).
+"""
 
 import logging
 import math
@@ -10,7 +19,7 @@ from typing import Any, Final, TypeVar
 import attrs
 import numpy as np
 
-from rollslip.bearing.cage import Cage, filled, read_cage, scene_values, with_drags
+from rollslip.bearing.cage import Cage, read_cage, scene_values, with_drags, with_scene_values
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
@@ -26,21 +35,27 @@ from rollslip.models import ContactModel, FilmModel, PressureModel, SliceModel, 
 from rollslip.rings import Rings
 from rollslip.scene.oil import check_given, members, unused_constants
 from rollslip.scene.rings import rings_of
-from rollslip.scene.values import LubricantTable, Scene
+from rollslip.scene.values import LubricantTable, ModelChoice, Scene
 from rollslip.structure import Location
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_kernels.slices import Conditions, Slices
 
-_PIECE = 2048  # slices whose deflection is found at a time
-_KEPT = 1 << 14  # loads in a distribution that is kept, at most
-_OF_OIL: Final = tuple(attrs.fields_dict(OilState))
+#: Touching slices whose deflection is evaluated as one table: its columns then stay in the cache of a core. Doubling it
+#: changes the speed only. Chosen.
+_DEFLECTION_BLOCK = 2048
+#: Largest number of loads (rollers times positions times slices) in a distribution that is cached: 128 kB. Doubling it
+#: doubles the memory that plans and samples of one bearing hold. Chosen so that coarse distributions, which many plans
+#: compute again, are cached and fine ones are not.
+_MAX_CACHED_LOADS = 1 << 14
+#: Names of the properties of an oil, which the conditions of a contact take over.
+_OIL_PROPERTIES: Final = tuple(attrs.fields_dict(OilState))
 _log = logging.getLogger(__name__)
 _T = TypeVar("_T")
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class Assembly:
-    """All that the studies need of a scene, with the models bound."""
+    """The bearing of a scene with its models bound: what all studies compute with."""
 
     scene: Scene
     resolution: Resolution
@@ -50,35 +65,38 @@ class Assembly:
     traction: TractionModel
     lubricant: Lubricant
     kinematics: Kinematics
-    #: Slices along a roller: their places from the middle, their widths and the profile there [m], (n,).
+    #: Positions of the slices along a roller, from its middle [m], (n,).
     position: Array
+    #: Widths of the slices [m], (n,).
     widths: Array
+    #: Profile at the slices [m], (n,).
     drop: Array
     inner: Raceway
     outer: Raceway
-    #: Rings that yield and forms of raceways; None where both are rigid and round.
+    #: Flexible rings and forms of raceways; None where both are rigid and round.
     rings: Rings | None = None
-    #: Load distributions of few slices at few instants, and what they alone decide, which plans and samples of the same
-    #: bearing ask for again and again: shared by all that are loaded alike.
-    known_loads: dict[tuple[Hashable, ...], Any] = attrs.field(factory=dict, repr=False)
-    #: What `kept` holds, such as loads over the orbit and tables of friction: a plan builds them, runs ask again.
-    known_maps: dict[tuple[Any, ...], Any] = attrs.field(factory=dict, repr=False)
-    #: The cage once it was read, and with its drags bound, and a chain with its resistance, each with what it was made
-    #: of: slices and laws of the contacts change nothing of a cage, and the oil nothing of one that is only read.
-    known_cage: dict[str, tuple[tuple[object, ...], Any]] = attrs.field(factory=dict, repr=False)
+    #: Coarse load distributions, and results that depend on these alone (`cached_by_loads`). All assemblies with the
+    #: same loads share it, such as plans and samples of one bearing.
+    load_cache: dict[tuple[Hashable, ...], Any] = attrs.field(factory=dict, repr=False)
+    #: Results of this assembly (`cached`), such as loads over the orbit and tables of friction: a plan computes them,
+    #: and its runs read them.
+    map_cache: dict[tuple[Any, ...], Any] = attrs.field(factory=dict, repr=False)
+    #: The cage as it is read, the cage with its drags bound, and a chain with its resistance, each with the objects it
+    #: was made of. A cage does not depend on slices and laws of the contacts; one that is only read not on the oil.
+    cage_cache: dict[str, tuple[tuple[object, ...], Any]] = attrs.field(factory=dict, repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Leave behind what is found again."""
-        made = {
+        """Pickle all fields except the caches."""
+        values = {
             a.name: getattr(self, a.name)
             for a in attrs.fields(Assembly)
-            if not a.name.startswith("known")
+            if not a.name.endswith("_cache")
         }
-        return partial(Assembly, **made), ()
+        return partial(Assembly, **values), ()
 
     @property
     def models(self) -> dict[str, SliceModel]:
-        """The models by kind; the oil's law of viscosity with pressure runs before the last."""
+        """The models by kind; in the chain the oil's law of viscosity under pressure comes before the last one."""
         return {
             "contact": self.contact,
             "film": self.film,
@@ -93,7 +111,7 @@ class Assembly:
 
     @property
     def slices(self) -> int:
-        """Slices along a roller."""
+        """Number of slices along a roller."""
         return self.drop.size
 
     @property
@@ -108,12 +126,11 @@ class Assembly:
         return self.centrifugal_force_at(self.kinematics.epicyclic_cage_speed)
 
     def centrifugal_force_at(self, cage_speed: float) -> float:
-        """Return that force at a cage speed [rad/s], which a carrier adds its own to."""
+        """Return the centrifugal force [N] at a cage speed relative to the carrier [rad/s]."""
         if (carrier := self.scene.operation.carrier) is not None:
             cage_speed += self.kinematics.direction * carrier.speed
-        force = (
-            self.roller_mass * self.kinematics.orbit_radius * (cage_speed * cage_speed)
-        )  # a power would raise
+        # a product overflows to infinity where a power would raise
+        force = self.roller_mass * self.kinematics.orbit_radius * (cage_speed * cage_speed)
         if not force < math.inf:
             raise DomainError(
                 f"the centrifugal force of a roller of {format_quantity(self.roller_mass, 'kg')} overflows at a cage "
@@ -124,10 +141,10 @@ class Assembly:
 
     @property
     def body_force(self) -> tuple[float, float]:
-        """Force on each roller in one direction [N], along the line of load and across it in the sense of kinematics.
+        """Force on each roller in a fixed direction [N], along the line of load and across it in the sense of rotation.
 
-        m w^2 R_p off the axis of a carrier, w its speed and R_p the distance of both axes; or the weight m g, where its
-        share is above the tolerance.
+        On a carrier (planet bearing) it is m w^2 R_p, with the speed w of the carrier and the distance R_p of both
+        axes; otherwise the weight m g, where `weight_fraction` is above the tolerance of the scene.
         """
         o = self.scene.operation
         force = 0.0
@@ -144,20 +161,20 @@ class Assembly:
 
     @property
     def weight_fraction(self) -> float:
-        """Weight of a roller over what presses it besides, F_r/Z + F_c."""
-        pressed = (
+        """Weight of a roller over the other forces on it, F_r/Z + F_c [1]; infinite where these are zero."""
+        other = (
             self.scene.operation.radial_load / self.scene.bearing.rollers + self.centrifugal_force
         )
-        return self.roller_mass * GRAVITY / pressed if pressed > 0.0 else math.inf
+        return self.roller_mass * GRAVITY / other if other > 0.0 else math.inf
 
     def _read_cage(self) -> Cage:
-        """The cage as it is read, with its drags as they are named."""
-        of = self.scene.cage, self.scene.bearing, self.scene.models
-        return self._known("read", of, lambda: read_cage(self.scene))
+        """The cage as it is read, with its drags not yet bound."""
+        sources = self.scene.cage, self.scene.bearing, self.scene.models
+        return self._memoised("read", sources, lambda: read_cage(self.scene))
 
     @property
     def cage(self) -> Cage:
-        """The cage with its drags; read when a study in time asks for it."""
+        """The cage with its drags bound; it is read when a study of motion needs it."""
 
         def bound() -> Cage:
             cage = with_drags(self._read_cage(), self.scene, self.kinematics, self.lubricant)
@@ -170,29 +187,29 @@ class Assembly:
                 )
             return cage
 
-        return self._known(
+        return self._memoised(
             "cage", (self.scene, self.kinematics, self.lubricant, self.inner.conditions), bound
         )
 
-    def _known(self, what: str, of: tuple[object, ...], make: Callable[[], _T]) -> _T:
-        """Return what is made of some objects, once for all bearings that have them."""
-        known = self.known_cage.get(what)
-        if known is None or not all(map(operator.is_, known[0], of)):
-            known = self.known_cage[what] = of, make()
-        made: _T = known[1]
-        return made
+    def _memoised(self, name: str, sources: tuple[object, ...], make: Callable[[], _T]) -> _T:
+        """Return the cached value of a name; compute it where it was made of other source objects."""
+        entry = self.cage_cache.get(name)
+        if entry is None or not all(map(operator.is_, entry[0], sources)):
+            entry = self.cage_cache[name] = sources, make()
+        value: _T = entry[1]
+        return value
 
     def with_resistance(self) -> "Assembly":
-        """Return the same bearing with resistance to rolling behind the friction of its raceways, if there is any."""
+        """Return the same bearing with the rolling resistance as the last stage of its chains, if there is any."""
         resistance = self.cage.drags.resistance
         if resistance is None:
             return self
-        before = self.inner.chain
+        own = self.inner.chain
         compiled = self.resolution.compiled
-        chain = self._known(
+        chain = self._memoised(
             "chain",
-            (before, resistance, compiled),
-            lambda: Chain(*before.models, resistance, compiled=compiled, bounds=before.bounds),
+            (own, resistance, compiled),
+            lambda: Chain(*own.models, resistance, compiled=compiled, bounds=own.bounds),
         )
         return self._with_chain(chain)
 
@@ -212,21 +229,20 @@ class Assembly:
         )
 
     def at(self, resolution: Resolution) -> "Assembly":
-        """Return the same bearing at another resolution; where its laws are to be others, it is put together anew."""
+        """Return the same bearing at another resolution; it is assembled anew where the resolution changes its laws."""
         laws = ("traction", "boundary", "inlet_heating", "light_contacts", "compiled")
         if any(getattr(self.resolution, name) != getattr(resolution, name) for name in laws):
             return assemble(self.scene, resolution)
-        made = partial(slicing, self.scene, resolution)
         key = ("slicing", resolution.slices, resolution.quadrature)
-        position, widths, drop = self.known_loads.get(key) or self.known_loads.setdefault(
-            key, made()
-        )
+        if key not in self.load_cache:
+            self.load_cache[key] = slicing(self.scene, resolution)
+        position, widths, drop = self.load_cache[key]
         return attrs.evolve(
             self, resolution=resolution, position=position, widths=widths, drop=drop
         )
 
     def at_load(self, radial_load: float) -> "Assembly":
-        """Return the same bearing under another radial load [N], to search for one: its scene keeps the text it has."""
+        """Return the same bearing under another radial load [N], for a search; its scene retains text and origins."""
         cage = self.cage
         scene = self.scene
         scene = attrs.evolve(
@@ -236,15 +252,14 @@ class Assembly:
             "radial_load" in taken_from_scene(model)
             for model in (*self.models.values(), *cage.named)
         ):
-            made = assemble(scene, self.resolution)
             chain = self.inner.chain
-            made = made.with_bounds(*chain.bounds)
-            return made.with_resistance() if chain.resists else made
-        known = {
-            **self.known_cage,
+            assembly = assemble(scene, self.resolution).with_bounds(*chain.bounds)
+            return assembly.with_resistance() if chain.resists else assembly
+        cage_cache = {
+            **self.cage_cache,
             "cage": ((scene, self.kinematics, self.lubricant, self.inner.conditions), cage),
         }
-        return attrs.evolve(self, scene=scene, known_loads={}, known_maps={}, known_cage=known)
+        return attrs.evolve(self, scene=scene, load_cache={}, map_cache={}, cage_cache=cage_cache)
 
     def load_distribution(
         self,
@@ -252,10 +267,16 @@ class Assembly:
         cage_speed: float | None = None,
         known: LoadDistribution | None = None,
     ) -> LoadDistribution:
-        """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
+        """Return the quasi-static loads of all rollers at positions spread over one roller pitch.
 
-        Their centrifugal force is that at a cage speed [rad/s], by default the epicyclic one. Instants of the ``known``
-        distribution, of half as many at this speed, are not solved for again.
+        Parameters
+        ----------
+        n_positions : int
+            Number of roller positions.
+        cage_speed : float, optional
+            Speed for the centrifugal force [rad/s]; by default the epicyclic one.
+        known : LoadDistribution, optional
+            Loads at half as many positions and the same speed, which are not solved for again.
         """
         if known is not None or cage_speed is not None:
             return self._solved_loads(n_positions, cage_speed, known)
@@ -263,32 +284,32 @@ class Assembly:
             ("loads", n_positions), n_positions, lambda: self._solved_loads(n_positions, None, None)
         )
 
-    def cached(self, what: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
-        """Return something of the bearing under a key that has all it depends on, made once."""
+    def cached(self, name: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
+        """Return the value of a name and a key with all that it depends on; it is computed once."""
         try:
-            known = (what, key) in self.known_maps
-        except TypeError:  # a model that is not to be told from others
+            is_cached = (name, key) in self.map_cache
+        except TypeError:  # a model in the key is not hashable
             return make()
-        _log.debug("%s: %s", what, "known already" if known else "built")
-        if not known:
-            self.known_maps[what, key] = make()
-        found: _T = self.known_maps[what, key]
-        return found
+        _log.debug("%s: %s", name, "known already" if is_cached else "built")
+        if not is_cached:
+            self.map_cache[name, key] = make()
+        value: _T = self.map_cache[name, key]
+        return value
 
     def cached_by_loads(
-        self, what: tuple[Hashable, ...], n_positions: int, make: Callable[[], _T]
+        self, name: tuple[Hashable, ...], n_positions: int, make: Callable[[], _T]
     ) -> _T:
-        """Return what the loads of some instants alone decide, made once for all bearings that are loaded alike.
+        """Return a value that depends on the loads at some positions alone, computed once for all equal loads.
 
-        Where it is large it is made anew each time.
+        Where there are more than `_MAX_CACHED_LOADS` loads it is computed each time.
         """
-        if self.scene.bearing.rollers * n_positions * self.slices > _KEPT:
+        if self.scene.bearing.rollers * n_positions * self.slices > _MAX_CACHED_LOADS:
             return make()
-        key = (what, self._alike)
-        if key not in self.known_loads:
-            self.known_loads[key] = make()
-        known: _T = self.known_loads[key]
-        return known
+        key = (name, self._load_key)
+        if key not in self.load_cache:
+            self.load_cache[key] = make()
+        value: _T = self.load_cache[key]
+        return value
 
     def _solved_loads(
         self, n_positions: int, cage_speed: float | None, known: LoadDistribution | None
@@ -296,12 +317,13 @@ class Assembly:
         force = (
             self.centrifugal_force if cage_speed is None else self.centrifugal_force_at(cage_speed)
         )
-        if self.rings is not None and self.rings.turning:  # instants of half as many are others
+        # with a ring that turns, half as many positions are at other angles of the ring
+        if self.rings is not None and self.rings.turning:
             known = None
         return solve_pitch(self.load_case(n_positions, force), self.raceways, known)
 
     def load_case(self, n_positions: int, centrifugal_force: float = 0.0) -> LoadCase:
-        """Return what the equilibrium is solved of, at instants spread over one roller pitch."""
+        """Return the input of the equilibrium at positions over one pitch, with a centrifugal force per roller [N]."""
         b = self.scene.bearing
         o = self.scene.operation
         return LoadCase(
@@ -319,8 +341,8 @@ class Assembly:
         )
 
     @cached_property
-    def _alike(self) -> tuple[Hashable, ...]:
-        """What bearings that share `known_loads` have the same if they are loaded alike."""
+    def _load_key(self) -> tuple[Hashable, ...]:
+        """All that the loads depend on and that assemblies which share `load_cache` may have different."""
         sides = [
             (
                 raceway.deflection,
@@ -340,21 +362,22 @@ class Assembly:
         )
 
     def places(self, ring: Ring, angle: Array, roller: Array | None = None) -> dict[str, Array]:
-        """Return where slices of rollers are, as `LoadedContacts` takes it; nothing where no law asks.
+        """Return the positions of the slices, as `LoadedContacts` takes them; empty where no law reads them.
 
-        By their angles from the line of load [rad] and their numbers. The axis of a roller is that of the outer ring,
-        so that V_t = gamma w_i R_i sin(psi) on the inner one, gamma the misalignment, and none on the outer.
+        Parameters are the angles psi of the rollers from the line of load [rad] and their numbers. The axis of a roller
+        is parallel to that of the outer ring, so that the transverse speed is V_t = gamma w_i R_i sin(psi) on the inner
+        ring, with the misalignment gamma, and zero on the outer one.
         """
         if not self.inner.chain.placed:
             return {}
-        known = {
+        columns = {
             "position": self.position,
             "orbit_angle": angle,
-            "transverse_speed": self.across(ring) * np.sin(angle),
+            "transverse_speed": self.max_transverse_speed(ring) * np.sin(angle),
         }
-        return known if roller is None else known | {"roller": roller}
+        return columns if roller is None else columns | {"roller": roller}
 
-    def across(self, ring: Ring) -> float:
+    def max_transverse_speed(self, ring: Ring) -> float:
         """Largest transverse sliding speed of a ring over the orbit [m/s]."""
         k = self.kinematics
         tilt = self.scene.operation.misalignment if ring == "inner" else 0.0
@@ -363,98 +386,58 @@ class Assembly:
     def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
         """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring, by approach [m]."""
         raceway = self.inner if ring == "inner" else self.outer
-        every = approach.ravel()
-        touching = np.flatnonzero(~(every <= 0.0))  # NaN among them, for the chain to refuse
-        load = np.zeros_like(every)
-        stiffness = np.zeros_like(every)
-        for start in range(
-            0, touching.size, _PIECE
-        ):  # a table is many columns: pieces of it stay in the cache
-            some = touching[start : start + _PIECE]
-            slices = Slices(some.size, raceway.conditions, approach=every[some])
+        flat = approach.ravel()
+        touching = np.flatnonzero(~(flat <= 0.0))  # with NaN, which the chain refuses
+        load = np.zeros_like(flat)
+        stiffness = np.zeros_like(flat)
+        for start in range(0, touching.size, _DEFLECTION_BLOCK):
+            block = touching[start : start + _DEFLECTION_BLOCK]
+            slices = Slices(block.size, raceway.conditions, approach=flat[block])
             raceway.deflection(slices)
-            load[some] = slices.load
-            stiffness[some] = slices.stiffness
+            load[block] = slices.load
+            stiffness[block] = slices.stiffness
         return load.reshape(approach.shape), stiffness.reshape(approach.shape)
 
 
 def conditions_read(chain: Chain) -> frozenset[str]:
-    """Conditions that the models of a chain read."""
+    """Return the names of the conditions that the models of a chain read."""
     return members(tuple(frozenset(model.reads) for model in chain.models))
 
 
 def assemble(
     scene: Scene, resolution: Resolution | None = None, *, like: Assembly | None = None
 ) -> Assembly:
-    """Put the bearing of a scene together.
+    """Return the bearing of a scene with its models bound.
 
     Parameters
     ----------
     scene : Scene
         The scene.
     resolution : Resolution, optional
-        How finely it is computed; by default as the scene states, with instants doubled until results stand still.
+        The numerical resolution; by default that of `as_stated`.
     like : Assembly, optional
-        What this function gave of another scene. Where the two differ in oil, temperatures and roughness alone, only
-        what these change is made anew; the bearing is the same, to the last bit, with it or without.
+        The assembly of another scene. Where the two scenes differ in oil, temperatures and roughness alone, only what
+        depends on these is computed anew. The result is the same, to the last bit, with it or without.
 
     Raises
     ------
     SceneError
         If a parameter of a model or the oil is wrong, the temperature is outside the oil's range, or a model needs
-        data that the scene does not give; all faults that can be found at once.
+        data that the scene does not give. It lists all faults that can be found at once.
     PluginError
         If a model or the oil does not exist or cannot be loaded.
     """
-    b = scene.bearing
     resolution = as_stated(scene) if resolution is None else resolution
     where = Location(scene.origins)
+    load_cache = dict[tuple[Hashable, ...], Any]()
+    if like is not None and _has_same_loads(scene, resolution, like):
+        changed = _with_changed_oil(scene, like, where)
+        if changed is not None:
+            return changed
+        load_cache = like.load_cache
     problems: list[str] = []
-    loads: dict[tuple[Hashable, ...], Any]
-    if like is not None and _loaded_alike(scene, resolution, like):
-        oil = _lubricant(scene, where, problems)
-        if oil is None:
-            raise SceneError(problems)
-        laws = [(of.pressure_viscosity_law, of.slopes, of.models) for of in (oil, like.lubricant)]
-        if laws[0] == laws[1] and _given_alike(scene, oil, like):
-            return _with_oil(like, scene, oil, where)
-        problems = []
-        loads = like.known_loads
-    else:
-        loads = {}
     lubricant = _lubricant(scene, where, problems)
-    constants = None if lubricant is None or not lubricant.models else lubricant.constants_for
-    models: dict[str, Any] = {
-        kind: structure_model(
-            kind,
-            {"model": choice.name, **choice.parameters},
-            where.at("models").at(kind),
-            problems,
-            constants,
-        )
-        for kind, choice in (
-            ("contact", scene.models.contact),
-            ("film", scene.models.film),
-            ("pressure", scene.models.pressure),
-            ("traction", scene.models.traction),
-        )
-    }
-    problems += unused_constants(scene, models, where.at("lubricant").at("models"))
-    named = where.at("models")
-    thermal = scene.models.thermal
-    beside = [] if thermal is None else [("thermal", named.at("thermal"), thermal)]
-    beside += [
-        ("damage", named.at("damage").at(k), one) for k, one in enumerate(scene.models.damage)
-    ]
-    beside += [
-        ("torque", named.at("torque").at(k), one) for k, one in enumerate(scene.models.torque)
-    ]
-    for (
-        kind,
-        place,
-        choice,
-    ) in beside:  # for studies that ask for them; their faults are those of the scene
-        structure_model(kind, {"model": choice.name, **choice.parameters}, place, problems)
+    models = _structure_models(scene, lubricant, where, problems)
     rings = rings_of(
         scene,
         lambda choice, at: structure_model(
@@ -463,9 +446,9 @@ def assemble(
         problems,
     )
     kinematics = Kinematics(
-        b.inner_raceway_diameter / 2,
-        b.outer_raceway_diameter / 2,
-        b.roller_diameter / 2,
+        scene.bearing.inner_raceway_diameter / 2,
+        scene.bearing.outer_raceway_diameter / 2,
+        scene.bearing.roller_diameter / 2,
         scene.operation.inner_speed,
         scene.operation.outer_speed,
     )
@@ -475,26 +458,19 @@ def assemble(
         problems.append(where.at("bearing").at("profile").message(str(error)))
     if lubricant is None or problems:
         raise SceneError(problems)
-    values = scene_values(scene, kinematics, lubricant)
-    named = where.at("models")
-    models = {
-        kind: filled(model, values, named.at(kind), problems, kind)
-        for kind, model in models.items()
-    }
-    if problems:
-        raise SceneError(problems)
+    models = _bind_models(models, scene, kinematics, lubricant, where)
     conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
-    law = lubricant.pressure_viscosity_law
-    models = {kind: with_law(model, law, lubricant.slopes) for kind, model in models.items()}
-    models["traction"] = simplified(models["traction"], resolution)
+    models["traction"] = simplified_traction(models["traction"], resolution)
     if not resolution.inlet_heating:
         models["film"] = models["film"].isothermal
-    in_film = (
-        ()
-        if models["pressure"].of_contact or not resolution.light_contacts
-        else (models["pressure"],)
-    )
-    stages = models["contact"], models["film"], *in_film, law, models["traction"]
+    stages = [
+        models["contact"],
+        models["film"],
+        lubricant.pressure_viscosity_law,
+        models["traction"],
+    ]
+    if resolution.light_contacts and not models["pressure"].of_contact:
+        stages.insert(2, models["pressure"])
     deflection = models["contact"].deflection()
     check_given((deflection, *stages), conditions["inner"], lubricant, where)
     chain = Chain(*stages, compiled=resolution.compiled)
@@ -511,18 +487,59 @@ def assemble(
         inner=inner,
         outer=outer,
         rings=rings.image if rings and kinematics.direction < 0.0 else rings,
-        known_loads=loads,
+        load_cache=load_cache,
         **models,
     )
 
 
-def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
-    """Whether a scene has models, bearing and loads of another, and the same resolution is asked of it."""
+def _structure_models(
+    scene: Scene, lubricant: Lubricant | None, where: Location, problems: list[str]
+) -> dict[str, Any]:
+    """Return the models of the contacts by kind; faults of all models of the scene are added to ``problems``."""
+    constants = None if lubricant is None or not lubricant.models else lubricant.constants_for
+    named = where.at("models")
+    choices = scene.models
 
-    def same(one: object, other: object) -> bool:
-        return (
-            one is other or one == other
-        )  # what is not changed is the same object, and comparing takes longer
+    def constructed(kind: str, choice: ModelChoice, at: Location, *constants: Any) -> Any:
+        table = {"model": choice.name, **choice.parameters}
+        return structure_model(kind, table, at, problems, *constants)
+
+    models = {
+        kind: constructed(kind, getattr(choices, kind), named.at(kind), constants)
+        for kind in ("contact", "film", "pressure", "traction")
+    }
+    problems += unused_constants(scene, models, where.at("lubricant").at("models"))
+    # models of studies are constructed here for their faults only
+    if choices.thermal is not None:
+        constructed("thermal", choices.thermal, named.at("thermal"))
+    for kind in ("damage", "torque"):
+        for k, choice in enumerate(getattr(choices, kind)):
+            constructed(kind, choice, named.at(kind).at(k))
+    return models
+
+
+def _bind_models(
+    models: dict[str, Any], scene: Scene, kinematics: Kinematics, oil: Lubricant, where: Location
+) -> dict[str, Any]:
+    """Return models with all that they take from the scene and from the oil's law of viscosity under pressure."""
+    problems = list[str]()
+    values = scene_values(scene, kinematics, oil)
+    bound = {
+        kind: with_scene_values(model, values, where.at("models").at(kind), problems, kind)
+        for kind, model in models.items()
+    }
+    if problems:
+        raise SceneError(problems)
+    law = oil.pressure_viscosity_law
+    return {kind: with_law(model, law, oil.slopes) for kind, model in bound.items()}
+
+
+def _has_same_loads(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
+    """Whether a scene has models, bearing and loads of another, and the same resolution is requested."""
+
+    def same(first: object, second: object) -> bool:
+        # what did not change is the same object, and comparing objects takes longer
+        return first is second or first == second
 
     own = scene.operation
     other = like.scene.operation
@@ -542,25 +559,40 @@ def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
     )
 
 
-def _given_alike(scene: Scene, oil: Lubricant, like: Assembly) -> bool:
-    """Whether the laws of a bearing take from a scene what they take from its own."""
-    named = {of for model in like.models.values() for of in taken_from_scene(model)}
-    one, other = (
-        scene_values(of, like.kinematics, its)
-        for of, its in ((scene, oil), (like.scene, like.lubricant))
+def _with_changed_oil(scene: Scene, like: Assembly, where: Location) -> Assembly | None:
+    """Return the assembly of a scene with other oil properties; None where the laws of the oil differ too."""
+    problems = list[str]()
+    oil = _lubricant(scene, where, problems)
+    if oil is None:
+        raise SceneError(problems)
+    old = like.lubricant
+    same_laws = (oil.pressure_viscosity_law, oil.slopes, oil.models) == (
+        old.pressure_viscosity_law,
+        old.slopes,
+        old.models,
     )
-    return all(one[of] == other[of] for of in named if of in one)
+    if same_laws and _has_same_scene_values(scene, oil, like):
+        return _with_oil(like, scene, oil, where)
+    return None
+
+
+def _has_same_scene_values(scene: Scene, oil: Lubricant, like: Assembly) -> bool:
+    """Whether the models of an assembly would take the same values from a scene as from their own."""
+    names = {name for model in like.models.values() for name in taken_from_scene(model)}
+    new = scene_values(scene, like.kinematics, oil)
+    old = scene_values(like.scene, like.kinematics, like.lubricant)
+    return all(new[name] == old[name] for name in names if name in new)
 
 
 def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> Assembly:
-    """The bearing of a scene that has all but its conditions of another."""
+    """Return the assembly of a scene which differs from another one in the conditions of its contacts alone."""
     inner, outer = (
         attrs.evolve(
             raceway, conditions=_conditions(scene, like.kinematics, oil, raceway.ring, where)
         )
         for raceway in like.raceways
     )
-    read = like.known_cage.get("read")
+    read = like.cage_cache.get("read")
     check_given(
         (*like.inner.deflection.models, *like.inner.chain.models), inner.conditions, oil, where
     )
@@ -570,12 +602,13 @@ def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> 
         lubricant=oil,
         inner=inner,
         outer=outer,
-        known_maps={},
-        known_cage={} if read is None else {"read": read},
+        map_cache={},
+        cage_cache={} if read is None else {"read": read},
     )
 
 
 def _lubricant(scene: Scene, where: Location, problems: list[str]) -> Lubricant | None:
+    """Return the oil of a scene; None, with its faults in ``problems``, where it is wrong."""
     try:
         return read_oil(scene.lubricant, where.at("lubricant"))
     except SceneError as error:
@@ -583,7 +616,7 @@ def _lubricant(scene: Scene, where: Location, problems: list[str]) -> Lubricant 
         return None
 
 
-def read_oil(written: LubricantTable, where: Location) -> Lubricant:
+def read_oil(table: LubricantTable, where: Location) -> Lubricant:
     """Return the oil of a table ``[lubricant]``, with its law of viscosity under pressure."""
 
     def named(name: str) -> Lubricant:
@@ -593,12 +626,12 @@ def read_oil(written: LubricantTable, where: Location) -> Lubricant:
             raise type(error)(where.at("name").message(str(error))) from error
         return oil
 
-    table = dict(written.data) | ({} if written.name is None else {"name": written.name})
-    return lubricant_from_table(table, named, where, partial(structure_model, "pressure-viscosity"))
+    data = dict(table.data) | ({} if table.name is None else {"name": table.name})
+    return lubricant_from_table(data, named, where, partial(structure_model, "pressure-viscosity"))
 
 
-def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel:
-    """Return the traction that a resolution leaves of a scene's: without boundary friction, or by a cheaper law."""
+def simplified_traction(traction: TractionModel, resolution: Resolution) -> TractionModel:
+    """Return the traction law as a resolution simplifies it: without boundary friction, or with a cheaper law."""
     if not resolution.boundary:
         traction = traction.full_film
     if resolution.traction != "named":
@@ -614,7 +647,7 @@ def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel
 def _conditions(
     scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Location
 ) -> Conditions:
-    """What the contacts of a ring share; the film enters at the mean temperature of the two surfaces."""
+    """Return what the contacts of a ring share: geometry, steel, and the oil at the mean surface temperature."""
     o = scene.operation
     s = scene.surface
     pair = (scene.bearing.material_of(ring), scene.bearing.material)
@@ -630,15 +663,14 @@ def _conditions(
         radius=kinematics.inner_equivalent_radius
         if ring == "inner"
         else kinematics.outer_equivalent_radius,
-        modulus=own
-        * (
-            other / ((own + other) / 2)
-        ),  # 2/(1/own + 1/other), and own to the bit where both are one
+        # 2/(1/own + 1/other), in a form that is exactly own where both are equal
+        modulus=own * (other / ((own + other) / 2)),
+        # Rq is about 1.25 Ra, and the squares of both surfaces add
         roughness=1.25 * math.hypot(raceway_roughness, s.roller_roughness),
-        # heat parts such that both are equally warm
+        # the heat is divided such that both surfaces are equally warm
         effusivity=sum(
             math.sqrt(m.thermal_conductivity * m.density * m.specific_heat) for m in pair
         )
         / 2,
-        **{name: getattr(oil, name) for name in _OF_OIL},
+        **{name: getattr(oil, name) for name in _OIL_PROPERTIES},
     )

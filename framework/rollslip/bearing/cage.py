@@ -1,9 +1,9 @@
-"""The cage of a scene: its table with what is estimated where nothing is given, and its drags bound.
+"""Read the cage of a scene, estimate the values that it does not state, and bind its drags.
 
-- Nothing of the table is required. What it is of and what guides it follow from the letters of the bearing's name, or
-  from what makers put into such a bearing (`rollslip.datasets.OwnCage`); all else is estimated from make and size (D).
-  A plan says what was estimated, and what is stated is held against it: `doubts`.
-- A drag takes from the scene what it is not given itself. What the scene does not have either is a fault of the scene.
+- No key of the table is required. Make and guidance follow from the letters of the bearing's designation, or from what
+  makers usually fit (`rollslip.datasets.OwnCage`); all other values are estimated from make and size (grade D). A plan
+  reports what was estimated, and stated values are compared with the estimates: `implausible_values`.
+- A drag takes parameters that nobody sets from the scene. A parameter that the scene does not have either is a fault.
 """
 
 import math
@@ -22,55 +22,65 @@ from rollslip.fields import FieldError, choice_of, field, non_negative, positive
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
-from rollslip.scene.supply import DENSITY, SUPPLIES, Supplied
+from rollslip.scene.supply import DENSITY, SUPPLIES, OilSupply
 from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene
 from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity
 
+#: Largest number of resistances, and of torques, that are added: the size of their arrays in the compiled kernels.
+MAX_TERMS: Final = 8
+#: Keys of the land of a ring, which a cage that is guided by a ring has.
+_LAND_KEYS: Final = ("land_radius", "land_width", "land_clearance")
 _optional = attrs.validators.optional(positive)
 
 
 def train_play(bearing: Bearing) -> float:
-    """Return the play that all rollers have together along their orbit where no cage is between them [m]."""
+    """Return the total play of the rollers along their orbit in a full-complement bearing, without a cage [m]."""
     orbit = (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter) / 4
     return (
         2 * orbit * (math.pi - bearing.rollers * math.asin(bearing.roller_diameter / (2 * orbit)))
     )
 
 
-class Make(NamedTuple):
-    """What cages of one make are like (D)."""
+class CageDesign(NamedTuple):
+    """Typical values of cages of one make (D)."""
 
-    words: str  # what it is
-    density: float  # [kg/m3]
-    #: thickness, pocket_clearance: Of its bars, and of a roller in its pocket along the orbit, over the diameter of a
-    #: roller.
+    #: Material and manufacture, for texts.
+    description: str
+    #: Density [kg/m3].
+    density: float
+    #: Radial thickness of the bars over the roller diameter [1].
     thickness: float
+    #: Clearance of a roller in its pocket along the orbit over the roller diameter [1].
     pocket_clearance: float
-    pocket_stiffness: float  # [N/m]
-    guidance: str  # what guides it
+    #: Stiffness of the contact of a roller with its pocket [N/m].
+    pocket_stiffness: float
+    #: What guides the cage: "roller", "inner" or "outer".
+    guidance: str
 
 
-#: Makes of cages by what they are of.
-CAGE_DESIGNS: Final[Mapping[str, Make]] = {
-    "brass": Make("machined brass or bronze", 8600.0, 0.4, 0.015, 5e7, "outer"),
-    "steel": Make("pressed sheet steel", 7850.0, 0.12, 0.02, 5e7, "roller"),
-    "polyamide": Make("polyamide with a quarter of glass fibre", 1320.0, 0.4, 0.025, 5e6, "roller"),
+#: Make of a cage -> its typical values.
+CAGE_DESIGNS: Final[Mapping[str, CageDesign]] = {
+    "brass": CageDesign("machined brass or bronze", 8600.0, 0.4, 0.015, 5e7, "outer"),
+    "steel": CageDesign("pressed sheet steel", 7850.0, 0.12, 0.02, 5e7, "roller"),
+    "polyamide": CageDesign(
+        "polyamide with a quarter of glass fibre", 1320.0, 0.4, 0.025, 5e6, "roller"
+    ),
 }
 
 
-def _of_the_bearing(cage: "Cage") -> float:
+def _estimate_missing(cage: "Cage") -> float:
     raise TypeError(
         "a cage takes mass, inertia and pocket_clearance; read_cage estimates them"
     )  # pragma: no cover
 
 
-_estimated: Any = attrs.Factory(_of_the_bearing, takes_self=True)
+_estimated: Any = attrs.Factory(_estimate_missing, takes_self=True)
 
 
 @attrs.frozen(kw_only=True)
 class Cage:
-    """The cage: make, mass, pockets, guidance, and what drags it."""
+    """The cage: make, mass, pockets, guidance, and the drags on it."""
 
     make: str = field(
         default="brass",
@@ -182,7 +192,7 @@ class Cage:
 
     def __attrs_post_init__(self) -> None:
         if self.guidance == "roller":
-            for name in ("land_radius", "land_width", "land_clearance"):
+            for name in _LAND_KEYS:
                 if getattr(self, name) is not None:
                     raise FieldError(
                         name, "only read for guidance = 'inner' or 'outer', not for 'roller'"
@@ -208,22 +218,21 @@ def estimated_inertia(bearing: Bearing, make: str = "brass") -> tuple[float, flo
 
 
 def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, object]:
-    """Return what make and size say of a cage where its table is silent."""
+    """Return the values that make and size of a cage suggest, for keys which its table does not have."""
     b = bearing
     name = table.get("make", "brass")
-    make = CAGE_DESIGNS.get(name) if isinstance(name, str) else None
-    if make is None:  # the reader says so
+    if not isinstance(name, str) or name not in CAGE_DESIGNS:  # the reader refuses it later
         name = "brass"
-        make = CAGE_DESIGNS["brass"]
-    mass, inertia = estimated_inertia(b, str(name))
+    design = CAGE_DESIGNS[name]
+    mass, inertia = estimated_inertia(b, name)
     estimates: dict[str, object] = {
         "mass": mass,
         "inertia": inertia * _number(table, "mass", "kg", mass) / mass,
-        "guidance": make.guidance if "make" in table else "roller",
-        "pocket_clearance": make.pocket_clearance * b.roller_diameter,
-        "pocket_stiffness": make.pocket_stiffness,
+        "guidance": design.guidance if "make" in table else "roller",
+        "pocket_clearance": design.pocket_clearance * b.roller_diameter,
+        "pocket_stiffness": design.pocket_stiffness,
     }
-    lands = _lands(b)
+    lands = _land_radii(b)
     guidance = table.get("guidance", estimates["guidance"])
     if isinstance(guidance, str) and guidance in lands:
         radius = _number(table, "land_radius", "m", lands[guidance])
@@ -235,8 +244,8 @@ def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, objec
     return estimates
 
 
-def _lands(bearing: Bearing) -> dict[str, float]:
-    """Radius of the land that either ring has, its shoulder 0.2 roller diameters beyond the raceway [m]."""
+def _land_radii(bearing: Bearing) -> dict[str, float]:
+    """Return the land radius of either ring, whose shoulder is 0.2 roller diameters beyond the raceway [m]."""
     shoulder = 0.2 * bearing.roller_diameter
     return {
         "inner": bearing.inner_raceway_diameter / 2 + shoulder,
@@ -244,22 +253,22 @@ def _lands(bearing: Bearing) -> dict[str, float]:
     }
 
 
-def _number(table: Mapping[str, object], key: str, unit: str, otherwise: float) -> float:
-    """Return a positive number of a table; what the reader will refuse does not count."""
+def _number(table: Mapping[str, object], key: str, unit: str, default: float) -> float:
+    """Return a positive number of a table; the default where there is none or the reader will refuse it."""
     try:
-        stated = quantity(table.get(key, otherwise), unit)
+        stated = quantity(table.get(key, default), unit)
     except ValueError:
-        return otherwise
-    return stated if stated > 0 else otherwise
+        return default
+    return stated if stated > 0 else default
 
 
-def supplied(scene: Scene, lubricant: Lubricant) -> Supplied:
-    """Return what the supply of oil of a scene comes to, at the temperature of the operation."""
+def oil_supply(scene: Scene, lubricant: Lubricant) -> OilSupply:
+    """Return oil content and starvation that the lubrication of a scene gives, at the temperature of the operation."""
     o = scene.operation
     density = DENSITY if lubricant.density is None else lubricant.density(o.temperature)
     b = scene.bearing
     speed = o.inner_speed - o.outer_speed
-    return Supplied.of(
+    return OilSupply.from_lubrication(
         scene.lubrication,
         b.boundaries,
         b.roller_diameter,
@@ -278,30 +287,32 @@ def _viscosity(scene: Scene, lubricant: Lubricant) -> float:
 
 
 def default_drags(scene: Scene, guidance: object) -> list[object]:
-    """Return what drags rollers and cage where the scene does not say, of a cage with a guidance."""
+    """Return the drags on rollers and cage where the scene names none, for a cage with a guidance."""
     lands = guidance in ("inner", "outer") and SUPPLIES[scene.lubrication.supply].land > 0.0
     return [*DEFAULT_DRAGS, *([LAND_DRAG] if lands else [])]
 
 
-def _without(table: Mapping[str, object], where: Location) -> list[str]:
-    """Say what a scene states of a cage that it does not have."""
-    told = "rollers without a cage have none; leave it out, or take models.separator = 'cage'"
-    return [where.at(key).message(told) for key in table if key != "drag"]
+def _faults_without_cage(table: Mapping[str, object], where: Location) -> list[str]:
+    """Return a message for each key of the cage in a scene without a cage."""
+    text = "rollers without a cage have none; leave it out, or take models.separator = 'cage'"
+    return [where.at(key).message(text) for key in table if key != "drag"]
 
 
 def read_cage(scene: Scene) -> Cage:
-    """Return the cage of a scene, that of its bearing where it has none, with its drags as they are named.
+    """Return the cage of a scene, or that of its bearing where it states none, with drags that are not yet bound.
 
-    `with_drags` binds these. Without a cage only these are of use.
+    `with_drags` binds the drags. In a bearing without a cage only the drags count.
     """
     where = Location(scene.origins, ("cage",))
     problems = list[str]()
     table = dict[str, object](scene.cage or {})
-    if scene.models.neighbour_friction is not None and (problems := _without(table, where)):
+    if scene.models.neighbour_friction is not None and (
+        problems := _faults_without_cage(table, where)
+    ):
         raise SceneError(problems)
     estimates = _estimates(scene.bearing, table)
     usual = default_drags(scene, table.get("guidance", estimates["guidance"]))
-    raw = table["drag"] = _drags(table.get("drag", usual), usual, where.at("drag"), problems)
+    raw = table["drag"] = _listed_drags(table.get("drag", usual), usual, where.at("drag"), problems)
     cage = structure(Cage, {**estimates, **table}, where, problems)
     models = [
         structure_model("drag", drag, where.at("drag").at(k), problems)
@@ -312,11 +323,15 @@ def read_cage(scene: Scene) -> Cage:
     return attrs.evolve(cage, named=tuple(models))
 
 
-def _drags(raw: object, usual: Sequence[object], where: Location, problems: list[str]) -> object:
-    """Return drags as they are listed; of a table with parameters by name, ``[cage.drag.churning]``, the usual ones."""
+def _listed_drags(
+    raw: object, usual: Sequence[object], where: Location, problems: list[str]
+) -> object:
+    """Return the drags of a list; of a table by name (``[cage.drag.churning]``) the usual drags with its parameters."""
     if not isinstance(raw, Mapping):
         return raw
-    own = {str(one.get("model")) if isinstance(one, Mapping) else str(one): one for one in usual}
+    own = {
+        str(drag.get("model")) if isinstance(drag, Mapping) else str(drag): drag for drag in usual
+    }
     for name in raw.keys() - own.keys():
         known = ", ".join(own) or "none"
         problems.append(
@@ -326,14 +341,14 @@ def _drags(raw: object, usual: Sequence[object], where: Location, problems: list
         )
     changes = {name: dict(table) for name, table in raw.items() if isinstance(table, Mapping)}
     tables = {
-        name: dict(one) if isinstance(one, Mapping) else {"model": name}
-        for name, one in own.items()
+        name: dict(drag) if isinstance(drag, Mapping) else {"model": name}
+        for name, drag in own.items()
     }
     return [{**table, **changes.get(name, {})} for name, table in tables.items()]
 
 
-def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
-    """Return the name of the bearing and what is written of the cage, both empty where there is nothing."""
+def _written_tables(scene: Scene) -> tuple[str, Mapping[str, Any]]:
+    """Return the name of the bearing and the table of the cage as they are written; empty where there are none."""
     bearing = scene.tables.get("bearing")
     return str(bearing.get("name", "")) if isinstance(bearing, Mapping) else "", scene.tables.get(
         "cage"
@@ -341,8 +356,8 @@ def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
 
 
 def describe_cage(scene: Scene, cage: Cage) -> tuple[str, str]:
-    """Return what a cage is, in words, and how that is known."""
-    name, written = _written(scene)
+    """Return a text that describes a cage, and a text on the source of its make and the values that are estimated."""
+    name, written = _written_tables(scene)
     if (friction := scene.models.neighbour_friction) is not None:
         play = format_quantity(train_play(scene.bearing), "m", 2)
         return (
@@ -352,124 +367,116 @@ def describe_cage(scene: Scene, cage: Cage) -> tuple[str, str]:
     guide = "the rollers" if cage.guidance == "roller" else f"the {cage.guidance} ring"
     own = own_cage(name)
     if "make" in written:
-        known = "cage.make says so"
+        source = "cage.make says so"
     elif own is None:
-        known = "the make is assumed; state cage.make where yours is another"
+        source = "the make is assumed; state cage.make where yours is another"
     elif own.letters:
-        known = f"{own.letters} of {name} says so"
+        source = f"{own.letters} of {name} says so"
     else:
-        known = f"the make is assumed, as most makers have it in {name}; state cage.make where yours is another"
-    silent = [
+        source = f"the make is assumed, as most makers have it in {name}; state cage.make where yours is another"
+    estimated = [
         key
-        for key in ("mass", "inertia", "pocket_clearance", "pocket_stiffness")
-        if key not in written
+        for key in ("mass", "inertia", "pocket_clearance", "pocket_stiffness", *_LAND_KEYS)
+        if key not in written and getattr(cage, key) is not None
     ]
-    silent += [
-        key
-        for key in ("land_radius", "land_width", "land_clearance")
-        if getattr(cage, key) is not None
-    ]
-    silent = [key for key in silent if key not in written]
-    estimated = f"; estimated (D): {', '.join(silent)}" if silent else ""
-    return (
-        f"{cage.make}, {format_quantity(cage.mass, 'kg', 3)}, guided by {guide}",
-        known + estimated,
-    )
+    if estimated:
+        source += f"; estimated (D): {', '.join(estimated)}"
+    return f"{cage.make}, {format_quantity(cage.mass, 'kg', 3)}, guided by {guide}", source
 
 
-def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
-    """Yield place and sentence of what is stated of a cage that can hardly be that of the bearing."""
-    name, written = _written(scene)
+def implausible_values(scene: Scene) -> Iterator[tuple[Location, str]]:
+    """Yield the location of each stated value of a cage that can hardly be that of the bearing, and why."""
+    name, written = _written_tables(scene)
     try:
         cage = read_cage(scene)
-    except RollslipError:  # who needs it says so
+    except RollslipError:  # a study that needs the cage reports it
         return
     b = scene.bearing
     where = Location(scene.origins, ("cage",))
     own = own_cage(name)
     if scene.models.neighbour_friction is not None:
         if (play := train_play(b)) > b.roller_diameter:
-            shown = format_quantity(play, "m", 3)
-            other = format_quantity(b.roller_diameter, "m")
-            told = f"without a cage {b.rollers} rollers of {other} have a play of {shown}, room for more of them"
-            yield Location(scene.origins, ("bearing", "rollers")), told
+            diameter = format_quantity(b.roller_diameter, "m")
+            yield (
+                Location(scene.origins, ("bearing", "rollers")),
+                f"without a cage {b.rollers} rollers of {diameter} have a play of {format_quantity(play, 'm', 3)}, "
+                "room for more of them",
+            )
         return
     if own is not None and own.letters:
-        for key, says in (("make", own.make), ("guidance", own.guidance)):
-            if key in written and getattr(cage, key) != says:
+        for key, expected in (("make", own.make), ("guidance", own.guidance)):
+            if key in written and getattr(cage, key) != expected:
                 yield (
                     where.at(key),
-                    f"{getattr(cage, key)!r}, but {own.letters} of {name} says {says!r}",
+                    f"{getattr(cage, key)!r}, but {own.letters} of {name} says {expected!r}",
                 )
-    mass, _ = estimated_inertia(b, cage.make)
-    heavy = not mass / 3 <= cage.mass <= 3 * mass
-    orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
-    for key, value, by, of, (low, high) in (
-        (
-            "mass",
-            cage.mass,
-            mass,
-            f"that of a cage of {cage.make} in this bearing, estimated (D)",
-            (1 / 3, 3.0),
-        ),
-        (
-            "inertia",
-            cage.inertia,
-            cage.mass * orbit**2,
-            "the mass on the orbit of the rollers",
-            (0.7, 1.4),
-        ),
-        (
-            "pocket_clearance",
-            cage.pocket_clearance,
-            b.roller_diameter,
-            "the roller diameter",
-            (1e-3, 0.08),
-        ),
-    ):
-        if key in written and not low <= value / by <= high and not (key == "inertia" and heavy):
+    for key, text in (*_unusual_ratios(b, cage), *_misplaced_land(b, cage)):
+        if key in written:
+            yield where.at(key), text
+
+
+def _unusual_ratios(bearing: Bearing, cage: Cage) -> Iterator[tuple[str, str]]:
+    """Yield keys whose values have an unusual ratio to a reference value, and a sentence that compares both."""
+    mass, _ = estimated_inertia(bearing, cage.make)
+    estimate = f"that of a cage of {cage.make} in this bearing, estimated (D)"
+    orbit = (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter) / 4
+    ratios = [
+        ("mass", mass, estimate, 1 / 3, 3.0),
+        ("inertia", cage.mass * orbit**2, "the mass on the orbit of the rollers", 0.7, 1.4),
+        ("pocket_clearance", bearing.roller_diameter, "the roller diameter", 1e-3, 0.08),
+    ]
+    if not mass / 3 <= cage.mass <= 3 * mass:  # the inertia follows from the mass
+        del ratios[1]
+    for key, reference, meaning, low, high in ratios:
+        value = getattr(cage, key)
+        if not low <= value / reference <= high:
             unit = attrs.fields_dict(Cage)[key].metadata["unit"]
-            shown = format_quantity(value, unit, 4)
-            other = format_quantity(by, unit, 3)
             yield (
-                where.at(key),
-                f"{shown} is {value / by:.3g} times {of}, {other}; {low:.2g} to {high:.2g} is usual",
+                key,
+                f"{format_quantity(value, unit, 4)} is {value / reference:.3g} times {meaning}, "
+                f"{format_quantity(reference, unit, 3)}; {low:.2g} to {high:.2g} is usual",
             )
-    if "land_radius" in written and cage.land_radius is not None:
-        inner = b.inner_raceway_diameter / 2
-        outer = b.outer_raceway_diameter / 2
-        low, high = (inner, orbit) if cage.guidance == "inner" else (orbit, outer)
-        if not low <= cage.land_radius <= high:
-            shown, first, last = (
-                format_quantity(one, "m", 4) for one in (cage.land_radius, low, high)
-            )
-            ring = (
-                f"the shoulder of the {cage.guidance} ring ends between its raceway and the orbit"
-            )
-            yield where.at("land_radius"), f"{shown}, but {ring}, {first} to {last}"
+
+
+def _misplaced_land(bearing: Bearing, cage: Cage) -> Iterator[tuple[str, str]]:
+    """Yield the key and a sentence where the land is not between the raceway of its ring and the orbit."""
+    if cage.land_radius is None:
+        return
+    orbit = (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter) / 4
+    limits = [orbit, bearing.outer_raceway_diameter / 2]
+    if cage.guidance == "inner":
+        limits = [bearing.inner_raceway_diameter / 2, orbit]
+    if not limits[0] <= cage.land_radius <= limits[1]:
+        radius, low, high = (format_quantity(x, "m", 4) for x in (cage.land_radius, *limits))
+        ring = f"the shoulder of the {cage.guidance} ring ends between its raceway and the orbit"
+        yield "land_radius", f"{radius}, but {ring}, {low} to {high}"
 
 
 def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cage:
-    """Return a cage with its drags bound to what the scene gives."""
+    """Return a cage whose drags have taken all values that they take from the scene, its oil and the cage."""
     where = Location(scene.origins, ("cage",))
     problems = list[str]()
-    values = scene_values(scene, kinematics, lubricant) | _of_land(cage, supplied(scene, lubricant))
-    given = [
-        filled(model, values, where.at("drag").at(k), problems)
+    values = scene_values(scene, kinematics, lubricant) | _land_values(
+        cage, oil_supply(scene, lubricant)
+    )
+    models = [
+        with_law(
+            with_scene_values(model, values, where.at("drag").at(k), problems),
+            lubricant.pressure_viscosity_law,
+        )
         for k, model in enumerate(cage.named)
     ]
-    given = [with_law(model, lubricant.pressure_viscosity_law) for model in given]
-    drags = _by_sort(given, where, problems, caged=scene.models.neighbour_friction is None)
+    drags = _sort_drags(models, where, problems, caged=scene.models.neighbour_friction is None)
     if problems:
         raise SceneError(problems)
     return attrs.evolve(cage, drags=drags)
 
 
 def scene_values(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> dict[str, object]:
-    """Return what a scene gives of `SCENE_VALUES` without its cage."""
+    """Return those of `SCENE_VALUES` that do not depend on the cage."""
     b = scene.bearing
     o = scene.operation
-    oil = supplied(scene, lubricant)
+    oil = oil_supply(scene, lubricant)
     return {
         "viscosity": _viscosity(scene, lubricant),
         "density": DENSITY if lubricant.density is None else lubricant.density(o.temperature),
@@ -485,8 +492,8 @@ def scene_values(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> 
     }
 
 
-def _of_land(cage: Cage, oil: Supplied) -> dict[str, object]:
-    """What a cage gives of `SCENE_VALUES`."""
+def _land_values(cage: Cage, oil: OilSupply) -> dict[str, object]:
+    """Return those of `SCENE_VALUES` that describe the land of the cage."""
     values = {
         "guiding_ring": None if cage.guidance == "roller" else cage.guidance,
         "land_radius": cage.land_radius,
@@ -496,17 +503,17 @@ def _of_land(cage: Cage, oil: Supplied) -> dict[str, object]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def filled(
+def with_scene_values(
     model: Any,
     values: Mapping[str, object],
     where: Location,
     problems: list[str],
     kind: str = "drag",
 ) -> Any:
-    """Return a model with all that it leaves to the scene."""
+    """Return a model with the values that it takes from the scene; missing ones are added to ``problems``."""
     complete = with_values(model, values)
-    all_of_it = (complete, *(child for _, child in submodels(complete)))
-    for attribute in (left for one in all_of_it for left in left_to_scene(one)):
+    parts = (complete, *(child for _, child in submodels(complete)))
+    for attribute in (missing for part in parts for missing in left_to_scene(part)):
         unit, meaning = SCENE_VALUES[attribute.metadata["from_scene"]]
         remedy = expectation(unit) if unit else "give one here or in cage.guidance"
         problems.append(
@@ -517,7 +524,8 @@ def filled(
     return complete
 
 
-def _by_sort(models: list[Any], where: Location, problems: list[str], *, caged: bool) -> Drags:
+def _sort_drags(models: list[Any], where: Location, problems: list[str], *, caged: bool) -> Drags:
+    """Return drags by sort; add to ``problems`` where there are too many of one, or pockets without a cage."""
     resistances = tuple(model for model in models if isinstance(model, ResistanceModel))
     pockets = [model for model in models if isinstance(model, PocketFriction)]
     torques = tuple(model for model in models if isinstance(model, DragModel))
@@ -533,11 +541,11 @@ def _by_sort(models: list[Any], where: Location, problems: list[str], *, caged: 
                 f"{pockets[0].name} is that of a cage, and models.separator has none"
             )
         )
-    for sort, most in ((resistances, 8), (torques, 8)):
-        if len(sort) > most:
+    for terms in (resistances, torques):
+        if len(terms) > MAX_TERMS:
             problems.append(
                 where.at("drag").message(
-                    f"at most {most} of a sort can be added, here are {len(sort)}"
+                    f"at most {MAX_TERMS} of a sort can be added, here are {len(terms)}"
                 )
             )
     resistance = resistances[0] if len(resistances) == 1 else TotalResistance(terms=resistances)

@@ -1,9 +1,10 @@
-"""Bind models into one compiled pass over slices: contact -> film -> traction, compiled and NumPy stages mixed.
+"""Bind models into one compiled pass over slices: contact -> film -> traction, with compiled and NumPy stages.
 
-- A large table is cut between blocks, and threads take its parts in order (`rollslip.engine.shared`), each without the
-  GIL. Stages are pure and a block is the same in any part, so the number of threads changes no bit. All parts before
-  one that is refused are gone through, so it changes no refusal either.
-- Where Python takes part there is one thread: it would hold the others up, and is not asked to be re-entrant.
+- A large table is divided between blocks, and threads evaluate its parts in order (`rollslip.engine.shared`), each
+  without the GIL. Stages are pure functions and a block is the same in any part, so that the number of threads does not
+  change a bit of the result. All parts before one that is refused are evaluated, so that it does not change the
+  refusal either.
+- A chain with a stage in Python runs in one thread: the GIL would block the others, and models need not be re-entrant.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,8 +24,11 @@ from rollslip_kernels.slices import PLACES, Slices
 
 Array = NDArray[np.float64]
 
-#: Slices that a thread takes at a time, some 0.1 ms, and with which a table is large: waking a thread takes as long.
+#: Slices that a thread takes at a time: some 0.1 ms of work, as long as it takes to wake a thread. Halving it wastes
+#: time on waking, doubling it leaves threads idle at the end. Chosen.
 _PART: Final = 4096
+#: Number of slices from which a table is evaluated in threads. Doubling it leaves tables of medium size to one thread.
+#: Chosen: with five parts two threads gain more than waking them costs.
 _LARGE: Final = 5 * _PART
 
 
@@ -44,7 +48,7 @@ def _checked(model: SliceModel, capsule: object | None) -> object:
 def _kernel(model: SliceModel) -> object | None:
     try:
         return model.kernel()
-    except RollslipError:  # of a child, who is named in it
+    except RollslipError:  # of a submodel, which its message names
         raise
     except Exception as error:
         raise PluginError(
@@ -53,7 +57,7 @@ def _kernel(model: SliceModel) -> object | None:
 
 
 def _runs_python(model: Any) -> bool:
-    """Whether a model, or one that it holds as a parameter, has no kernel."""
+    """Whether a model, or a model among its parameters, has no kernel."""
     if isinstance(model, tuple | list):
         return any(map(_runs_python, model))
     if not hasattr(model, "kernel"):
@@ -63,11 +67,12 @@ def _runs_python(model: Any) -> bool:
 
 
 def _who(model: SliceModel) -> str:
+    """Return the qualified name of the method ``kernel`` of a model, for messages."""
     return f"{type(model).__module__}.{type(model).__qualname__}.kernel()"
 
 
 def _blaming(model: SliceModel) -> Callable[[Slices], None]:
-    """Return ``evaluate`` of a model such that its errors, otherwise as they are, say whose they are."""
+    """Return ``evaluate`` of a model, with a note on its errors that names the model."""
 
     def evaluate(slices: Slices) -> None:
         try:
@@ -80,7 +85,7 @@ def _blaming(model: SliceModel) -> Callable[[Slices], None]:
 
 
 class Chain:
-    """Models bound in order; calling it evaluates all of them on a table of slices, in place.
+    """Models bound in order; a call evaluates all of them on a table of slices, in place.
 
     Compiled stages run without the GIL if the table has 4096 slices or more.
 
@@ -89,14 +94,14 @@ class Chain:
     *models : SliceModel
         At most eight stages.
     block : int, optional
-        Slices taken at a time; by default 256, or all at once if a stage runs in Python and pays per call.
+        Slices taken at a time; by default 256, or all at once if a stage runs in Python, which costs time per call.
     threads : int, optional
-        Threads that may share a large table; by default as many as ROLLSLIP_THREADS says, or as the process may use
-        processors, and 1 where a model runs in Python. The results are the same to the last bit.
+        Threads that may share a large table; by default the number in ROLLSLIP_THREADS, or that of the processors which
+        the process may use, and 1 where a model runs in Python. The results are the same to the last bit.
     compiled : bool
         Whether stages run compiled where they can, else all in NumPy.
     bounds : sequence of callables
-        Called with the slices after each evaluation; they raise where what the plan left out is needed.
+        Called with the slices after each evaluation; they raise where an effect that the plan left out is needed.
 
     Raises
     ------
@@ -135,7 +140,7 @@ class Chain:
         if threads is None and (not compiled or any(map(_runs_python, models))):
             threads = 1
         self._threads = threads
-        # what a model reads without a range of its own must at least be a number
+        # a member that a model reads without a range of its own must be finite
         stages = [
             (
                 _checked(m, capsule),
@@ -147,7 +152,7 @@ class Chain:
         self._chain = kernels.Chain(stages) if block is None else kernels.Chain(stages, block)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Make it anew of its models elsewhere."""
+        """Pickle the models and options, of which the chain is bound again."""
         block = self.block
         threads = self._threads
         return partial(
@@ -156,7 +161,7 @@ class Chain:
 
     @property
     def block(self) -> int:
-        """Slices taken at a time; 0 is all."""
+        """Slices taken at a time; 0 for all."""
         return self._chain.block
 
     @property
@@ -166,12 +171,12 @@ class Chain:
 
     @property
     def alone(self) -> bool:
-        """Whether one thread at a time is to evaluate it, as where a model runs in Python."""
+        """Whether only one thread at a time may evaluate the chain, as where a model runs in Python."""
         return self._threads == 1
 
     @cached_property
     def placed(self) -> bool:
-        """Whether a model reads where slices are."""
+        """Whether a model reads the positions of slices (`PLACES`)."""
         return any(not model.reads.isdisjoint(PLACES) for model in self.models)
 
     def __call__(self, slices: Slices) -> None:
@@ -183,9 +188,10 @@ class Chain:
             bound(slices)
 
     def bind(self, slices: Slices) -> "kernels.Bound | Guarded":
-        """Return a call that evaluates ``slices`` again, as they are then, with less to do for a small table.
+        """Return a function that evaluates ``slices`` with their values at the time of the call.
 
-        Chain and table live as long as it does. It raises what the chain raises. `along` takes it too.
+        For a small table it is faster than the chain. It keeps references to chain and table, raises what the chain
+        raises, and is an argument of `along`.
 
         Examples
         --------
@@ -204,12 +210,12 @@ class Chain:
         return Guarded(self, slices)
 
     def _run_large(self, slices: Slices) -> "kernels.Refusal | None":
-        """Evaluate a table in threads, of which this is one; return the refusal of the first part that has any."""
+        """Evaluate a table in this and other threads; return the refusal of the first part that has one."""
         count = 1 if not self.block or helps() else self._threads or threads()
         if count == 1:
             return self._chain.run(slices)
         if self.placed:
-            slices.places()  # before threads ask for them
+            slices.places()  # allocated before threads read them
         return shared(
             partial(self._chain.run, slices),
             len(slices),
@@ -219,16 +225,16 @@ class Chain:
 
     @property
     def kernel(self) -> kernels.Chain:
-        """The chain itself, for compiled code that runs it."""
+        """The compiled chain, for compiled code that runs it."""
         return self._chain
 
     @cached_property
     def resists(self) -> bool:
-        """Whether a stage fills the rolling resistance."""
+        """Whether a stage computes the rolling resistance."""
         return any("resistance" in model.writes for model in self.models)
 
     def error(self, refusal: "kernels.Refusal", slices: Slices) -> RollslipError:
-        """Return the error that says in words what the compiled chain refused of ``slices``."""
+        """Return the error for a refusal of the compiled chain: which value of which slice, and why."""
         what, k, member, index = refusal
         model = self.models[k]
         if what == "status" and index < 0:
@@ -239,7 +245,7 @@ class Chain:
 
 
 class Guarded:
-    """A chain and a table that threads share, or that bounds look at: what `Chain.bind` returns of it."""
+    """A table bound to a chain that evaluates it in threads, or checks bounds: a result of `Chain.bind`."""
 
     def __init__(self, chain: Chain, slices: Slices) -> None:
         self._chain = chain
@@ -255,10 +261,10 @@ Job: TypeAlias = "tuple[kernels.Bound | Guarded, Array, Array, NDArray[np.intp],
 
 
 def along(jobs: Sequence[Job]) -> list[tuple[Array, Array]]:
-    """Evaluate bound tables at one row of speeds after the other, the small ones in one go without the GIL.
+    """Evaluate bound tables at one row of speeds after the other, the small tables in one call without the GIL.
 
-    Speeds are those of k rollers, or of all slices if k is 1. Of each table sums of the friction by weight and smallest
-    films [m] of every row, (n,) each.
+    Speeds are those of k rollers, or of all slices if k is 1. The results of each table are the sums of friction times
+    weight, and the smallest films [m], of every row of speeds, (n,) each.
     """
     small = [
         (bound, u, V, owner, weight)
@@ -276,14 +282,12 @@ def _along(
     bound: Guarded, rolling: Array, sliding: Array, owner: "NDArray[np.intp]", weight: Array
 ) -> tuple[Array, Array]:
     slices = bound.slices
-    of = owner if rolling.shape[1] > 1 else np.zeros_like(owner)
+    column = owner if rolling.shape[1] > 1 else np.zeros_like(owner)
     sums, films = np.empty((2, len(rolling)))
     for k, (u, V) in enumerate(zip(rolling, sliding, strict=True)):
-        slices.rolling_speed[:] = u[of]
-        slices.sliding_speed[:] = V[of]
+        slices.rolling_speed[:] = u[column]
+        slices.sliding_speed[:] = V[column]
         bound()
-        sums[k], films[k] = (
-            kernels.weighted(slices.friction, weight),
-            slices.film_thickness.min(initial=np.inf),
-        )
+        sums[k] = kernels.weighted(slices.friction, weight)
+        films[k] = slices.film_thickness.min(initial=np.inf)
     return sums, films

@@ -1,7 +1,10 @@
-"""The critical slip: where the friction of a curve is largest, beyond which it falls with slip.
+"""Find the critical slip of friction curves: the slip of largest friction, beyond which friction falls with slip.
 
-The best point of a grid, and the first one behind which friction falls, are where it is looked for between the points.
-Several curves are searched in step, so that what they ask for is evaluated in one go: `searched`.
+1. On the grid of a curve take the largest value, and the first maximum behind which friction falls (`_grid_maxima`).
+2. Between the neighbours of each of these points refine the maximum by successive parabolic interpolation
+   (`rollslip.search.largest`). All curves are refined at once, so that their friction is evaluated in one call.
+3. A maximum counts if friction at the end of the range is below it by more than rounding; otherwise the status says
+   whether friction still rises there.
 """
 
 import math
@@ -17,26 +20,32 @@ from rollslip.search import Rows, largest
 
 Array = NDArray[np.float64]
 
-#: A maximum that the rest of the curve undercuts by less than this share is rounding, not a falling branch.
-_FLAT = 1e-9
-#: Up to which slip of a cage it is advised to look, whose range is open at 1; and slide-roll ratio of pure sliding.
+#: Relative difference of friction that is taken for rounding: a maximum that exceeds the end of the curve by less is
+#: not followed by a falling branch. Doubling it changes nothing on smooth curves. Chosen well above the rounding of a
+#: compiled law (1e-12) and far below any fall that matters.
+_ROUNDING = 1e-9
+#: Largest slip of a cage that hints propose to search [1]. The cage stands still at 1, where no contact rolls.
 MAX_CAGE_SLIP = 0.99
+#: Slide-roll ratio of pure sliding [1]: one of the two surfaces is at rest. It follows from |V|/u, u the mean speed.
 PURE_SLIDING = 2.0
-#: Share of a maximum by which friction has to fall behind it so that it is told beside a larger one further on.
-_FALL = 1e-3
+#: Fraction of a maximum by which friction has to fall behind it on the grid, so that it is reported as a first maximum
+#: although friction is larger at a higher slip. Doubling it hides shallow first maxima. Chosen; tables of friction are
+#: accurate to about this fraction.
+_MIN_FALL = 1e-3
 
 
-def slip_grid(largest: float, points: int) -> Array:
-    """Return slips from 0 to the largest, quadratically denser towards 0, where friction rises steeply."""
-    return np.asarray(largest * np.linspace(0.0, 1.0, points) ** 2)
+def slip_grid(max_slip: float, points: int) -> Array:
+    """Return slips from 0 to the maximum, quadratically denser towards 0, where friction rises steeply."""
+    return np.asarray(max_slip * np.linspace(0.0, 1.0, points) ** 2)
 
 
 @attrs.frozen
 class Critical:
     """The largest friction of a curve: ``slip`` and ``friction``, both NaN unless it lies inside the range.
 
-    ``status`` says in words what was found. ``first_slip`` and ``first_friction`` are the first maximum, from which
-    friction falls: the largest one too, unless friction rises once more. NaN if friction falls nowhere in the range.
+    ``status`` is "found", or a sentence which says why both are NaN. ``first_slip`` and ``first_friction`` are the
+    first maximum, from which friction falls; it is the largest one unless friction rises again. Both are NaN if
+    friction does not fall anywhere in the range.
     """
 
     slip: float
@@ -46,18 +55,20 @@ class Critical:
     first_friction: float = math.nan
 
 
-def search_range_hint(key: str, largest: float, most: float) -> str:
-    """Return what to type so that a range of slips goes further: ten times as far, but not beyond the most.
+def search_range_hint(key: str, current_slip: float, max_slip: float) -> str:
+    """Return what to type so that a range of slips goes ten times as far, but not beyond the maximum.
 
-    Empty where the range is at its end already.
+    The hint is empty where the range ends at the maximum already, or where there is no key.
 
     Examples
     --------
     >>> search_range_hint("study.friction-curve.max_slip", 0.3, 2.0)
     '; look further with --set study.friction-curve.max_slip=2'
     """
-    to = min(10.0 * largest, most)
-    return f"; look further with --set {key}={to:.3g}" if key and to > largest else ""
+    proposed = min(10.0 * current_slip, max_slip)
+    return (
+        f"; look further with --set {key}={proposed:.3g}" if key and proposed > current_slip else ""
+    )
 
 
 #: Returns the friction of curves, by their number, at slips.
@@ -66,37 +77,53 @@ Evaluate: TypeAlias = Callable[[list[tuple[int, Array]]], Sequence[Array]]
 
 @attrs.frozen(eq=False)
 class Curve:
-    """A curve whose largest friction is looked for."""
+    """A friction curve on a grid, of which the maximum is searched."""
 
-    #: slip, friction: The curve on a grid, slip ascending, (n,).
+    #: Slips of the grid, ascending, (n,).
     slip: Array
+    #: Friction at the slips, (n,).
     friction: Array
-    allow: str  # key of the setting that widens the range, as it is typed, for the status; empty if there is none
-    most: float = MAX_CAGE_SLIP  # largest slip to look for: of a cage one that still turns
+    #: Key of the setting that widens the range, as it is typed; it is part of the status. Empty if there is none.
+    range_key: str
+    #: Largest slip that a hint proposes.
+    max_slip: float = MAX_CAGE_SLIP
 
 
-def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow: str) -> Critical:
-    """Locate the largest friction of one `Curve`, by a function of one slip, as `searched` does."""
-    (found,) = searched(
-        [Curve(slip, friction, allow)],
-        lambda requested: [np.array([curve(float(at))]) for _, (at,) in requested],
+def find_critical_slip(
+    curve: Callable[[float], float], slip: Array, friction: Array, range_key: str
+) -> Critical:
+    """Return the critical slip of one `Curve` whose friction is a function of one slip (`find_critical_slips`)."""
+    (critical,) = find_critical_slips(
+        [Curve(slip, friction, range_key)],
+        lambda requested: [np.array([curve(float(s))]) for _, (s,) in requested],
     )
-    return found
+    return critical
 
 
-def searched(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
-    """Locate the largest friction of continuous curves, not of their grids, and the first maxima before these.
+def find_critical_slips(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
+    """Return the largest friction of continuous curves, and the first maxima before these.
 
-    That is the maximum on the two intervals of the grid around the best point, by `rollslip.search.largest`;
-    the first of equal ones. A first maximum is one behind which friction falls by a thousandth on the grid before it is
-    larger again. A curve that holds NaN or infinity is refused.
+    The maximum is searched on the two intervals around the largest value of the grid; of equal values the first one
+    counts. A first maximum is one behind which friction falls by a thousandth on the grid before it is larger again.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+        The curves on their grids.
+    evaluate : callable
+        Returns the friction, (1,) each, for a list of curve numbers and slips, (1,) each.
+
+    Raises
+    ------
+    DomainError
+        If the friction of a curve is NaN or infinite on its grid.
     """
     owners = list[int]()
-    beside = list[list[int]]()
-    for k, one in enumerate(curves):
-        for top in _tops(one):
+    brackets = list[list[int]]()
+    for k, curve in enumerate(curves):
+        for top in _grid_maxima(curve):
             owners.append(k)
-            beside.append([max(top - 1, 0), top, min(top + 1, one.slip.size - 1)])
+            brackets.append([max(top - 1, 0), top, min(top + 1, curve.slip.size - 1)])
     maxima: list[list[tuple[float, float]]] = [[] for _ in curves]
     if owners:
 
@@ -105,18 +132,18 @@ def searched(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
                 evaluate([(owners[k], slips[i : i + 1]) for i, k in enumerate(rows.tolist())])
             )
 
-        places, heights = largest(
+        slips, heights = largest(
             friction,
-            np.array([curves[k].slip[near] for k, near in zip(owners, beside, strict=True)]),
-            np.array([curves[k].friction[near] for k, near in zip(owners, beside, strict=True)]),
+            np.array([curves[k].slip[near] for k, near in zip(owners, brackets, strict=True)]),
+            np.array([curves[k].friction[near] for k, near in zip(owners, brackets, strict=True)]),
         )
-        for k, at, height in zip(owners, places.tolist(), heights.tolist(), strict=True):
-            maxima[k].append((at, height))
-    return [_told(one, found) for one, found in zip(curves, maxima, strict=True)]
+        for k, slip, height in zip(owners, slips.tolist(), heights.tolist(), strict=True):
+            maxima[k].append((slip, height))
+    return [_critical_slip(curve, found) for curve, found in zip(curves, maxima, strict=True)]
 
 
-def _tops(curve: Curve) -> list[int]:
-    """Best point of a grid, and the first one behind which friction falls if it is another; none without friction."""
+def _grid_maxima(curve: Curve) -> list[int]:
+    """Return the index of the largest friction, and that of the first maximum if they differ; none without friction."""
     slip = curve.slip
     friction = curve.friction
     if not np.isfinite(friction).all():
@@ -128,26 +155,26 @@ def _tops(curve: Curve) -> list[int]:
     if not friction[best] > 0.0:
         return []
     before = np.maximum.accumulate(friction)
-    fallen = (before > 0.0) & (friction < (1.0 - _FALL) * before)
+    fallen = (before > 0.0) & (friction < (1.0 - _MIN_FALL) * before)
     top = int(np.argmax(friction[: int(np.argmax(fallen))])) if fallen.any() else best
     return [best, top] if top < best else [best]
 
 
-def _told(curve: Curve, maxima: Sequence[tuple[float, float]]) -> Critical:
-    """What the maxima of a curve are: the largest, and the first if it is another."""
+def _critical_slip(curve: Curve, maxima: Sequence[tuple[float, float]]) -> Critical:
+    """Return the critical slip of the refined maxima of a curve, the largest one first, with its status."""
     slip = curve.slip
     friction = curve.friction
     if not maxima:
         return Critical(
             np.nan, np.nan, "no slip at largest traction: there is no friction in the range"
         )
-    at, height = maxima[0]
-    found = height - friction[-1] > _FLAT * height
-    first = maxima[-1] if found or len(maxima) > 1 else (math.nan, math.nan)
-    if found:
-        return Critical(at, height, "found", *first)
-    rises = friction[-1] - friction[-2] > _FLAT * height
+    top, height = maxima[0]
+    falls = height - friction[-1] > _ROUNDING * height
+    first = maxima[-1] if falls or len(maxima) > 1 else (math.nan, math.nan)
+    if falls:
+        return Critical(top, height, "found", *first)
+    rises = friction[-1] - friction[-2] > _ROUNDING * height
     what = "still rises at the end of" if rises else "stays at its largest value up to the end of"
-    further = search_range_hint(curve.allow, float(slip[-1]), curve.most)
-    said = f"no slip at largest traction: friction {what} the range, {slip[-1]:.4g}{further}"
-    return Critical(np.nan, np.nan, said, *first)
+    further = search_range_hint(curve.allow, float(slip[-1]), curve.max_slip)
+    status = f"no slip at largest traction: friction {what} the range, {slip[-1]:.4g}{further}"
+    return Critical(np.nan, np.nan, status, *first)

@@ -1,4 +1,4 @@
-"""What drags cage and rollers: the drags of a scene by sort, and their compiled forms."""
+"""The drags on cage and rollers of a scene by sort, and their compiled forms."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -28,9 +28,9 @@ from rollslip_kernels.stages import drag as compiled
 
 
 def with_values(model: Any, values: Mapping[str, object]) -> Any:
-    """Return a model with what it, and the models in it, leave to the scene, as far as ``values`` has it."""
-    left = ((a.name, a.metadata["from_scene"]) for a in left_to_scene(model))
-    changes = {name: values[of] for name, of in left if of in values}
+    """Return a model with those of ``values`` that it, and its submodels, take from the scene."""
+    missing = ((a.name, a.metadata["from_scene"]) for a in left_to_scene(model))
+    changes = {name: values[key] for name, key in missing if key in values}
     for attribute in attrs.fields(type(model)):
         value = getattr(model, attribute.name)
         if isinstance(value, SliceModel) and (changed := with_values(value, values)) is not value:
@@ -39,7 +39,7 @@ def with_values(model: Any, values: Mapping[str, object]) -> Any:
 
 
 def taken_from_scene(model: Any) -> set[str]:
-    """Return what of the scene a model, and the models in it, may take."""
+    """Return the names of the scene values that a model, and its submodels, may take (`SCENE_VALUES`)."""
     own = {
         a.metadata["from_scene"] for a in attrs.fields(type(model)) if "from_scene" in a.metadata
     }
@@ -48,7 +48,7 @@ def taken_from_scene(model: Any) -> set[str]:
 
 @attrs.frozen(kw_only=True)
 class TotalResistance(ResistanceModel):
-    """Sum of several resistances to rolling, as one stage: F = sum(F_k)."""
+    """Sum of several rolling resistances, as one stage: F = sum(F_k)."""
 
     name: ClassVar[str] = "total-resistance"
     equation: ClassVar[str] = "F = sum(F_k)"
@@ -60,12 +60,12 @@ class TotalResistance(ResistanceModel):
 
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
-        """What the terms read."""
+        """Members of the slices that any term reads."""
         return frozenset().union(*(term.reads for term in self.terms))
 
     @property
     def domain(self) -> Domain:  # type: ignore[override]
-        """Where all terms are defined."""
+        """Ranges in which all terms are defined."""
         limits = {}
         for name in sorted(self.reads):
             lows, highs = zip(*(term.domain.get(name, FINITE) for term in self.terms), strict=True)
@@ -73,7 +73,7 @@ class TotalResistance(ResistanceModel):
         return MappingProxyType(limits)
 
     def evaluate(self, slices: Slices) -> None:
-        """Fill the resistance."""
+        """Fill the column of the resistance [N/m]."""
         columns = {name: getattr(slices, name) for name in COLUMNS if hasattr(slices, name)}
         total = np.zeros_like(slices.resistance)
         for term in self.terms:
@@ -101,7 +101,7 @@ class Drags:
         return bool(self.torques or self.resistance or self.pocket_friction)
 
     def __iter__(self) -> Iterator[Drag]:
-        """Yield every drag, as the scene names them, by sort."""
+        """Yield every drag that the scene names, by sort."""
         yield from self.torques
         if self.resistance is not None:
             yield from (
@@ -114,13 +114,13 @@ class Drags:
 
     @property
     def bound_below(self) -> bool:
-        """Whether no drag is the resistance of the oil to rolling: the slip is then a lower bound."""
+        """Whether no drag is the viscous rolling resistance of the oil, so that the slip is a lower bound."""
         resistance = self.resistance
         return resistance is None or "viscosity" not in resistance.reads
 
     @property
     def in_time(self) -> str:
-        """What a torque that varies in time means for a steady motion; empty where none does."""
+        """Message on a torque that varies in time, with which no motion is steady; empty where none varies."""
         varying = next((model.name for model in self.torques if model.varies_in_time), "")
         return (
             f"drag {varying!r} varies in time, and no motion is steady with it" if varying else ""
@@ -140,7 +140,7 @@ class Drags:
 
 
 def torque_capsule(model: DragModel) -> object:
-    """Return the capsule of a torque: its kernel, or a call of its ``torque``."""
+    """Return the capsule of a torque on the cage: its kernel, or a call of its ``torque`` in Python."""
     who = f"drag {model.name!r}: {type(model).__module__}.{type(model).__qualname__}.kernel()"
     try:
         capsule = model.kernel()
@@ -158,19 +158,19 @@ def torque_capsule(model: DragModel) -> object:
 
 
 def _checked(model: DragModel) -> Callable[..., float]:
-    """Return ``torque`` of a model such that only finite numbers leave it, and its errors say whose they are."""
+    """Return ``torque`` of a model, which raises for results that are not finite and names the model in its errors."""
 
-    def torque(*given: float) -> float:
+    def torque(*speeds_and_time: float) -> float:
         try:
-            value = float(model.torque(*given))
+            value = float(model.torque(*speeds_and_time))
         except BaseException as error:
             error.add_note(f"raised by torque() of drag {model.name!r}; {origin(type(model))}")
             raise
         if not math.isfinite(value):
             raise DomainError(
                 f"drag {model.name!r} gives a torque of {value} at cage, inner and outer speed "
-                f"{given[0]:g}, {given[1]:g}, {given[2]:g} rad/s"
-                + "".join(f", {time:g} s" for time in given[3:])
+                f"{speeds_and_time[0]:g}, {speeds_and_time[1]:g}, {speeds_and_time[2]:g} rad/s"
+                + "".join(f", {time:g} s" for time in speeds_and_time[3:])
             )
         return value
 

@@ -1,24 +1,26 @@
-"""Quasi-static load distribution of a radially loaded cylindrical roller bearing.
+"""Quasi-static load distribution of a radially loaded cylindrical roller bearing, by Newton's method.
 
-How it is solved, and why:
+1. The bearing is in equilibrium where a convex potential is at its minimum. The unknowns are the displacement of the
+   inner ring, the amplitudes of the shapes of flexible rings, and the radial shift and the tilt of each roller. They
+   are found by Newton's method with the exact Hessian (`rollslip_kernels.equilibrium`).
+2. Rollers are coupled through the ring alone, so that the Hessian is an arrowhead matrix of 2x2 blocks: the unknowns of
+   each roller are eliminated onto the ring (Schur complement). Roller positions are independent of each other and
+   solved one after the other, compiled, without the GIL. The contact law is evaluated for all touching contacts of a
+   ring at once.
+3. The ring moves only while all rollers are nearly balanced, and they move with it; otherwise only rollers move. So a
+   hardly loaded roller that has not found its contact yet does not block the ring.
+4. The potential itself is not evaluated, because a contact law need not have it in closed form. Along a step its slope
+   rises monotonically, so that the sign of the slope shows a step that is too long. A step ends soon after the first
+   open contact that it closes, because the derivatives do not contain open contacts; the limit becomes ever tighter, so
+   that the iteration does not cycle.
+5. Approaches of the contacts are updated from step to step and not recomputed from the displacement: a deflection of
+   1e-14 m would be lost in the rounding of a clearance of 1e-5 m.
+6. An open contact has a very small stiffness in the Hessian, never in the residual. It makes every step defined and
+   places a free roller half-way between the rings.
+7. Mirror images are not solved for: with aligned rings and a symmetric profile both halves of a roller carry the same,
+   and over a pitch half of the positions mirror the others (`rollslip.bearing.pitch`).
 
-- Rings and rollers on elastic contacts are at rest where a convex potential is least. Unknown are the inner ring's
-  displacement, the amplitudes of the shapes in which rings yield, if they do, and, per roller, its radial shift and its
-  tilt. Newton's method with the exact Hessian finds them.
-- Rollers meet only through the ring, so the Hessian is an arrow of 2x2 blocks: each roller is eliminated onto the ring.
-  Instants do not know of each other and are solved one after the other, compiled, without the GIL; the contact law is
-  asked, as by any other kernel, for all touching contacts of a ring at once.
-- The ring moves while all rollers are fairly balanced, and they move with it; otherwise it waits until they are. A
-  hardly loaded roller that is about to find its seat cannot hold up the ring.
-- The potential is never evaluated (a contact law need not have it in closed form). Along a step its slope rises
-  monotonically, so the slope alone tells a step that went too far. A step stops soon after the first open contact it
-  closes, since no derivative tells of a contact that is open; ever sooner, so that nothing goes to and fro for long.
-- Approaches of the contacts are carried through the iteration, not recomputed from the displacement: a deflection of
-  1e-14 m would be lost in the rounding of a clearance of 1e-5 m.
-- An open contact keeps a trace of stiffness in the Hessian, never in the residual. It makes every step defined and
-  lets a free roller ride half-way between the rings.
-- What mirrors something is not solved for: with aligned rings and a symmetric profile one half of a roller carries what
-  the other does, and over a pitch half of the instants mirror the others (`rollslip.bearing.pitch`).
+References: ISO/TS 16281:2008; T. A. Harris, M. N. Kotzalas, Essential Concepts of Bearing Technology.
 """
 
 from typing import Protocol, TypeAlias
@@ -37,7 +39,10 @@ from rollslip_kernels.slices import Conditions, Slices
 
 Floats: TypeAlias = NDArray[np.float64]
 
-_REQUIRED = 1e-10  # relative residual a result must keep
+#: Largest relative residual of forces and moments that a result may have. Doubling it accepts the same results, because
+#: Newton's method converges quadratically to some 1e-14; a tolerance below 1e-13 would refuse some for their rounding.
+#: Chosen between the two.
+_MAX_RESIDUAL = 1e-10
 _REMEDY = (
     "check operation.radial_load, operation.misalignment, operation.inner_speed and bearing.radial_clearance: rollers "
     "and rings must be able to bear them"
@@ -45,7 +50,7 @@ _REMEDY = (
 
 
 class Contacts(Protocol):
-    """Contacts of all rollers with one ring: what they share, and their law."""
+    """Contacts of all rollers with one ring: their common conditions and their law."""
 
     @property
     def conditions(self) -> Conditions:
@@ -53,13 +58,13 @@ class Contacts(Protocol):
 
     @property
     def deflection(self) -> Chain:
-        """Approach -> load per length w and stiffness dw/dapproach; w rises."""
+        """Law of deflection: approach -> load per length w, which rises with it, and stiffness dw/dapproach."""
 
 
 def angular_positions(rollers: int, n_positions: int) -> Floats:
-    """Angular positions of all rollers at instants spread evenly over one roller pitch.
+    """Return the angular positions of all rollers at positions spread evenly over one pitch [rad], (n_positions, Z).
 
-    psi[m, j] = 2 pi (j + m / instants) / Z [rad], 0 in the line of load: after one pitch a bearing with equal rollers
+    psi[m, j] = 2 pi (j + m / n_positions) / Z, 0 in the line of load: after one pitch a bearing with equal rollers
     repeats itself.
     """
     if rollers < 1 or n_positions < 1:
@@ -81,29 +86,32 @@ def _midpoints(length: float, slices: int) -> Floats:
 
 @attrs.frozen(eq=False)
 class LoadCase:
-    """A bearing, its rollers' positions and its load; what is unfit of it is refused by name."""
+    """Input of the equilibrium: a bearing, the positions of its rollers and its load. Invalid values are refused."""
 
-    #: Angular positions of the rollers [rad], 0 in the line of load, of shape (instants, Z); `angular_positions`.
+    #: Angular positions of the rollers [rad], 0 in the line of load, (n_positions, Z); `angular_positions`.
     psi: Floats = attrs.field(converter=_array)
-    roller_length: float  #: Effective roller length l [m].
-    #: Profile P at n slices [m], of shape (n,); `profile_drop`. A straight roller without misalignment needs one slice.
+    #: Effective roller length l [m].
+    roller_length: float
+    #: Profile P at n slices [m], (n,); `profile_drop`. A straight roller without misalignment needs one slice.
     drop: Floats = attrs.field(converter=_array)
-    radial_clearance: (
-        float  #: Radial internal clearance G_r [m], the full play (ISO 5593); negative for preload.
-    )
-    radial_load: float  #: Radial load F_r on the inner ring [N], not negative.
-    misalignment: float = 0.0  #: Tilt of the inner ring in the plane of load [rad].
-    #: Centrifugal force F_c of a roller [N], not negative; one, or that of each instant, (instants,). Where rollers
-    #: stand as at the instant before, its equilibrium is where the search begins.
+    #: Radial internal clearance G_r [m], the full play (ISO 5593); negative for preload.
+    radial_clearance: float
+    #: Radial load F_r on the inner ring [N], not negative.
+    radial_load: float
+    #: Tilt of the inner ring in the plane of load [rad].
+    misalignment: float = 0.0
+    #: Centrifugal force F_c of a roller [N], not negative: one, or that at each position, (n_positions,). Where the
+    #: rollers are at the same angles as at the position before, the search starts from the solution there.
     centrifugal_force: float | Floats = 0.0
-    #: position, widths: Places of the slices from the roller's middle and their widths, the weights of a quadrature
-    #: along it [m], of shape (n,); by default the midpoints of equal slices.
+    #: Positions of the slices from the roller's middle [m], (n,): the abscissae of a quadrature along it; by default
+    #: the midpoints of equal slices.
     position: Floats = attrs.field(
         default=attrs.Factory(
             lambda case: _midpoints(case.roller_length, case.drop.size), takes_self=True
         ),
         converter=_array,
     )
+    #: Widths of the slices [m], (n,): the weights of the quadrature.
     widths: Floats = attrs.field(
         default=attrs.Factory(
             lambda case: np.full(case.drop.shape, case.roller_length / max(case.drop.size, 1)),
@@ -111,9 +119,9 @@ class LoadCase:
         ),
         converter=_array,
     )
-    #: Rings that yield and forms of the raceways; by default both are rigid and round.
+    #: Flexible rings and forms of the raceways; by default both rings are rigid and round.
     rings: Rings | None = None
-    #: Force on each roller in one direction whichever way it stands, along the line of load and across it [N].
+    #: Force on each roller in a fixed direction, along the line of load and across it [N].
     body_force: tuple[float, float] = (0.0, 0.0)
 
     def __attrs_post_init__(self) -> None:
@@ -146,12 +154,12 @@ class LoadCase:
 
     @property
     def mirrored(self) -> bool:
-        """Whether the bearing mirrors itself in the line of load, so that half a pitch tells of the other."""
+        """Whether the bearing is symmetric about the line of load, so that half a pitch determines the other half."""
         return self.body_force[1] == 0.0 and (self.rings is None or self.rings.mirrored(self.psi))
 
     @property
     def pull(self) -> Floats | None:
-        """Share of the body force of every roller that acts outwards [N], (instants, Z); None where there is none."""
+        """Outward component of the body force of every roller [N], (n_positions, Z); None without such a force."""
         along, across = self.body_force
         return (
             along * np.cos(self.psi) + across * np.sin(self.psi) if any(self.body_force) else None
@@ -160,39 +168,44 @@ class LoadCase:
 
 @attrs.frozen(eq=False)
 class LoadDistribution:
-    """Loads and position of every roller at every instant."""
+    """Loads and displacement of every roller at every position."""
 
-    psi: Floats  # angular positions [rad], shape (instants, Z)
-    position: Floats  # places of the slices, from the roller's middle [m], shape (n,)
-    #: inner_load, outer_load: Load per length of the contacts with inner and outer ring [N/m], shape (instants, Z, n).
+    #: Angular positions of the rollers [rad], (n_positions, Z).
+    psi: Floats
+    #: Positions of the slices from the roller's middle [m], (n,).
+    position: Floats
+    #: Load per length of the contacts with the inner ring [N/m], (n_positions, Z, n).
     inner_load: Floats
+    #: Load per length of the contacts with the outer ring [N/m], (n_positions, Z, n).
     outer_load: Floats
-    #: inner_force, outer_force: Force of the contacts [N], shape (instants, Z).
+    #: Force of the contacts with the inner ring [N], (n_positions, Z).
     inner_force: Floats
+    #: Force of the contacts with the outer ring [N], (n_positions, Z).
     outer_force: Floats
-    #: Displacement of the inner ring along and across the line of load [m], shape (instants, 2). Across it is not
-    #: unique while a single roller in the line of load carries it, along it is not while none does.
+    #: Displacement of the inner ring along and across the line of load [m], (n_positions, 2). The component across is
+    #: not unique while a single roller in the line of load carries the ring, the one along it not while none does.
     displacement: Floats
-    #: Amplitudes of the shapes in which rings yield, those of the inner one first [m], shape (instants, m).
+    #: Amplitudes of the shapes of flexible rings, those of the inner ring first [m], (n_positions, m).
     deflection: Floats
-    #: Radial position of the roller, 0 where a straight one touches the outer ring as that is [m], shape (instants, Z).
-    #: Not unique for a roller free between the rings.
+    #: Radial shift of the roller [m], (n_positions, Z); 0 where a straight roller touches the undeformed outer ring
+    #: without load. It is not unique for a roller that is free between the rings.
     roller_shift: Floats
-    roller_tilt: Floats  # tilt of the roller, in the sense of the misalignment at psi = 0 [rad], shape (instants, Z)
-    #: Moment that holds the inner ring in its misalignment, sum of w x cos(psi) dx [N m], shape (instants,); the
-    #: rollers react with the opposite one.
+    #: Tilt of the roller, in the sense of the misalignment at psi = 0 [rad], (n_positions, Z).
+    roller_tilt: Floats
+    #: Moment on the inner ring that maintains its misalignment, sum of w x cos(psi) dx [N m], (n_positions,); the
+    #: rollers exert the opposite one.
     moment: Floats
     #: Largest unbalanced force of a roller or the ring, relative to the largest of F_r, F_c and the contact forces; if
-    #: neither F_r nor F_c acts, also of the contact forces the iteration set out from.
+    #: F_r and F_c are zero, also of the contact forces at the start of the iteration.
     force_residual: float
-    moment_residual: float  # largest unbalanced moment of a roller, relative to that force times the roller length
-    iterations: (
-        int  # evaluations of the contact law at states of the bearing, of the slowest instant
-    )
+    #: Largest unbalanced moment of a roller, relative to that force times the roller length.
+    moment_residual: float
+    #: Number of evaluations of the contact law, at the position which needs most.
+    iterations: int
 
 
 def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> LoadDistribution:
-    """Load distribution of a radially loaded cylindrical roller bearing with clearance, after slices of its rollers.
+    """Return the load distribution of a radially loaded bearing with clearance, by slices of its rollers.
 
     With the ring displaced by (dx, dy), tilted by gamma, the roller j shifted by y_j and tilted by phi_j, the
     approaches of its contacts at position x are (ISO/TS 16281; Harris & Kotzalas)::
@@ -204,26 +217,32 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
 
         Q_oj = Q_ij + F_c      M_oj = M_ij      sum Q_ij cos psi_j = F_r      sum Q_ij sin psi_j = 0
 
-    A body force (b_x, b_y) adds b_x cos psi_j + b_y sin psi_j to F_c. What it has along the orbit, b_y cos psi_j - b_x
-    sin psi_j, no contact bears: a cage or the neighbours do.
+    A body force (b_x, b_y) adds b_x cos psi_j + b_y sin psi_j to F_c. Its component along the orbit, b_y cos psi_j -
+    b_x sin psi_j, is not carried by the contacts but by the cage or the neighbouring rollers.
 
-    Of rings that yield by q B(psi) and have the form f(psi), an approach is larger by f - q B, and at rest::
+    With flexible rings of the shapes q B(psi) and raceways of the form f(psi), an approach is larger by f - q B, and in
+    equilibrium::
 
         K_i q_i = sum Q_ij B_i(psi_j) + pushes - stops      K_o q_o = sum Q_oj B_o(psi_j) + pushes - stops
 
-    Without radial load and with clearance nothing rests on the inner ring: inner loads are zero, which is for the
-    caller to judge.
+    Without radial load and with clearance nothing presses on the inner ring: its loads are zero, and the caller decides
+    whether that is an error. The law of the contacts is evaluated for touching contacts only.
 
-    The law of the contacts is asked for those that touch only.
+    Parameters
+    ----------
+    case : LoadCase
+        The bearing, the positions of its rollers and its load.
+    contacts : (Contacts, Contacts)
+        The contacts with the inner and the outer ring.
 
     Raises
     ------
     ConvergenceError
-        Forces or moments do not balance to 1e-10; the message says how far it came. So it is when no roller can carry
-        the load, or when it presses contacts many millimetres deep; it has also been seen, once in 3,000 random
+        If forces or moments do not balance to 1e-10; the message states the residual. That happens where no roller can
+        carry the load, or where contacts are deflected by many millimetres; it also happened once in 3,000 random
         bearings with a misaligned ring, under 0.3 mN.
     DomainError
-        The contact law refuses an approach, or gives what is not finite.
+        If the contact law refuses an approach, or its result is not finite.
 
     Examples
     --------
@@ -247,8 +266,8 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         reach = 0.0
         direction = np.stack((np.cos(case.psi), np.sin(case.psi)), axis=-1)
         form = np.zeros(case.psi.shape)
-        given = np.array([case.radial_load, 0.0])
-        held = np.zeros(2)
+        applied = np.array([case.radial_load, 0.0])
+        ring_stiffness = np.zeros(2)
         stops = np.zeros((0, 4))
     else:
         shapes = rings.parity.size
@@ -256,15 +275,15 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         direction = rings.directions(case.psi)
         form = rings.form(case.psi)
         stops = rings.stops()
-        given = np.concatenate(([case.radial_load, 0.0], rings.inner.pushes, rings.outer.pushes))
-        held = np.concatenate((np.zeros(2), rings.inner.stiffness, rings.outer.stiffness))
+        applied = np.concatenate(([case.radial_load, 0.0], rings.inner.pushes, rings.outer.pushes))
+        ring_stiffness = np.concatenate((np.zeros(2), rings.inner.stiffness, rings.outer.stiffness))
         reach = rings.reach(case.radial_load) + float(np.abs(form).max())
     slices = case.drop.size
     half_length = 0.5 * case.roller_length
-    # Of a roller that is symmetric and does not tilt only the half with x >= 0 is carried along, for both.
+    # of a symmetric roller that does not tilt, the half with x >= 0 is computed for both
     mirrored = case.misalignment == 0.0 and all(
-        np.all(one == other[::-1])
-        for one, other in (
+        np.all(values == images[::-1])
+        for values, images in (
             (case.drop, case.drop),
             (case.widths, case.widths),
             (case.position, -case.position),
@@ -298,8 +317,8 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         length=case.roller_length,
         clearance=case.radial_clearance,
         rise=half_length * case.misalignment,
-        given=given,
-        held=held,
+        given=applied,
+        held=ring_stiffness,
         stops=stops,
         outer=split,
         centrifugal=np.full(n_positions, case.centrifugal_force),
@@ -322,14 +341,14 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         error = law.error(refusal, tables[at])
         error.add_note(f"in a contact with the {refused} ring")
         raise error
-    force_residual, moment_residual = (float(worst) for worst in balance["residual"].max(axis=0))
+    force_residual, moment_residual = map(float, balance["residual"].max(axis=0))
     iterations = int(balance["passes"].max())
-    if not balance["residual"].max() <= _REQUIRED:  # nor if it is NaN
+    if not balance["residual"].max() <= _MAX_RESIDUAL:  # nor if it is NaN
         slowest = np.count_nonzero(balance["passes"] == iterations)
         raise ConvergenceError(
             f"the bearing found no equilibrium in {iterations} iterations at {slowest} of {n_positions} instants: "
             f"relative residual of the forces {force_residual:.1e}, of the moments {moment_residual:.1e}, "
-            f"required {_REQUIRED:.0e}; {_REMEDY}"
+            f"required {_MAX_RESIDUAL:.0e}; {_REMEDY}"
         )
     inner_load, outer_load = balance["load"]
     inner_force, outer_force = balance["force"]
@@ -354,5 +373,5 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
 def solve_pitch(
     case: LoadCase, contacts: tuple[Contacts, Contacts], known: LoadDistribution | None = None
 ) -> LoadDistribution:
-    """Load distribution at instants over one roller pitch; with twice as many, every second one is that of before."""
-    return over_pitch(case, known, lambda some: solve_equilibrium(some, contacts))
+    """Return the load distribution at positions over one pitch; ``known`` has the loads at every second position."""
+    return over_pitch(case, known, lambda subset: solve_equilibrium(subset, contacts))

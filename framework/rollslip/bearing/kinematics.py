@@ -1,4 +1,4 @@
-"""Speeds and equivalent radii of a cylindrical roller bearing: what slides and what rolls at a given slip."""
+"""Kinematics of a cylindrical roller bearing: sliding and rolling speeds of its contacts at given slips."""
 
 import math
 from functools import cached_property
@@ -39,7 +39,7 @@ class Kinematics:
         w_ce = (R_i w_i + R_o w_o) / (R_i + R_o)
         r w_re = R_i (w_i - w_ce) = R_o (w_ce - w_o) = R_i R_o (w_i - w_o) / (R_i + R_o)
 
-    They do so at any clearance: R_o - R_i need not equal 2 r. Slips are measured from there: cage slip
+    This holds at any clearance: R_o - R_i need not equal 2 r. Slips are relative to these speeds: cage slip
     S_c = 1 - w_c / w_ce, roller slip S_r = 1 - w_r / w_re, with w_r the spin relative to the cage.
 
     A bearing in which w_i < w_o would have negative rolling speeds. It is described by its mirror image, in which both
@@ -115,8 +115,16 @@ class Kinematics:
             V_o = r w_r - R_o (w_c - w_o)      u_o = [R_o (w_c - w_o) + r w_r] / 2
 
         evaluated in the slips, so that sliding speeds vanish exactly with them. V_i + V_o = (R_i + R_o)(w_ce - w_c).
-        Refused is a cage slip where the epicyclic cage speed that it refers to is zero (rings turning against each
-        other).
+
+        Parameters
+        ----------
+        cage_slip, roller_slip : array_like
+            Slips S_c and S_r [1], which broadcast to one shape.
+
+        Raises
+        ------
+        DomainError
+            If there is a cage slip although the epicyclic cage speed is zero, with rings that counter-rotate.
         """
         Sc = np.asarray(cage_slip, dtype=float)
         Sr = np.asarray(roller_slip, dtype=float)
@@ -142,7 +150,7 @@ class Kinematics:
         return self.inner_radius * lag, self.outer_radius * lag
 
     def _lag(self, cage_slip: Floats) -> Floats:
-        """By how much the cage is slower than at its epicyclic speed [rad/s]; no slip refers to nothing."""
+        """Return the difference of the epicyclic and the actual cage speed [rad/s]; 0 without slip at any speed."""
         return self._slip_reference() * cage_slip if np.any(cage_slip) else np.zeros_like(cage_slip)
 
     def roller_slip_outer_rolling(self, cage_slip: ArrayLike) -> Floats:
@@ -151,10 +159,11 @@ class Kinematics:
         return self.outer_radius * self._slip_reference() / u * np.asarray(cage_slip, dtype=float)
 
     def _slip_reference(self) -> float:
+        """Return the epicyclic cage speed [rad/s]; raise where it is zero but for rounding."""
         speed = self.epicyclic_cage_speed
         Ri = self.inner_radius
         Ro = self.outer_radius
-        # a sum whose terms cancel to their rounding has no digit of its own
+        # bound of the rounding error of the sum: a smaller speed has no significant digit
         rounding = (
             4.0
             * math.ulp(1.0)

@@ -1,7 +1,7 @@
-"""One roller pitch, after which a bearing of equal rollers repeats itself: which instants of it mirror others.
+"""Use the mirror symmetry of a roller pitch, after which a bearing of equal rollers repeats itself.
 
-Roller j at instant m is the mirror image, in the line of load, of roller Z - 1 - j at instant M - m, and carries the
-same, unless rings do not mirror themselves.
+Roller j at position m of M is the mirror image, in the line of load, of roller Z - 1 - j at position M - m. Both carry
+the same load, unless a ring or a body force is not symmetric. So only half of the positions are solved for.
 """
 
 from collections.abc import Callable, Collection
@@ -16,43 +16,59 @@ Floats = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Loads(Protocol):
-    """What is solved for at instants, as `rollslip.bearing.equilibrium` has it."""
+    """Solution at several roller positions: a `rollslip.bearing.equilibrium.LoadDistribution`."""
 
     @property
     def psi(self) -> Floats:
-        """Angular positions, (instants, Z)."""
+        """Angular positions of the rollers [rad], (n_positions, Z)."""
 
 
 L = TypeVar("L", bound=Loads)
 
-#: Arrays of a `LoadDistribution` whose first axis is that of the instants, beside psi.
-_BY_INSTANT = (
+#: Arrays of a `LoadDistribution`, other than psi, whose first axis is that of the roller positions.
+_BY_POSITION = (
     "inner_load", "outer_load", "inner_force", "outer_force", "displacement", "deflection", "roller_shift",
     "roller_tilt", "moment",
 )  # fmt: skip
 
 
-def _worst(parts: Collection[object]) -> dict[str, Any]:
+def _largest_residuals(parts: Collection[object]) -> dict[str, Any]:
+    """Return the largest residuals and number of iterations of several solutions."""
     names = ("force_residual", "moment_residual", "iterations")
     return {name: max(getattr(part, name) for part in parts) for name in names}
 
 
 def over_pitch(case: Any, known: L | None, solve: Callable[[Any], L]) -> L:
-    """Return loads at the instants of a case, some of them solved for, the others mirror images and those known."""
+    """Return the loads at all roller positions of a case; positions that mirror others, or are known, are not solved.
+
+    Parameters
+    ----------
+    case : LoadCase
+        The bearing, with positions `psi` [rad], (n_positions, Z), and whether it is `mirrored`.
+    known : LoadDistribution, optional
+        Loads at every second position of the case.
+    solve : callable
+        Returns the loads of a case with fewer positions.
+
+    Returns
+    -------
+    LoadDistribution
+        The loads at all positions. Residuals and iterations are the largest of the parts.
+    """
     n_positions = case.psi.shape[0]
     if known is not None and 2 * known.psi.shape[0] != n_positions:
         raise ValueError(
             f"known are {known.psi.shape[0]} instants: of {n_positions} it must be half"
         )
-    new = np.arange(n_positions) if known is None else np.arange(1, n_positions, 2)
+    missing = np.arange(n_positions) if known is None else np.arange(1, n_positions, 2)
     last = n_positions // 2 if case.mirrored else n_positions
-    solved = new[new <= last]
-    images = new[new > last]
+    solved = missing[missing <= last]
+    images = missing[missing > last]
     if known is None and not images.size:
         return solve(case)
     solution = solve(attrs.evolve(case, psi=case.psi[solved]))
 
-    def whole_of(name: str) -> Floats:
+    def at_all_positions(name: str) -> Floats:
         part: Floats = getattr(solution, name)
         whole = np.empty((n_positions, *part.shape[1:]))
         if known is not None:
@@ -63,17 +79,16 @@ def over_pitch(case: Any, known: L | None, solve: Callable[[Any], L]) -> L:
                 whole[n_positions - image] if part.ndim == 1 else whole[n_positions - image, ::-1]
             )
         if name == "displacement":
-            whole[images] = whole[images, ::-1] * np.array(
-                [1.0, -1.0]
-            )  # along the line of load, and across it
+            # the component along the line of load stays, that across it changes sign
+            whole[images] = whole[images, ::-1] * np.array([1.0, -1.0])
         if name == "deflection" and case.rings is not None:
             whole[images] = whole[images, ::-1] * case.rings.parity
         return whole
 
-    pitch: dict[str, Any] = {name: whole_of(name) for name in _BY_INSTANT}
+    pitch: dict[str, Any] = {name: at_all_positions(name) for name in _BY_POSITION}
     return attrs.evolve(  # type: ignore[misc]
         solution,
         psi=case.psi,
         **pitch,
-        **_worst((solution,) if known is None else (solution, known)),
+        **_largest_residuals((solution,) if known is None else (solution, known)),
     )

@@ -1,13 +1,14 @@
-"""One raceway: the laws of its contacts, and those of them that are loaded as one table that is evaluated again.
+"""Evaluate the loaded contacts of one raceway: a table of slices, evaluated again and again at changing speeds.
 
-- Rollers and halves of rollers that carry the same are evaluated once and count for all of their images.
-- A mean over the slices is by force: friction of the whole is the sum of the pulls over the sum of the forces.
-- At one rolling and one sliding speed the friction of a slice depends on its load alone, so that mean is an integral
-  over a discrete measure, the force at each load. Its Gauss rule of m loads is exact for every polynomial of degree
-  2 m - 1 and converges like one to a smooth friction law: 16 loads serve for some thousand slices. The rule is taken in
-  the root of the load: half width and pressure go with it.
-- Nothing is believed: the rule is held against all slices at some speeds, and its loads are doubled until it agrees.
-  A law with a kink, such as film model ``regime``, needs many, or all the slices.
+- Rollers, and halves of rollers, that carry the same load are evaluated once and count for all of their images.
+- A mean over the slices is weighted by force: the friction coefficient of a raceway is the sum of the friction forces
+  over the sum of the normal forces.
+- At one rolling and one sliding speed the friction of a slice depends on its load alone, so that the mean is an
+  integral over a discrete measure, the force at each load. Its Gauss rule of m loads is exact for every polynomial of
+  degree 2 m - 1 and converges fast for a smooth friction law: 16 loads serve for some thousand slices. The abscissa of
+  the rule is the square root of the load, to which half width and pressure are proportional.
+- The rule is compared with all slices at some speeds, and its loads are doubled until both agree
+  (`rollslip.bearing.quadrature.load_rule`). A law with a kink, such as film model ``regime``, needs many loads.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,21 +30,29 @@ Array = NDArray[np.float64]
 Ring = Literal["inner", "outer"]
 RINGS: tuple[Ring, Ring] = ("inner", "outer")
 
-#: At how many speeds few loads are held against all.
+#: Number of speeds at which a Gauss rule is compared with all slices, evenly over those requested. Halving it may miss
+#: a speed at which the law has a kink; doubling it doubles the time of the check. Chosen.
 PROBES = 12
-# slices in a table at a time, where rows go round, and of the widest vectors
-_TABLE = 32768
-_ROOM = 2048
-_LANES = 8
+#: Largest number of slices that are evaluated as one table. Doubling it doubles the memory, some 4 MB, and saves
+#: hardly any calls. Chosen; no result depends on it.
+_MAX_TABLE = 32768
+#: Slices in the working table of the search for spins, unless a single roller has more: so many stay in the
+#: second-level cache. Doubling it changes only the speed. Chosen.
+_BLOCK = 2048
+#: Slices that the widest vector instructions (AVX-512) take at once: tables are longer by so many, because the last
+#: vector of a roller may reach beyond its slices.
+_VECTOR_LANES = 8
 
 
 @attrs.frozen(eq=False)
 class Raceway:
-    """One raceway: what all of its contacts share, and the bound laws they follow."""
+    """One raceway: what all of its contacts share, and the laws of their deflection and friction."""
 
     ring: Ring
     conditions: Conditions
+    #: Laws of contact, film and traction: load and speeds -> friction.
     chain: Chain
+    #: Law of deflection: approach -> load and stiffness.
     deflection: Chain
 
     def evaluate(
@@ -51,7 +60,7 @@ class Raceway:
     ) -> Slices:
         """Return the evaluated slices for loads per length [N/m] and speeds [m/s] that broadcast to them.
 
-        ``places`` are columns that say where they are, as a law may ask (`Chain.placed`).
+        ``places`` are columns with the positions of the slices, which some laws read (`Chain.placed`).
         """
         slices = Slices(
             load.size,
@@ -66,11 +75,23 @@ class Raceway:
 
 
 class LoadedContacts:
-    """The loaded slices of one raceway, one table that is evaluated again and again.
+    """The loaded slices of one raceway as one table, which is evaluated at changing speeds.
 
-    Loads per length [N/m] of rollers are of shape (rollers, n), widths of the slices [m] of (n,), or of (rollers, n).
-    The direction of the ``orbit`` is 1 or -1; each roller stands for a ``count`` of them, by default one. If a law
-    asks, ``places`` are ``position`` (n,), and of each roller what else `PLACES` has, (rollers,).
+    Parameters
+    ----------
+    raceway : Raceway
+        The raceway and its laws.
+    load : ndarray
+        Load per length [N/m], (rollers, n).
+    widths : ndarray
+        Widths of the slices [m], (n,) or (rollers, n).
+    orbit : float
+        Direction of the orbit, 1 or -1: the sign of the friction along it.
+    count : ndarray, optional
+        Number of equal rollers that each one stands for, (rollers,); by default one.
+    places : mapping of str to ndarray
+        ``position`` along the roller [m], (n,), and the other columns of `PLACES` by roller, (rollers,); only where a
+        law reads them.
     """
 
     def __init__(
@@ -84,7 +105,7 @@ class LoadedContacts:
     ) -> None:
         slices = load.shape[1]
         first = 0
-        # one half of a roller carries what the other does
+        # where both halves of a roller carry the same, one of them is evaluated
         if not places and widths.ndim == 1 and np.array_equal(load, load[:, ::-1]):
             first = slices // 2
             load = load[:, first:]
@@ -105,12 +126,13 @@ class LoadedContacts:
         self.total = float(self.force.sum())
         self.load = load[loaded]
         self.places = {
-            name: of[column if name == "position" else self.owner] for name, of in places.items()
+            name: column_of[column if name == "position" else self.owner]
+            for name, column_of in places.items()
         }
 
     @cached_property
     def slices(self) -> Slices:
-        """The table, made when it is first asked for."""
+        """The table, allocated at the first use."""
         return Slices(self.force.size, self.raceway.conditions, load=self.load, **self.places)
 
     @cached_property
@@ -129,18 +151,18 @@ class LoadedContacts:
 
     def on(self, raceway: Raceway) -> "LoadedContacts":
         """Return the same loads on a raceway of other laws or conditions."""
-        _ = self._first, self.carried  # found once for all
+        _ = self._first, self.carried  # cached properties that both share
         other = LoadedContacts.__new__(LoadedContacts)
         vars(other).update(vars(self), raceway=raceway)
-        for made in ("slices", "_evaluate"):
-            vars(other).pop(made, None)
+        for cached in ("slices", "_evaluate"):
+            vars(other).pop(cached, None)
         return other
 
-    def fewer(self, count: int, *, whole: bool = False) -> "LoadedContacts":
-        """Return contacts of at most so many loads for each roller, to be put `on` a raceway.
+    def reduced(self, count: int, *, whole: bool = False) -> "LoadedContacts":
+        """Return contacts of at most `count` loads per roller: the Gauss rule of its slices, weighted by their widths.
 
-        They are the Gauss rule of its slices by their widths: means over a roller of whatever is smooth in the root of
-        the load are the same, and its force is. ``whole`` takes all rollers for one, where they run at the same speeds.
+        The force of a roller is the same, and so are means of what is smooth in the square root of the load. ``whole``
+        replaces the slices of all rollers by one rule, for rollers that run at the same speeds.
         """
         first = self._first[[0, -1]] if whole else self._first
         if self.places or int(np.diff(first).max(initial=0)) <= count:
@@ -156,7 +178,7 @@ class LoadedContacts:
         return self.orbit * self.slices.friction
 
     def job(self, rolling: Array, sliding: Array) -> Job:
-        """What `rollslip.bearing.chain.along` takes, for speeds [m/s] (n,) of all rollers, or (n, rollers) of each."""
+        """Arguments of `rollslip.bearing.chain.along` for speeds [m/s], (n,) of all rollers or (n, rollers) of each."""
         if rolling.ndim == 1:
             return self._evaluate, rolling[:, None], sliding[:, None], self.owner, self.force
         return (
@@ -170,19 +192,20 @@ class LoadedContacts:
     def gathered(
         self, known: tuple[object, Slices] | None = None
     ) -> tuple[object, Slices, tuple[Any, ...]]:
-        """Stage of the chain, a table to work in, and what `rollslip_kernels.motion.spin` takes of a ring.
+        """Stage of the chain, a working table, and the arguments of `rollslip_kernels.motion.spin` for a ring.
 
-        No bound is looked at there: that is for who evaluates what it finds. Stage and table may be those ``known`` of
-        other contacts of the raceway, if these are not used any more; a table that is too small is made anew.
+        The kernel does not check bounds of what was left out; the caller checks them on the result. ``known`` are stage
+        and table of other contacts of the raceway that are not used any more; a table that is too small is replaced.
         """
         raceway = self.raceway
         stage, table = known or (raceway.chain.kernel.as_stage(), None)
-        # two may be sent at once through a position; what has no room in a table that a cache holds goes in parts
-        most = (
-            min(2 * self.force.size, max(_ROOM, int(np.diff(self._first).max(initial=0)))) + _LANES
+        # room for two marches through a position at once, in parts where that exceeds a block
+        size = (
+            min(2 * self.force.size, max(_BLOCK, int(np.diff(self._first).max(initial=0))))
+            + _VECTOR_LANES
         )
-        if table is None or len(table) < most:
-            table = Slices(most, raceway.conditions)
+        if table is None or len(table) < size:
+            table = Slices(size, raceway.conditions)
         ring = stage, table, self.load, self.force, self.width, self._first, raceway.chain.resists
         if not raceway.chain.placed:
             return stage, table, ring
@@ -191,7 +214,7 @@ class LoadedContacts:
         return stage, table, (*ring, np.array([self.places.get(name, unknown) for name in PLACES]))
 
     def mean(self, pull: Array) -> Array:
-        """Mean friction by force along the orbit, of its sums by force [N]; NaN if there is no load."""
+        """Mean friction coefficient along the orbit, from friction forces [N]; NaN if there is no load."""
         return self.orbit * pull / self.total if self.total > 0.0 else np.full_like(pull, np.nan)
 
     def per_roller(self, values: Array) -> Array:
@@ -201,16 +224,16 @@ class LoadedContacts:
         )
 
     def means(self, rolling: Array, sliding: Array, tolerance: float) -> Array:
-        """Mean friction at many speeds [m/s], (n,), over as few loads as leave an error below the tolerance."""
+        """Mean friction at many speeds [m/s], (n,), by a Gauss rule with an error below the tolerance."""
 
-        def over(chosen: Any) -> Callable[[Array], Array]:
+        def mean_at(chosen: Any) -> Callable[[Array], Array]:
             u = rolling[chosen]
             V = sliding[chosen]
 
             def mean(rule: Array) -> Array:
                 load, fraction = rule.T
                 rows = []
-                step = max(1, _TABLE // load.size)
+                step = max(1, _MAX_TABLE // load.size)
                 for k in range(0, u.size, step):
                     speeds = u[k : k + step], V[k : k + step]
                     slices = self.raceway.evaluate(
@@ -228,11 +251,11 @@ class LoadedContacts:
         if self.places:
             return self.mean(along([self.job(rolling, sliding)])[0][0])
         probes = np.linspace(0, rolling.size - 1, PROBES).astype(int)
-        rule = load_rule(self.load, self.force, over(probes), tolerance)
-        return over(slice(None))(rule)
+        rule = load_rule(self.load, self.force, mean_at(probes), tolerance)
+        return mean_at(slice(None))(rule)
 
 
 def mean_friction(rings: Sequence[tuple[LoadedContacts, Array, Array]]) -> list[Array]:
-    """Return the mean friction of contacts at rolling and sliding speeds, (n,) each, evaluated in one go."""
+    """Return the mean friction of several contacts at rolling and sliding speeds [m/s], (n,) each, in one call."""
     pulls = along([contacts.job(u, V) for contacts, u, V in rings])
     return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(rings, pulls, strict=True)]

@@ -1,4 +1,4 @@
-"""The four film regimes of a lubricated line contact, and which of them a contact is in.
+"""Film thickness in the four regimes of a lubricated line contact, and the regime of a contact.
 
 h/R = c U^u G^g W^w in each, mean entrainment speed, minimum film. Elasticity thickens the isoviscous film and thins
 the piezoviscous one, and the thicker of the two mechanisms holds (Johnson 1970): h = max(max(IR, IE), min(VR, VE)).
@@ -72,30 +72,33 @@ def film_by_regime(U: ArrayLike, G: ArrayLike, W: ArrayLike) -> tuple[Array, Arr
 
 
 def regime_limits(U: ArrayLike, G: ArrayLike) -> tuple[Array, Array, Array]:
-    """Return W beyond which a contact is elastic if isoviscous, is piezoviscous, and is elastic if piezoviscous.
+    """Return the loads W beyond which a contact is elastic if isoviscous, is piezoviscous, is elastic if piezoviscous.
 
-    They are the boundaries of `film_by_regime`, of which it needs none: of two laws the one that falls less with W is
-    the larger beyond where they meet. NaN or infinite where they do not meet, for an oil that does not stiffen.
+    These are the boundaries between the regimes of `film_by_regime`: of two power laws the one that falls less with W
+    is the larger one beyond the load where both are equal. NaN or infinite where the two laws are nowhere equal, for an
+    oil whose viscosity does not rise with pressure.
     """
 
-    def beyond(larger: PowerLaw, smaller: PowerLaw) -> Array:
+    def load_at_crossing(larger: PowerLaw, smaller: PowerLaw) -> Array:
         return np.asarray(
             (smaller(U, G, 1.0) / larger(U, G, 1.0)) ** (1.0 / (larger.w - smaller.w))
         )
 
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         piezoviscous = [
-            beyond(thick, thin) for thick in (BLOK, DOWSON_1968) for thin in (MARTIN, HERREBRUGH)
+            load_at_crossing(thick, thin)
+            for thick in (BLOK, DOWSON_1968)
+            for thin in (MARTIN, HERREBRUGH)
         ]
         return (
-            beyond(HERREBRUGH, MARTIN),
+            load_at_crossing(HERREBRUGH, MARTIN),
             np.maximum.reduce(piezoviscous),
-            beyond(BLOK, DOWSON_1968),
+            load_at_crossing(BLOK, DOWSON_1968),
         )
 
 
 class Quantity(NamedTuple):
-    """A dimensionless quantity of evaluated slices, by which laws say what they were made for."""
+    """A dimensionless quantity of evaluated slices, in which laws state their range of validity."""
 
     symbol: str
     meaning: str
@@ -112,7 +115,7 @@ def _viscous(slices: Slices) -> Array:
     return np.asarray(W**1.5 * G / np.sqrt(U))
 
 
-#: What every law may state its validity in, beside its own quantities and the members of the slices.
+#: Quantities in which every law may state its validity, apart from its own ones and the members of the slices.
 QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
     {
         "load_parameter": Quantity(
@@ -134,7 +137,7 @@ QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
         ),
         "pressure_exponent": Quantity(
             "ln(eta/eta0)",
-            "logarithm of what pressure makes of the viscosity, alpha p after Barus",
+            "logarithm of the viscosity under pressure over that at ambient pressure, alpha p after Barus",
             lambda s: np.log(s.film_viscosity / s.conditions.viscosity),
         ),
         "width_ratio": Quantity(

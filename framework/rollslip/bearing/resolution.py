@@ -1,11 +1,12 @@
-"""How finely a scene is computed: every numerical choice in one frozen value.
+"""Define the numerical resolution of a run: every numerical choice in one frozen value.
 
-- What is modelled is the scene's; this is how. Nothing below the plan has numerical defaults of its own, so that two
-  runs with the same scene and the same resolution give the same numbers, and cost can be held against error.
-- A study runs exactly the resolution it is given. Only one without a number of instants doubles them until its results
-  stand still (`as_stated`, what a scene gets that nobody planned).
-- Equal slices after ISO/TS 16281 lie at their midpoints. The points of Gauss and Legendre need fewer where a contact is
-  loaded to its ends; where it parts from its ring before, both converge with the square of the number of slices.
+- The scene says what is modelled, the resolution how it is computed. Nothing below the plan has numerical defaults of
+  its own, so that two runs with the same scene and the same resolution give the same numbers, and the cost can be
+  compared with the error.
+- A study runs exactly the resolution it is given. Only without a number of roller positions (`as_stated`, for a scene
+  without a plan) the study doubles them until its results converge.
+- Equal slices after ISO/TS 16281 lie at their midpoints. Gauss-Legendre points need fewer slices where a contact is
+  loaded to its ends; where the contact ends before, both converge with the square of the number of slices.
 """
 
 import abc
@@ -25,44 +26,53 @@ from rollslip_kernels.slices import Slices
 
 Array = NDArray[np.float64]
 
-#: What makes tables coarser, of which a plan takes the error from the least of these.
+#: Advice on how to make tables coarser, and a run faster. A plan takes the error of tables from the smallest of these.
 COARSER_TABLES: Final = (
     "raise accuracy.tolerance, or accuracy.friction and "
     "accuracy.cage_speed where the scene has them"
 )
-#: Slices of a scene that nobody planned.
-_SLICES: Final = 101
-#: Slices and instants of the finest resolution.
-_FINEST_SLICES: Final = 801
+#: Slices of a scene that is run without a plan. Doubling it divides the error of the quadrature by four and doubles the
+#: time. ISO/TS 16281 asks for at least 30; chosen three times as fine.
+_DEFAULT_SLICES: Final = 101
+#: Slices of the reference resolution. Doubling it doubles the time of every verification. Chosen so that the error of
+#: the reference, a 64th of that with 101 slices, does not count.
+_REFERENCE_SLICES: Final = 801
+#: Roller positions within a pitch of the reference resolution. Doubling it doubles the time of every verification.
+#: Chosen; an error that falls with the square of the number is then that of 16 positions over 64.
 _REFERENCE_POSITIONS: Final = 128
-#: Tolerances of tables and of a step in time at the finest.
-_FINEST_TABLE: Final = 1e-7
-_FINEST_STEP: Final = 1e-9
-#: How much finer bearings in motion are computed to verify them.
-_FINER: Final = 4
+#: Tolerance of tables at the reference resolution. Halving it makes tables larger and changes no error estimate.
+#: Chosen a factor of 1000 below tolerances that scenes state.
+_REFERENCE_TABLE_TOLERANCE: Final = 1e-7
+#: Relative tolerance of a step in time at the reference resolution. Halving it takes more steps and changes no error
+#: estimate. Chosen: far below the tolerances that scenes state, and above the rounding of the friction.
+_REFERENCE_STEP_TOLERANCE: Final = 1e-9
+#: Factor by which slices and positions of a bearing in motion are refined for its error estimate; tables and steps are
+#: refined by its square. Doubling it makes a verification four times as slow. Chosen: by second-order convergence the
+#: refined error is a sixteenth and may be neglected.
+_REFINEMENT: Final = 4
 
 
 @attrs.frozen(kw_only=True)
 class Resolution:
     """All numerical choices of a run."""
 
-    #: Slices along a roller, where a profile or a tilt needs them; elsewhere one serves.
+    #: Slices along a roller; one is taken where neither profile nor tilt varies the load along it.
     slices: int = parameter(default=101, doc="slices along a roller", validator=in_range(1, 20_000))
-    #: Midpoints of equal slices (ISO/TS 16281), or the points and weights of Gauss and Legendre.
+    #: "equal" for midpoints of equal slices (ISO/TS 16281), "gauss" for Gauss-Legendre points and weights.
     quadrature: str = parameter(
         default="equal", doc="where slices lie", validator=choice_of("equal", "gauss")
     )
-    #: Instants of a roller pitch; None to double them until the results stand still.
+    #: Roller positions within a pitch; None to double them until the results converge.
     n_positions: int | None = parameter(
         default=None,
         doc="roller positions within a pitch",
         validator=attrs.validators.optional(at_least(1)),
     )
-    #: "named" for the scene's hydrodynamic law, or the name of a law that serves in its place.
+    #: "named" for the scene's hydrodynamic law, or the name of a law that replaces it.
     traction: str = parameter(default="named", doc="hydrodynamic law")
-    #: Whether boundary friction takes part; False for the law of the full film alone.
+    #: Whether boundary friction is included; False for the law of the full film alone.
     boundary: bool = parameter(default=True, doc="whether boundary friction takes part")
-    #: Whether the heat of its inlet thins the film, if the film model knows it.
+    #: Whether shear heating of the inlet thins the film, if the film model includes it.
     inlet_heating: bool = parameter(
         default=True, doc="whether the heat of its inlet thins the film"
     )
@@ -72,39 +82,39 @@ class Resolution:
     table_tolerance: float = parameter(
         default=1e-3, unit="1", doc="error of tables", validator=in_range(0, 1, open=True)
     )
-    #: integrator, integrator_tolerance: Name of the integrator and relative tolerance of its steps; None for what the
-    #: study says.
+    #: Name of the integrator; None for the choice of the study.
     integrator: str | None = parameter(default=None, doc="integrator")
+    #: Relative tolerance of its steps [1]; None for the choice of the study.
     integrator_tolerance: float | None = parameter(
         default=None,
         unit="1",
         doc="relative tolerance of a step",
         validator=attrs.validators.optional(in_range(0, 0.1, open=True)),
     )
-    #: friction, level: Friction and level of detail of a bearing in motion; None for what the study says.
+    #: Friction of the raceways of a bearing in motion; None for the choice of the study.
     friction: str | None = parameter(default=None, doc="friction of the raceways in motion")
+    #: Level of detail of a bearing in motion; None for the choice of the study.
     level: str | None = parameter(default=None, doc="level of detail of motion")
     #: Whether stages run compiled where they can, else in NumPy.
     compiled: bool = parameter(default=True, doc="whether stages run compiled")
 
     @classmethod
     def maximum_of(
-        cls, some: Collection["Resolution"], alike: Collection[str] = ()
+        cls, resolutions: Collection["Resolution"], common: Collection[str] = ()
     ) -> "Resolution":
-        """Return the finest of some, number by number; of fields that are to be `alike` what all have in common."""
-        most = max(some, key=lambda one: one.slices)
+        """Return the finest value of each number; of the fields `common` those values that all resolutions share."""
+        largest = max(resolutions, key=lambda resolution: resolution.slices)
+        steps = [resolution.integrator_tolerance for resolution in resolutions]
         return cls(
-            slices=most.slices,
-            quadrature=most.quadrature,
-            n_positions=max(one.n_positions or 1 for one in some),
-            table_tolerance=min(one.table_tolerance for one in some),
-            integrator_tolerance=min(
-                (s for one in some if (s := one.integrator_tolerance) is not None), default=None
-            ),
+            slices=largest.slices,
+            quadrature=largest.quadrature,
+            n_positions=max(resolution.n_positions or 1 for resolution in resolutions),
+            table_tolerance=min(resolution.table_tolerance for resolution in resolutions),
+            integrator_tolerance=min((step for step in steps if step is not None), default=None),
             **{
-                name: getattr(most, name)
-                for name in alike
-                if len({getattr(one, name) for one in some}) == 1
+                name: getattr(largest, name)
+                for name in common
+                if len({getattr(resolution, name) for resolution in resolutions}) == 1
             },
         )
 
@@ -117,37 +127,38 @@ class Resolution:
 
 
 def reference_resolution(scene: Scene) -> Resolution:
-    """Return the finest resolution of a scene: what results are held against.
+    """Return the finest resolution of a scene, with which results are compared.
 
-    A number of slices that the scene states is kept, since it is then part of what is asked for.
+    A number of slices that the scene states is retained, because it is then part of the model.
     """
     return Resolution(
-        slices=scene.accuracy.slices or _FINEST_SLICES,
+        slices=scene.accuracy.slices or _REFERENCE_SLICES,
         n_positions=_REFERENCE_POSITIONS,
-        table_tolerance=_FINEST_TABLE,
-        integrator_tolerance=_FINEST_STEP,
+        table_tolerance=_REFERENCE_TABLE_TOLERANCE,
+        integrator_tolerance=_REFERENCE_STEP_TOLERANCE,
     )
 
 
 def refined(scene: Scene, own: Resolution, step: float = 1.0) -> Resolution:
-    """Return four times as many slices and instants as a resolution has, with tables and steps to match.
+    """Return a resolution with four times as many slices and positions, and with tables and steps 16 times as accurate.
 
-    For bearings in motion, whose finest would take days; the error of this is a sixteenth.
+    It verifies bearings in motion, for which the reference resolution would take days. ``step`` is the relative
+    tolerance of steps in time [1] that is refined.
     """
-    best = reference_resolution(scene)
+    reference = reference_resolution(scene)
     return attrs.evolve(
-        best,
-        slices=scene.accuracy.slices or min(_FINER * own.slices, best.slices),
-        n_positions=min(_FINER * (own.n_positions or 1), best.n_positions or 1),
-        table_tolerance=own.table_tolerance / _FINER**2,
-        integrator_tolerance=max(step / _FINER**2, best.integrator_tolerance or 0.0),
+        reference,
+        slices=scene.accuracy.slices or min(_REFINEMENT * own.slices, reference.slices),
+        n_positions=min(_REFINEMENT * (own.n_positions or 1), reference.n_positions or 1),
+        table_tolerance=own.table_tolerance / _REFINEMENT**2,
+        integrator_tolerance=max(step / _REFINEMENT**2, reference.integrator_tolerance or 0.0),
     )
 
 
 def as_stated(scene: Scene) -> Resolution:
-    """Return the resolution of a scene that nobody planned: its tolerance for all tables, instants doubled."""
+    """Return the resolution of a scene without a plan: its tolerance for tables, positions doubled to convergence."""
     return Resolution(
-        slices=scene.accuracy.slices or _SLICES, table_tolerance=scene.accuracy.tolerance
+        slices=scene.accuracy.slices or _DEFAULT_SLICES, table_tolerance=scene.accuracy.tolerance
     )
 
 
@@ -161,7 +172,7 @@ def error_text(errors: Mapping[str, float | None]) -> str:
 
 
 class BoundBrokenError(RollslipError):
-    """What was left out is needed after all; ``bound`` is the one that broke."""
+    """A simplification is not allowed after all; ``bound`` is the one that was exceeded."""
 
     def __init__(self, bound: "LeftOut", found: str) -> None:
         super().__init__(f"{bound.what} was left out, but {found}; it was taken back in")
@@ -169,12 +180,12 @@ class BoundBrokenError(RollslipError):
 
 
 class LeftOut(abc.ABC):
-    """Something left out under a bound that is checked on every table of slices."""
+    """An effect that is left out under a bound, which is checked on every evaluated table of slices."""
 
     @property
     @abc.abstractmethod
     def what(self) -> str:
-        """What is left out, in words."""
+        """The effect that is left out, as messages name it."""
 
     @abc.abstractmethod
     def __call__(self, slices: Slices) -> None:
@@ -182,11 +193,11 @@ class LeftOut(abc.ABC):
 
     @abc.abstractmethod
     def reinstated(self, resolution: Resolution) -> Resolution:
-        """Return a resolution that does not leave it out."""
+        """Return a resolution that includes the effect."""
 
 
 def slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:
-    """Return places, widths and profile of the slices [m], (n,) each: of one where nothing varies along it."""
+    """Return positions, widths and profile of the slices [m], (n,) each; a single slice where the load is uniform."""
     b = scene.bearing
     if b.profile.shape == "none" and scene.operation.misalignment == 0.0:
         return np.zeros(1), np.full(1, b.roller_length), np.zeros(1)

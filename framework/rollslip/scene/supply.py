@@ -15,7 +15,7 @@ from attrs.validators import optional
 
 from rollslip.fields import FieldError, Scatter, choice_of, field, non_negative, positive
 
-__all__ = ["DENSITY", "SUPPLIES", "Lubrication", "Supplied", "Supply"]
+__all__ = ["DENSITY", "SUPPLIES", "Lubrication", "OilSupply", "Supply"]
 
 #: Density of an oil that gives none [kg/m3]; mineral oils have 850 to 900, esters up to 1000 (D).
 DENSITY: Final = 870.0
@@ -133,7 +133,7 @@ class Lubrication:
                 raise FieldError(name, f"only read for supply = {only}, not for {self.supply!r}")
 
 
-class Supplied(NamedTuple):
+class OilSupply(NamedTuple):
     """What the supply of a bearing comes to."""
 
     oil_fraction: float  # share phi of oil in the volume between the rings [1]
@@ -142,7 +142,7 @@ class Supplied(NamedTuple):
     starvation_constant: float  # K_rs that it comes from [1]
 
     @classmethod
-    def of(
+    def from_lubrication(
         cls,
         lubrication: Lubrication,
         boundaries: tuple[float, float],

@@ -349,7 +349,7 @@ def check_a_preloaded_bearing_rests_in_it_and_presses_less(model: RingModel) -> 
     for ring, speed in (("outer", False), ("inner", True)):
         shapes = model.shapes(scene.bearing, ring, speed)
         rings = Rings(*((RingShapes(), shapes) if ring == "outer" else (shapes, RingShapes())))
-        loads = attrs.evolve(assemble(scene), rings=rings, known_loads={}).load_distribution()
+        loads = attrs.evolve(assemble(scene), rings=rings, load_cache={}).load_distribution()
         refuse_unless(
             loads.inner_force.mean() <= rigid.mean() * (1.0 + 1e-9),
             f"a yielding {ring} ring presses more",
