@@ -1,11 +1,13 @@
 """Distributions of uncertain values, and correlations between them, as a scene states them in ``[uncertainty]``.
 
-- A distribution is given by its quantile function: what is sampled is a probability between 0 and 1, so that random and
-  quasi-random samples, copulas and truncation are all the same for every distribution.
-- ``scatter`` is the relative standard deviation, sigma/|mean|, the number that data sheets and handbooks quote; for
-  uniform it is the half width. Where the centre is left out it is the value of the scene.
-- Correlations are those of a Gaussian copula: of the normal scores, before each value gets its own distribution. The
-  rank correlation after Spearman that follows is 6/pi asin(rho/2), at most 0.019 less in magnitude.
+- Inverse transform sampling: a distribution is given by its quantile function, of which the argument, a probability
+  between 0 and 1, is sampled. Random and quasi-random samples, copulas and truncation are the same for all of them.
+- ``scatter`` is the relative standard deviation, sigma/|mean|, which data sheets and handbooks quote; of a uniform
+  distribution it is the relative half width. The default of the centre is the value of the scene.
+- Correlations are those of a Gaussian copula, between the normal scores. The rank correlation of the values after
+  Spearman is then 6/pi asin(rho/2), at most 0.019 less in magnitude.
+
+Source: R. B. Nelsen, An Introduction to Copulas, 2nd ed., Springer, 2006, chapter 2.
 """
 
 import abc
@@ -27,18 +29,22 @@ from rollslip.units import UnitError, as_written, format_quantity, quantity
 __all__ = ["DISTRIBUTIONS", "Distribution", "LogUniform", "Uncertainty", "read_uncertainty"]
 
 _optional = attrs.validators.optional(positive)
-#: Values of a normal distribution that take less time one by one than SciPy takes to be imported.
-_FEW: Final = 4
+#: Largest number of values of a normal distribution for which the standard library is used. Evaluating them one by one
+#: takes less time than importing SciPy. Doubled, nothing changes but time. Chosen.
+_MAX_WITHOUT_SCIPY: Final = 4
+#: Least eigenvalue of a correlation matrix, which is positive definite but for rounding. Halved, nothing changes in
+#: practice; at 0 the Cholesky factor of a singular matrix may fail.
+_MIN_EIGENVALUE: Final = 1e-12
 
 
 def own_unit(doc: str) -> Any:
-    """A value in the unit of what is uncertain, which is known only when it is read."""
+    """Return a field in the unit of the uncertain value, which is known only when the scene is read."""
     return attrs.field(default=None, metadata={"doc": doc, "unit": None, "own_unit": True})
 
 
 @attrs.frozen(kw_only=True)
 class Distribution(abc.ABC):
-    """How probable the values of an uncertain quantity are."""
+    """Probability distribution of an uncertain value."""
 
     at_least: Any = own_unit(
         "values below do not occur: the distribution is cut off there and scaled up"
@@ -50,71 +56,66 @@ class Distribution(abc.ABC):
             raise FieldError("at_most", "must be above at_least")
 
     def centred(self, nominal: float | None) -> "Distribution":
-        """Return the distribution with what it leaves out taken from the value of the scene."""
+        """Return the distribution with its parameters complete, by default from the value of the scene."""
         return self
 
     def quantile(self, probability: Array) -> Array:
-        """Return the values below which shares of the distribution lie; both ends of a truncation are included."""
+        """Return the values below which fractions of the distribution lie; both bounds of a truncation are included."""
         p = np.asarray(probability, dtype=float)
-        low = (
-            0.0
-            if self.at_least is None
-            else float(self._fraction(np.asarray(self.at_least, dtype=float)))
-        )
-        high = (
-            1.0
-            if self.at_most is None
-            else float(self._fraction(np.asarray(self.at_most, dtype=float)))
-        )
+        low = 0.0
+        if self.at_least is not None:
+            low = float(self._fraction(np.asarray(self.at_least, dtype=float)))
+        high = 1.0
+        if self.at_most is not None:
+            high = float(self._fraction(np.asarray(self.at_most, dtype=float)))
         if not high > low:
             raise FieldError(
                 "at_least", "leaves nothing of the distribution; move at_least or at_most"
             )
         values = self._quantile(low + p * (high - low))
-        return (
-            np.clip(values, self.at_least, self.at_most)
-            if {self.at_least, self.at_most} != {None}
-            else values
-        )
+        if self.at_least is None and self.at_most is None:
+            return values
+        return np.clip(values, self.at_least, self.at_most)
 
     @abc.abstractmethod
     def _quantile(self, probability: Array) -> Array:
-        """Inverse of `_fraction`."""
+        """Return the quantiles of the distribution without truncation, the inverse of `_fraction`."""
 
     @abc.abstractmethod
     def _fraction(self, value: Array) -> Array:
-        """Share of the distribution without truncation that lies below a value."""
+        """Return the cumulative probability of values, without truncation."""
 
 
-def _needed(value: Any, name: str, nominal: float | None) -> float:
+def _required(value: Any, name: str, nominal: float | None) -> float:
+    """Return a parameter, by default the value of the scene; FieldError if there is neither."""
     if value is None and nominal is None:
         raise FieldError(name, "missing, and the scene has no value of its own to take for it")
     return float(nominal if value is None else value)  # type: ignore[arg-type]
 
 
-def _one_of_two(first: Any, second: Any, names: tuple[str, str]) -> None:
+def _check_alternatives(first: Any, second: Any, names: tuple[str, str]) -> None:
+    """Raise a FieldError unless exactly one of two parameters is given."""
     if (first is None) == (second is None):
         raise FieldError(names[0], f"give either {names[0]} or {names[1]}")
 
 
-def _scores(probability: Array) -> Array:
-    """Return quantiles of the normal distribution; of a few without SciPy, which takes longer to import than a run."""
-    if probability.size <= _FEW and bool(((probability > 0.0) & (probability < 1.0)).all()):
-        of = NormalDist().inv_cdf
-        return np.array([of(one) for one in probability.ravel().tolist()]).reshape(
-            probability.shape
-        )
+def _normal_quantile(probability: Array) -> Array:
+    """Return quantiles of the standard normal distribution."""
+    if probability.size <= _MAX_WITHOUT_SCIPY and bool(
+        ((probability > 0.0) & (probability < 1.0)).all()
+    ):
+        scores = [NormalDist().inv_cdf(p) for p in probability.ravel().tolist()]
+        return np.array(scores).reshape(probability.shape)
     from scipy.special import ndtri
 
     return np.asarray(ndtri(probability))
 
 
-def _below(score: Array) -> Array:
-    """Return the normal distribution at scores; of a few likewise."""
-    if score.size <= _FEW:
-        return np.array(
-            [0.5 * math.erfc(-one / 2.0**0.5) for one in score.ravel().tolist()]
-        ).reshape(score.shape)
+def _normal_probability(score: Array) -> Array:
+    """Return cumulative probabilities of the standard normal distribution."""
+    if score.size <= _MAX_WITHOUT_SCIPY:
+        probabilities = [0.5 * math.erfc(-z / 2.0**0.5) for z in score.ravel().tolist()]
+        return np.array(probabilities).reshape(score.shape)
     from scipy.special import ndtr
 
     return np.asarray(ndtr(score))
@@ -134,9 +135,9 @@ class Normal(Distribution):
     )
 
     def centred(self, nominal: float | None) -> "Normal":
-        """Return it with its mean and deviation."""
-        _one_of_two(self.deviation, self.scatter, ("deviation", "scatter"))
-        mean = _needed(self.mean, "mean", nominal)
+        """Return the distribution with its mean and standard deviation."""
+        _check_alternatives(self.deviation, self.scatter, ("deviation", "scatter"))
+        mean = _required(self.mean, "mean", nominal)
         deviation = self.deviation if self.scatter is None else self.scatter * abs(mean)
         if not deviation > 0.0:
             raise FieldError(
@@ -145,10 +146,10 @@ class Normal(Distribution):
         return attrs.evolve(self, mean=mean, deviation=deviation, scatter=None)
 
     def _quantile(self, probability: Array) -> Array:
-        return np.asarray(self.mean + self.deviation * _scores(probability))
+        return np.asarray(self.mean + self.deviation * _normal_quantile(probability))
 
     def _fraction(self, value: Array) -> Array:
-        return np.asarray(_below((value - self.mean) / self.deviation))
+        return np.asarray(_normal_probability((value - self.mean) / self.deviation))
 
 
 @attrs.frozen(kw_only=True)
@@ -167,34 +168,37 @@ class LogNormal(Distribution):
     )
 
     def centred(self, nominal: float | None) -> "LogNormal":
-        """Return it with its median."""
-        median = _needed(self.median, "median", nominal)
+        """Return the distribution with its median."""
+        median = _required(self.median, "median", nominal)
         if not median > 0.0:
             raise FieldError("median", "must be above 0")
         if self.scatter is None and self.deviation_of_ln is None:
             raise FieldError(
                 "scatter", "missing, but required (standard deviation over mean); such as 0.1"
             )
-        _one_of_two(self.scatter, self.deviation_of_ln, ("scatter", "deviation_of_ln"))
+        _check_alternatives(self.scatter, self.deviation_of_ln, ("scatter", "deviation_of_ln"))
         return attrs.evolve(self, median=median)
 
     @property
     def _sigma(self) -> float:
+        """Standard deviation s of the logarithm."""
         if self.deviation_of_ln is not None:
             return self.deviation_of_ln
         return math.sqrt(math.log1p(float(self.scatter or 0.0) ** 2))
 
     def _quantile(self, probability: Array) -> Array:
-        return np.asarray(self.median * np.exp(self._sigma * _scores(probability)))
+        return np.asarray(self.median * np.exp(self._sigma * _normal_quantile(probability)))
 
     def _fraction(self, value: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(_below(np.log(np.maximum(value, 0.0) / self.median) / self._sigma))
+            return np.asarray(
+                _normal_probability(np.log(np.maximum(value, 0.0) / self.median) / self._sigma)
+            )
 
 
 @attrs.frozen(kw_only=True)
 class Uniform(Distribution):
-    """All values between low and high alike."""
+    """Constant density between low and high."""
 
     low: Any = own_unit("smallest value")
     high: Any = own_unit("largest value")
@@ -206,13 +210,12 @@ class Uniform(Distribution):
     )
 
     def centred(self, nominal: float | None) -> "Uniform":
-        """Return it with its ends."""
+        """Return the distribution with its bounds."""
         if self.scatter is not None and self.low is None and self.high is None:
-            middle = _needed(None, "low", nominal)
-            half = abs(middle) * self.scatter
-            return attrs.evolve(self, low=middle - half, high=middle + half, scatter=None).centred(
-                None
-            )
+            centre = _required(None, "low", nominal)
+            half_width = abs(centre) * self.scatter
+            bounds = {"low": centre - half_width, "high": centre + half_width}
+            return attrs.evolve(self, **bounds, scatter=None).centred(None)
         if self.scatter is not None or self.low is None or self.high is None:
             raise FieldError("low", "give low and high, or scatter alone")
         if not self.low < self.high:
@@ -228,15 +231,15 @@ class Uniform(Distribution):
 
 @attrs.frozen(kw_only=True)
 class LogUniform(Distribution):
-    """The logarithms of all values between low and high alike."""
+    """Constant density of the logarithm between low and high."""
 
     low: Any = own_unit("smallest value")
     high: Any = own_unit("largest value")
 
     def centred(self, nominal: float | None) -> "LogUniform":
-        """Return it, checked."""
-        low = _needed(self.low, "low", None)
-        high = _needed(self.high, "high", None)
+        """Return the distribution after a check of its bounds."""
+        low = _required(self.low, "low", None)
+        high = _required(self.high, "high", None)
         if not 0.0 < low < high:
             raise FieldError("high", "must be above low, and low above 0")
         return self
@@ -259,10 +262,10 @@ class Triangular(Distribution):
     high: Any = own_unit("largest value")
 
     def centred(self, nominal: float | None) -> "Triangular":
-        """Return it with its mode."""
-        low = _needed(self.low, "low", None)
-        high = _needed(self.high, "high", None)
-        mode = _needed(self.mode, "mode", nominal)
+        """Return the distribution with its mode."""
+        low = _required(self.low, "low", None)
+        high = _required(self.high, "high", None)
+        mode = _required(self.mode, "mode", nominal)
         if not (low <= mode <= high and low < high):
             raise FieldError(
                 "mode", f"low, mode and high must ascend, not {low:g}, {mode:g}, {high:g}"
@@ -298,7 +301,7 @@ DISTRIBUTIONS: Final[Mapping[str, type[Distribution]]] = {
 
 @attrs.frozen(kw_only=True)
 class Correlation:
-    """One correlation between two uncertain values."""
+    """Correlation between two uncertain values."""
 
     between: tuple[str, ...] = parameter(doc="keys of the two values")
     coefficient: float = parameter(
@@ -338,20 +341,32 @@ class Uncertainty:
 def read_uncertainty(
     raw: Mapping[str, object], where: Location, known: dict[str, Quantity], problems: list[str]
 ) -> Uncertainty:
-    """Return what a scene's table ``[uncertainty]`` states; every fault of it is noted."""
+    """Return the uncertain values of a scene; all its faults are added to ``problems``.
+
+    Parameters
+    ----------
+    raw : mapping of str to object
+        The table ``[uncertainty]``.
+    where : Location
+        Its location in the scene.
+    known : dict of str to Quantity
+        The values of the scene that can be varied, by key.
+    problems : list of str
+        Messages, to which the faults are appended.
+    """
     distributions: dict[str, Distribution] = {}
-    for key, table, place in _leaves(
+    for key, table, location in _distribution_tables(
         {k: v for k, v in raw.items() if k != "correlation"}, "", where
     ):
         if not isinstance(table, Mapping):
             problems.append(
-                place.message(
+                location.message(
                     f"a table with distribution = 'NAME' is expected, not {as_written(table)}"
                 )
             )
         elif key not in known:
-            problems.append(place.message(unknown(key, known)))
-        elif (distribution := _distribution(table, known[key], place, problems)) is not None:
+            problems.append(location.message(unknown(key, known)))
+        elif (distribution := _distribution(table, known[key], location, problems)) is not None:
             distributions[known[key].key] = distribution
     return Uncertainty(
         distributions,
@@ -361,20 +376,21 @@ def read_uncertainty(
     )
 
 
-def _leaves(table: Mapping[str, object], prefix: str, where: Location) -> Any:
-    """Tables that hold a distribution, and whatever else stands where one should."""
+def _distribution_tables(table: Mapping[str, object], prefix: str, where: Location) -> Any:
+    """Yield key, table and location of each distribution, also if the value there is not a table."""
     for key, value in table.items():
         path = f"{prefix}.{key}" if prefix else key
         if isinstance(value, Mapping) and "distribution" not in value and value:
-            yield from _leaves(value, path, where.at(key))
+            yield from _distribution_tables(value, path, where.at(key))
         else:
             yield path, value, where.at(key)
 
 
 def _distribution(
-    table: Mapping[str, object], of: Quantity, where: Location, problems: list[str]
+    table: Mapping[str, object], uncertain: Quantity, where: Location, problems: list[str]
 ) -> Distribution | None:
-    if of.unit is None:
+    """Return the distribution of an uncertain value; None if it is wrong, with its faults in ``problems``."""
+    if uncertain.unit is None:
         problems.append(
             where.message(
                 "is no number with a unit, and only these can be uncertain; sweep it instead"
@@ -398,14 +414,14 @@ def _distribution(
         if attribute.metadata.get("own_unit") and attribute.name in values:
             try:
                 values[attribute.name] = _in_unit(
-                    values[attribute.name], of.unit, attribute.name == "deviation"
+                    values[attribute.name], uncertain.unit, attribute.name == "deviation"
                 )
             except UnitError as error:
                 faults.append(where.at(attribute.name).message(str(error)))
                 del values[attribute.name]
     distribution = structure(cls, values, where, faults)
     if distribution is not None and not faults:
-        nominal = of.value if isinstance(of.value, float) else None
+        nominal = uncertain.value if isinstance(uncertain.value, float) else None
         try:
             distribution = distribution.centred(nominal)
             distribution.quantile(np.array([0.5]))
@@ -417,6 +433,7 @@ def _distribution(
 
 
 def _in_unit(raw: object, unit: str, difference: bool) -> float:
+    """Return a value in the unit of the uncertain value; a difference of temperatures must not be a temperature."""
     if difference and unit == "K" and isinstance(raw, str) and "deg" in raw.replace("°", "deg"):
         raise UnitError(
             f"{as_written(raw)} is a temperature, here a difference of temperatures is expected, such as '5 K'"
@@ -425,6 +442,7 @@ def _in_unit(raw: object, unit: str, difference: bool) -> float:
 
 
 def _correlations(raw: object, where: Location, names: Sequence[str], problems: list[str]) -> Array:
+    """Return the correlation matrix of the normal scores, in the order of the names."""
     matrix = np.eye(len(names))
     before = len(problems)
     for k, table in enumerate(raw if isinstance(raw, list | tuple) else [raw]):
@@ -448,7 +466,7 @@ def _correlations(raw: object, where: Location, names: Sequence[str], problems: 
                     .message("these two have a correlation already; state it once")
                 )
             matrix[i, j] = matrix[j, i] = correlation.coefficient
-    if len(problems) == before and names and np.linalg.eigvalsh(matrix)[0] < 1e-12:
+    if len(problems) == before and names and np.linalg.eigvalsh(matrix)[0] < _MIN_EIGENVALUE:
         problems.append(
             where.message(
                 "no values can be correlated so: the matrix of the coefficients is not positive definite; lower some"
@@ -458,20 +476,24 @@ def _correlations(raw: object, where: Location, names: Sequence[str], problems: 
 
 
 def shown(distribution: Distribution, unit: str) -> str:
-    """Return a distribution in words: "normal, mean 3415 N, deviation 100 N"."""
+    """Return the description of a distribution, for example "normal, mean 3415 N, deviation 100 N".
+
+    Parameters
+    ----------
+    distribution : Distribution
+        The distribution.
+    unit : str
+        SI unit of the value.
+    """
     name = next(name for name, cls in DISTRIBUTIONS.items() if cls is type(distribution))
     parts = []
     for attribute in attrs.fields(type(distribution)):
         value = getattr(distribution, attribute.name)
         if value is not None:
-            difference = attribute.name == "deviation" and unit == "K"
-            own = attribute.metadata.get("own_unit") and not difference
-            text = (
-                f"{value:g} K"
-                if difference
-                else format_quantity(value, unit)
-                if own
-                else f"{value:g}"
-            )
+            text = f"{value:g}"
+            if attribute.name == "deviation" and unit == "K":
+                text = f"{value:g} K"
+            elif attribute.metadata.get("own_unit"):
+                text = format_quantity(value, unit)
             parts.append(f"{attribute.name.replace('_', ' ')} {text}")
     return ", ".join((name, *parts))

@@ -1,7 +1,7 @@
-"""The values of a scene that can be varied: by dotted key, each with unit, meaning and what it is now.
+"""Values of a scene that can be varied: by dotted key, each with unit, meaning and present value.
 
-They are taken from the fields of the bound bearing, so that defaults, the parameters of the models chosen and those of
-the models in them are among them. Lists and tables are not: they are no single value; of a list of models, such as the
+They are the fields of the assembled bearing, and so include defaults, the parameters of the chosen models and those of
+models within them. Lists and tables are not included, since each is several values; of a list of models, such as the
 drags of a cage, the parameters of each are.
 """
 
@@ -13,7 +13,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import attrs
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.cage import supplied
+from rollslip.bearing.cage import oil_supply
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
@@ -26,48 +26,62 @@ __all__ = ["quantities"]
 
 
 def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -> Known:
-    """Return what can be varied of a scene, by key."""
+    """Return the values of a scene that can be varied, by key.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing of the scene.
+    studies : mapping of str to attrs instance
+        Studies by name, whose parameters are included.
+    """
     scene = assembly.scene
-    found = [
-        *_named(scene),
-        *(one for table in _tables(scene) for one in _of(getattr(scene, table), table)),
-    ]
-    found += _of_supply(assembly)
-    found += _of_oil(assembly)
+    found = [*_bearing_name(scene)]
+    for table in _tables(scene):
+        found += _values_of(getattr(scene, table), table)
+    found += _supply_values(assembly)
+    found += _oil_values(assembly)
     for attribute in attrs.fields(type(scene.models)):
-        kind = attribute.name
-        choice = getattr(scene.models, attribute.name)
-        if isinstance(choice, ModelChoice) and (of := model_kind(kind)) != kind:
-            found.append(_choice(f"models.{kind}", attribute, choice.name, of))
-            made = structure_model(
-                of, {"model": choice.name, **choice.parameters}, Location({}), []
-            )
-            found += _of(made, f"models.{kind}")
-        elif isinstance(choice, ModelChoice):
-            found.append(_choice(f"models.{kind}", attribute, choice.name, kind))
-            found += _of(assembly.models.get(kind) or _thermal(scene), f"models.{kind}")
-        elif isinstance(choice, Separator):
-            key = f"models.{kind}.coefficient"
-            field = attrs.fields(Separator).coefficient
-            found.append(_choice(f"models.{kind}", attribute, choice.name, ""))
-            found += _single(key, float, field, scene.models.neighbour_friction)
-        elif isinstance(choice, tuple):  # of several each is told by its name
-            for one in choice:
-                made = structure_model(
-                    kind, {"model": one.name, **one.parameters}, Location({}), []
-                )
-                found += _of(made, f"models.{kind}.{one.name}")
-    with contextlib.suppress(RollslipError):  # the study that needs a cage says so
-        found += _of(assembly.cage, "cage")
+        found += _model_values(assembly, attribute)
+    with contextlib.suppress(RollslipError):  # the study that needs a cage reports it
+        found += _values_of(assembly.cage, "cage")
         for drag in assembly.cage.drags:
-            found += _of(drag, f"cage.drag.{drag.name}")
+            found += _values_of(drag, f"cage.drag.{drag.name}")
     for name, study in studies.items():
-        found += _of(study, f"study.{name}")
-    return Known({one.key: one for one in found})
+        found += _values_of(study, f"study.{name}")
+    return Known({quantity.key: quantity for quantity in found})
 
 
-def _named(scene: Scene) -> Iterator[Quantity]:
-    """Name of the bearing, where the scene starts from one: its cage and all that is not stated follow."""
+def _model_values(assembly: Assembly, attribute: "attrs.Attribute[Any]") -> Iterator[Quantity]:
+    """Yield the choice of a model in the table ``models``, and its parameters."""
+    scene = assembly.scene
+    key = f"models.{attribute.name}"
+    choice = getattr(scene.models, attribute.name)
+    kind = model_kind(attribute.name)
+    if isinstance(choice, ModelChoice) and kind != attribute.name:
+        yield _choice(key, attribute, choice.name, kind)
+        yield from _values_of(_structured(kind, choice), key)
+    elif isinstance(choice, ModelChoice):
+        yield _choice(key, attribute, choice.name, kind)
+        yield from _values_of(assembly.models.get(kind) or _thermal(scene), key)
+    elif isinstance(choice, Separator):
+        field = attrs.fields(Separator).coefficient
+        yield _choice(key, attribute, choice.name, "")
+        yield from _single_value(
+            f"{key}.coefficient", float, field, scene.models.neighbour_friction
+        )
+    elif isinstance(choice, tuple):  # each of several models has its name in the key
+        for model in choice:
+            yield from _values_of(_structured(attribute.name, model), f"{key}.{model.name}")
+
+
+def _structured(kind: str, choice: ModelChoice) -> Any:
+    """Return the model that a scene chooses, None if it is wrong."""
+    return structure_model(kind, {"model": choice.name, **choice.parameters}, Location({}), [])
+
+
+def _bearing_name(scene: Scene) -> Iterator[Quantity]:
+    """Yield the name of the bearing, if the scene has one: it determines the cage and all that is not stated."""
     table = None if scene.raw is None else scene.raw.get("bearing")
     if isinstance(table, Mapping) and isinstance(name := table.get("name"), str):
         attribute = attrs.fields_dict(LubricantTable)["name"]
@@ -77,7 +91,7 @@ def _named(scene: Scene) -> Iterator[Quantity]:
 
 
 def _tables(scene: Scene) -> list[str]:
-    """Tables of a scene that are values themselves; oil and models name what has them."""
+    """Return the tables of a scene that contain values; those of oil and models contain names."""
     tables = [a.name for a in attrs.fields(Scene) if attrs.has(type(getattr(scene, a.name)))]
     return [
         name for name in tables if name not in ("lubricant", "lubrication", "models", "plugins")
@@ -85,13 +99,14 @@ def _tables(scene: Scene) -> list[str]:
 
 
 def _thermal(scene: Scene) -> Any:
-    from rollslip.studies.thermal_balance.model import thermal_model  # nobody else needs it
+    """Return the thermal model of a scene."""
+    from rollslip.studies.thermal_balance.model import thermal_model  # slow to import
 
     return thermal_model(scene)
 
 
-def _of(instance: Any, prefix: str) -> Iterator[Quantity]:
-    """Values of an attrs instance and of those in it."""
+def _values_of(instance: Any, prefix: str) -> Iterator[Quantity]:
+    """Yield the values of an attrs instance, and of instances within it."""
     kinds = get_type_hints(type(instance))
     for name, attribute in fields_of(type(instance)):
         if attribute.metadata.get("rest"):
@@ -100,51 +115,54 @@ def _of(instance: Any, prefix: str) -> Iterator[Quantity]:
         value = getattr(instance, attribute.name)
         if model := attribute.metadata.get("kind"):
             yield _choice(key, attribute, value.name, model)
-            yield from _of(value, key)
+            yield from _values_of(value, key)
         elif attrs.has(type(value)):
-            yield from _of(value, key)
+            yield from _values_of(value, key)
         else:
-            yield from _single(key, kinds.get(attribute.name), attribute, value)
+            yield from _single_value(key, kinds.get(attribute.name), attribute, value)
 
 
-def _of_supply(assembly: Assembly) -> Iterator[Quantity]:
-    """What follows from the kind of supply, in place of what the scene leaves open."""
+def _supply_values(assembly: Assembly) -> Iterator[Quantity]:
+    """Yield the values of the lubrication, with the starvation constant of the kind of supply by default."""
     scene = assembly.scene
-    known = supplied(scene, assembly.lubricant).starvation_constant
-    yield from _of(attrs.evolve(scene.lubrication, starvation_constant=known), "lubrication")
+    constant = oil_supply(scene, assembly.lubricant).starvation_constant
+    lubrication = attrs.evolve(scene.lubrication, starvation_constant=constant)
+    yield from _values_of(lubrication, "lubrication")
 
 
-def _of_oil(assembly: Assembly) -> Iterator[Quantity]:
-    """Values of the oil: as the scene gives them, else those of the shipped oil that are single numbers."""
+def _oil_values(assembly: Assembly) -> Iterator[Quantity]:
+    """Yield the values of the oil: those of the scene, else those of the shipped oil that are single numbers."""
     kinds = get_type_hints(OilTable)
-    written = dict(assembly.scene.lubricant.data)
+    given = dict(assembly.scene.lubricant.data)
     for attribute in attrs.fields(OilTable):
         name = attribute.name
         unit = attribute.metadata.get("unit")
-        value: Any = assembly.scene.lubricant.name if name == "name" else written.get(name)
+        value: Any = assembly.scene.lubricant.name if name == "name" else given.get(name)
         if unit is not None:
             value = getattr(assembly.lubricant, name, None) if value is None else value
             try:
                 value = None if value is None else quantity(value, unit)
-            except UnitError:  # a law over temperature
+            except UnitError:  # a function of temperature
                 value = None
         if kind := attribute.metadata.get("kind"):
             law = assembly.lubricant.pressure_viscosity_law
             yield _choice(f"lubricant.{name}", attribute, law.name, kind)
-            yield from _of(law, f"lubricant.{name}")
+            yield from _values_of(law, f"lubricant.{name}")
         else:
-            yield from _single(f"lubricant.{name}", kinds[name], attribute, value)
+            yield from _single_value(f"lubricant.{name}", kinds[name], attribute, value)
 
 
-def _single(
+def _single_value(
     key: str, kind: Any, attribute: "attrs.Attribute[Any]", value: object
 ) -> Iterator[Quantity]:
+    """Yield a value if its type is a number, text or switch."""
     if get_origin(kind) in (Union, types.UnionType):
-        kind = next((one for one in get_args(kind) if one is not types.NoneType), kind)
+        kind = next((member for member in get_args(kind) if member is not types.NoneType), kind)
     if kind in (float, int, str, bool) or (kind is Any and not isinstance(value, tuple)):
-        unit = attribute.metadata.get("unit") or "1" if kind is float else None
+        unit = (attribute.metadata.get("unit") or "1") if kind is float else None
         yield Quantity(key, unit, attribute.metadata.get("doc", ""), value, kind is int, attribute)
 
 
 def _choice(key: str, attribute: "attrs.Attribute[Any]", value: object, kind: str) -> Quantity:
+    """Return the choice of a model of a kind."""
     return Quantity(key, None, attribute.metadata.get("doc", ""), value, False, attribute, kind)

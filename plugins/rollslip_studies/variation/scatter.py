@@ -1,10 +1,10 @@
-"""What scatters of a scene that says nothing of it: what its oil and its bearing come with, and what fields declare.
+"""Default scatter of a scene without a table ``[uncertainty]``: that of its oil and its bearing, and that of defaults.
 
-- A named oil, bearing or surface says how its data scatter. A field of a model, of a drag or of a table says so of the
-  value that it has by default: ``parameter(..., scatter=Scatter(...))``. No list of them is kept anywhere.
-- A value that the scene states is taken for known: it does not scatter. ``--set KEY=VALUE`` fixes it likewise. Only
-  what an oil has between ends of its own, as an Eyring stress that nobody measures, scatters all the same.
-- A table ``[uncertainty]`` says all: with one nothing else scatters.
+- A named oil, bearing or surface declares the scatter of its data. A field of a model, a drag or a table declares that
+  of its default: ``parameter(..., scatter=Scatter(...))``. There is no other list.
+- A value that the scene states, or ``--set KEY=VALUE``, is certain and does not scatter, except values for which an oil
+  has bounds, such as an Eyring stress that was not measured.
+- With a table ``[uncertainty]``, only the values of that table scatter.
 """
 
 import math
@@ -24,7 +24,7 @@ from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["scattering", "with_scatter"]
 
-#: Data of an oil in place of which its factors stand.
+#: Factor on data of an oil -> the data: a scene that states these has no use for the factor.
 _MEASURED: Mapping[str, tuple[str, ...]] = {
     "viscosity_factor": ("points", "viscosity"),
     "pressure_viscosity_factor": ("pressure_viscosity",),
@@ -32,36 +32,36 @@ _MEASURED: Mapping[str, tuple[str, ...]] = {
 
 
 def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
-    """Return what scatters of a bearing by default, by key, with the value that it has."""
+    """Return the default scatter of a bearing by key, with the value that scatters."""
     scene = assembly.scene
     raw: dict[str, object] = dict(scene.raw or resolved(scene))
     known = quantities(assembly, {})
     oil = assembly.lubricant
-    offered = {f"lubricant.{one.quantity}": one for one in oil.scatter}
+    offered = {f"lubricant.{scatter.quantity}": scatter for scatter in oil.scatter}
     if not math.isnan(oil.pressure_viscosity_law.coefficient(oil.minimum_temperature)):
-        for name in (
-            "pressure_viscosity_factor",
-            "pressure_exponent_factor",
-        ):  # the law has constants of its own
-            offered.pop(f"lubricant.{name}", None)
+        # the law has constants of its own
+        offered.pop("lubricant.pressure_viscosity_factor", None)
+        offered.pop("lubricant.pressure_exponent_factor", None)
     for offer in named_data(raw):
         if offer.kind != "lubricant":
-            offered |= {
-                f"{offer.kind}.{one.quantity}": one for one in getattr(load(offer), "scatter", ())
-            }
-    offered |= {f"bearing.{one.quantity}": one for one in clearance_scatter(scene.bearing)}
+            scatters = getattr(load(offer), "scatter", ())
+            offered |= {f"{offer.kind}.{scatter.quantity}": scatter for scatter in scatters}
+    for scatter in clearance_scatter(scene.bearing):
+        offered[f"bearing.{scatter.quantity}"] = scatter
     for key, quantity in known.items():
         if (declared := quantity.attribute.metadata.get("scatter")) is not None:
             offered.setdefault(key, declared)
     return {
-        key: (one, known[key])
-        for key, one in offered.items()
-        if key in known and not _of_nothing(one, known[key]) and not _is_known(raw, key, one)
+        key: (scatter, known[key])
+        for key, scatter in offered.items()
+        if key in known
+        and not _is_fraction_of_zero(scatter, known[key])
+        and not _is_certain(raw, key, scatter)
     }
 
 
-def _is_known(raw: Mapping[str, object], key: str, scatter: Scatter) -> bool:
-    """Whether a scene states a value, or data of its oil in place of a factor on them."""
+def _is_certain(raw: Mapping[str, object], key: str, scatter: Scatter) -> bool:
+    """Return whether a scene states a value, or the data of its oil that a factor refers to."""
     table, _, name = key.rpartition(".")
     if table == "lubricant" and {"low", "high"} <= scatter.parameters.keys():
         return False
@@ -71,8 +71,8 @@ def _is_known(raw: Mapping[str, object], key: str, scatter: Scatter) -> bool:
     )
 
 
-def _of_nothing(scatter: Scatter, quantity: Quantity) -> bool:
-    """Whether a value is zero, or is not there, of which a share scatters."""
+def _is_fraction_of_zero(scatter: Scatter, quantity: Quantity) -> bool:
+    """Return whether the scatter is relative to a value that is 0 or missing."""
     fractions = {"scatter", "deviation_of_ln"} & scatter.parameters.keys()
     return (
         bool(fractions)
@@ -82,27 +82,26 @@ def _of_nothing(scatter: Scatter, quantity: Quantity) -> bool:
 
 
 def _states(raw: Mapping[str, object], key: str) -> bool:
-    """Whether a raw scene states the value of a key; of models in a list it is found by their name."""
-    at: object = raw
+    """Return whether a raw scene states the value of a key; models in a list are found by their names."""
+    value: object = raw
     for part in key.split("."):
-        if isinstance(at, list | tuple):
-            at = next(
-                (one for one in at if isinstance(one, Mapping) and one.get("model") == part), None
-            )
-        elif isinstance(at, Mapping) and part in at:
-            at = at[part]
+        if isinstance(value, list | tuple):
+            models = [item for item in value if isinstance(item, Mapping)]
+            value = next((model for model in models if model.get("model") == part), None)
+        elif isinstance(value, Mapping) and part in value:
+            value = value[part]
         else:
             return False
-    return at is not None
+    return value is not None
 
 
 def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """Return the scene with a table ``[uncertainty]``, what scatters by default where it has none, and who says so."""
+    """Return the scene with a table ``[uncertainty]``, by default with the default scatter, and the sources of that."""
     if scene.uncertainty:
         return scene, ()
     assembly = assemble(scene)
-    used = scattering(assembly)
-    if not used:
+    scatters = scattering(assembly)
+    if not scatters:
         raise SceneError(
             [
                 "uncertainty: the scene has no such table, and nothing is known of the scatter of oil "
@@ -111,8 +110,11 @@ def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
             ]
         )
     table = {
-        key: {"distribution": one.distribution, **one.parameters} for key, (one, _) in used.items()
+        key: {"distribution": scatter.distribution, **scatter.parameters}
+        for key, (scatter, _) in scatters.items()
     }
     raw = {**dict(scene.raw or resolved(scene)), "uncertainty": table}
-    said = tuple(f"{key} {one.grade}: {one.source}" for key, (one, _) in used.items())
-    return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable(raw)), said
+    sources = tuple(
+        f"{key} {scatter.grade}: {scatter.source}" for key, (scatter, _) in scatters.items()
+    )
+    return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable(raw)), sources
