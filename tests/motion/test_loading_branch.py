@@ -213,7 +213,7 @@ def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last
         ]
 
     _, whole = found()
-    monkeypatch.setattr(raceway, "_ROOM", 0)
+    monkeypatch.setattr(raceway, "_BLOCK", 0)
     spins, in_parts = found()
     assert in_parts == whole
     rings = [(stage, Slices(int(np.diff(rest[3]).max()), table.conditions), *rest)

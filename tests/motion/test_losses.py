@@ -112,7 +112,7 @@ def test_a_roller_without_drag_and_inertia_loses_what_friction_times_sliding_spe
     balance = balanced(bearing({"cage.drag": []}), inertia=False)
     orbit = balance.orbit(0.3)
     power = 0.0
-    for contacts in balance.evaluated(orbit):
+    for contacts in balance.evaluate_contacts(orbit):
         s = contacts.slices
         power += (
             float((np.abs(s.friction * s.sliding_speed) * contacts.force).sum())

@@ -20,7 +20,7 @@ from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion import torque_balance as module
 from rollslip_studies.motion.torque_balance import (
     SkiddingOnset,
-    near_skidding,
+    describe_near_skidding,
     reserve,
     rollers,
     running,
@@ -365,8 +365,8 @@ def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
         "runaway",
         lambda *given, **named: requested.append(given) or SkiddingOnset(0.42, 0.72, "found"),
     )
-    assert near_skidding(few(), 0.0) == ""
-    assert near_skidding(few(), 0.05) == ""
+    assert describe_near_skidding(few(), 0.0) == ""
+    assert describe_near_skidding(few(), 0.05) == ""
     assert len(requested) == 2, "by conventional friction alone"
 
 
@@ -376,7 +376,7 @@ def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction
     known = SteadySlip().run(assembly)
     conventional = float(known.limit_drag)
     effective = found(assembly, effective=True).drag
-    said = near_skidding(few(), 0.4)
+    said = describe_near_skidding(few(), 0.4)
     slip, off = re.fullmatch(
         r"with a cage slip of 40 % the cage is near skidding, which begins at (\S+) %, where effective friction is off "
         r"by (\S+) % of the drag",
@@ -387,7 +387,7 @@ def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction
 
 
 def test_beyond_the_slip_of_running_away_is_near_it():
-    assert near_skidding(few(), 0.5).startswith(
+    assert describe_near_skidding(few(), 0.5).startswith(
         "with a cage slip of 50 % the cage is near skidding"
     )
 
@@ -409,4 +409,4 @@ def test_a_cage_that_runs_away_by_one_friction_only_is_near_it(exact, simple, sa
     expected = (
         said and f"with a cage slip of 40 % the cage is near skidding, which begins at 42 %{said}"
     )
-    assert near_skidding(few(), 0.4) == expected
+    assert describe_near_skidding(few(), 0.4) == expected

@@ -13,7 +13,7 @@ from rollslip_studies.motion.spins import EffectiveCurve, Motions
 from rollslip_studies.motion.torque_balance import (
     Running,
     SkiddingOnset,
-    nowhere,
+    describe_no_skidding,
     reserve,
     rollers,
 )
@@ -55,7 +55,7 @@ def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
     ("end", "told"), [(0.95, "there it all but stands"), (0.9, "raise KEY to look further")]
 )
 def test_a_cage_that_all_but_stands_is_not_looked_at_further(end, told):
-    said = nowhere(SimpleNamespace(maximum=(end, 1.5), end=end, refusal=""), "KEY")
+    said = describe_no_skidding(SimpleNamespace(maximum=(end, 1.5), end=end, refusal=""), "KEY")
     assert (
         said
         == f"no skidding up to a slip of {end:g}, where the rollers carry the largest drag, 1.5 N m; {told}"
@@ -87,7 +87,7 @@ def test_tractions_are_positive_where_they_drive_whichever_ring_turns(driven):
 def test_contacts_are_evaluated_in_the_motion_and_counted_once():
     one = rollers(assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 4})), 2)
     orbit = one.orbit(0.1)
-    for contacts, traction in zip(one.evaluated(orbit), orbit.traction, strict=True):
+    for contacts, traction in zip(one.evaluate_contacts(orbit), orbit.traction, strict=True):
         found = contacts.per_roller(contacts.slices.friction * contacts.force)
         assert one.motions.sense * found == pytest.approx(traction)
     # it is that of both rings

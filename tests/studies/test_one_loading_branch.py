@@ -174,7 +174,7 @@ def test_what_is_left_out_under_a_bound_may_be_so_on_the_whole_loading_branch(st
     balance = rollers(made.assemblies[study], 1)
     for slip in (0.001, 0.1, 0.6, RANGE):
         thinnest = [
-            of.slices.film_thickness.min() for of in balance.evaluated(balance.orbit(slip))
+            of.slices.film_thickness.min() for of in balance.evaluate_contacts(balance.orbit(slip))
         ]  # or a bound breaks
     limit = balance.assembly.traction.full_film_from
     assert min(thinnest) < limit * balance.assembly.inner.conditions.roughness

@@ -61,7 +61,7 @@ def test_power_over_all_contacts_is_what_the_bearing_loses_by_sliding(profile, s
     lost = {loss.source: loss.power for loss in power_balance(balance, orbit).losses}
     model = get_model("damage", "power-density")
     rollers = scene.bearing.rollers
-    for ring, loaded in zip(RINGS, balance.evaluated(orbit), strict=True):
+    for ring, loaded in zip(RINGS, balance.evaluate_contacts(orbit), strict=True):
         density = model.evaluate(Contacts.of(assembly, ring, loaded.slices))
         area = 2.0 * loaded.slices.half_width * loaded.width
         power = rollers * float((density * area).sum()) / loaded.rollers
@@ -163,10 +163,10 @@ def test_a_steady_slip_that_is_off_is_judged_by_a_secant_and_damage_where_that_l
 
     def worst(orbit):
         return model.evaluate(
-            Contacts.of(assembly, "inner", balance.evaluated(orbit)[0].slices)
+            Contacts.of(assembly, "inner", balance.evaluate_contacts(orbit)[0].slices)
         ).max(keepdims=True)
 
-    exact = worst(balance.orbit_of(steady.motion))
+    exact = worst(balance.orbit_from_motion(steady.motion))
     for fraction in (None, steady.motion.fraction[0]):
         for off in (0.004, -0.01):
             found, at = estimate_by_secant(balance, (1.0 + off) * steady.slip, worst, fraction)

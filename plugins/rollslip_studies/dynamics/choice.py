@@ -51,7 +51,7 @@ from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.motion.time_integration import Trajectory
-from rollslip_studies.motion.torque_balance import near_skidding
+from rollslip_studies.motion.torque_balance import describe_near_skidding
 
 #: Settings that a plan chooses -> the most detailed choice that needs no further data from a scene; None where that is
 #: the choice of the study.
@@ -404,7 +404,7 @@ class _Trials:
                 "conventional",
                 f"{found}, more than the {allowed:.1e} that effective friction may take",
             )
-        if near := near_skidding(self.coarse, max_slip):
+        if near := describe_near_skidding(self.coarse, max_slip):
             return Choice("conventional", f"{found}, but {near}")
         return Choice(
             "effective", f"{found}, less than the {allowed:.1e} that it may take", difference

@@ -120,7 +120,7 @@ def _rolling(
     """Losses by resistance to rolling, split in the proportion in which its terms resist on the slices."""
     terms = resistance.terms if isinstance(resistance, TotalResistance) else (resistance,)
     losses = []
-    for ring, of, whole in zip(RINGS, balance.evaluated(orbit), power, strict=True):
+    for ring, of, whole in zip(RINGS, balance.evaluate_contacts(orbit), power, strict=True):
         fractions = np.array([_power_of(term, of) for term in terms])
         fractions = fractions / (fractions.sum() or 1.0)
         losses += [

@@ -60,8 +60,8 @@ Rows: TypeAlias = NDArray[np.intp]
 CompiledCurve: TypeAlias = tuple[Array, tuple[float, float], float, Array, Array]
 
 
-#: Lower bound of the entrainment speed in the film [m/s], u_film = sqrt(u^2 + SLOW^2). Doubling it thickens films where
-#: a contact hardly rolls. Chosen, so that the film does not vanish there.
+#: Lower bound of the entrainment speed in the film [m/s], u_film = sqrt(u^2 + SLOW^2). Doubling it thickens films
+#: where a contact hardly rolls. Chosen, so that the film does not vanish there.
 SLOW: Final = 1e-3
 #: Load-weighted L1 distance of normalised roller slips from which on two motions are different ones. Neither
 #: half nor twice the value changes a result of 55 random bearings; chosen, 2 % of
@@ -77,8 +77,8 @@ CONTINUES: Final = 0.15
 class MarchTolerances:
     """Numbers that control the search for periodic motions."""
 
-    #: Loads of a Gauss rule which stand for the slices of a roller that is marched. Two instead of
-    #: four change the largest torques of 55 random bearings by up to 1.1 %, eight by less than 1e-7, at twice the cost.
+    #: Loads of a Gauss rule which stand for the slices of a roller that is marched. Two instead of four change the
+    #: largest torques of 55 random bearings by up to 1.1 %, eight by less than 1e-7, at twice the cost.
     n_loads: int = 4
     #: Maximum number of orbits by implicit Euler. Four instead of eight change torques of 55 random
     #: bearings by up to 5e-7, sixteen by less than 1e-11.
@@ -109,18 +109,18 @@ class MarchTolerances:
 class NeighbourTolerances:
     """Numbers that control the fixed-point iteration of the moments by which neighbours brake rollers."""
 
-    #: Step of the moments, relative to the largest one, at which they count as converged. Doubling it saves 2 % of the
-    #: iterations, and changes torques of six full-complement bearings by up to 7e-7; chosen.
+    #: Step of the moments, relative to the largest one, at which they count as converged. Doubling it saves 2 % of
+    #: the iterations, and changes torques of six full-complement bearings by up to 7e-7; chosen.
     moments: float = 1e-5
     #: Maximum number of iterations. Doubling it changes nothing, halving it torques by up to 1.3e-5; chosen, five
     #: times the median.
     max_iterations: int = 40
-    #: Number of iterations whose mean is taken where the spin changes from one balance to another and back, and number
-    #: of steps that do not decrease after which that is assumed. Half and twice as many change torques by up to 2 %,
-    #: which is within the error, and cost 9 % less and 22 % more; chosen.
+    #: Number of iterations whose mean is taken where the spin changes from one balance to another and back, and
+    #: number of steps that do not decrease after which that is assumed. Half and twice as many change torques by up
+    #: to 2 %, which is within the error, and cost 9 % less and 22 % more; chosen.
     n_averaged: int = 8
-    #: Ratio of a step to the smallest one so far above which it counts as not decreasing. Doubling it costs
-    #: 27 % more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
+    #: Ratio of a step to the smallest one so far above which it counts as not decreasing. Doubling it costs 27 %
+    #: more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
     #: below 1 so that slow convergence counts, too.
     stall_ratio: float = 0.8
 
@@ -130,8 +130,8 @@ NEIGHBOURS: Final = NeighbourTolerances()
 #: Part of the weights of positions that is uniform where unloaded rollers are braked, too. Half
 #: the value costs 1 % more evaluations and changes torques by 3.5e-4; chosen, because unloaded rollers are braked.
 _UNIFORM_WEIGHT: Final = 0.5
-#: Smallest mean roller slip without cage slip that counts, and smallest unit of roller slips: both only keep quotients
-#: finite. Doubling them changes numbers below the rounding of a roller slip of 1e-3; chosen.
+#: Smallest mean roller slip without cage slip that counts, and smallest unit of roller slips: both only keep
+#: quotients finite. Doubling them changes numbers below the rounding of a roller slip of 1e-3; chosen.
 _MIN_IDLE_SLIP: Final = 1e-9
 #: Smallest unit of roller slips; it keeps quotients finite where neither cage nor rollers slip. Doubling it has no
 #: effect on any result; chosen, far below the roller slips of bearings.
@@ -244,7 +244,8 @@ class Motion:
     linked: bool = True  # whether it continues the motion at the previous slip
     #: Moments by which neighbours brake the spin, without a cage [N m], (K,).
     brakes: Array | None = None
-    #: Floquet's multiplier of a disturbance of the spin over an orbit: the motion is stable if it is below 1 in size.
+    #: Floquet's multiplier of a disturbance of the spin over an orbit: the motion is stable if it is below 1 in
+    #: size.
     multiplier: float = 0.0
 
     @property
@@ -435,9 +436,9 @@ class Motions:
             return np.zeros_like(slips)
         return np.asarray(self.assembly.kinematics.roller_slip_outer_rolling(slips))
 
-    def distance(self, one: Array, two: Array) -> float:
+    def distance(self, first: Array, second: Array) -> float:
         """Load-weighted L1 distance of normalised roller slips, relative to that of rolling on either ring."""
-        return float(self._weight @ np.abs(one - two))
+        return float(self._weight @ np.abs(first - second))
 
     def contacts(
         self, slips: Array, n_loads: int | None = None
@@ -606,9 +607,9 @@ class Motions:
         """The slips at which marches from both rings reach motions that differ, or may do so."""
         doubled = []
         for row in np.flatnonzero(~march.agree).tolist():
-            one, two = march.roller_slips[row] / unit[row]
+            first, second = march.roller_slips[row] / unit[row]
             is_periodic = march.changes[row].max() < MARCH.periodic
-            if self.distance(one, two) >= (DISTINCT if is_periodic else 0.0):
+            if self.distance(first, second) >= (DISTINCT if is_periodic else 0.0):
                 doubled.append(row)
         return doubled
 

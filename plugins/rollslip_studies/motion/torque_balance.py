@@ -1,19 +1,18 @@
-"""Balance of the torques on a cage that runs at a constant speed, without integrating in time.
+"""Balance of the torques on a cage that runs at a constant speed, without integration over time.
 
-- The cage is heavy beside its rollers and one revolution is much shorter than its transient, so at a steady slip its
-  speed is constant and every roller does the same thing, once per orbit. What is left of the dynamics is the spin of
-  one roller over one orbit, periodic::
+- One revolution of the cage is much shorter than its transient. At a steady slip its speed is therefore constant, and
+  every roller repeats the same motion once per orbit. The spin of one roller over one orbit remains, periodic::
 
       J |w_c| ds/dtheta = G,   G = r (F_i - F_Ri) - r (F_o + F_Ro) - M
       T = Z <G + R_i (F_i + F_Ri) + R_o (F_o - F_Ro)>,   M = mu_p |P| r,   R_m P = G + M + R_i (...) + R_o (...)
 
   with s the absolute spin, theta the position in the sense of the orbit, F = mu Q the tractions, F_R the rolling
   resistances (against rolling on both surfaces), M the friction of the roller in its pocket under the force P that
-  carries it round, and < > the mean over the orbit. T drives the cage.
-- Of the motions that repeat after an orbit it takes the one that rollers are in while the drag is raised slowly from
-  none: `motion.spins` finds motions, `motion.loading_branch` their order. It does not depend on what was
-  asked before.
-- The loads are solved anew at every slip: centrifugal forces go with the square of the cage speed.
+  moves it along the orbit, and < > the mean over the orbit. T drives the cage.
+- Of several periodic motions the one of the loading branch is taken, in which rollers are while the drag is raised
+  from zero: `motion.spins` finds motions, `motion.loading_branch` their order. The result does not depend on earlier
+  calls.
+- The loads are solved again at every slip, because centrifugal forces are proportional to the square of the cage speed.
 """
 
 import contextlib
@@ -42,44 +41,67 @@ from rollslip_studies.motion.spins import (
     slip_from_logit,
 )
 
-#: Loads that stand for the slices of a roller on the way up.
-_FEW: Final = 8
-#: Slips at which its time is measured, the place of the first, and how many times as long all of it takes, with maxima;
-#: and without a cage, of which 5 bearings took 5 to 34 times that.
-_SOME = 6
-_LOW = -9.0
-_ALL = 10.0
-_RUBBED = 14.0
-#: Range at which no law has a value.
-_NOWHERE: Final = 1e-3
-#: Positions of an orbit, at least and at most, on which rollers are followed.
-_POSITIONS: Final = (56, 512)
-#: Slips of a way up at which bounds of laws are looked at, relative to its end.
-_LOOKED_AT: Final = (0.0, 0.02, 0.15, 0.5, 1.0)
-#: Share of the largest drag below which a cage is far from running away, whatever effective friction is off.
+#: Number of loads that stand for the slices of a roller in the search for the loading branch. Four instead of eight
+#: change largest torques of 79 random bearings by up to 5e-6, sixteen by less than 1e-11.
+_N_LOADS: Final = 8
+
+
+@attrs.frozen(kw_only=True)
+class CostEstimate:
+    """Numbers by which the time of a loading branch is estimated from that of some of its slips."""
+
+    #: Number of slips whose time is measured. Doubling it doubles the time of the estimate; chosen, so that these
+    #: take about a tenth of the search.
+    n_slips: int = 6
+    #: Logit of the smallest slip that is measured, 1.2e-4. Doubling it has no effect on the time of a slip; chosen,
+    #: near the smallest slip of the branch.
+    lowest_logit: float = -9.0
+    #: Ratio of the time of the whole search, with its maxima, to that of the measured slips. The estimate is
+    #: proportional to it; measured.
+    whole: float = 10.0
+    #: Further ratio without a cage, where neighbours brake each other; 5 to 34 in five bearings.
+    neighbours: float = 14.0
+    #: Smallest range of slips in which a law without a value is assumed to have one further below. Doubling it
+    #: gives up one halving earlier; chosen.
+    min_range: float = 1e-3
+
+
+COST: Final = CostEstimate()
+#: Smallest number of positions of an orbit on which rollers are followed. Doubling it doubles the time; the change
+#: of a limit drag by four times as many positions is part of its stated error, 1e-3 in the median of 79 random
+#: bearings.
+_MIN_POSITIONS: Final = 56
+#: Largest number of positions of an orbit. Doubling it lets a requested number of roller positions count that costs
+#: twice the time; chosen.
+_MAX_POSITIONS: Final = 512
+#: Slips, relative to the end of a loading branch, at which validity ranges of laws are checked. Twice as many would
+#: double the time of that; chosen, denser at small slips, where friction rises.
+_CHECKED_SLIPS: Final = (0.0, 0.02, 0.15, 0.5, 1.0)
+#: Fraction of the limit drag below which a cage is far from skidding, whatever the error of effective friction.
+#: Doubling it would never compare both frictions; half of the limit drag is twice the largest error, 23 %
+#: (docs/tables/skidding_effective_summary.csv).
 _FAR: Final = 0.5
-#: A slip at which the cage hardly turns.
-_STANDS: Final = 0.94
-#: Largest slip of a way up that nobody asks to go further: there the cage all but stands.
+#: Slip from which on the cage hardly turns, so that no larger range is proposed. Chosen, just below `RANGE`.
+_NEARLY_STILL: Final = 0.94
+#: Largest slip of a loading branch unless a larger range is requested: there the cage nearly stands still. Chosen;
+#: with twice the distance from 1, a slip of 0.9, limit drags at larger slips would be missed.
 RANGE: Final = 0.95
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class Orbit:
-    """What one roller does over an orbit at a steady cage slip, and what all of them do to the cage."""
+    """Motion and forces of one roller over an orbit at a steady cage slip, and the torque of all on the cage."""
 
     cage_slip: float  # S_c [-]
-    #: Mean torque of all rollers on the cage [N m], positive where it drives it on in the sense of its orbit.
-    torque: float
+    torque: float  # mean torque of all rollers on the cage [N m], positive where it drives the cage in its sense
     roller_slip: Array  # S_r at the positions of the orbit, in its sense, (K,)
-    #: force, traction: Normal force and traction of inner and outer contact [N], (2, K); traction positive where it
-    #: drives.
-    force: Array
-    traction: Array
-    #: What an orbit leaves of a disturbance of the spin: the rollers hold this motion if it is below 1 in size.
-    multiplier: float
+    force: Array  # normal force of inner and outer contact [N], (2, K)
+    traction: Array  # of inner and outer contact [N], (2, K), positive where it drives
+    multiplier: (
+        float  # Floquet's multiplier of the spin: the motion is stable if it is below 1 in size
+    )
     brakes: Array | None = (
-        None  # moments by which neighbours brake its spin, without a cage [N m], (K,)
+        None  # moments by which neighbours brake the spin, without a cage [N m], (K,)
     )
 
 
@@ -89,26 +111,25 @@ class TorqueBalance:
     def __init__(
         self,
         assembly: Assembly,  # the bearing
-        # What resists the cage, and rollers in their pockets; resistance to rolling is a stage of the bearing's
-        # chains.
+        # Resistances of the cage and in the pockets; rolling resistance is a stage of the chains of the bearing.
         drags: Drags,
         *,
-        n_positions: int,  # instants of a roller pitch; the orbit has Z times as many positions
+        n_positions: int,  # roller positions within a pitch; the orbit has Z times as many
         # Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
         effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
         # False for rollers without inertia of their spin, whose contacts balance at every position.
         inertia: bool = True,
-        # That of a bearing nearly alike, whose rollers slip about as much without slip of the cage.
-        beside: "TorqueBalance | None" = None,
+        # The balance of a similar bearing, whose rollers slip about as much without cage slip.
+        similar: "TorqueBalance | None" = None,
     ) -> None:
         self.assembly = assembly
         self.drags = drags
         self.n_positions = n_positions
-        self._beside = beside
+        self._similar = similar
         self.effective = effective
         self.inertia = inertia
-        self._known: dict[float, Orbit] = {}
-        self._ways: dict[tuple[float, int], LoadingBranch] = {}
+        self._orbits: dict[float, Orbit] = {}
+        self._branches: dict[tuple[float, int], LoadingBranch] = {}
         friction = drags.pocket_friction
         self._pocket = 0.0 if friction is None else friction.coefficient
         self._rubbing = assembly.scene.models.neighbour_friction or 0.0
@@ -117,50 +138,57 @@ class TorqueBalance:
     def motions(self) -> Motions:
         """Motions of the rollers on all slices, their loads solved at every slip."""
         return Motions(
-            self.assembly, self.n_positions, pocket=self._pocket, rubbing=self._rubbing, effective=self.effective,
-            inertia=self.inertia, similar=None if self._beside is None else self._beside.motions,
-        )  # fmt: skip
-
-    @cached_property
-    def _few(self) -> Motions:
-        """The same by few loads of a roller."""
-        return self.motions.with_resolution(self.n_positions, _FEW)
-
-    def loading_branch(self, largest: float = RANGE, *, steps: int = 0) -> LoadingBranch:
-        """Return the loading branch over cage slips up to the largest; see `loading_branch`."""
-        key = largest, steps
-        if key not in self._ways:
-            self._ways[key] = find_loading_branch(self._few, largest, self.motions, steps=steps)
-        return self._ways[key]
-
-    def seconds(self, largest: float = RANGE) -> float:
-        """Return about the time of the processor [s] that the way up takes, from that of some of its slips."""
-        begin = time.process_time()
-        few = self._few
-        loaded = time.process_time()
-        try:
-            few.find(
-                np.array(
-                    [
-                        slip_from_logit(place)
-                        for place in np.linspace(_LOW, logit_slip(largest), _SOME).tolist()
-                    ]
-                )
-            )
-        except DomainError:  # at the end of the range a law has no value
-            if largest < _NOWHERE:
-                raise
-            return self.seconds(0.5 * largest)
-        return (
-            loaded
-            - begin
-            + _ALL * (_RUBBED if self._rubbing else 1.0) * (time.process_time() - loaded)
+            self.assembly,
+            self.n_positions,
+            pocket=self._pocket,
+            rubbing=self._rubbing,
+            effective=self.effective,
+            inertia=self.inertia,
+            similar=None if self._similar is None else self._similar.motions,
         )
 
-    def has_several(self, slip: float) -> bool:
-        """Whether rollers have several motions at a cage slip, or none that settles, and the way up has to be known."""
+    @cached_property
+    def _reduced_motions(self) -> Motions:
+        """Motions by a few loads of a roller, which stand for its slices."""
+        return self.motions.with_resolution(self.n_positions, _N_LOADS)
+
+    def loading_branch(self, max_slip: float = RANGE, *, steps: int = 0) -> LoadingBranch:
+        """Return the loading branch; see `find_loading_branch`.
+
+        Parameters
+        ----------
+        max_slip : float
+            Largest cage slip.
+        steps : int
+            Least number of steps of the grid of slips.
+        """
+        key = max_slip, steps
+        if key not in self._branches:
+            self._branches[key] = find_loading_branch(
+                self._reduced_motions, max_slip, self.motions, steps=steps
+            )
+        return self._branches[key]
+
+    def seconds(self, max_slip: float = RANGE) -> float:
+        """Return an estimate of the processor time [s] of the loading branch, from that of some of its slips."""
+        start = time.process_time()
+        motions = self._reduced_motions
+        loaded = time.process_time()
+        logits = np.linspace(COST.lowest_logit, logit_slip(max_slip), COST.n_slips)
+        try:
+            motions.find(np.array([slip_from_logit(logit) for logit in logits.tolist()]))
+        except DomainError:  # at the end of the range a law has no value
+            if max_slip < COST.min_range:
+                raise
+            return self.seconds(0.5 * max_slip)
+        ratio = COST.whole * (COST.neighbours if self._rubbing else 1.0)
+        return loaded - start + ratio * (time.process_time() - loaded)
+
+    def has_several_motions(self, slip: float) -> bool:
+        """Whether rollers have several motions at a cage slip, or none that converges, so that the branch decides."""
         with contextlib.suppress(DomainError):
-            return not self.rolls_freely and not _settled(self._few.find(np.array([slip]))[0])
+            motions = self._reduced_motions
+            return not self.rolls_freely and not _is_unique(motions.find(np.array([slip]))[0])
         return False
 
     @property
@@ -195,47 +223,51 @@ class TorqueBalance:
         return self.orbit(cage_slip).torque
 
     def excess(self, cage_slip: float) -> float:
-        """Torque that is left over to speed the cage up [N m]: zero at a steady slip."""
+        """Torque of the rollers in excess of the drags [N m], which accelerates the cage: zero at a steady slip."""
         return self.torque(cage_slip) + self.drag(cage_slip)
 
     def orbit(self, cage_slip: float) -> Orbit:
-        """Return the steady motion of the rollers at a cage slip, on the way up where they have several."""
-        if cage_slip not in self._known:
-            self._known[cage_slip] = self.orbit_of(self._on_way(cage_slip))
-        return self._known[cage_slip]
+        """Return the motion of the rollers at a steady cage slip, on the loading branch where they have several."""
+        if cage_slip not in self._orbits:
+            self._orbits[cage_slip] = self.orbit_from_motion(self._find_motion(cage_slip))
+        return self._orbits[cage_slip]
 
-    def torques(self, cage_slips: Array, *, few: bool = False) -> Array:
-        """Return the torques on the cage at several slips [N m], (n,), on the way up through these alone.
+    def torques(self, cage_slips: Array, *, reduced: bool = False) -> Array:
+        """Return the torques on the cage at several slips [N m], (n,), on the loading branch through these alone.
 
-        By few loads of a roller it is as exact as the way up is while it is searched.
+        Parameters
+        ----------
+        cage_slips : ndarray
+            Cage slips, (n,).
+        reduced : bool
+            By a few loads of a roller, as the loading branch is searched, instead of all slices.
         """
-        motions = self._few if few else self.motions
-        out = np.empty(cage_slips.size)
+        motions = self._reduced_motions if reduced else self.motions
+        torques = np.empty(cage_slips.size)
         order = np.argsort(cage_slips)
         below = None
         found = motions.find(cage_slips[order])
-        for k, here in zip(order.tolist(), found, strict=True):
-            if not _settled(here):
-                known = below or self._below(float(cage_slips[k]))
-                here = motions.find(cage_slips[k : k + 1], known.fraction[:1])[0]
-            below = here[0]
-            out[k] = below.torque
-        return out
+        for k, candidates in zip(order.tolist(), found, strict=True):
+            if not _is_unique(candidates):
+                start = below or self._motion_below(float(cage_slips[k]))
+                candidates = motions.find(cage_slips[k : k + 1], start.fraction[:1])[0]
+            below = candidates[0]
+            torques[k] = below.torque
+        return torques
 
-    def _below(self, slip: float) -> Motion:
-        """The motion of the way up at the next slip below one."""
+    def _motion_below(self, slip: float) -> Motion:
+        """The motion of the loading branch at the next slip below one."""
         return self.loading_branch(max(RANGE, slip)).motion_below(slip)
 
-    def _on_way(self, slip: float) -> Motion:
-        """The motion of the way up at a slip."""
-        here = self.motions.find(np.array([slip]))[0]
-        return (
-            here[0]
-            if _settled(here)
-            else self.motions.find(np.array([slip]), self._below(slip).fraction[:1])[0][0]
-        )
+    def _find_motion(self, slip: float) -> Motion:
+        """The motion of the loading branch at a slip."""
+        candidates = self.motions.find(np.array([slip]))[0]
+        if not _is_unique(candidates):
+            start = self._motion_below(slip).fraction[:1]
+            candidates = self.motions.find(np.array([slip]), start)[0]
+        return candidates[0]
 
-    def orbit_of(self, motion: Motion) -> Orbit:
+    def orbit_from_motion(self, motion: Motion) -> Orbit:
         """Return a motion on all slices, such as that of a steady slip, with the forces in it."""
         contacts = self.contacts(motion.slip)
         tractions, _ = self._forces(motion.slip, motion.roller_slip, contacts)
@@ -243,7 +275,7 @@ class TorqueBalance:
             cage_slip=motion.slip,
             torque=motion.torque,
             roller_slip=motion.roller_slip,
-            force=np.array([of_ring.contacts.carried for of_ring in contacts]),
+            force=np.array([ring.contacts.carried for ring in contacts]),
             traction=self.motions.sense * tractions,
             multiplier=motion.multiplier,
             brakes=motion.brakes,
@@ -253,7 +285,7 @@ class TorqueBalance:
         """Contacts of both raceways, their positions ordered in the sense of the orbit."""
         return self.motions.contacts(np.array([cage_slip]))
 
-    def evaluated(self, orbit: Orbit) -> tuple[LoadedContacts, LoadedContacts]:
+    def evaluate_contacts(self, orbit: Orbit) -> tuple[LoadedContacts, LoadedContacts]:
         """Return the loaded contacts of both raceways, evaluated in the motion of the rollers."""
         contacts = self.contacts(orbit.cage_slip)
         speeds = self.assembly.kinematics.surface_speeds(orbit.cage_slip, orbit.roller_slip)
@@ -286,9 +318,14 @@ class TorqueBalance:
         return np.stack([on_inner[0], on_outer[0]]), np.stack([on_inner[1], on_outer[1]])
 
 
+def _positions_within_pitch(assembly: Assembly, positions: int) -> int:
+    """Roller positions within a pitch that make at least so many of the orbit."""
+    return -(-positions // assembly.scene.bearing.rollers)
+
+
 def minimum_positions(assembly: Assembly) -> int:
-    """Return the instants of a pitch on which rollers are followed at least: those of 56 positions."""
-    return -(-_POSITIONS[0] // assembly.scene.bearing.rollers)
+    """Return the smallest number of roller positions within a pitch: 56 positions of the orbit."""
+    return _positions_within_pitch(assembly, _MIN_POSITIONS)
 
 
 def rollers(
@@ -297,218 +334,302 @@ def rollers(
     *,
     effective: bool = False,
     inertia: bool = True,
-    beside: TorqueBalance | None = None,
+    similar: TorqueBalance | None = None,
 ) -> TorqueBalance:
-    """Return the balance of torques of a bearing, with all that resists its rollers, on 56 to 512 positions.
+    """Return the torque balance of a bearing, with all resistances of its rollers, on 56 to 512 positions.
 
-    What positions leave of a maximum is looked at by more of them; means over a pitch may need more of its instants.
+    More positions estimate the error of a maximum by themselves; averages over a pitch may need more positions.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    n_positions : int
+        Roller positions within a pitch.
+    effective : bool
+        By effective friction instead of the whole chain.
+    inertia : bool
+        With the inertia of the spin.
+    similar : TorqueBalance, optional
+        Of a similar bearing, whose rollers slip about as much without cage slip.
     """
     drags = assembly.cage.drags
     assembly = assembly.with_resistance()
     n_positions = min(
         max(n_positions, minimum_positions(assembly)),
-        -(-_POSITIONS[1] // assembly.scene.bearing.rollers),
+        _positions_within_pitch(assembly, _MAX_POSITIONS),
     )
     curves = effective_curves(assembly, n_positions) if effective else None
     return TorqueBalance(
-        assembly, drags, n_positions=n_positions, effective=curves, inertia=inertia, beside=beside
+        assembly, drags, n_positions=n_positions, effective=curves, inertia=inertia, similar=similar
     )
 
 
-def look_along(assembly: Assembly, end: float, *, inertia: bool = True) -> None:
-    """Evaluate the contacts of rollers at some slips of the way up: what watches the chains of the bearing sees them.
+def evaluate_on_branch(assembly: Assembly, end: float, *, inertia: bool = True) -> None:
+    """Evaluate the contacts of rollers at some slips of the loading branch, so that validity ranges are checked.
 
-    Its search is compiled and looks at no bound.
+    The search for the branch is compiled and checks none.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing, whose chains are observed.
+    end : float
+        Largest cage slip.
+    inertia : bool
+        With the inertia of the spin.
     """
     balance = rollers(assembly, 1, inertia=inertia)
-    for fraction in _LOOKED_AT:
+    for fraction in _CHECKED_SLIPS:
         try:
-            balance.evaluated(balance.orbit(fraction * end))
-        except (DomainError, ConvergenceError):  # where it ends; a run says so
+            balance.evaluate_contacts(balance.orbit(fraction * end))
+        except (DomainError, ConvergenceError):  # at the end of the range, which a run reports
             return
 
 
 @attrs.frozen
 class SkiddingOnset:
-    """The cage slip at which a cage runs away, and the drag [N m] there: NaN where ``status`` says why.
+    """The cage slip at which skidding starts, and the drag there."""
 
-    ``to`` is the slip to which it jumps, NaN if nothing in the range carries the drag; ``error`` is that of the drag,
-    relative. ``most`` is the largest torque of the way [N m], at ``max_torque_slip``.
-    """
-
-    slip: float
-    drag: float
-    status: str
-    slip_after: float = math.nan
-    error: float = math.nan
-    max_torque: float = math.nan
-    max_torque_slip: float = math.nan
+    slip: float  # NaN where ``status`` says why
+    drag: float  # [N m], NaN likewise
+    status: str  # begins with a member of `Status`
+    slip_after: float = (
+        math.nan
+    )  # slip to which the cage jumps, NaN if none in the range carries the drag
+    error: float = math.nan  # of the drag, relative
+    max_torque: float = math.nan  # largest torque of the loading branch [N m]
+    max_torque_slip: float = math.nan  # its slip
 
 
 @attrs.frozen
 class Running:
-    """The least cage slip at which rollers carry the drags of a scene, and their torque [N m]; see ``status``."""
+    """The smallest cage slip at which rollers carry the drags of a scene."""
 
-    slip: float
-    drag: float
-    status: str
-
-
-def _settled(here: list[Motion]) -> bool:
-    """Whether rollers that begin from either end come to one motion."""
-    return len(here) == 1 and here[0].converged
+    slip: float  # NaN where ``status`` says why
+    drag: float  # torque that they carry [N m], NaN likewise
+    status: str  # begins with a member of `Status`
 
 
-def skidding_onset(balance: TorqueBalance, largest: float, allow: str) -> SkiddingOnset:
-    """Say where the cage of a bearing runs away, up to the largest cage slip; ``allow`` is the key of that."""
+def _is_unique(motions: list[Motion]) -> bool:
+    """Whether rollers reach one motion from rolling on either ring."""
+    return len(motions) == 1 and motions[0].converged
+
+
+def skidding_onset(balance: TorqueBalance, max_slip: float, range_key: str) -> SkiddingOnset:
+    """Return where skidding starts on the loading branch.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the bearing.
+    max_slip : float
+        Largest cage slip.
+    range_key : str
+        Key of a scene which sets the largest slip, for the message where the cage does not skid.
+    """
     try:
-        way = balance.loading_branch(largest)
+        branch = balance.loading_branch(max_slip)
     except (DomainError, ConvergenceError) as error:
         return SkiddingOnset(
             math.nan, math.nan, f"{Status.NOT_KNOWN} where skidding begins: {error}"
         )
-    slip, torque = way.maximum
-    if (jump := way.skidding_jump) is not None:
-        return SkiddingOnset(
-            jump.slip, jump.drag, Status.FOUND, jump.slip_after, jump.error, torque, slip
-        )
+    slip, torque = branch.maximum
+    jump = branch.skidding_jump
+    if jump is None:
+        status = describe_no_skidding(branch, range_key)
+        return SkiddingOnset(math.nan, math.nan, status, max_torque=torque, max_torque_slip=slip)
     return SkiddingOnset(
-        math.nan, math.nan, nowhere(way, allow), max_torque=torque, max_torque_slip=slip
+        jump.slip, jump.drag, Status.FOUND, jump.slip_after, jump.error, torque, slip
     )
 
 
-def nowhere(way: LoadingBranch, allow: str) -> str:
-    """Say that a cage runs away nowhere in the range, and why, or what to type to look further."""
-    slip, torque = way.maximum
+def describe_no_skidding(branch: LoadingBranch, range_key: str) -> str:
+    """Return why a cage skids nowhere in the range, and how to extend the range.
+
+    Parameters
+    ----------
+    branch : LoadingBranch
+        Without a jump to skidding.
+    range_key : str
+        Key of a scene which sets the largest slip.
+    """
+    slip, torque = branch.maximum
     if not torque > 0.0:
-        return f"{Status.NOT_DRIVEN} at any slip up to {way.end:.4g}: more resists their rolling"
-    further = f"beyond, {way.refusal}" if way.refusal else f"raise {allow} to look further"
-    if way.end > _STANDS and not way.refusal:
+        return f"{Status.NOT_DRIVEN} at any slip up to {branch.end:.4g}: more resists their rolling"
+    if branch.refusal:
+        further = f"beyond, {branch.refusal}"
+    elif branch.end > _NEARLY_STILL:
         further = "there it all but stands"
-    where = "where" if slip == way.end else f"and at {slip:.3g}"
+    else:
+        further = f"raise {range_key} to look further"
+    where = "where" if slip == branch.end else f"and at {slip:.3g}"
     carried = format_quantity(torque, "N m", 3)
     return (
-        f"no skidding up to a slip of {way.end:.4g}, {where} the rollers carry the "
+        f"no skidding up to a slip of {branch.end:.4g}, {where} the rollers carry the "
         f"largest drag, {carried}; {further}"
     )
 
 
-def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
-    """Locate the least cage slip at which the rollers of a bearing carry the drags of its scene.
+def running(balance: TorqueBalance, max_slip: float = RANGE) -> Running:
+    """Return the smallest cage slip at which the rollers of a bearing carry the drags of its scene.
 
-    Without any drag it is zero, and below where the cage is driven faster than its epicyclic speed.
+    Without any drag it is zero, and it is negative where the cage is driven beyond its epicyclic speed.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the bearing.
+    max_slip : float
+        Largest cage slip.
     """
     if balance.rolls_freely:
         return Running(0.0, 0.0, Status.FOUND)
     try:
-        way = balance.loading_branch(largest)
-        steady = next(iter(way.find_steady_motions(balance.drag)), None)
+        branch = balance.loading_branch(max_slip)
+        steady = next(iter(branch.find_steady_motions(balance.drag)), None)
     except (DomainError, ConvergenceError) as error:
         return Running(
             math.nan, math.nan, f"{Status.NOT_KNOWN} at which slip the cage runs: {error}"
         )
     if steady is not None:
         return Running(steady.slip, steady.torque, Status.FOUND)
-    if way.torque_without_slip + balance.drag(0.0) > 0.0:
+    if branch.torque_without_slip + balance.drag(0.0) > 0.0:
         return Running(
             math.nan, math.nan, f"{Status.DRIVEN}: it runs at more than twice its epicyclic speed"
         )
-    slip, torque = way.maximum
-    drag, carried = (format_quantity(one, "N m", 3) for one in (-balance.drag(slip), torque))
+    slip, torque = branch.maximum
+    drag = format_quantity(-balance.drag(slip), "N m", 3)
+    carried = format_quantity(torque, "N m", 3)
     return Running(
         math.nan,
         math.nan,
-        f"{Status.NO_STEADY_SLIP} up to {way.end:.4g}: where the rollers carry most, {carried} at a slip of "
+        f"{Status.NO_STEADY_SLIP} up to {branch.end:.4g}: where the rollers carry most, {carried} at a slip of "
         f"{slip:.3g}, the drags of the scene are {drag}",
     )
 
 
 @attrs.frozen
 class Reserve:
-    """Largest drag that the rollers carry over the drags of a scene; below 1 the cage skids.
+    """Drag reserve to skidding: the limit drag over the drags of a scene; below 1 the cage skids."""
 
-    ``status`` begins with `Status.FOUND`, `AT_LEAST` or `SKIDS`; else it says why there is none, and the factor is NaN.
-    """
-
-    factor: float
-    status: str
+    factor: float  # NaN where the status is another one than `Status.FOUND`, `AT_LEAST` or `SKIDS`
+    status: str  # begins with a member of `Status`
 
 
 def reserve(
-    balance: TorqueBalance, away: SkiddingOnset, runs: Running, largest: float = RANGE
+    balance: TorqueBalance, onset: SkiddingOnset, runs: Running, max_slip: float = RANGE
 ) -> Reserve:
-    """Return the reserve of drag: the drag with which the cage runs away over that of the scene where it runs.
+    """Return the drag reserve to skidding: the limit drag over the drags of the scene where the cage runs.
 
-    Where nothing runs away up to the end of the range, the most that the rollers carry is carried at least, and over
-    the drags where the cage runs, or without slip where these are larger, it is a lower bound: drags that fall with
-    slip, as churning does, would let a cage that has slowed down look safe. With a balance it is 1 at least: a cage
-    that runs ahead has the drags without slip, by which it comes before it skids. Where the cage has no balance, or
-    runs beyond the slip of running away, it is less than 1: the torque at the most favourable slip of the way over the
-    drags there.
+    - Where the cage does not skid in the range, the reserve is a lower bound: the largest torque of the rollers, over
+      the drags where the cage runs, or without slip where these are larger. Drags that fall with slip, as churning
+      does, would let a cage that has slowed down look safe.
+    - Where the cage runs, the reserve is at least 1. A cage that is faster than its epicyclic speed has the drags
+      without slip, through which it passes before it skids.
+    - Where the cage has no steady slip, or runs beyond the onset of skidding, the reserve is less than 1: the largest
+      ratio of torque and drags at a slip of the loading branch.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the bearing.
+    onset : SkiddingOnset
+        Of the same bearing.
+    runs : Running
+        Where the cage runs.
+    max_slip : float
+        Largest cage slip.
     """
     outcome = Status.of(runs.status)
-    if outcome is Status.FOUND and not runs.slip > away.slip:  # NaN where there is no fold
-        drag = -balance.drag(0.0) if runs.slip < 0.0 else runs.drag
-        if not drag > 0.0:
-            return Reserve(
-                math.inf,
-                f"{Status.AT_LEAST}: no torque drags the cage{' without slip' * (runs.slip < 0.0)}",
-            )
-        if not math.isnan(away.slip):
-            return Reserve(away.drag / drag, Status.FOUND)
-        if math.isnan(away.max_torque):
-            return Reserve(math.nan, away.status)
-        said = f"{Status.AT_LEAST}: no skidding up to a slip of {balance.loading_branch(largest).end:.4g}"
-        return Reserve(max(away.max_torque / max(runs.drag, -balance.drag(0.0)), 1.0), said)
+    if outcome is Status.FOUND and not runs.slip > onset.slip:  # NaN where the cage does not skid
+        return _reserve_to_onset(balance, onset, runs, max_slip)
     if outcome is Status.DRIVEN:
         return Reserve(math.inf, f"{Status.AT_LEAST}: {runs.status}")
     if outcome not in (Status.FOUND, Status.NO_STEADY_SLIP):
         return Reserve(math.nan, runs.status)
-    slips, torques = balance.loading_branch(largest).curve
-    fractions = [torque / -balance.drag(slip) for slip, torque in zip(slips, torques, strict=True)
-              if torque > 0.0 and balance.drag(slip) < 0.0]  # fmt: skip
+    slips, torques = balance.loading_branch(max_slip).curve
+    ratios = [
+        torque / -balance.drag(slip)
+        for slip, torque in zip(slips, torques, strict=True)
+        if torque > 0.0 and balance.drag(slip) < 0.0
+    ]
     return Reserve(
-        min(max(fractions, default=0.0), 1.0),
+        min(max(ratios, default=0.0), 1.0),
         f"{Status.SKIDS}: its drags are more than the rollers carry",
     )
 
 
-def near_skidding(assembly: Assembly, slip: float) -> str:
-    """Say what effective friction leaves unknown of a cage at a slip; empty where it is far from running away.
+def _reserve_to_onset(
+    balance: TorqueBalance, onset: SkiddingOnset, runs: Running, max_slip: float
+) -> Reserve:
+    """The reserve of a cage that runs below the onset of skidding."""
+    is_driven = runs.slip < 0.0
+    drag = -balance.drag(0.0) if is_driven else runs.drag
+    if not drag > 0.0:
+        where = " without slip" if is_driven else ""
+        return Reserve(math.inf, f"{Status.AT_LEAST}: no torque drags the cage{where}")
+    if not math.isnan(onset.slip):
+        return Reserve(onset.drag / drag, Status.FOUND)
+    if math.isnan(onset.max_torque):
+        return Reserve(math.nan, onset.status)
+    end = balance.loading_branch(max_slip).end
+    factor = onset.max_torque / max(runs.drag, -balance.drag(0.0))
+    return Reserve(max(factor, 1.0), f"{Status.AT_LEAST}: no skidding up to a slip of {end:.4g}")
 
-    Effective friction is off by some share of the largest drag. The cage is near where the drag that it carries at the
-    slip is less than twice that share below the largest one by either friction. Where it is less than half of it,
-    effective friction is not asked: it is off by 23 % at most (docs/tables/skidding_effective_summary.csv).
+
+def describe_near_skidding(assembly: Assembly, slip: float) -> str:
+    """Return a warning on effective friction where a cage is near skidding; empty where it is far from it.
+
+    The relative error of effective friction is that of its limit drag. The cage is near skidding where the drag that it
+    carries at the slip is less than twice that error below the smaller limit drag of both frictions. Where the drag is
+    less than half the limit drag, effective friction is not evaluated: its error is at most 23 %
+    (docs/tables/skidding_effective_summary.csv).
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    slip : float
+        Cage slip.
     """
     balance = rollers(assembly, 1)
-    exact = skidding_onset(balance, RANGE, "")
+    conventional = skidding_onset(balance, RANGE, "")
     carried = balance.torque(slip) if slip > 0.0 else 0.0
-    if slip < exact.slip and carried < _FAR * exact.drag:
+    if slip < conventional.slip and carried < _FAR * conventional.drag:
         return ""
-    simple = skidding_onset(rollers(assembly, 1, effective=True), RANGE, "")
-    known = [one for one in (exact, simple) if not math.isnan(one.slip)]
+    effective = skidding_onset(rollers(assembly, 1, effective=True), RANGE, "")
+    known = [onset for onset in (conventional, effective) if not math.isnan(onset.slip)]
     if not known:
         return ""
-    off = abs(simple.drag / exact.drag - 1.0) if len(known) == 2 else math.inf
-    least = min(known, key=lambda one: one.drag)
-    if slip < least.slip and carried < (1.0 - 2.0 * min(off, 0.5)) * least.drag:
+    error = abs(effective.drag / conventional.drag - 1.0) if len(known) == 2 else math.inf
+    first = min(known, key=lambda onset: onset.drag)
+    if slip < first.slip and carried < (1.0 - 2.0 * min(error, 0.5)) * first.drag:
         return ""
-    begins = f"{100.0 * known[0].slip:.3g} %"
-    where = f"with a cage slip of {100.0 * slip:.3g} % the cage is near skidding, which begins at {begins}"
+    start = f"{100.0 * known[0].slip:.3g} %"
+    where = f"with a cage slip of {100.0 * slip:.3g} % the cage is near skidding, which begins at {start}"
     if len(known) < 2:
         return f"{where}, and it does so by one of both frictions alone"
-    return f"{where}, where effective friction is off by {100.0 * off:.2g} % of the drag"
+    return f"{where}, where effective friction is off by {100.0 * error:.2g} % of the drag"
 
 
 def effective_curves(assembly: Assembly, n_positions: int) -> tuple[EffectiveCurve, EffectiveCurve]:
-    """Return the effective friction curves of both raceways, with the loads at epicyclic speed."""
+    """Return the effective friction curves of both raceways, with the loads at epicyclic speed.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    n_positions : int
+        Roller positions within a pitch.
+    """
     loads = assembly.load_distribution(n_positions)
     tolerance = assembly.resolution.table_tolerance
 
-    def of(raceway: Raceway, load: Array) -> EffectiveCurve:
+    def tabulate(raceway: Raceway, load: Array) -> EffectiveCurve:
         table = effective_table(
             assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False
         )
         return EffectiveCurve(table.nodes, table.limits, table.sliding_scale)
 
-    return of(assembly.inner, loads.inner_load), of(assembly.outer, loads.outer_load)
+    return tabulate(assembly.inner, loads.inner_load), tabulate(assembly.outer, loads.outer_load)

@@ -248,7 +248,7 @@ def _log_slips(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
 
     def log_slip(assembly: Assembly, near: float) -> float:
         nonlocal slope, shared
-        balance = rollers(assembly, _COARSE.n_positions, inertia=False, beside=shared)
+        balance = rollers(assembly, _COARSE.n_positions, inertia=False, similar=shared)
         shared = shared or balance
         found, own_slope = _log_steady_slip(balance, near, slope)
         slope = slope or own_slope
@@ -296,7 +296,7 @@ def _log_loads(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
 
         def excess(log: float) -> float:
             bearing = assembly.at_load(math.exp(log))
-            return rollers(bearing, _COARSE.n_positions, inertia=False, beside=shared).excess(slip)
+            return rollers(bearing, _COARSE.n_positions, inertia=False, similar=shared).excess(slip)
 
         found, own_slope = _root_by_secants(excess, near, math.inf, slope)
         slope = slope or own_slope
@@ -431,7 +431,7 @@ def consequences(
                 law = other.models.get(key.split(".")[1])
                 if law is not None and _runs_python(law):
                     other = _with_friction_factor(coarse, other, balance, before[SLIP])
-                changed = rollers(other, _COARSE.n_positions, inertia=False, beside=balance)
+                changed = rollers(other, _COARSE.n_positions, inertia=False, similar=balance)
                 after = _compared_values(changed, before[SLIP], acceptable)
             except RollslipError as refusal:
                 row["refused"] = str(refusal)

@@ -69,7 +69,7 @@ def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> lis
     """
     found = []
     for orbit in orbits:
-        for ring, contacts in zip(RINGS, balance.evaluated(orbit), strict=True):
+        for ring, contacts in zip(RINGS, balance.evaluate_contacts(orbit), strict=True):
             s = contacts.slices
             found.append(
                 LoadedSlices(
@@ -110,7 +110,7 @@ def estimate_by_secant(
         orbits = [balance.orbit(cage_slip) for cage_slip in slips.tolist()]
     else:
         found = balance.motions.find(slips, np.full(2, fraction))
-        orbits = [balance.orbit_of(motions[0]) for motions in found]
+        orbits = [balance.orbit_from_motion(motions[0]) for motions in found]
     excess, next_excess = (orbit.torque + balance.drag(orbit.cage_slip) for orbit in orbits)
     steps = excess / (excess - next_excess) if next_excess != excess else math.inf
     here, beyond = (quantities(orbit) for orbit in orbits)
@@ -148,7 +148,7 @@ def film_variables(
     largest = np.zeros(2)
     thinnest = np.full((2, n), np.nan)
     for k, state in enumerate(states):
-        for i, contacts in enumerate(balance.evaluated(state)):
+        for i, contacts in enumerate(balance.evaluate_contacts(state)):
             if contacts.total == 0.0:
                 continue
             slices = contacts.slices

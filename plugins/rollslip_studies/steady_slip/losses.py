@@ -184,7 +184,7 @@ def _steady_errors(balance: TorqueBalance, result: "xr.Dataset") -> Iterator[tup
     def torque_and_film(orbit: Orbit) -> Array:
         nonlocal film_factor
         film, film_factor = min(
-            _thinnest(contacts) for contacts in balance.evaluated(orbit) if contacts.total
+            _thinnest(contacts) for contacts in balance.evaluate_contacts(orbit) if contacts.total
         )
         speed = abs(operation.inner_speed - operation.outer_speed)
         return np.array([power_balance(balance, orbit).total / speed, film])

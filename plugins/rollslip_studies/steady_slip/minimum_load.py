@@ -185,7 +185,7 @@ def _around_maxima(balance: TorqueBalance, slip: float) -> Iterator[float]:
     upper = max(RANGE, slip)
     slips = search.beyond * slip * np.exp(-search.spacing * np.arange(search.points)[::-1])
     slips = slips[slips <= upper]
-    if not any(_maxima(balance, slips, balance.torques(slips, few=True), search.drag_fraction)):
+    if not any(_maxima(balance, slips, balance.torques(slips, reduced=True), search.drag_fraction)):
         return
     path = [
         motion

@@ -18,7 +18,7 @@ from rollslip.results.dataset import about
 from rollslip.results.words import Status
 from rollslip_studies.motion.loading_branch import Jump, LoadingBranch
 from rollslip_studies.motion.spins import logit_slip, slip_from_logit
-from rollslip_studies.motion.torque_balance import TorqueBalance, nowhere
+from rollslip_studies.motion.torque_balance import TorqueBalance, describe_no_skidding
 from rollslip_studies.steady_slip.outputs import OUTPUTS
 
 #: Ratio of the error of a cubic at a point that was left out to its error between neighbours. For points at equal
@@ -65,7 +65,7 @@ def slip_drag_variables(
     tolerance = balance.assembly.scene.accuracy.tolerance
     fraction = max(error for error in (tolerance, limit_error) if math.isfinite(error))
     low, high = (math.nan, math.nan) if onset is None else onset.slips_within(fraction)
-    status = Status.FOUND if onset else nowhere(branch, f"{table}.max_cage_slip")
+    status = Status.FOUND if onset else describe_no_skidding(branch, f"{table}.max_cage_slip")
     jump_status = status
     if onset is not None and not jump_slip > 0.0:
         jump_status = f"a larger drag is carried by no slip up to {branch.end:.4g}"

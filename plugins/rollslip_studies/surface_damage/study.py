@@ -184,7 +184,7 @@ class SurfaceDamage(Study):
 
         def worst(orbit: Orbit) -> Array:
             found = np.full((len(measures), len(RINGS)), np.nan)
-            for i, (ring, loaded) in enumerate(zip(RINGS, balance.evaluated(orbit), strict=True)):
+            for i, (ring, loaded) in enumerate(zip(RINGS, balance.evaluate_contacts(orbit), strict=True)):
                 contacts = Contacts.of(finer, ring, loaded.slices)
                 for k, model in enumerate(measures):
                     if loaded.total and dataset["worst_status"].values[k, i] == _FOUND:
@@ -259,8 +259,8 @@ class SurfaceDamage(Study):
             balance, steady, status = self._steady.steady(there)
             if not steady:
                 return self._told(assembly, measures, np.nan, status, None)
-            orbit = balance.orbit_of(steady[0].motion)
-        return self._told(assembly, measures, orbit.cage_slip, _FOUND, balance.evaluated(orbit))
+            orbit = balance.orbit_from_motion(steady[0].motion)
+        return self._told(assembly, measures, orbit.cage_slip, _FOUND, balance.evaluate_contacts(orbit))
 
     def _told(
         self,
