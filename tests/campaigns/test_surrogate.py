@@ -51,7 +51,7 @@ def made(folder, over=OVER, error=0.01, scene=SCENE, checks=4):
     """Tables within an error, and the file that holds them."""
     dataset = SurrogateSettings(
         scene, over, error=error, checks=checks, engine="serial", out=folder
-    ).answer()
+    ).execute()
     return dataset, folder / made_by.RESULT
 
 

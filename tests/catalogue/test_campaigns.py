@@ -52,7 +52,7 @@ class MeanFriction(OfScene):
 
     def run(self, made, folder, show, said):
         import rollslip
-        scene = rollslip.evolve(self.given, {"study.friction-curve.points": self.points})
+        scene = rollslip.evolve(self.base_scene, {"study.friction-curve.points": self.points})
         study = {"study": "friction-curve", "output": ["friction"], "engine": "serial"}
         return rollslip.sweep(scene, made, **study)
 
@@ -111,9 +111,9 @@ def test_a_field_is_an_option_an_argument_and_a_line_of_the_docs():
 
         name = "count"
 
-        data: str = setting("", default=attrs.NOTHING, argument="DATA", first=True)
+        data: str = setting("", default=attrs.NOTHING, argument="DATA", positional=True)
         least: int | None = setting(
-            "Least count.", of=int, least=1, metavar="N", more="A whole number."
+            "Least count.", value_type=int, minimum=1, metavar="N", details="A whole number."
         )
 
         def plan(self):
@@ -249,12 +249,23 @@ def test_a_name_that_two_packages_offer_is_neither_ones(tmp_path):
         ("    It is a test.\n", "", ""),
         ('setting("Points of a curve.", of=int, ', "dict(", "points: declare it by setting()"),
         ("points: int =", 'points: "Count" =', "no function can be made of it (NameError"),
-        ('    name = "', '    summary = "Say it."\n    own_command = "rollslip.cli.run:plan"\n    name = "',
-         "its command's help begins with 'Print what will be modelled"),
-        ('    name = "', '    own_command = "rollslip.cli.run:Path"\n    name = "', "no command of click"),
-        ('    name = "', '    own_command = "nowhere:x"\n    name = "', "its command nowhere:x cannot be imported"),
+        (
+            '    name = "',
+            '    summary = "Say it."\n    own_command = "rollslip.cli.run:plan"\n    name = "',
+            "its command's help begins with 'Print what will be modelled",
+        ),
+        (
+            '    name = "',
+            '    own_command = "rollslip.cli.run:Path"\n    name = "',
+            "no command of click",
+        ),
+        (
+            '    name = "',
+            '    own_command = "nowhere:x"\n    name = "',
+            "its command nowhere:x cannot be imported",
+        ),
     ],
-)  # fmt: skip
+)
 def test_the_kit_holds_a_campaign_against_what_is_made_of_it(old, new, told, stranger):
     path = stranger / "rollslip_mean_friction.py"
     assert old in path.read_text()

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from rich.console import Console
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip.scene.values import Scene
 
 #: What the shell sees.
@@ -404,24 +404,24 @@ def terminal(*, stderr: bool = False, width: int | None = None) -> "Console":
 
 
 @contextmanager
-def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
+def progress(what: str, seconds: float = math.nan) -> "Iterator[ProgressReporter]":
     """Show how far something is and how long it will take: a bar on a terminal, else a line every half a minute.
 
     Messages that are printed meanwhile stand above the bar. The bar vanishes at the end.
     """
-    from rollslip.planning.progress import Watch
+    from rollslip.planning.progress import ProgressTimer
 
-    watch = Watch(seconds)
+    timer = ProgressTimer(seconds)
     if not sys.stderr.isatty():
-        said = watch.begin
+        said = timer.begin
 
         def line(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
             nonlocal said
-            watch.tell(fraction, left)
-            if watch.at - said >= 30.0:
-                said = watch.at
+            timer.update(fraction, left)
+            if timer.at - said >= 30.0:
+                said = timer.at
                 click.echo(
-                    ": ".join([what, ", ".join(filter(None, [text, watch.format_time_left()]))]),
+                    ": ".join([what, ", ".join(filter(None, [text, timer.format_time_left()]))]),
                     err=True,
                 )
 
@@ -441,7 +441,7 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
 
     class Left(ProgressColumn):
         def render(self, task: Task) -> Text:
-            return Text(watch.format_time_left())
+            return Text(timer.format_time_left())
 
     columns = (
         SpinnerColumn(),
@@ -466,7 +466,7 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
         task = shown.add_task(what, total=None)
 
         def show(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
-            watch.tell(fraction, left)
+            timer.update(fraction, left)
             known = not math.isnan(fraction)
             shown.update(
                 task,

@@ -43,11 +43,13 @@ def command_of(cls: type[Campaign]) -> Any:
     """Return the command of a campaign: its own one, or that of its fields."""
     if cls.own_command:
         return own_command(cls)
-    keeps = cls.goes_on == "folder"
+    keeps = cls.resume_mode == "folder"
     results = results_options(
         "Folder; goes on with what is in it." if keeps else "Folder for the results, new or empty.",
-        f"Write {cls.writes} only.", overwrite=not keeps, resume=cls.goes_on == "resume",
-    )  # fmt: skip
+        f"Write {cls.writes} only.",
+        overwrite=not keeps,
+        resume=cls.resume_mode == "resume",
+    )
 
     @results
     @json_option
@@ -92,49 +94,60 @@ def _option(one: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
     """Return the option of a field."""
     said = one.metadata
     of: Any = {
-        int: click.IntRange(said["least"]) if said["least"] is not None else int,
+        int: click.IntRange(said["minimum"]) if said["minimum"] is not None else int,
         float: float,
-    }.get(said["of"])
+    }.get(said["value_type"])
     default = {} if one.default in (attrs.NOTHING, None) else {"default": one.default}
     return click.option(
-        f"--{one.name.replace('_', '-')}", one.name, metavar=said["metavar"], multiple=said["many"],
-        required=one.default is attrs.NOTHING, type=click.Path(path_type=Path) if said["of"] is Path else of,
-        show_default=said["shown"], help=said["doc"], **default,
+        f"--{one.name.replace('_', '-')}",
+        one.name,
+        metavar=said["metavar"],
+        multiple=said["repeatable"],
+        required=one.default is attrs.NOTHING,
+        type=click.Path(path_type=Path) if said["value_type"] is Path else of,
+        show_default=said["show_default"],
+        help=said["doc"],
+        **default,
         shell_complete=complete_models if one.name == "study" else None,
-    )  # fmt: skip
+    )
 
 
 def _argument(one: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
     """Return the argument of a field; of several their usage says "..."."""
     said = one.metadata
     return click.argument(
-        one.name, metavar=said["argument"], nargs=-1 if said["many"] else 1, required=one.default is attrs.NOTHING,
-        type=click.Path(path_type=Path) if said["of"] is Path else None,
+        one.name,
+        metavar=said["argument"],
+        nargs=-1 if said["repeatable"] else 1,
+        required=one.default is attrs.NOTHING,
+        type=click.Path(path_type=Path) if said["value_type"] is Path else None,
         shell_complete=complete_scenes if one.name == "scene" else None,
-    )  # fmt: skip
+    )
 
 
 def _run(requested: Campaign, about: str, results: Results) -> None:
     """Plan and run a campaign, write its results and say what was found."""
     from rollslip.cli import console
 
-    if told := requested.instead():
+    if told := requested.alternative_action():
         click.echo(told)
         return
     made = requested.plan()
     warn(getattr(made, "unusual", ()))
-    results.go_to(requested.place(made, about))
-    if not results.as_json and (before := getattr(made, "told", ())):
+    results.go_to(requested.folder_name(made, about))
+    if not results.as_json and (before := getattr(made, "messages", ())):
         click.echo("\n".join(before))
-    dataset, first = (_kept if requested.goes_on == "folder" else _whole)(requested, made, results)
+    dataset, first = (_kept if requested.resume_mode == "folder" else _whole)(
+        requested, made, results
+    )
     if results.as_json:
         print_json(_as_dict(requested, dataset) | results.as_dict())
     else:
         if first:
             click.echo(first)
-        console.print_found(dataset, "  " if requested.goes_on == "folder" else "")
+        console.print_found(dataset, "  " if requested.resume_mode == "folder" else "")
         results.tell(dataset)
-    left = requested.again(dataset, results.target)
+    left = requested.retry_hints(dataset, results.target)
     if left is not None:
         for line in left:
             click.echo(f"{line} {_by_itself(results)}", err=True)
@@ -147,7 +160,7 @@ def _as_dict(requested: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
     from rollslip.cli.units import with_units
     from rollslip.results.accounts import account_of
 
-    if isinstance(requested, OfScene) and requested.goes_on != "folder":
+    if isinstance(requested, OfScene) and requested.resume_mode != "folder":
         return console.result_as_dict(dataset)
     record = with_units(account_of(dataset).record(dataset), dataset)
     if not isinstance(requested, OfScene):
@@ -190,7 +203,7 @@ def _whole(requested: Campaign, made: Any, results: Results) -> "tuple[xr.Datase
     from rollslip.results.dataset import save
 
     name = requested.result or requested.name
-    kept = results.checkpoint_folder() if requested.goes_on == "resume" else None
+    kept = results.checkpoint_folder() if requested.resume_mode == "resume" else None
     told = interruptible(kept, results.go_on(_as_typed())) if kept is not None else nullcontext()
     with told, results.folder() as folder:
         with progress(requested.name, getattr(made, "seconds", float("nan"))) as show:

@@ -1,9 +1,9 @@
-"""What a campaign is, and which there are: a class of many runs that answer one question; its fields are its settings.
+"""The base class of campaigns: many runs that answer one question. The fields of a class are its settings.
 
-- Command, function ``rollslip.NAME``, their docs and the checks of what is asked for are all made of the fields.
-- Found through the entry points ``rollslip.campaign``, ours like a stranger's; command line and `rollslip` know none by
-  name. The module of such a class imports fields only, since ``rollslip --help`` imports it: what plans and runs is
-  imported when it does.
+- The command, the function ``rollslip.NAME``, their docs and the checks of values are made from the fields.
+- Campaigns are found through the entry points ``rollslip.campaign``, built-in and third-party ones alike; command line
+  and `rollslip` know none by name. The module of a class defines fields only, because ``rollslip --help`` imports it:
+  what plans and runs is imported when it does.
 """
 
 import abc
@@ -26,7 +26,7 @@ from rollslip.errors import PluginError, SceneError, describe_error, nearest
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip.scene.values import Scene
 
 __all__ = [
@@ -41,14 +41,14 @@ def setting(
     doc: str,
     *,
     default: object = None,
-    of: type = str,
+    value_type: type = str,
     metavar: str | None = None,
-    least: int | None = None,
-    many: bool = False,
-    shown: bool = False,
+    minimum: int | None = None,
+    repeatable: bool = False,
+    show_default: bool = False,
     argument: str = "",
-    first: bool = False,
-    more: str = "",
+    positional: bool = False,
+    details: str = "",
 ) -> Any:
     """Declare a field of a campaign: an option of its command, and an argument of its function.
 
@@ -57,64 +57,76 @@ def setting(
     doc : str
         What it is, in a sentence: the help of the option. Empty for one that has none, which commands share.
     default : object
-        Of both; `attrs.NOTHING` where it has to be given.
-    of : type
+        Of option and argument; `attrs.NOTHING` for a required one.
+    value_type : type
         What the option takes: str, int, float or Path.
     metavar : str, optional
-        How its help calls what it takes.
-    least : int, optional
-        The least value that is allowed.
-    many : bool
+        Name of the value in the help.
+    minimum : int, optional
+        The smallest value that is allowed.
+    repeatable : bool
         Whether the option may be repeated; the field is then given a tuple.
-    shown : bool
-        Whether its help tells the default.
+    show_default : bool
+        Whether the help has the default.
     argument : str
-        How usage calls it where it is an argument of the command, not an option: "DATA.csv".
-    first : bool
-        Whether the function takes it by its place too.
-    more : str
-        What the docs of the function say of it beyond `doc`.
+        Name in the usage, for an argument of the command and not an option: "DATA.csv".
+    positional : bool
+        Whether the function takes it by position, too.
+    details : str
+        Docs of the function's argument, in addition to `doc`.
     """
     about = {
-        "doc": doc, "of": of, "metavar": metavar, "least": least, "many": many, "shown": shown, "argument": argument,
-        "more": more,
-    }  # fmt: skip
-    return attrs.field(default=default, kw_only=not first, metadata=about)
+        "doc": doc,
+        "value_type": value_type,
+        "metavar": metavar,
+        "minimum": minimum,
+        "repeatable": repeatable,
+        "show_default": show_default,
+        "argument": argument,
+        "details": details,
+    }
+    return attrs.field(default=default, kw_only=not positional, metadata=about)
 
 
 @attrs.frozen(eq=False)
 class Campaign(abc.ABC):
-    """Many runs that answer one question; its fields, declared by `setting`, say which.
+    """Many runs that answer one question; its fields, declared by `setting`, are its settings.
 
-    The docstring of a class of this kind is the help of its command; from the section Returns on it is of its function,
-    which takes the fields as arguments.
+    The docstring of a campaign is the help of its command. Its section Returns is shown only for its function, which
+    takes the fields as arguments.
     """
 
-    #: Of its command, ``rollslip NAME``, and of its function, ``rollslip.NAME`` with ``_`` for a hyphen.
+    #: Name of its command, ``rollslip NAME``, and of its function, ``rollslip.NAME`` with ``_`` for a hyphen.
     name: ClassVar[str]
-    #: Its line of ``rollslip --help``, where that is not how the help of its command begins.
+    #: Its line of ``rollslip --help``, where that is not the first line of the help of its command.
     summary: ClassVar[str] = ""
     result: ClassVar[str] = (
-        ""  #: What its folder and its dataset, NAME.nc, are called; by default its name.
+        ""  #: Name of its folder and its dataset, NAME.nc; by default that of the campaign.
     )
-    #: How a command that was interrupted goes on: "" not at all, by itself, with its "folder", or by "resume".
-    goes_on: ClassVar[str] = ""
-    writes: ClassVar[str] = "data"  #: What it writes beside plots.
-    #: Where its command is, ``module:name``, if that is more than one that can be made of the fields.
+    #: How an interrupted command resumes: "" not at all, "folder" in its folder by itself, "resume" by that option.
+    resume_mode: ClassVar[str] = ""
+    writes: ClassVar[str] = "data"  #: What it writes besides plots.
+    #: Its command, as ``module:name``, if that is more than can be made from the fields.
     own_command: ClassVar[str] = ""
 
-    report: Callable[..., None] | None = attrs.field(  # by name alone: type checkers see that of no other function
-        kw_only=True, default=None,
-        metadata=setting("", more="Is called meanwhile with how far it is in words, the share that is done, and the "
-                         "time left [s].").metadata,
-    )  # fmt: skip
+    report: Callable[..., None] | None = (
+        attrs.field(  # by name alone: type checkers see that of no other function
+            kw_only=True,
+            default=None,
+            metadata=setting(
+                "",
+                details="Is called meanwhile with how far it is in words, the share that is done, and the "
+                "time left [s].",
+            ).metadata,
+        )
+    )
 
     def __attrs_post_init__(self) -> None:
         """Refuse values that no option would take, all of them at once."""
         faults = [
             fault
-            for one in options_of(type(self))
-            if (fault := _fault(one, getattr(self, one.name)))
+            for option in options_of(type(self))
+            if (fault := _fault(option, getattr(self, option.name)))
         ]
         if faults:
             raise SceneError(
@@ -123,44 +135,80 @@ class Campaign(abc.ABC):
 
     @abc.abstractmethod
     def plan(self) -> Any:
-        """Check what is asked for, and return what will run.
+        """Check the settings, and return what will run.
 
-        It may have ``told``, which the command prints before, line by line; ``unusual``, of which it warns; and
-        ``seconds``, how long it is estimated to take.
+        The plan may have attributes ``messages``, lines which the command prints before the run; ``unusual``, lines of
+        which it warns; and ``seconds``, the estimated time.
         """
 
     @abc.abstractmethod
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
-        """Compute what was planned; `folder` keeps what can be gone on with, `said` takes what is worth a line."""
+        """Compute what was planned.
 
-    def instead(self) -> str:
-        """Do what is asked for in place of the runs, and tell it; nothing where they are."""
+        Parameters
+        ----------
+        made : object
+            What `plan` returned.
+        folder : Path
+            Folder for checkpoints, with which an interrupted run resumes.
+        show : ProgressReporter
+            Shows the progress.
+        message : callable
+            Prints a line.
+        """
+
+    def alternative_action(self) -> str:
+        """Do something else in place of the runs, if an option requests it, and return its text; empty for the runs."""
         return ""
 
-    def place(self, made: Any, about: str) -> str:
-        """Return how the folder of the results is called where nobody says; `about` is what the command asks of."""
+    def folder_name(self, made: Any, about: str) -> str:
+        """Return the default name of the folder of the results.
+
+        Parameters
+        ----------
+        made : object
+            What `plan` returned.
+        about : str
+            First argument of the command: a scene or a file.
+        """
         return f"{Path(about).stem}-{self.result or self.name}"
 
     def write(self, dataset: "xr.Dataset", folder: Path) -> str:
-        """Write what stands in the folder of the results beside the dataset; return a line before what was found."""
+        """Write further files into the folder of the results; return a line to print before the findings.
+
+        Parameters
+        ----------
+        dataset : xarray.Dataset
+            The result.
+        folder : Path
+            Folder of the results.
+        """
         return ""
 
-    def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
-        """Return what to do about runs that failed, line by line; None where all have a result."""
+    def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
+        """Return lines on what to do about runs that failed; None if all runs have a result.
+
+        Parameters
+        ----------
+        dataset : xarray.Dataset
+            The result.
+        folder : Path
+            Folder of the results.
+        """
         return None
 
-    def answer(self) -> Any:
-        """Plan and run, as the function does; what can be gone on with is kept where ``out`` says."""
+    def execute(self) -> Any:
+        """Plan and run, as the function does; checkpoints are in the folder ``out``, if it is given."""
         from tempfile import TemporaryDirectory
 
         from rollslip.planning.progress import progress_in_notebook
 
         made = self.plan()
-        out = getattr(self, "out", None) if self.goes_on == "folder" else None
-        place = TemporaryDirectory() if out is None else nullcontext(out)
-        with place as folder, progress_in_notebook(self.name) as show:
+        out = getattr(self, "out", None) if self.resume_mode == "folder" else None
+        directory = TemporaryDirectory() if out is None else nullcontext(out)
+        with directory as folder, progress_in_notebook(self.name) as show:
             return self.run(made, Path(folder), self.report or show, lambda text: None)
 
 
@@ -172,12 +220,12 @@ class OfScene(Campaign):
         "",
         default=attrs.NOTHING,
         argument="SCENE",
-        first=True,
-        more="A scene, the name of a shipped one, or a file.",
+        positional=True,
+        details="A scene, the name of a shipped one, or a file.",
     )
 
     @property
-    def given(self) -> "Scene":
+    def base_scene(self) -> "Scene":
         """The scene, read."""
         from rollslip.scene.reading import as_scene
 
@@ -186,108 +234,132 @@ class OfScene(Campaign):
 
 @attrs.frozen(eq=False)
 class OfPoints(OfScene):
-    """Many points of one scene, computed by an engine, kept in a folder."""
+    """Many points of one scene, computed by an engine and stored in a folder."""
 
-    goes_on = "folder"
+    resume_mode = "folder"
 
     out: str | os.PathLike[str] | None = attrs.field(
-        kw_only=True, default=None,
-        metadata=setting("", more="Folder in which all is kept; a call with the same scene and options goes on with "
-                         "what it holds.").metadata,
-    )  # fmt: skip
+        kw_only=True,
+        default=None,
+        metadata=setting(
+            "",
+            details="Folder in which all is kept; a call with the same scene and options goes on with "
+            "what it holds.",
+        ).metadata,
+    )
     engine: object = attrs.field(
-        kw_only=True, default=None,
-        metadata=setting("", more="Engine, by name or as a table with its parameters; by default chosen.").metadata,
-    )  # fmt: skip
+        kw_only=True,
+        default=None,
+        metadata=setting(
+            "", details="Engine, by name or as a table with its parameters; by default chosen."
+        ).metadata,
+    )
     time_limit: float | str | None = attrs.field(
-        kw_only=True, default=None,
-        metadata=setting("", more='Longest time for one point [s], or with a unit: "60 s".').metadata,
-    )  # fmt: skip
+        kw_only=True,
+        default=None,
+        metadata=setting(
+            "", details='Longest time for one point [s], or with a unit: "60 s".'
+        ).metadata,
+    )
 
 
 def listed(given: str | Iterable[Any]) -> list[Any]:
-    """Return names that are given one by one or with commas between, without blanks; what is no text stays."""
-    found = [given] if isinstance(given, str) else given
-    parted = [one.split(",") if isinstance(one, str) else [one] for one in found]
-    return [
-        one.strip() if isinstance(one, str) else one
-        for some in parted
-        for one in some
-        if one not in ("", " ")
-    ]
+    """Return names that are given as a list or as a text with commas, without blanks; other values stay as they are."""
+    names = list[Any]()
+    for item in [given] if isinstance(given, str) else given:
+        if not isinstance(item, str):
+            names.append(item)
+            continue
+        names += [part.strip() for part in item.split(",") if part not in ("", " ")]
+    return names
 
 
-# What is made of the fields -------------------------------------------------------------------------------------------
+# Options, arguments and functions -------------------------------------------------------------------------------------
 
 
 def options_of(cls: type[Campaign], *, arguments: bool = False) -> "list[attrs.Attribute[Any]]":
-    """Return the fields that are options of the command, or those that are its arguments."""
-    known = [one for one in attrs.fields(cls) if "doc" in one.metadata]
+    """Return the fields that are options of the command.
+
+    Parameters
+    ----------
+    cls : type of Campaign
+        The campaign.
+    arguments : bool
+        Whether to return those that are arguments of the command, instead.
+    """
+    fields = [field for field in attrs.fields(cls) if "doc" in field.metadata]
     if arguments:
-        return [one for one in known if one.metadata["argument"]]
-    return [one for one in known if one.metadata["doc"] and not one.metadata["argument"]]
+        return [field for field in fields if field.metadata["argument"]]
+    return [field for field in fields if field.metadata["doc"] and not field.metadata["argument"]]
 
 
-def _fault(one: "attrs.Attribute[Any]", value: Any) -> str:
-    """Say what is wrong with a number or a text; nothing where it is right, or left out."""
-    of = one.metadata["of"]
-    least = one.metadata["least"]
-    if (value is None and one.default is None) or not (
-        one.type in (str, str | None) or of in (int, float)
-    ):
+def _fault(option: "attrs.Attribute[Any]", value: Any) -> str:
+    """Return what is wrong with the value of an option; empty if nothing is wrong, or the option is left out."""
+    value_type = option.metadata["value_type"]
+    minimum = option.metadata["minimum"]
+    if value is None and option.default is None:
         return ""
-    right = isinstance(value, {int: Integral, float: Real}.get(of, str)) and not isinstance(
-        value, bool
-    )
-    if right and (least is None or value >= least):
+    if option.type not in (str, str | None) and value_type not in (int, float):
         return ""
-    wanted = {int: "a whole number", float: "a number"}.get(of, "a text")
-    return f"{one.name}: {wanted}{'' if least is None else f', {least} or more,'} is expected, not {value!r}"
+    expected = {int: Integral, float: Real}.get(value_type, str)
+    is_right = isinstance(value, expected) and not isinstance(value, bool)
+    if is_right and (minimum is None or value >= minimum):
+        return ""
+    kind = {int: "a whole number", float: "a number"}.get(value_type, "a text")
+    limit = "" if minimum is None else f", {minimum} or more,"
+    return f"{option.name}: {kind}{limit} is expected, not {value!r}"
 
 
 def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
     """Return the function of a campaign: its arguments are the fields of the class, with their types and docs."""
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip.scene.values import Scene
 
     def function(*args: P.args, **settings: P.kwargs) -> Any:
-        for name in settings.keys() - {one.name for one in taken}:
-            near = [
-                f"did you mean {one}?" for one in nearest(name, requested.parameters, 1, cutoff=0.5)
-            ]
-            told = " ".join([*near, f"there are {', '.join(one.name for one in taken)}"])
-            raise SceneError([f"{function.__name__}: there is no argument {name}; {told}"])
-        return cls(*args, **settings).answer()
+        for name in settings.keys() - signature.parameters.keys():
+            raise SceneError([_describe_unknown(function.__name__, name, parameters)])
+        return cls(*args, **settings).execute()
 
     assert isinstance(cls, type)
     assert issubclass(cls, Campaign)
-    known = {"Scene": Scene, "xr": xr, "Shown": Shown}
-    returns = typing.get_type_hints(cls.run, None, known).get("return", xr.Dataset)
-    hints = typing.get_type_hints(cls, None, known) | {"return": returns}
-    requested = inspect.signature(cls)
-    taken = [one.replace(annotation=hints[name]) for name, one in requested.parameters.items()]
-    others = {
-        one.name
+    types = {"Scene": Scene, "xr": xr, "ProgressReporter": ProgressReporter}
+    returns = typing.get_type_hints(cls.run, None, types).get("return", xr.Dataset)
+    hints = typing.get_type_hints(cls, None, types) | {"return": returns}
+    signature = inspect.signature(cls)
+    parameters = [
+        parameter.replace(annotation=hints[name])
+        for name, parameter in signature.parameters.items()
+    ]
+    inherited = {
+        field.name
         for base in cls.__bases__
         if attrs.has(base)
-        for one in attrs.fields(base)
-        if one.kw_only
+        for field in attrs.fields(base)
+        if field.kw_only
     }
-    taken.sort(key=lambda one: (one.kind, one.name in others))  # its own first
-    function.__signature__ = requested.replace(parameters=taken, return_annotation=returns)  # type: ignore[attr-defined]
-    function.__annotations__ = {
-        name: hints[name] for name in (*(one.name for one in taken), "return")
-    }
+    # its own parameters first
+    parameters.sort(key=lambda parameter: (parameter.kind, parameter.name in inherited))
+    function.__signature__ = signature.replace(parameters=parameters, return_annotation=returns)  # type: ignore[attr-defined]
+    names = (*(parameter.name for parameter in parameters), "return")
+    function.__annotations__ = {name: hints[name] for name in names}
     function.__name__ = function.__qualname__ = cls.name.replace("-", "_")
     function.__module__ = "rollslip"
-    function.__doc__ = _docs(cls, taken)
+    function.__doc__ = _docs(cls, parameters)
     return function
 
 
+def _describe_unknown(function: str, name: str, parameters: Sequence[inspect.Parameter]) -> str:
+    """Say that a function has no argument of a name, what is similar, and which it has."""
+    known = [parameter.name for parameter in parameters]
+    near = [f"did you mean {similar}?" for similar in nearest(name, known, 1, cutoff=0.5)]
+    hint = " ".join([*near, f"there are {', '.join(known)}"])
+    return f"{function}: there is no argument {name}; {hint}"
+
+
 def own_command(cls: type[Campaign]) -> Any:
-    """Return the command that a campaign brings itself."""
+    """Return the command of a campaign that defines one itself."""
     try:
         return pkgutil.resolve_name(cls.own_command)
     except (Exception, SystemExit) as error:
@@ -296,25 +368,27 @@ def own_command(cls: type[Campaign]) -> Any:
 
 
 def help_of(cls: type[Campaign]) -> str:
-    """Return what the help of the command says, without the sections that are of the function."""
+    """Return the help of the command: the docstring without the section on what the function returns."""
     return (inspect.getdoc(cls) or "").partition("\n\nReturns\n---")[0]
 
 
-def _docs(cls: type[Campaign], taken: Sequence[inspect.Parameter]) -> str:
+def _docs(cls: type[Campaign], parameters: Sequence[inspect.Parameter]) -> str:
     """Return the docs of the function: those of the class, with its fields as parameters."""
-    text, behind, returns = (inspect.getdoc(cls) or "").partition("\n\nReturns\n---")
+    text, heading, returns = (inspect.getdoc(cls) or "").partition("\n\nReturns\n---")
     fields = attrs.fields_dict(cls)
     lines = list[str]()
-    for one in taken:
-        said = fields[one.name].metadata
-        kind = inspect.formatannotation(one.annotation)
-        lines.append(f"{one.name} : {kind}{'' if one.default is one.empty else ', optional'}")
-        lines += [f"    {line}" for line in filter(None, (said["doc"], said["more"]))]
-    parameters = "\n".join(["Parameters", "----------", *lines])
-    return f"{text.replace('SCENE', 'a scene').replace('DATA', 'data')}\n\n{parameters}{behind}{returns}"
+    for parameter in parameters:
+        metadata = fields[parameter.name].metadata
+        kind = inspect.formatannotation(parameter.annotation)
+        optional = "" if parameter.default is parameter.empty else ", optional"
+        lines.append(f"{parameter.name} : {kind}{optional}")
+        lines += [f"    {line}" for line in filter(None, (metadata["doc"], metadata["details"]))]
+    section = "\n".join(["Parameters", "----------", *lines])
+    text = text.replace("SCENE", "a scene").replace("DATA", "data")
+    return f"{text}\n\n{section}{heading}{returns}"
 
 
-# Which there are ------------------------------------------------------------------------------------------------------
+# Registered campaigns -------------------------------------------------------------------------------------------------
 
 
 def campaigns() -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from rollslip.errors import RollslipError
 from rollslip.planning.lines import how_finely
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.progress import Shown, in_notebook, progress_in_notebook
+from rollslip.planning.progress import ProgressReporter, in_notebook, progress_in_notebook
 from rollslip.planning.provenance import models_origin, run_origin
 from rollslip.planning.verification import accuracy_rows, error_warnings
 from rollslip.results.accounts import answer
@@ -115,7 +115,7 @@ def execute(
     study: str,
     *,
     kept: Path | None = None,
-    progress: Shown | None = None,
+    progress: ProgressReporter | None = None,
     fixed_resolution: bool = False,
 ) -> "xr.Dataset":
     """Return the result of one study of a plan, with all that its answer rests on but bands: see `compute`."""
@@ -129,7 +129,7 @@ def compute(
     study: str,
     *,
     kept: Path | None = None,
-    progress: Shown | None = None,
+    progress: ProgressReporter | None = None,
     fixed_resolution: bool = False,
 ) -> Executed:
     """Return the result of one study of a plan, with nothing that only a reader of its answer needs.
@@ -184,7 +184,11 @@ def compute(
 
 
 def _run(
-    plan: Plan, study: str, kept: Path | None, progress: Shown | None, reinstated: list[str]
+    plan: Plan,
+    study: str,
+    kept: Path | None,
+    progress: ProgressReporter | None,
+    reinstated: list[str],
 ) -> "tuple[Plan, xr.Dataset, int]":
     """Return a plan, its result, and how many slices were evaluated for it; what is needed after all is taken back."""
     running = plan.studies[study]
@@ -234,7 +238,9 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     try:
         contacts = running.validity_slices(assembly, dataset)
         outside, off = validity.check_validity(contacts, assembly, plan.assembly.traction)
-        said = validity.validity_messages(outside, off, running.validity_state, tolerance=accuracy.tolerance)
+        said = validity.validity_messages(
+            outside, off, running.validity_state, tolerance=accuracy.tolerance
+        )
         found = validity.warning_texts(said, accuracy.tolerance)
     except RollslipError as refusal:  # what was computed stands
         outside = []

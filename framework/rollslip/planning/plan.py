@@ -329,7 +329,10 @@ def _known_better(study: Study, chosen: Mapping[str, Study]) -> frozenset[str]:
     """Single values that a study of the cage tells by these or other names: one question has one answer."""
     caged = [one for one in chosen.values() if one.with_cage and not study.with_cage]
     told = {
-        name for one in caged for own, output in one.outputs.items() for name in (own, *output.aliases)
+        name
+        for one in caged
+        for own, output in one.outputs.items()
+        for name in (own, *output.aliases)
     }
     same = {
         name: output for name, output in study.outputs.items() if not output.dims and name in told

@@ -1,4 +1,4 @@
-"""How far something is, and the time left: shown in notebooks by Python's functions, by the commands on a terminal."""
+"""Progress and remaining time: shown in notebooks by the functions, and on a terminal by the commands."""
 
 import importlib
 import math
@@ -7,51 +7,73 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from html import escape
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from rollslip.results.words import duration
 
-__all__ = ["Shown", "Watch", "in_notebook", "progress_in_notebook", "time_left"]
+__all__ = ["ProgressReporter", "ProgressTimer", "in_notebook", "progress_in_notebook", "time_left"]
+
+#: Fraction from which the time left is extrapolated from the time that has elapsed. Chosen; with a smaller one the
+#: slow start of a computation would count for all of it.
+_MIN_FRACTION: Final = 0.01
 
 
-class Shown(Protocol):
-    """Shows how far something is: in words, the share that is done, and the time left [s] where it is known."""
+class ProgressReporter(Protocol):
+    """Shows progress: a text, the fraction that is done, and the time left [s] where it is known."""
 
     def __call__(self, text: str, fraction: float = math.nan, left: float = math.nan) -> None:
-        """Show it."""
+        """Show the progress; NaN where a number is not known."""
         ...
 
 
 def time_left(elapsed: float, since: float, fraction: float, left: float, seconds: float) -> float:
-    """Return the time left [s]; NaN where nothing is known of it."""
-    if math.isnan(left) and fraction > 0.01:
+    """Return the time left [s]; NaN where it is not known.
+
+    Parameters
+    ----------
+    elapsed : float
+        Time since the start [s].
+    since : float
+        Time since the last update [s].
+    fraction : float
+        Fraction that was done at the last update; NaN where it is not known.
+    left : float
+        Time left at the last update [s]; NaN where it is not known.
+    seconds : float
+        Estimated time of all [s].
+    """
+    if math.isnan(left) and fraction > _MIN_FRACTION:
         left = (elapsed - since) * (1.0 - fraction) / fraction
     if not math.isnan(left):
         return max(left - since, 0.0)
     return seconds - elapsed if seconds > elapsed else math.nan
 
 
-class Watch:
-    """The time since something began, and what was last told of it; all of it was estimated to take some seconds."""
+class ProgressTimer:
+    """The time since a start, and the last update of the progress."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
-        self.begin = time.monotonic()
-        self.at = self.begin
+        self.start = time.monotonic()
+        self.updated = self.start
         self._fraction = math.nan
         self._left = math.nan
 
-    def tell(self, fraction: float, left: float) -> None:
-        """Take the share that is done, and the time left [s] where it is known."""
-        self.at = time.monotonic()
+    def update(self, fraction: float, left: float) -> None:
+        """Store the fraction that is done, and the time left [s] where it is known."""
+        self.updated = time.monotonic()
         self._fraction = fraction
         self._left = left
 
     def format_time_left(self) -> str:
-        """Return the time left in words; nothing where it is not known."""
+        """Return the time left as text; empty where it is not known."""
         now = time.monotonic()
-        left = time_left(now - self.begin, now - self.at, self._fraction, self._left, self._seconds)
-        return "" if math.isnan(left) else f"{duration(left)} left" if left >= 1.0 else "soon done"
+        left = time_left(
+            now - self.start, now - self.updated, self._fraction, self._left, self._seconds
+        )
+        if math.isnan(left):
+            return ""
+        return f"{duration(left)} left" if left >= 1.0 else "soon done"
 
 
 def in_notebook() -> bool:
@@ -62,25 +84,30 @@ def in_notebook() -> bool:
 @contextmanager
 def progress_in_notebook(
     what: str, seconds: Callable[[], float] = lambda: math.nan
-) -> Iterator[Shown]:
-    """Show in a notebook how far something is, and nothing elsewhere; what is shown vanishes at the end.
+) -> Iterator[ProgressReporter]:
+    """Show progress in a notebook until the end of the context; elsewhere nothing is shown.
 
-    Its estimated time [s] is a function, since an estimate takes time that nothing but a notebook needs.
+    Parameters
+    ----------
+    what : str
+        What is computed.
+    seconds : callable
+        Returns the estimated time [s]; it is called in notebooks only, because an estimate takes time.
     """
     if not in_notebook():
         yield lambda text, fraction=math.nan, left=math.nan: None
         return
     page: Any = importlib.import_module("IPython.display")
-    watch = Watch(seconds())
-    place = page.display(page.HTML(escape(what)), display_id=True)
+    timer = ProgressTimer(seconds())
+    display = page.display(page.HTML(escape(what)), display_id=True)
 
     def show(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
-        watch.tell(fraction, left)
+        timer.update(fraction, left)
         bar = "" if math.isnan(fraction) else f'<progress value="{fraction:.3f}"></progress> '
-        told = ", ".join(filter(None, (f"{what}: {text}", watch.format_time_left())))
-        place.update(page.HTML(bar + escape(told)))
+        description = ", ".join(filter(None, (f"{what}: {text}", timer.format_time_left())))
+        display.update(page.HTML(bar + escape(description)))
 
     try:
         yield show
     finally:
-        place.update(page.HTML(""))
+        display.update(page.HTML(""))

@@ -8,7 +8,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.errors import RollslipError
-from rollslip.scene.rings import yielding
+from rollslip.scene.rings import ring_flexibility
 from rollslip.studies.answers import Errors, Part, ResolutionChoice
 
 
@@ -168,7 +168,7 @@ def rings(assembly: Assembly) -> Part:
     effect = ""
     stated = {} if both is None else both.yielding
     with contextlib.suppress(RollslipError):  # no plugin, or no room for a ring
-        bare, seated = yielding(scene.bearing, scene.operation.radial_load, stated=stated)
+        bare, seated = ring_flexibility(scene.bearing, scene.operation.radial_load, stated=stated)
         effect = (
             f"rings that yield count for about {100 * seated.change:.2g} % of the loads of rollers"
         )

@@ -1,4 +1,4 @@
-"""Effective friction, loads and the slip of running away over a grid, to look at by moving sliders."""
+"""Campaign ``explore``: a page with sliders that shows effective friction, loads and the skidding slip over a grid."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -9,22 +9,23 @@ import attrs
 from rollslip.planning.campaign import OfPoints, setting
 
 if TYPE_CHECKING:
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.explorer.grid import Explorer
 
 
 @attrs.frozen(eq=False)
 class ExplorerSettings(OfPoints):
-    """Write a page in which load, speed, temperature, clearance and models of SCENE move by sliders.
+    """Write a page with sliders for load, speed, temperature, clearance and models of SCENE.
 
-    Effective friction, loads and the slip of running away follow. They are computed beforehand on a grid; the page
-    says how far it is off between the nodes. It needs the extra [explorer].
+    It shows effective friction, loads and the slip at which skidding begins, which are interpolated on a grid of
+    computed points, and the error of the interpolation. It needs the extra [explorer].
 
     Returns
     -------
     dict
-        ``points``; ``told``, which says the errors in words; and ``errors``: for each result the median and the largest
-        error at the random places, at how many of them it is known, and at how many on one side only.
+        ``points``, the number of points; ``messages``, sentences on the errors; ``errors``: for each result the median
+        and the largest error at random points, and the numbers of points at which both interpolation and run have a
+        value ("known") and at which only one of them has ("mistaken").
 
     Raises
     ------
@@ -37,7 +38,7 @@ class ExplorerSettings(OfPoints):
     """
 
     name = "explore"
-    goes_on = ""
+    resume_mode = ""
     own_command = "rollslip_campaigns.explorer.command:explore"
 
     over: Mapping[str, object] | Sequence[str] | str = setting(
@@ -45,30 +46,31 @@ class ExplorerSettings(OfPoints):
         "clearance and the law of traction.",
         default=(),
         metavar="KEY=VALUES",
-        many=True,
-        first=True,
-        more='A mapping of keys to "LOW:HIGH" or "LOW:HIGH:NODES", or to lists of models.',
+        repeatable=True,
+        positional=True,
+        details='A mapping of keys to "LOW:HIGH" or "LOW:HIGH:NODES", or to lists of models.',
     )
     checks: int = setting(
         "Random places at which it is checked against runs, for each combination of models.",
-        of=int,
+        value_type=int,
         default=24,
-        least=0,
+        minimum=0,
         metavar="N",
-        shown=True,
+        show_default=True,
     )
     out: Any = setting(
-        "", more="The file, of which an older one is replaced; by default SCENE-explorer.html here."
+        "",
+        details="The file, of which an older one is replaced; by default SCENE-explorer.html here.",
     )
 
     def plan(self) -> "Explorer":
-        """Return what it computes."""
+        """Check the settings and plan the grid."""
         from rollslip_campaigns.explorer.definition import plan_explorer
 
         return plan_explorer(self)
 
     def run(  # type: ignore[override]
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> dict[str, Any]:
         """Compute the grid in a folder and write the page."""
         from rollslip_campaigns.explorer.explorer import run_explorer
@@ -77,9 +79,9 @@ class ExplorerSettings(OfPoints):
 
     @property
     def page(self) -> Path:
-        """The file."""
+        """Path of the page."""
         return (
             Path(self.out)
             if self.out is not None
-            else Path(f"{Path(self.given.source).stem}-explorer.html")
+            else Path(f"{Path(self.base_scene.source).stem}-explorer.html")
         )

@@ -1,4 +1,4 @@
-"""The command `rollslip explore`."""
+"""The command ``rollslip explore``."""
 
 import shlex
 from pathlib import Path
@@ -35,17 +35,17 @@ def _explore(
         raise OutputError(
             f"{target}: is no page of rollslip, so it is not replaced; name another --out"
         )
-    library()  # refused before anything is told
+    library()  # a missing library is reported before anything else
     requested = attrs.evolve(requested, out=target)
     planned = requested.plan()
     if not as_json:
-        click.echo("\n".join(planned.told))
+        click.echo("\n".join(planned.messages))
     with progress("explore") as show, TemporaryDirectory() as folder:
         found = requested.run(planned, Path(folder), show, lambda text: None)
     if as_json:
         print_json({"scene": about, "file": str(target), **with_units(found)})
         return
-    for line in found["told"]:
+    for line in found["messages"]:
         click.echo(f"  {line}")
     click.echo(f"written to {shlex.quote(str(target))}")
 

@@ -1,4 +1,4 @@
-"""What an explorer is made of: what sliders move, which models can be chosen, and at how many points it is computed."""
+"""Plan an explorer: the quantities with sliders, the models to choose from, and the number of points."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
@@ -9,7 +9,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import SceneError
 from rollslip.results.words import short_label
-from rollslip.scene.changes import Quantity, unknown
+from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, shown_unit
 from rollslip_campaigns.explorer.grid import Dial, Explorer
@@ -22,39 +22,47 @@ if TYPE_CHECKING:
 
 __all__ = ["plan_explorer"]
 
-#: What moves if nobody says what: key -> how far to both sides of the scene's value, and nodes, of which that value is
-#: one. Loads and speeds in shares of the value, temperatures in degrees, clearances in diameters of the inner raceway.
-_DIALS: Final[Mapping[str, tuple[float, int]]] = {
+#: Quantities that have sliders by default: key -> half of the range, and number of nodes, of which the value of the
+#: scene is one. Half ranges of loads and speeds are fractions of the value, of temperatures kelvin, of clearances
+#: fractions of the diameter of the inner raceway. Chosen: 5 x 3 x 3 x 5 nodes are 225 points for each combination of
+#: models.
+_DEFAULT_RANGES: Final[Mapping[str, tuple[float, int]]] = {
     "operation.radial_load": (0.5, 5),
     "operation.inner_speed": (0.3, 3),
     "operation.temperature": (15.0, 3),
     "bearing.radial_clearance": (2e-4, 5),
 }
-#: Ratio of the ends beyond which a quantity is taken by its logarithm.
-_FACTOR: Final = 3.0
-_NODES: Final = 4
-_MOST: Final = 20_000
+#: Ratio of the bounds above which a quantity is interpolated over its logarithm. Chosen, as for searches
+#: (`rollslip_campaigns.limit.limit`).
+_LOGARITHMIC_RATIO: Final = 3.0
+#: Default number of nodes of a range. Twice as many make the error of interpolation far smaller, and the number of
+#: points twice as large for each quantity. Chosen: a cubic polynomial.
+_DEFAULT_NODES: Final = 4
+#: Maximum number of points of an explorer. More make a page that browsers load slowly. Chosen.
+_MAX_POINTS: Final = 20_000
 
 
 def plan_explorer(requested: "ExplorerSettings") -> Explorer:
-    """Return what an explorer computes."""
-    given = requested.given
+    """Check the settings of an explorer and return its plan; wrong settings raise SceneError with all faults."""
+    given = requested.base_scene
     over = read_overs(requested.over)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     known = quantities(assemble(base), settings(base, EffectiveFriction.name))
-    wanted: dict[str, object] = over or _defaults(known)
+    varied: dict[str, object] = over or _defaults(known)
     dials = list[Dial]()
     choices = dict[str, tuple[str, ...]]()
     problems = list[str]()
-    for key, value in wanted.items():
+    for key, value in varied.items():
         if key not in known:
-            problems.append(f"{key}: {unknown(key, known)}")
+            problems.append(f"{key}: {describe_unknown_key(key, known)}")
         elif known[key].unit is None:
             names = tuple(map(str, value)) if isinstance(value, list | tuple) else (str(value),)
             choices[key] = names
         else:
             try:
-                dials.append(_dial(known[key], value if isinstance(value, str) else str(value)))
+                dials.append(
+                    _read_dial(known[key], value if isinstance(value, str) else str(value))
+                )
             except (UnitError, ValueError) as error:
                 problems.append(f"{key}: {error}")
     if not dials and not problems:
@@ -62,9 +70,9 @@ def plan_explorer(requested: "ExplorerSettings") -> Explorer:
             "nothing to move by a slider; name a quantity, such as operation.radial_load='1 kN:5 kN'"
         )
     planned = Explorer(base, tuple(dials), choices, requested.checks)
-    if not problems and planned.size > _MOST:
+    if not problems and planned.size > _MAX_POINTS:
         problems.append(
-            f"{planned.size} points are more than {_MOST}; take fewer quantities, nodes or models"
+            f"{planned.size} points are more than {_MAX_POINTS}; take fewer quantities, nodes or models"
         )
     if problems:
         raise SceneError(problems)
@@ -72,31 +80,35 @@ def plan_explorer(requested: "ExplorerSettings") -> Explorer:
 
 
 def _defaults(known: Mapping[str, Quantity]) -> dict[str, object]:
-    found: dict[str, object] = {}
+    """Default ranges of quantities, and the model of traction with the one that solves it, if there is one."""
+    defaults: dict[str, object] = {}
     diameter = known["bearing.inner_raceway_diameter"].value
-    for key, (far, count) in _DIALS.items():
-        now = known[key].value if key in known else None
-        if not isinstance(now, float):
+    for key, (half_width, count) in _DEFAULT_RANGES.items():
+        scene_value = known[key].value if key in known else None
+        if not isinstance(scene_value, float):
             continue
-        unit = {"K": 1.0, "m": diameter}.get(str(known[key].unit), abs(now))
+        unit = {"K": 1.0, "m": diameter}.get(str(known[key].unit), abs(scene_value))
         if isinstance(unit, float) and unit > 0.0:
-            low = now - far * unit
-            low = low if now < 0.0 or low > 0.0 else min(now, 0.0)  # no clearance of another sign
-            found[key] = f"{low!r}:{now + far * unit!r}:{count}"
-    for key, one in known.items():
-        if one.model == "traction" and (solves := get_class("traction", str(one.value)).solved_by):
-            found[key] = [str(one.value), solves]
-    return found
+            low = scene_value - half_width * unit
+            # a clearance keeps its sign
+            low = low if scene_value < 0.0 or low > 0.0 else min(scene_value, 0.0)
+            defaults[key] = f"{low!r}:{scene_value + half_width * unit!r}:{count}"
+    for key, quantity in known.items():
+        if quantity.model == "traction" and (
+            solves := get_class("traction", str(quantity.value)).solved_by
+        ):
+            defaults[key] = [str(quantity.value), solves]
+    return defaults
 
 
-def _dial(quantity: Quantity, text: str) -> Dial:
+def _read_dial(quantity: Quantity, text: str) -> Dial:
     parts = [part.strip() for part in text.split(":")]
     if len(parts) not in (2, 3) or not all(parts):
         raise ValueError(f"{text!r} is no range; write LOW:HIGH or LOW:HIGH:NODES, with units")
     count = (
         int(parts[2])
         if len(parts) == 3 and parts[2].isdecimal()
-        else _NODES
+        else _DEFAULT_NODES
         if len(parts) == 2
         else 0
     )
@@ -107,9 +119,9 @@ def _dial(quantity: Quantity, text: str) -> Dial:
     low, high = evenly(parts[0], parts[1], 2, unit)
     if not low < high:
         raise ValueError(f"{text!r}: the first end must be below the second")
-    for end in (low, high):
-        quantity.read(end)
-    now = quantity.value if isinstance(quantity.value, float) else 0.5 * (low + high)
+    for bound in (low, high):
+        quantity.read(bound)
+    scene_value = quantity.value if isinstance(quantity.value, float) else 0.5 * (low + high)
     return Dial(
         key=quantity.key,
         name=short_label(quantity.key),
@@ -117,7 +129,7 @@ def _dial(quantity: Quantity, text: str) -> Dial:
         shown=shown_unit(max(abs(low), abs(high)), unit),
         low=low,
         high=high,
-        start=min(max(now, low), high),
+        start=min(max(scene_value, low), high),
         count=count,
-        logarithmic=low > 0.0 and high > _FACTOR * low and unit != "K",
+        logarithmic=low > 0.0 and high > _LOGARITHMIC_RATIO * low and unit != "K",
     )

@@ -1,4 +1,4 @@
-"""Computes an explorer: a sweep over the nodes of its grid, and one at random places that tells how far off it is."""
+"""Compute an explorer: a sweep over the nodes of its grid, and one at random points that measures its error."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -8,7 +8,7 @@ import numpy as np
 
 from rollslip.errors import ConvergenceError
 from rollslip.search import Array
-from rollslip_campaigns.explorer.grid import Explorer, between
+from rollslip_campaigns.explorer.grid import Explorer, interpolate
 from rollslip_campaigns.explorer.page import GROUPS, Results, library, write_page
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.sweep import plan_sweep
@@ -17,32 +17,55 @@ from rollslip_studies.effective_friction.study import EffectiveFriction
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.explorer import ExplorerSettings
 
 __all__ = ["run_explorer"]
 
 
 def run_explorer(
-    planned: Explorer, requested: "ExplorerSettings", folder: Path, show: "Shown"
+    planned: Explorer, requested: "ExplorerSettings", folder: Path, show: "ProgressReporter"
 ) -> dict[str, Any]:
-    """Compute the points in a folder, interpolate, measure how far that is off at random places, and write the page."""
-    library()  # refused before anything is computed
+    """Compute the points, measure the error of the interpolation at random points, and write the page.
+
+    Parameters
+    ----------
+    planned : Explorer
+        The plan.
+    requested : ExplorerSettings
+        The settings, with engine, time limit and path of the page.
+    folder : Path
+        Folder of the sweeps.
+    show : ProgressReporter
+        Takes the progress: text, fraction of the points that are done, and time left [s].
+
+    Returns
+    -------
+    dict
+        As described in `rollslip_campaigns.explorer.ExplorerSettings`.
+    """
+    library()  # a missing library is reported before points are computed
     keys = [dial.key for dial in planned.dials]
 
-    def swept(of: str, over: Mapping[str, object], **options: Any) -> "xr.Dataset":
-        how = {"engine": requested.engine, "time_limit": requested.time_limit, **options}
-        made = plan_sweep(
-            planned.scene, over, study=EffectiveFriction.name, output=[*GROUPS, "angle"], **how
+    def compute_sweep(folder_name: str, over: Mapping[str, object], **options: Any) -> "xr.Dataset":
+        sweep_options = {"engine": requested.engine, "time_limit": requested.time_limit, **options}
+        sweep = plan_sweep(
+            planned.scene,
+            over,
+            study=EffectiveFriction.name,
+            output=[*GROUPS, "angle"],
+            **sweep_options,
         )
-        points = Points.in_folder(made, folder / of, lambda text: None, lambda now: show(*now.summary))
+        points = Points.in_folder(
+            sweep, folder / folder_name, lambda text: None, lambda now: show(*now.summary)
+        )
         points.compute()
-        found = _whole(points.collect())
-        return found.rename({name: key for key, name in made.names.items()})
+        dataset = _check_complete(points.collect())
+        return dataset.rename({name: key for key, name in sweep.names.items()})
 
     choices: dict[str, object] = {key: list(names) for key, names in planned.choices.items()}
     nodes = {dial.key: dial.nodes.tolist() for dial in planned.dials}
-    grid = swept("nodes", choices | nodes)
+    grid = compute_sweep("nodes", choices | nodes)
     order = [*choices, *keys]
     slip = grid["cage_slip"].to_numpy() if "cage_slip" in grid.coords else None
     if slip is None:
@@ -57,46 +80,49 @@ def run_explorer(
             dial.key: f"{dial.low!r}:{dial.high!r}{':log' * dial.logarithmic}"
             for dial in planned.dials
         }
-        random = swept(
+        random_points = compute_sweep(
             "places", choices | ranges, samples=planned.checks, seed=1, sampling="latin-hypercube"
         )
-        _, true = _table(random, [*choices, "sample"])
-        true = true.reshape(table.shape[0], planned.checks, -1)
-        places = np.stack([random[key].to_numpy() for key in keys], axis=-1)
-        guessed = np.array(
-            [[between(planned.dials, one, place) for place in places] for one in table]
+        _, exact = _table(random_points, [*choices, "sample"])
+        exact = exact.reshape(table.shape[0], planned.checks, -1)
+        positions = np.stack([random_points[key].to_numpy() for key in keys], axis=-1)
+        interpolated = np.array(
+            [
+                [interpolate(planned.dials, combination, position) for position in positions]
+                for combination in table
+            ]
         )
-        errors = _errors(layout, guessed, true)
+        errors = _errors(layout, interpolated, exact)
     angle = grid["angle"].to_numpy().reshape(-1, grid.sizes["roller"])[0]
     write_page(requested.page, planned, Results(slip, angle, layout, table, errors), grid)
-    told = [
-        f"{GROUPS[name]}: off by {100.0 * one['median']:.2g} % in the middle of the random places, by "
-        f"{100.0 * one['largest']:.2g} % at most"
-        for name, one in errors.items()
-        if one["known"]
+    messages = [
+        f"{GROUPS[name]}: off by {100.0 * combination['median']:.2g} % in the middle of the random places, by "
+        f"{100.0 * combination['largest']:.2g} % at most"
+        for name, combination in errors.items()
+        if combination["known"]
     ]
-    return {"points": planned.size, "told": told, "errors": errors}
+    return {"points": planned.size, "messages": messages, "errors": errors}
 
 
-def _whole(found: "xr.Dataset") -> "xr.Dataset":
-    """Return a sweep if it has all its points."""
-    status = found["status"].to_numpy().ravel()
-    if (lost := np.flatnonzero(status != "ok")).size:
-        message = found["message"].to_numpy().ravel()[lost[0]]
+def _check_complete(dataset: "xr.Dataset") -> "xr.Dataset":
+    """Return the dataset of a sweep; ConvergenceError if a point failed."""
+    status = dataset["status"].to_numpy().ravel()
+    if (failed := np.flatnonzero(status != "ok")).size:
+        message = dataset["message"].to_numpy().ravel()[failed[0]]
         raise ConvergenceError(
-            f"{lost.size} of {status.size} points failed, the first: {message}; narrow the ranges"
+            f"{failed.size} of {status.size} points failed, the first: {message}; narrow the ranges"
         )
-    return found
+    return dataset
 
 
-def _table(found: "xr.Dataset", order: Sequence[str]) -> tuple[dict[str, tuple[int, int]], Array]:
-    """Return where each result stands in a row, and the rows, one for each point in the order of the dimensions."""
+def _table(dataset: "xr.Dataset", order: Sequence[str]) -> tuple[dict[str, tuple[int, int]], Array]:
+    """Columns of each result, (start, end), and the table with a row for each point in the order of the dimensions."""
     layout = dict[str, tuple[int, int]]()
     columns = list[Array]()
     width = 0
-    points = int(np.prod([found.sizes[name] for name in order], dtype=int))
+    points = int(np.prod([dataset.sizes[name] for name in order], dtype=int))
     for name in GROUPS:
-        values = found[name].transpose(*order, ...).to_numpy().reshape(points, -1)
+        values = dataset[name].transpose(*order, ...).to_numpy().reshape(points, -1)
         layout[name] = (width, width + values.shape[1])
         columns.append(values)
         width += values.shape[1]
@@ -104,26 +130,31 @@ def _table(found: "xr.Dataset", order: Sequence[str]) -> tuple[dict[str, tuple[i
 
 
 def _errors(
-    layout: Mapping[str, tuple[int, int]], guessed: Array, true: Array
+    layout: Mapping[str, tuple[int, int]], interpolated: Array, exact: Array
 ) -> dict[str, dict[str, Any]]:
-    """Return for each result what the grid is off, in shares of the largest value, of slips in themselves."""
-    found = {}
-    for name, (first, end) in layout.items():
-        a, b = (rows[..., first:end].reshape(-1, end - first) for rows in (guessed, true))
-        both = np.isfinite(a) & np.isfinite(b)
+    """Errors of the interpolation for each result, relative to the largest value, for slips absolute.
+
+    ``known`` counts points at which both have a value, ``mistaken`` those at which only one of the two has.
+    """
+    errors = {}
+    for name, (start, end) in layout.items():
+        computed, reference = (
+            rows[..., start:end].reshape(-1, end - start) for rows in (interpolated, exact)
+        )
+        known = np.isfinite(computed) & np.isfinite(reference)
         if name in ("effective_friction", "normal_force"):
-            rings = [x.reshape(len(a), 2, -1) for x in (a, b)]
-            off = np.abs(rings[0] - rings[1]).max(axis=2) / np.maximum(
+            rings = [x.reshape(len(computed), 2, -1) for x in (computed, reference)]
+            error = np.abs(rings[0] - rings[1]).max(axis=2) / np.maximum(
                 np.abs(rings[1]).max(axis=2), 1e-300
             )
-            off = off.max(axis=1)
+            error = error.max(axis=1)
         else:
-            size = np.abs(b[both]) if name == "limit_drag" else 1.0
-            off = np.abs(a[both] - b[both]) / size
-        found[name] = {
-            "median": float(np.median(off)) if off.size else None,
-            "largest": float(off.max()) if off.size else None,
-            "known": int(both.sum()),
-            "mistaken": int((np.isfinite(a) != np.isfinite(b)).sum()),
+            size = np.abs(reference[known]) if name == "limit_drag" else 1.0
+            error = np.abs(computed[known] - reference[known]) / size
+        errors[name] = {
+            "median": float(np.median(error)) if error.size else None,
+            "largest": float(error.max()) if error.size else None,
+            "known": int(known.sum()),
+            "mistaken": int((np.isfinite(computed) != np.isfinite(reference)).sum()),
         }
-    return found
+    return errors

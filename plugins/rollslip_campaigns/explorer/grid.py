@@ -1,13 +1,13 @@
-"""The grid of an explorer: results at nodes of several quantities, and what lies between them.
+"""Grid of an explorer: tensor-product polynomial interpolation of results at Chebyshev-Lobatto nodes.
 
-- Nodes of a quantity are those of Chebyshev and Lobatto, between which a polynomial through them is close to the best
-  there is (Trefethen 2013, Approximation Theory and Approximation Practice, chapter 8). Quantities that span a factor
-  are taken by their logarithms.
-- Between the nodes the polynomial of all quantities at once is evaluated by its barycentric weights (Berrut & Trefethen
-  2004, doi:10.1137/S0036144502417715).
-- A result that some node does not have, such as a slip of running away beyond the range, has no such polynomial. It is
-  taken from the largest block of nodes around that all have it; where the nodes next to a place do not, there is none.
-- The page does the same in the browser; what it shows is held against this module by a test.
+- The nodes of each quantity are Chebyshev-Lobatto points, whose interpolating polynomial is close to the best
+  approximation (Trefethen 2013, Approximation Theory and Approximation Practice, chapter 8). Quantities with a range of
+  more than a factor are interpolated over their logarithms.
+- The polynomial of all quantities together is evaluated by its barycentric weights (Berrut & Trefethen 2004,
+  doi:10.1137/S0036144502417715).
+- A result may be missing at some nodes, for example a skidding slip beyond the range. It is then interpolated over the
+  largest block of nodes around the point in which all have it. If a node next to the point lacks it, there is no value.
+- The page has the same algorithm in JavaScript; a test compares both.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,25 +23,33 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     from rollslip.scene.values import Scene
 
-__all__ = ["Dial", "Explorer", "between"]
+__all__ = ["Dial", "Explorer", "interpolate"]
 
 
 @attrs.frozen(eq=False)
 class Dial:
-    """A quantity that a slider moves.
+    """A quantity with a slider.
 
     Attributes
     ----------
-    key, name, unit : str
-        Its key in a scene, its meaning in words, and its SI unit.
+    key : str
+        Key in the scene.
+    name : str
+        Label.
+    unit : str
+        SI unit.
     shown : str
-        The unit in which people read it.
-    low, high, start : float
-        Ends of the slider, and where it stands at first, in SI units.
+        Unit for display.
+    low : float
+        Lower bound, in SI units.
+    high : float
+        Upper bound, in SI units.
+    start : float
+        Initial value, in SI units.
     count : int
-        Nodes, two or more.
+        Number of nodes, two or more.
     logarithmic : bool
-        Whether it is taken by its logarithm.
+        Whether results are interpolated over the logarithm of the quantity.
     """
 
     key: str
@@ -56,7 +64,7 @@ class Dial:
 
     @property
     def nodes(self) -> Array:
-        """Its nodes, from `low` to `high`, which are among them."""
+        """Chebyshev-Lobatto nodes from `low` to `high`, which are nodes too."""
         inner = -np.cos(np.pi * np.arange(self.count) / (self.count - 1))
         low, high = self.scaled(np.array([self.low, self.high]))
         values = 0.5 * (low + high) + 0.5 * (high - low) * inner
@@ -65,32 +73,32 @@ class Dial:
         return np.asarray(nodes)
 
     @property
-    def told(self) -> str:
-        """What it is, in words."""
+    def message(self) -> str:
+        """Line that describes the quantity."""
         low, high, start = (
             format_quantity(value, self.unit, 4) for value in (self.low, self.high, self.start)
         )
         return f"{self.key}: {low} to {high}, {self.count} nodes; {start} in the scene"
 
     def scaled(self, value: Array) -> Array:
-        """Return values as they are interpolated over."""
+        """Return values on the scale of the interpolation, logarithmic or linear."""
         return np.log(value) if self.logarithmic else np.asarray(value)
 
 
 @attrs.frozen(eq=False)
 class Explorer:
-    """What an explorer is made of.
+    """The plan of an explorer.
 
     Attributes
     ----------
     scene : Scene
         The scene without tables of campaigns.
     dials : tuple of Dial
-        What sliders move.
+        Quantities with sliders.
     choices : mapping of str to tuple of str
-        Models that can be chosen, by key.
+        Key -> names of the models to choose from.
     checks : int
-        Random places at which it is checked against runs.
+        Number of random points at which the interpolation is compared with runs, for each combination of models.
     """
 
     scene: "Scene"
@@ -99,35 +107,35 @@ class Explorer:
     checks: int
 
     @property
-    def told(self) -> list[str]:
-        """What moves, and how many points that takes, in words."""
+    def messages(self) -> list[str]:
+        """Lines that describe quantities, models and the number of points, printed before the points are computed."""
         lines = [
-            *(dial.told for dial in self.dials),
-            *(f"{key}: {', '.join(of)}" for key, of in self.choices.items()),
+            *(dial.message for dial in self.dials),
+            *(f"{key}: {', '.join(names)}" for key, names in self.choices.items()),
+            f"{self.size} points, {self.checks} random ones for each combination of models among them",
         ]
-        several = f"{self.size} points, {self.checks} random ones for each combination of models among them"
-        return [f"  {line}" for line in (*lines, several)]
+        return [f"  {line}" for line in lines]
 
     @property
     def size(self) -> int:
-        """Points that are computed."""
+        """Number of points that are computed."""
         combinations = int(np.prod([len(names) for names in self.choices.values()], dtype=int))
         return combinations * (
             int(np.prod([dial.count for dial in self.dials], dtype=int)) + self.checks
         )
 
 
-def between(dials: Sequence[Dial], table: Array, place: Sequence[float]) -> Array:
-    """Return results at a place.
+def interpolate(dials: Sequence[Dial], table: Array, position: Sequence[float]) -> Array:
+    """Return the interpolated results at a point.
 
     Parameters
     ----------
     dials : sequence of Dial
-        What is varied.
+        The varied quantities.
     table : ndarray
         Results at the nodes, shape (nodes of each dial in turn, results); NaN where there is none.
     place : sequence of float
-        Values of the dials in SI units, within their ends.
+        Values of the quantities in SI units, within their bounds.
 
     Returns
     -------
@@ -135,57 +143,70 @@ def between(dials: Sequence[Dial], table: Array, place: Sequence[float]) -> Arra
         Results, shape (results,); NaN where there is none.
     """
     nodes = [dial.scaled(dial.nodes) for dial in dials]
-    at = [float(dial.scaled(np.array(value))) for dial, value in zip(dials, place, strict=True)]
-    found: Array = np.full(table.shape[-1], np.nan)
-    everything = [(0, len(one)) for one in nodes]
-    for column in range(found.size):
+    point = [
+        float(dial.scaled(np.array(value))) for dial, value in zip(dials, position, strict=True)
+    ]
+    results: Array = np.full(table.shape[-1], np.nan)
+    all_nodes = [(0, len(block_values)) for block_values in nodes]
+    for column in range(results.size):
         values = table[..., column]
         finite = np.isfinite(values)
-        block = everything if finite.all() else _block(finite, nodes, at)
+        block = all_nodes if finite.all() else _complete_block(finite, nodes, point)
         if block is not None:
-            one = values[tuple(slice(*ends) for ends in block)]
-            for (low, high), x, all_of_it in zip(block, at, nodes, strict=True):
-                one = np.tensordot(_weights(all_of_it[low:high], x), one, axes=1)
-            found[column] = one
-    return found
+            block_values = values[tuple(slice(*ends) for ends in block)]
+            for (low, high), x, axis_nodes in zip(block, point, nodes, strict=True):
+                block_values = np.tensordot(
+                    _barycentric_weights(axis_nodes[low:high], x), block_values, axes=1
+                )
+            results[column] = block_values
+    return results
 
 
-def _block(
-    finite: "NDArray[np.bool_]", nodes: Sequence[Array], at: Sequence[float]
+def _complete_block(
+    finite: "NDArray[np.bool_]", nodes: Sequence[Array], point: Sequence[float]
 ) -> list[tuple[int, int]] | None:
-    """Return a block of nodes around a place that all have a value, grown to each side in turn; None if none is there.
+    """Block of nodes around a point that all have a value, as (start, end) for each axis; None if there is none.
 
-    Of a node that is met no neighbour is needed.
+    1. Start with the two nodes next to the point on each axis, or with one node if the point is at it.
+    2. Extend the block by a layer of nodes on each side in turn, as long as all nodes of the layer have a value.
     """
     block = []
-    for all_of_it, x in zip(nodes, at, strict=True):
-        k = int(np.clip(np.searchsorted(all_of_it, x, side="right") - 1, 0, all_of_it.size - 2))
-        hit = [j for j in (k, k + 1) if all_of_it[j] == x]
-        block.append((hit[0], hit[0] + 1) if hit else (k, k + 2))
+    for axis_nodes, x in zip(nodes, point, strict=True):
+        k = int(np.clip(np.searchsorted(axis_nodes, x, side="right") - 1, 0, axis_nodes.size - 2))
+        hit_nodes = [j for j in (k, k + 1) if axis_nodes[j] == x]
+        block.append((hit_nodes[0], hit_nodes[0] + 1) if hit_nodes else (k, k + 2))
 
-    def whole(block: Sequence[tuple[int, int]]) -> bool:
+    def is_complete(block: Sequence[tuple[int, int]]) -> bool:
         return bool(finite[tuple(slice(*ends) for ends in block)].all())
 
-    if not whole(block):
+    if not is_complete(block):
         return None
-    grown = True
-    while grown:
-        grown = False
-        for axis, all_of_it in enumerate(nodes):
-            for down, up in ((1, 0), (0, 1)):
+    has_grown = True
+    while has_grown:
+        has_grown = False
+        for axis, axis_nodes in enumerate(nodes):
+            for extend_low, extend_high in ((1, 0), (0, 1)):
                 low, high = block[axis]
-                wider = [*block[:axis], (low - down, high + up), *block[axis + 1 :]]
-                if low >= down and high + up <= all_of_it.size and whole(wider):
-                    block = wider
-                    grown = True
+                extended = [
+                    *block[:axis],
+                    (low - extend_low, high + extend_high),
+                    *block[axis + 1 :],
+                ]
+                if (
+                    low >= extend_low
+                    and high + extend_high <= axis_nodes.size
+                    and is_complete(extended)
+                ):
+                    block = extended
+                    has_grown = True
     return block
 
 
-def _weights(nodes: Array, at: float) -> Array:
-    """Weights of the nodes in the polynomial through all of them, at a place."""
-    if (hit := nodes == at).any():
+def _barycentric_weights(nodes: Array, x: float) -> Array:
+    """Weights of the values at the nodes in their interpolating polynomial at x (barycentric formula)."""
+    if (hit := nodes == x).any():
         return np.asarray(hit, dtype=float)
-    apart = nodes[:, None] - nodes
-    np.fill_diagonal(apart, 1.0)
-    terms = 1.0 / (apart.prod(axis=1) * (at - nodes))
+    differences = nodes[:, None] - nodes
+    np.fill_diagonal(differences, 1.0)
+    terms = 1.0 / (differences.prod(axis=1) * (x - nodes))
     return np.asarray(terms / terms.sum())

@@ -12,7 +12,7 @@ from rollslip.planning.campaign import Campaign, setting
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.fit.problem import Parameter, RigProblem
 
 
@@ -42,21 +42,28 @@ class FitSettings(Campaign):
     writes = "data and oil"
 
     data: Any = setting(
-        "", default=attrs.NOTHING, of=Path, argument="DATA.csv", first=True,
-        more="Data file, see `rollslip_campaigns.measurement.rig.read_data`, or what is read of one.",
-    )  # fmt: skip
+        "",
+        default=attrs.NOTHING,
+        value_type=Path,
+        argument="DATA.csv",
+        positional=True,
+        details="Data file, see `rollslip_campaigns.measurement.rig.read_data`, or what is read of one.",
+    )
     parameters: str | Iterable[str] = setting(
-        "What to fit, separated by commas.", default=attrs.NOTHING, metavar="NAME,NAME",
-        more='Values and factors of the oil ("eyring_stress", "pressure_viscosity", "viscosity_factor") and parameters '
+        "What to fit, separated by commas.",
+        default=attrs.NOTHING,
+        metavar="NAME,NAME",
+        details='Values and factors of the oil ("eyring_stress", "pressure_viscosity", "viscosity_factor") and parameters '
         'of the traction model ("flash", "hydrodynamic.flash"). They start from the values of the rig file.',
-    )  # fmt: skip
+    )
     traction: Any = setting(
-        "Traction model, by default that of the rig file.", metavar="MODEL",
-        more="A name, a mapping with ``model``, or a model; the film likewise.",
-    )  # fmt: skip
+        "Traction model, by default that of the rig file.",
+        metavar="MODEL",
+        details="A name, a mapping with ``model``, or a model; the film likewise.",
+    )
     film: Any = setting("Film model, by default that of the rig file.", metavar="MODEL")
     rig: str | os.PathLike[str] | Any = setting(
-        "Rig file, by default rig.toml beside the data.", of=Path, metavar="RIG.toml"
+        "Rig file, by default rig.toml beside the data.", value_type=Path, metavar="RIG.toml"
     )
 
     def plan(self) -> "tuple[RigProblem, list[Parameter]]":
@@ -66,7 +73,7 @@ class FitSettings(Campaign):
         return plan_fit(self)
 
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
         """Return the fit, with statuses of parameters that the data do not determine."""
         from rollslip_campaigns.fit.fit import run_fit

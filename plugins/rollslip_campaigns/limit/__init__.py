@@ -1,4 +1,4 @@
-"""Where a result passes a limit as one quantity of the scene moves: the search, told and drawn."""
+"""Campaign ``limit``: find where a result crosses a limit while one quantity of the scene varies."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -11,21 +11,21 @@ from rollslip.planning.campaign import OfPoints, setting
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.limit.limit import Limit
 
 
 @attrs.frozen(eq=False)
 class LimitSettings(OfPoints):
-    """Search where a result of SCENE passes a limit while one quantity moves.
+    """Find where a result of SCENE crosses a limit while one quantity varies.
 
-    The gentlest run-up that keeps a slip, for example, or the drop of load that skids.
+    For example the gentlest run-up that keeps a slip, or the drop of load with which the cage skids.
 
     Returns
     -------
-    xarray.Dataset
-        (point,), in ascending order: ``searched``, the values; ``result``, what came out; ``keeps``, 1 where the limit
-        is kept; ``status`` and ``message`` of each. (edge,): ``edge_kept`` and ``edge_passed``, the values between
+    xarray.Dataset (point,), in ascending order: ``searched``, the values; ``result``, the result at each; ``keeps``, 1
+    where the limit is kept; ``status`` and ``message`` of each. (edge,): ``edge_kept`` and ``edge_passed``, the values
+    between
         which the limit is passed, and ``edge_unknown``, 1 where a point between them failed.
 
     Raises
@@ -50,36 +50,36 @@ class LimitSettings(OfPoints):
         "What moves, with units; LOW:HIGH:COUNT says how many values are computed first.  [default: 9]",
         default=attrs.NOTHING,
         metavar="KEY=LOW:HIGH",
-        many=True,
-        first=True,
-        more='A mapping of the key to "LOW:HIGH", or the text "KEY=LOW:HIGH".',
+        repeatable=True,
+        positional=True,
+        details='A mapping of the key to "LOW:HIGH", or the text "KEY=LOW:HIGH".',
     )
     keep: str = setting(
         "The limit of a result, or OUTPUT>=VALUE.",
         default=attrs.NOTHING,
         metavar="OUTPUT<=VALUE",
-        first=True,
+        positional=True,
     )
     within: float | str = setting(
-        "How exactly it is told, such as 1 %.", default="1 %", metavar="SHARE", shown=True
+        "How exactly it is told, such as 1 %.", default="1 %", metavar="SHARE", show_default=True
     )
     study: str | None = setting("Only this study.", metavar="STUDY")
 
     def plan(self) -> "Limit":
-        """Check a search and lay out its values."""
+        """Check the settings and plan the search."""
         from rollslip_campaigns.limit.limit import plan_limit
 
         return plan_limit(self)
 
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
         """Search in a folder."""
         from rollslip_campaigns.limit.limit import run_limit
 
         return run_limit(made, folder, print_line=said, report=lambda now: show(*now.summary))
 
-    def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
-        """Return what computes points that failed again."""
+    def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
+        """Return the advice for points that failed, None if none did."""
         failed = (dataset["status"].to_numpy() != "ok").any()
         return ["points that failed are tried again by the same command;"] if failed else None

@@ -1,17 +1,21 @@
-"""Searches where a result passes a limit while one quantity moves: the gentlest run-up, the drop of load that skids.
+"""Find where a result crosses a limit while one quantity varies: the gentlest run-up, the drop of load that skids.
 
-- The points are those of one sweep (`rollslip_campaigns.sweep`) over a long row of values, of which few are computed:
-  some spread evenly at first, then those that narrow down each passage (`rollslip_campaigns.limit.search`). So every
-  point is kept in the folder's journal, engines and time limits are those of sweeps, and the same command goes on
-  where it was stopped.
-- The row is even in the logarithm of the quantity where it spans more than a factor of 3 above zero, but for
-  temperatures; else in itself. Two neighbours are at most so far apart as the answer may be off.
-- Only what is computed is known: the limit may be passed twice between two of the first points unseen, and the result
-  says so where it does not go one way all along them.
-- Resolution and, of a motion, friction, level and integrator, where the scene leaves them open, are chosen once: for
-  the scene and for both ends of the range, the finest of the three. All points share them, as their differences count.
-  But for motions these three are run as single runs are, again and finer until they keep their tolerance; what stays
-  off there is told.
+Method: bracketing on a grid, by bisection and regula falsi in turn (`rollslip_campaigns.limit.search`).
+
+1. Plan a fine grid of values of the quantity, so fine that two neighbours state the limit with the requested accuracy.
+   The grid is even in the logarithm of the quantity if its range spans more than a factor of 3 above zero, but not for
+   temperatures; else in the quantity itself.
+2. Choose the resolution and, for transient studies, friction, level and integrator where the scene leaves them open:
+   plan a run of the scene and of both ends of the range, and take the maximum of the three resolutions. All points have
+   the same resolution, because their differences count. Except for transient studies these three are run as single
+   runs are, refined until they meet their tolerance; an error that remains is reported.
+3. Compute some points that are evenly spread.
+4. Wherever two neighbours are on different sides of the limit, narrow the bracket until it is one step of the grid.
+
+All points belong to one sweep over the grid (`rollslip_campaigns.sweep`), of which only few are computed. So every
+point is in the journal of the folder, engines and time limits are those of sweeps, and the same command continues an
+interrupted search. A limit that is crossed twice between two of the first points is not found; the result is therefore
+checked for monotonicity over all points, and reported if it is not monotonic.
 """
 
 import json
@@ -31,7 +35,7 @@ from rollslip.planning.execution import compute
 from rollslip.planning.plan import estimate, plan
 from rollslip.results.dataset import about, save
 from rollslip.results.words import duration_range
-from rollslip.scene.changes import Quantity, evolve, unknown
+from rollslip.scene.changes import Quantity, evolve, describe_unknown_key
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import FrozenTable
 from rollslip.studies.error_estimate import exceeding
@@ -40,9 +44,9 @@ from rollslip.studies.surface_damage.model import named_damage
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
 from rollslip_campaigns.limit.search import (
     Requirement,
+    brackets,
     next_indices,
     output_of_text,
-    brackets,
     read_requirement,
     refuse_text_output,
 )
@@ -68,36 +72,43 @@ if TYPE_CHECKING:
 
 __all__ = ["RESULT", "Limit", "plan_limit", "run_limit"]
 
+#: Name of the file with the result, in the folder of the search.
 RESULT: Final = "limit.nc"
-#: Values that are computed first where nothing is said.
+#: Default number of values that are computed first. With twice as many, two crossings between neighbours are found more
+#: surely, at twice the cost. Chosen: 2^3 + 1, about as many points as a bracket needs after them.
 _DEFAULT_COUNT: Final = 9
-#: Ratio of the ends beyond which a quantity is taken by its logarithm.
+#: Ratio of the bounds above which the grid is even in the logarithm. Up to 3 a linear grid has neighbours whose
+#: relative distances differ by this factor at most. Chosen.
 _LOGARITHMIC_RATIO: Final = 3.0
+#: Maximum number of values of the grid. A larger grid needs more memory and states no limit better than the tolerance
+#: of its results. Chosen.
 _MAX_VALUES: Final = 100_000
-#: Time of a point up to which one alone is computed in this process, which saves the start of others [s].
+#: Time of a point [s] up to which a single point is computed in this process. A larger value computes more slow points
+#: here; a smaller one starts processes for single points. Chosen: about the time to start a pool of processes
+#: (`rollslip_campaigns.sweep.run`).
 _SERIAL_SECONDS: Final = 2.0
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class Limit:
-    """What is searched for.
+    """The plan of a search.
 
     Attributes
     ----------
     sweep : Sweep
-        All values that may be computed.
+        Sweep over the grid of values, of which the search computes some.
     requirement : Requirement
-        What has to be kept.
+        The limit of the result.
     first : tuple of int
         Numbers of the values that are computed first.
     within : float
-        How far neighbours are apart: by how much of the value where `logarithmic`, else of the range.
+        Distance of neighbours in the grid, as a fraction of the value if `logarithmic`, else of the range.
     logarithmic : bool
-        Whether values are even in their logarithm.
+        Whether the grid is even in the logarithm of the quantity.
     point_seconds : float
-        Time that a point is estimated to take [s]; NaN where it is not known.
-    off : mapping of str to float
-        What results of the scene and of both ends are off by, relative, where that is more than the tolerance.
+        Estimate of the time of a point [s]; NaN where it is not known.
+    errors : mapping of str to float
+        Relative errors of results of the scene and of both ends, where they are above the tolerance.
     """
 
     sweep: Sweep
@@ -110,27 +121,27 @@ class Limit:
 
     @property
     def unusual(self) -> tuple[str, ...]:
-        """What is unusual of the values."""
+        """Warnings of implausible values."""
         return self.sweep.unusual
 
     @property
     def axis(self) -> Axis:
-        """The values."""
+        """The grid of values."""
         return self.sweep.design.axes[0]
 
     @property
     def spacing(self) -> int:
-        """Distance of the first values in the row."""
+        """Number of steps of the grid between two of the first values."""
         return self.first[1] - self.first[0]
 
     @property
     def max_refinements(self) -> int:
-        """Points that a passage takes at most beside the first ones."""
+        """Maximum number of points for a bracket, besides the first ones: bisection every second time."""
         return 2 * math.ceil(math.log2(self.spacing)) if self.spacing > 1 else 0
 
     @property
-    def told(self) -> list[str]:
-        """What is searched, and what it costs, in words."""
+    def messages(self) -> list[str]:
+        """Lines that describe the search and its cost, printed before it starts."""
         low, high = (self.axis.shown(self.axis.values[k]) for k in (0, -1))
         how = "the value" if self.logarithmic else "the range"
         first = len(self.first)
@@ -148,8 +159,8 @@ class Limit:
 
 
 def plan_limit(requested: "LimitSettings") -> Limit:
-    """Check a search and lay out its values."""
-    given = requested.given
+    """Check the settings of a search and return its plan; wrong settings raise SceneError."""
+    given = requested.base_scene
     over = read_overs(requested.over)
     within = read_fraction(requested.within)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
@@ -167,58 +178,52 @@ def plan_limit(requested: "LimitSettings") -> Limit:
                 f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run"
             ]
         )
-    ((key, text),) = over.items()
+    ((requested_key, text),) = over.items()
     base, assembly = assemble_varied(base, over)
-    known = quantities(assembly, settings(base, name))
-    if key not in known:
-        raise SceneError([f"{key}: {unknown(key, known)}"])
-    quantity = known[key]
+    quantity = _searched_quantity(quantities(assembly, settings(base, name)), requested_key)
     key = quantity.key
-    if quantity.unit is None:
-        raise SceneError(
-            [
-                f"{key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"
-            ]
-        )
-    if not isinstance(text, str):  # else it may know that it was typed
+    if not isinstance(text, str):  # a text may be marked as typed, which str() would lose
         text = ",".join(map(str, text)) if isinstance(text, list) else str(text)
     try:
         span, count, logarithmic = _range(quantity, text)
     except RollslipError as error:
         raise SceneError([f"{key}: {getattr(error, 'reason', error)}"]) from error
-    ending = ":log" if logarithmic else ""
-    rough = plan_sweep(
+    suffix = ":log" if logarithmic else ""
+    coarse = plan_sweep(
         base,
-        {key: f"{span}:{count}{ending}"},
+        {key: f"{span}:{count}{suffix}"},
         study=name,
         output=[requirement.output],
         engine=requested.engine,
         time_limit=requested.time_limit,
     )
-    requested_engine(rough)  # refused before a folder is made
-    values = rough.design.axes[0].values
-    width = (
+    requested_engine(coarse)  # an unusable engine is refused before a folder is made
+    values = coarse.design.axes[0].values
+    steps = (
         math.log(float(values[-1]) / float(values[0])) / math.log1p(within)  # type: ignore[arg-type]
         if logarithmic
         else 1.0 / within
     )
-    spacing = 2 ** max(0, math.ceil(math.log2(width / (count - 1))))
-    if (size := (count - 1) * spacing + 1) > _MAX_VALUES:
+    spacing = 2 ** max(0, math.ceil(math.log2(steps / (count - 1))))
+    size = (count - 1) * spacing + 1
+    if size > _MAX_VALUES:
         raise SceneError(
-            [f"{key}: {size} values are more than {_MAX_VALUES}; widen --within, or narrow the range"]
+            [
+                f"{key}: {size} values are more than {_MAX_VALUES}; widen --within, or narrow the range"
+            ]
         )
-    ends: Sequence[dict[str, object]] = ({}, {key: values[0]}, {key: values[-1]})
-    resolution, seconds, errors = _resolution(base, name, requirement.output, ends)
-    axis = read_axis(quantity, f"{span}:{size}{ending}", sampled=False)
+    changes: Sequence[dict[str, object]] = ({}, {key: values[0]}, {key: values[-1]})
+    resolution, seconds, errors = _resolution(base, name, requirement.output, changes)
+    axis = read_axis(quantity, f"{span}:{size}{suffix}", sampled=False)
     assert isinstance(axis, Axis)
     axis = attrs.evolve(axis, display_unit=axis.given)
     sweep = attrs.evolve(
-        rough,
-        design=attrs.evolve(rough.design, axes=(axis,)),
+        coarse,
+        design=attrs.evolve(coarse.design, axes=(axis,)),
         resolutions=Resolutions()
         if resolution is None
         else Resolutions(chosen={combination_name([]): resolution}),
-        table=attrs.evolve(rough.table, over=FrozenTable({key: f"{span}:{size}{ending}"})),
+        table=attrs.evolve(coarse.table, over=FrozenTable({key: f"{span}:{size}{suffix}"})),
         given=given,
     )
     return Limit(
@@ -232,8 +237,22 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     )
 
 
+def _searched_quantity(known: Mapping[str, Quantity], key: str) -> Quantity:
+    """The quantity of a key; SceneError if there is none, or if its values are not continuous."""
+    if key not in known:
+        raise SceneError([f"{key}: {describe_unknown_key(key, known)}"])
+    quantity = known[key]
+    if quantity.unit is None:
+        raise SceneError(
+            [
+                f"{quantity.key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"
+            ]
+        )
+    return quantity
+
+
 def _range(quantity: Quantity, text: str) -> tuple[str, int, bool]:
-    """Return both ends as they are written, the count of the values, and whether they are even in the logarithm."""
+    """Bounds as they are written, number of first values, and whether the grid is even in the logarithm."""
     if ":" not in text:
         raise SceneError([f"{text!r} is no range; write LOW:HIGH or LOW:HIGH:COUNT, with units"])
     ends, count, logarithmic = range_parts(quantity.key, text)
@@ -249,55 +268,55 @@ def _range(quantity: Quantity, text: str) -> tuple[str, int, bool]:
 
 
 def _resolution(
-    scene: Scene, study: str, output: str, places: Sequence[dict[str, object]]
+    scene: Scene, study: str, output: str, changes_of_scene: Sequence[dict[str, object]]
 ) -> tuple[Resolution | None, float, dict[str, float]]:
-    """Return the resolution of all points, None if nothing can be told, the time of one, and what results are off by.
+    """Resolution of all points, time of a point [s], and relative errors of results above their tolerance.
 
-    It is that with which a run of the scene and of both ends keeps its tolerance, as far as one can; a motion takes
-    what its plan chooses.
+    The resolution is the maximum of those with which runs of some changes of the scene meet their tolerance as far as
+    possible; for a transient study, of those of their plans. It is None, and the time NaN, if no run succeeds.
     """
-    found = list[tuple[Scene, Resolution]]()
+    resolutions = list[tuple[Scene, Resolution]]()
     errors = dict[str, float]()
     cls = study_class(study)
     needed = {output, cls.outputs[output].status, *cls.controlled_outputs.values()}
-    for changes in places:
+    for changes in changes_of_scene:
         try:
-            at = evolve(scene, changes) if changes else scene
+            changed = evolve(scene, changes) if changes else scene
             if cls.is_transient:
-                one = estimate(cls.from_scene(at), assemble(at), cheaper_laws=False)
-                if not one.failed:
-                    found.append((at, one.resolution))
+                estimated = estimate(cls.from_scene(changed), assemble(changed), cheaper_laws=False)
+                if not estimated.failed:
+                    resolutions.append((changed, estimated.resolution))
                 continue
-            search = plan(at, study, cheaper_laws=False, without=cls.outputs.keys() - needed)
-            run = compute(search, study)
-        except RollslipError:  # the point will say why
+            run_plan = plan(changed, study, cheaper_laws=False, without=cls.outputs.keys() - needed)
+            run = compute(run_plan, study)
+        except RollslipError:  # the point itself ends with the reason
             continue
-        found.append((at, run.plan.choices[study].resolution))
-        accuracy = at.accuracy
+        resolutions.append((changed, run.plan.choices[study].resolution))
+        accuracy = changed.accuracy
         for name, error in exceeding(run.error.total, accuracy).items():
             if accuracy.of(name) > EXACT:
-                errors[name] = max(error if math.isfinite(error) else math.inf, errors.get(name, 0.0))
-    if not found:
+                errors[name] = max(
+                    error if math.isfinite(error) else math.inf, errors.get(name, 0.0)
+                )
+    if not resolutions:
         return None, math.nan, errors
     alike = ("integrator", "friction", "level")
-    resolution = Resolution.maximum_of([one for _, one in found], alike)
-    seconds = list[float]()
-    for at, _ in found:
-        begin = time.process_time()
-        try:
-            cost = sum(
-                study_class(study)
-                .from_scene(at)
-                .at(resolution)
-                .cost(assemble(at, resolution))
-                .values()
-            )
-        except RollslipError:
-            continue
-        # maps of a motion, which a plan makes for its run, every point makes for itself, as was done here
-        spent = time.process_time() - begin if study_class(study).is_transient else 0.0
-        seconds.append(max(cost, spent))
-    return resolution, max(seconds, default=math.nan), errors
+    resolution = Resolution.maximum_of([chosen for _, chosen in resolutions], alike)
+    seconds = [_point_seconds(changed, study, resolution) for changed, _ in resolutions]
+    return resolution, max((s for s in seconds if s is not None), default=math.nan), errors
+
+
+def _point_seconds(scene: Scene, study: str, resolution: Resolution) -> float | None:
+    """Estimate of the time of a point [s], None if the scene cannot be computed."""
+    cls = study_class(study)
+    start_time = time.process_time()
+    try:
+        cost = sum(cls.from_scene(scene).at(resolution).cost(assemble(scene, resolution)).values())
+    except RollslipError:
+        return None
+    # maps of a transient study, which the plan of a run prepares, are prepared by each point, as in this estimate
+    spent = time.process_time() - start_time if cls.is_transient else 0.0
+    return max(cost, spent)
 
 
 # The search ----------------------------------------------------------------------------------------------------------
@@ -310,33 +329,49 @@ def run_limit(
     print_line: Callable[[str], None] = lambda text: None,
     report: Callable[[Progress], None] = lambda progress: None,
 ) -> "xr.Dataset":
-    """Compute what a search needs, or what is left of it, in its folder, and write the result there.
+    """Compute the points that a search needs, and save the result in its folder.
 
-    Points that failed in an earlier run are tried again.
+    Points that are done in the folder are not computed again, except those that failed in an earlier run.
+
+    Parameters
+    ----------
+    search : Limit
+        The plan of the search.
+    folder : Path
+        Folder of the points and of the result; it is created if it does not exist.
+    print_line : callable
+        Takes a line of text on the progress.
+    report : callable
+        Takes the `Progress` after each task.
+
+    Returns
+    -------
+    xarray.Dataset
+        As described in `rollslip_campaigns.limit.LimitSettings`; ``result`` is NaN where the study has no value.
     """
     from rollslip.catalogue.registry import get_model
 
     points = Points.in_folder(search.sweep, folder, print_line, report)
     slacks, failed, longest = _read_points(search, folder)
-    requested = sorted({*search.first, *failed})
-    again: tuple[str, ...] = FAILED
-    alone = (
+    numbers = sorted({*search.first, *failed})
+    retry_statuses: tuple[str, ...] = FAILED
+    serial = (
         None
         if requested_engine(search.sweep) is not None or search.sweep.local
         else get_model("engine", "serial")
     )
-    while requested:
+    while numbers:
         points.compute(
-            requested,
-            engine=alone if len(requested) == 1 and longest <= _SERIAL_SECONDS else None,
-            retry_statuses=again,
+            numbers,
+            engine=serial if len(numbers) == 1 and longest <= _SERIAL_SECONDS else None,
+            retry_statuses=retry_statuses,
         )
         slacks, failed, longest = _read_points(search, folder)
-        requested = next_indices(slacks, failed, search.spacing)
-        again = ()
+        numbers = next_indices(slacks, failed, search.spacing)
+        retry_statuses = ()
         points = attrs.evolve(points, print_line=lambda text: None)
         print_line(
-            f"{len(slacks) + len(failed)} values computed{_describe_brackets(search, slacks) if requested else ''}"
+            f"{len(slacks) + len(failed)} values computed{_describe_brackets(search, slacks) if numbers else ''}"
         )
     dataset = _dataset(search, points, slacks, failed)
     save(dataset, folder / RESULT)
@@ -344,7 +379,7 @@ def run_limit(
 
 
 def _read_points(search: Limit, folder: Path) -> tuple[dict[int, float], set[int], float]:
-    """Return how far results are within the limit, which points failed, and the longest time of one, by number."""
+    """Slack of each result by number, numbers of the points that failed, and the longest time of a point [s]."""
     slacks = dict[int, float]()
     failed = set[int]()
     longest = 0.0
@@ -359,7 +394,7 @@ def _read_points(search: Limit, folder: Path) -> tuple[dict[int, float], set[int
 
 
 def _result(search: Limit, arrays: Mapping[str, Any]) -> float:
-    """Return the worst value of the output at a point."""
+    """Worst value of the output at a point, NaN if it has none."""
     values = arrays.get(search.requirement.output)
     if values is None:
         return math.nan
@@ -369,7 +404,7 @@ def _result(search: Limit, arrays: Mapping[str, Any]) -> float:
 
 
 def _describe_errors(search: Limit) -> list[str]:
-    """Say which results stay off by more than the tolerance, and by how much."""
+    """Messages on results whose error is above the tolerance."""
     tolerance = search.sweep.scene.accuracy.of
     where = f"with the scene's own {search.axis.key} or at an end of its range"
     return [
@@ -382,102 +417,101 @@ def _describe_errors(search: Limit) -> list[str]:
 
 
 def _describe_brackets(search: Limit, slacks: Mapping[int, float]) -> str:
-    """Tell between which values the limit is passed as far as is known."""
-    shown = search.axis.shown
-    ends = [(search.axis.values[a], search.axis.values[b]) for a, b in brackets(slacks)]
+    """Text on the brackets so far, for the progress of the search."""
+    axis = search.axis
     return "; the limit is passed between " + ", and between ".join(
-        f"{shown(a)} and {shown(b)}" for a, b in ends
+        f"{axis.shown(axis.values[a])} and {axis.shown(axis.values[b])}"
+        for a, b in brackets(slacks)
     )
 
 
 def status_of_worst(
-    requested: Requirement, values: "np.ndarray[Any, Any]", words: "np.ndarray[Any, Any]"
+    requirement: Requirement, values: "np.ndarray[Any, Any]", statuses: "np.ndarray[Any, Any]"
 ) -> str:
-    """Return what a study says of the worst of several values; of all where none is known."""
-    worst = requested.worst(values.tolist())
-    of_it = words if math.isnan(worst) else words[values == worst]
-    return "; ".join(dict.fromkeys(filter(None, of_it.astype(str).tolist())))
+    """Return the status of the worst of several values; the statuses of all where all are NaN."""
+    worst = requirement.worst(values.tolist())
+    texts = statuses if math.isnan(worst) else statuses[values == worst]
+    return "; ".join(dict.fromkeys(filter(None, texts.astype(str).tolist())))
 
 
 def _dataset(
     search: Limit, points: Points, slacks: Mapping[int, float], failed: set[int]
 ) -> "xr.Dataset":
+    """Dataset of the points in ascending order and of the brackets."""
     import xarray as xr
 
-    places = sorted({*slacks, *failed})
-    whole = points.collect(places)
-    at = whole.isel({search.sweep.names[search.axis.key]: places})
+    numbers = sorted({*slacks, *failed})
+    grid = points.collect(numbers)
+    computed = grid.isel({search.sweep.names[search.axis.key]: numbers})
     quantity = search.axis.quantity
-    requested = search.requirement
+    requirement = search.requirement
     values = np.array(search.axis.values, dtype=float)
     unit = str(quantity.unit)
-    named = f"study_{requested.output}" if f"study_{requested.output}" in at else requested.output
-    rows = (
-        at[named].to_numpy().reshape(len(places), -1)
-        if named in at
-        else np.full((len(places), 1), np.nan)
-    )
-    output = study_class(search.sweep.study).outputs[requested.output]
-    why = f"study_{output.status}" if f"study_{output.status}" in at else output.status
-    words = np.full(rows.shape, "")
-    if why in at:  # one for each value, or one for all of a point
-        words = (
-            (at[why].broadcast_like(at[named]) if named in at else at[why])
-            .to_numpy()
-            .reshape(len(places), -1)
-        )
+    output = study_class(search.sweep.study).outputs[requirement.output]
+    rows, statuses = _values_with_statuses(computed, requirement.output, output.status)
     edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in brackets(slacks)]
-    lost = [any(min(edge) < place < max(edge) for place in failed) for edge in edges]
+    unknown_edges = [any(min(edge) < number < max(edge) for number in failed) for edge in edges]
     variables: dict[str, Any] = {
         "searched": (
             "point",
-            values[places],
+            values[numbers],
             about(unit, quantity.doc) | {"key": search.axis.key, "given": search.axis.given},
         ),
         "result": (
             "point",
-            np.array([requested.worst(row.tolist()) for row in rows]),
-            about(requested.unit, output.meaning)
-            | {"key": requested.output, "given": requested.given},
+            np.array([requirement.worst(row.tolist()) for row in rows]),
+            about(requirement.unit, output.meaning)
+            | {"key": requirement.output, "given": requirement.given},
         ),
         "keeps": (
             "point",
-            np.array([slacks.get(k, math.nan) >= 0.0 for k in places], dtype=float),
+            np.array([slacks.get(k, math.nan) >= 0.0 for k in numbers], dtype=float),
             about("1", "1 where the limit is kept"),
         ),
-        "status": ("point", at["status"].to_numpy(), about("1", "how the point ended")),
-        "message": ("point", at["message"].to_numpy(), about("1", "why it is not ok")),
+        "status": ("point", computed["status"].to_numpy(), about("1", "how the point ended")),
+        "message": ("point", computed["message"].to_numpy(), about("1", "why it is not ok")),
         "result_status": (
             "point",
-            np.array([status_of_worst(requested, *one) for one in zip(rows, words, strict=True)]),
+            np.array(
+                [
+                    status_of_worst(requirement, row, row_statuses)
+                    for row, row_statuses in zip(rows, statuses, strict=True)
+                ]
+            ),
             about("1", "what the study says of the result"),
         ),
-        "seconds": ("point", at["seconds"].to_numpy(), about("s", "time that the point took")),
+        "seconds": (
+            "point",
+            computed["seconds"].to_numpy(),
+            about("s", "time that the point took"),
+        ),
         "edge_kept": (
             "edge",
-            values[[kept for kept, _ in edges]],
+            values[[inner for inner, _ in edges]],
             about(unit, "value at the limit that keeps it"),
         ),
         "edge_passed": (
             "edge",
-            values[[beyond for _, beyond in edges]],
+            values[[outer for _, outer in edges]],
             about(unit, "its neighbour, which does not"),
         ),
         "edge_unknown": (
             "edge",
-            np.array(lost, dtype=float),
+            np.array(unknown_edges, dtype=float),
             about("1", "1 where a point between the two failed"),
         ),
     }
-    told = {
+    attributes = {
         name: value
-        for name, value in whole.attrs.items()
+        for name, value in grid.attrs.items()
         if name not in ("axes", "sampling", "seed")
     }
-    told["left"] = json.dumps([*_describe_errors(search), *json.loads(told.get("left", "[]"))])
+    attributes["left"] = json.dumps(
+        [*_describe_errors(search), *json.loads(attributes.get("left", "[]"))]
+    )
     return xr.Dataset(
         variables,
-        attrs=told
+        attrs=attributes
         | {
             "study": "limit",
             "searched_key": search.axis.key,
@@ -485,13 +519,37 @@ def _dataset(
             "logarithmic": int(search.logarithmic),
             "within": search.within,
             "first": len(search.first),
-            "output": requested.output,
-            "sense": requested.sense,
-            "limit": requested.limit,
-            "limit_given": requested.given,
-            "requirement": requested.text,
+            "output": requirement.output,
+            "sense": requirement.sense,
+            "limit": requirement.limit,
+            "limit_given": requirement.given,
+            "requirement": requirement.text,
             "range": json.dumps(
-                [format_quantity(float(one), unit, 4, search.axis.given) for one in values[[0, -1]]]
+                [
+                    format_quantity(float(bound), unit, 4, search.axis.given)
+                    for bound in values[[0, -1]]
+                ]
             ),
         },
     )
+
+
+def _values_with_statuses(
+    points: "xr.Dataset", output: str, status: str
+) -> "tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]":
+    """Values of an output and their statuses, (n, values of a point) each; NaN and "" where there are none.
+
+    A variable of the study with the name of one of the sweep has the prefix "study_". A status may be one for each
+    value, or one for all values of a point.
+    """
+    n = points["status"].size
+    name, status_name = (
+        f"study_{key}" if f"study_{key}" in points else key for key in (output, status)
+    )
+    values = points[name].to_numpy().reshape(n, -1) if name in points else np.full((n, 1), np.nan)
+    statuses = np.full(values.shape, "")
+    if status_name in points:
+        text = points[status_name]
+        text = text.broadcast_like(points[name]) if name in points else text
+        statuses = text.to_numpy().reshape(n, -1)
+    return values, statuses

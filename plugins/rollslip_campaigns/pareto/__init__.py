@@ -11,7 +11,7 @@ from rollslip.planning.campaign import OfScene, setting
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.pareto.candidates import Family
 
 
@@ -50,22 +50,24 @@ class ParetoSettings(OfScene):
     """
 
     name = "pareto"
-    goes_on = "resume"
+    resume_mode = "resume"
 
     study: str | None = setting("Only this study.", metavar="STUDY")
     choices: Sequence[str] | str = setting(
         "What may differ, such as slices,instants; by default all there is.",
         default=(),
         metavar="A,B",
-        many=True,
+        repeatable=True,
     )
     traction: Sequence[str] | str = setting(
-        "Traction models to choose from.", default=(), metavar="A,B", many=True
+        "Traction models to choose from.", default=(), metavar="A,B", repeatable=True
     )
     film: Sequence[str] | str = setting(
-        "Film models to choose from.", default=(), metavar="A,B", many=True
+        "Film models to choose from.", default=(), metavar="A,B", repeatable=True
     )
-    rounds: int = setting("How often each choice is timed.", of=int, default=5, shown=True)
+    rounds: int = setting(
+        "How often each choice is timed.", value_type=int, default=5, show_default=True
+    )
 
     def plan(self) -> "Family":
         """Return the family of choices."""
@@ -74,13 +76,13 @@ class ParetoSettings(OfScene):
         return plan_family(self)
 
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
         """Run all choices; what is done of them is kept in a folder."""
         from rollslip_campaigns.pareto.pareto import run_family
 
         return run_family(made, folder, show)
 
-    def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
+    def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Tell whether a choice failed."""
         return [] if (dataset["status"] != "done").any() else None

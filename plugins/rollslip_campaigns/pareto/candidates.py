@@ -105,7 +105,7 @@ class Family:
     notes: tuple[str, ...]
 
     @property
-    def told(self) -> list[str]:
+    def messages(self) -> list[str]:
         """What will be run: the number of choices of each study by kind, rounds and references."""
         from rollslip.cli.console import headline
 
@@ -135,7 +135,7 @@ class Family:
 
 def plan_family(requested: "ParetoSettings") -> Family:
     """Return the family of choices for a scene."""
-    scene = requested.given
+    scene = requested.base_scene
     rounds = requested.rounds
     wanted, laws, films = (
         tuple(listed(names)) for names in (requested.choices, requested.traction, requested.film)

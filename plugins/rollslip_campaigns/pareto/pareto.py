@@ -34,7 +34,7 @@ from rollslip_campaigns.sweep.journal import StoredValues
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
 
 #: Processor time [s] that a turn takes at least, so that the clock of every system can tell it.
 _TURN: Final = 0.05
@@ -81,7 +81,7 @@ class Record:
     evaluations: int = 0
 
 
-def run_family(family: Family, folder: Path, show: "Shown") -> "xr.Dataset":
+def run_family(family: Family, folder: Path, show: "ProgressReporter") -> "xr.Dataset":
     """Run all choices of a family, or what is left of them in a folder."""
     begin = time.perf_counter()
     with StoredValues(folder, _digest(family)) as kept:

@@ -11,7 +11,7 @@ from rollslip.planning.campaign import OfPoints, setting
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.surrogate.surrogate import SurrogatePlan
 
 
@@ -47,14 +47,26 @@ class SurrogateSettings(OfPoints):
     over: Mapping[str, object] | Sequence[str] | str = setting(
         "Ends of operation.radial_load, .temperature, .inner_speed or .outer_speed, with units; by default about those "
         "of SCENE.",
-        default=(), metavar="KEY=LOW:HIGH", many=True, first=True, more='A mapping of keys to "LOW:HIGH".',
-    )  # fmt: skip
+        default=(),
+        metavar="KEY=LOW:HIGH",
+        repeatable=True,
+        positional=True,
+        details='A mapping of keys to "LOW:HIGH".',
+    )
     error: float | str = setting(
         "Largest error of friction, forces and resistances, relative to the largest friction, or to themselves.",
-        default="1 %", metavar="SHARE", shown=True,
-    )  # fmt: skip
-    checks: int = setting("Random operations that have to be within it.", of=int, default=24, least=4, metavar="N",
-                          shown=True)  # fmt: skip
+        default="1 %",
+        metavar="SHARE",
+        show_default=True,
+    )
+    checks: int = setting(
+        "Random operations that have to be within it.",
+        value_type=int,
+        default=24,
+        minimum=4,
+        metavar="N",
+        show_default=True,
+    )
 
     def plan(self) -> "SurrogatePlan":
         """Return the points to be computed, after a check of ranges and drags."""
@@ -63,9 +75,9 @@ class SurrogateSettings(OfPoints):
         return plan_surrogate(self)
 
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
         """Compute the tables in a folder, and return them."""
         from rollslip_campaigns.surrogate.surrogate import run_surrogate
 
-        return run_surrogate(made, folder, print_line=said, report=lambda now: show(*now.told))
+        return run_surrogate(made, folder, print_line=said, report=lambda now: show(*now.summary))

@@ -34,7 +34,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.dataset import about, save
-from rollslip.scene.changes import Quantity, evolve, unknown
+from rollslip.scene.changes import Quantity, evolve, describe_unknown_key
 from rollslip.search import Array
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
@@ -43,14 +43,14 @@ from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables, weight
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
-from rollslip_campaigns.sweep.point import values_of
+from rollslip_campaigns.sweep.point import row_values
 from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import read_fraction, read_overs
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.raceway_friction.study import (
-    ROLLING,
-    SMALL,
+    ROLLING_NODES,
+    SLIDE_ROLL_SCALE,
     RacewayFriction,
     at_rolling_speed,
 )
@@ -226,7 +226,7 @@ class SurrogatePlan:
         return self.sweep.unusual
 
     @property
-    def told(self) -> list[str]:
+    def messages(self) -> list[str]:
         """Lines that describe the ranges and the allowed error."""
         units = dict(zip(_KEYS, _UNITS, strict=True))
         spans = (
@@ -261,7 +261,7 @@ def _axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
 
 def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
     """Check the ranges, the error and the drags of the cage, and lay out the points."""
-    base = attrs.evolve(requested.given, sweep=None, uncertainty=None)
+    base = attrs.evolve(requested.base_scene, sweep=None, uncertainty=None)
     assembly = assemble(base)
     if (pocket := assembly.cage.drags.pocket_friction) is not None:
         raise SceneError(
@@ -285,7 +285,7 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
         f"{study}.largest_ratio": max_ratio,
     }
     scene = evolve(base, bounds)
-    _check_drags(scene, assembly, ranges, np.geomspace(slow, fast, ROLLING), error)
+    _check_drags(scene, assembly, ranges, np.geomspace(slow, fast, ROLLING_NODES), error)
     options = {
         "study": RacewayFriction.name,
         "output": list(_OUTPUTS),
@@ -307,8 +307,8 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
     )
     return SurrogatePlan(
         scene=base,
-        sweep=attrs.evolve(sweep, given=requested.given),
-        random=attrs.evolve(random, given=requested.given),
+        sweep=attrs.evolve(sweep, given=requested.base_scene),
+        random=attrs.evolve(random, given=requested.base_scene),
         ranges=ranges,
         error=error,
     )
@@ -353,7 +353,7 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
         name = next((full for full in _KEYS if key in (full, full.partition(".")[2])), None)
         if name is None:
             choices = f"there are: {', '.join(_KEYS)}"
-            problems.append(f"{key}: {choices if key in known else unknown(key, known)}")
+            problems.append(f"{key}: {choices if key in known else describe_unknown_key(key, known)}")
             continue
         # a list of one value is a quantity that does not vary
         text = text[0] if isinstance(text, list) and len(text) == 1 else text
@@ -449,12 +449,12 @@ def _compute_points(
     requested = [number for number in numbers if number not in results]
     if not requested:
         return
-    points.compute(requested, again=FAILED)
+    points.compute(requested, retry_statuses=FAILED)
     failed = dict[int, str]()
     for row in records(points.folder):
         if row.status == "ok":
             if row.number not in results:
-                results[row.number] = values_of(row)
+                results[row.number] = row_values(row)
             failed.pop(row.number, None)
         elif row.number not in results:
             failed[row.number] = row.message
@@ -554,8 +554,8 @@ def run_surrogate(
     ConvergenceError
         If a point fails, or the finest tables leave more than the allowed error.
     """
-    nodes = _Nodes(plan, Points.of(plan.sweep, folder / "nodes", print_line, report))
-    random_points = Points.of(plan.random, folder / "random", print_line, report)
+    nodes = _Nodes(plan, Points.in_folder(plan.sweep, folder / "nodes", print_line, report))
+    random_points = Points.in_folder(plan.random, folder / "random", print_line, report)
     results = dict[int, dict[str, Array]]()
     _compute_points(random_points, results, range(plan.random.design.size))
     reference = {name: np.array([results[k][name] for k in sorted(results)]) for name in _TABLES}
@@ -810,7 +810,7 @@ def _dataset(
             "error": float(errors.max()),
             "median_error": float(np.median(errors)),
             "error_requested": plan.error,
-            "sliding_small": SMALL,
+            "sliding_small": SLIDE_ROLL_SCALE,
             "nodes": json.dumps([len(row) for row in rows] + [len(row) for row in nodes.values()]),
         },
     )

@@ -11,7 +11,7 @@ from rollslip.planning.campaign import OfPoints, setting
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.sweep.definition import Sweep
 
 
@@ -51,25 +51,25 @@ class SweepSettings(OfPoints):
     over: Mapping[str, object] | Sequence[str] | str | None = setting(
         "What is varied: A,B,C or LOW:HIGH:COUNT, with units, or LOW:HIGH:COUNT:log; LOW:HIGH for samples.",
         metavar="KEY=VALUES",
-        many=True,
-        first=True,
-        more='A mapping of keys to lists of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", or, to be sampled, '
+        repeatable=True,
+        positional=True,
+        details='A mapping of keys to lists of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", or, to be sampled, '
         '"LOW:HIGH" or "LOW:HIGH:log". Tables [sweep] and [uncertainty] of the scene count too.',
     )
     samples: int | None = setting(
-        "Samples of ranges and of what is uncertain.", of=int, least=1, metavar="N"
+        "Samples of ranges and of what is uncertain.", value_type=int, minimum=1, metavar="N"
     )
     sampling: str | None = setting(
         "sobol, replicated-sobol, latin-hypercube, saltelli.", metavar="NAME"
     )
-    seed: int | None = setting("Seed of the samples.", of=int, least=0, metavar="N")
+    seed: int | None = setting("Seed of the samples.", value_type=int, minimum=0, metavar="N")
     study: str | None = setting("Only this study.", metavar="STUDY")
     output: Sequence[str] | str = setting(
         "Variable to keep; may be repeated.",
         default=(),
         metavar="NAME",
-        many=True,
-        more="Several in a text have commas between them; by default the main ones.",
+        repeatable=True,
+        details="Several in a text have commas between them; by default the main ones.",
     )
 
     def plan(self) -> "Sweep":
@@ -79,7 +79,7 @@ class SweepSettings(OfPoints):
         return plan_requested(self)
 
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
         """Compute the points in a folder."""
         from rollslip_campaigns.sweep.folder import create_folder, write_result

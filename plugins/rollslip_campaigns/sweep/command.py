@@ -57,8 +57,8 @@ def _sweep_run(requested: SweepSettings, about: str, results: Results) -> None:
     planned = requested.plan()
     warn(planned.unusual)
     if not results.as_json:
-        click.echo("\n".join(planned.told))
-    results.go_to(requested.place(planned, about))
+        click.echo("\n".join(planned.messages))
+    results.go_to(requested.folder_name(planned, about))
     _run_sweep(planned, create_folder(planned, results.target), (), results)
 
 

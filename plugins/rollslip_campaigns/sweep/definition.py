@@ -293,6 +293,6 @@ class Sweep(SweepWork):
         return lines
 
     @property
-    def told(self) -> list[str]:
+    def messages(self) -> list[str]:
         """Lines that are printed before the points are computed."""
         return [self.headline, *(f"  {line}" for line in self.planned)]

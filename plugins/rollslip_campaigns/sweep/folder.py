@@ -52,7 +52,7 @@ RESULT = "sweep.nc"
 def plan_requested(requested: "SweepSettings") -> Sweep:
     """Return the sweep of some settings; wrong settings raise SceneError before a folder is created."""
     table = {field.name: getattr(requested, field.name) for field in attrs.fields(SweepTable)}
-    sweep = plan_sweep(requested.given, table.pop("over"), **table)
+    sweep = plan_sweep(requested.base_scene, table.pop("over"), **table)
     requested_engine(sweep)  # an unusable engine is refused here
     return sweep
 

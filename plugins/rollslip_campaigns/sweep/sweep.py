@@ -34,7 +34,7 @@ from rollslip.planning.plan import estimate, require_memory
 from rollslip.planning.plausibility import implausible_along
 from rollslip.planning.provenance import cited, data_references
 from rollslip.references import Citation
-from rollslip.scene.changes import Quantity, evolve, full_key, unknown
+from rollslip.scene.changes import Quantity, evolve, full_key, describe_unknown_key
 from rollslip.scene.reading import as_scene, from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.search import Array
@@ -276,7 +276,7 @@ def _read_axes(
     for key, values, location in {full_key(item[0]): item for item in varied}.values():
         quantity = known.get(key)
         if quantity is None:
-            problems.append(location.message(unknown(key, known)))
+            problems.append(location.message(describe_unknown_key(key, known)))
             continue
         try:
             axis_or_distribution = read_axis(quantity, values, sampled)

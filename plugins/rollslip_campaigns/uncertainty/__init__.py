@@ -13,7 +13,7 @@ from rollslip.planning.campaign import OfPoints, setting
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.planning.progress import Shown
+    from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.uncertainty.margin import Margin
 
 
@@ -50,22 +50,28 @@ class UncertaintySettings(OfPoints):
     name = "uncertainty"
 
     samples: int | None = setting(
-        "Samples of reserve and slips.  [default: 1024]", of=int, least=2, metavar="N"
+        "Samples of reserve and slips.  [default: 1024]", value_type=int, minimum=2, metavar="N"
     )
     until: float | None = setting(
         "Double samples until the interval's half width is H, a slip.",
-        of=float,
+        value_type=float,
         metavar="H",
-        more="Samples are then 16384 at most.",
+        details="Samples are then 16384 at most.",
     )
     probability: float = setting(
-        "Probability of the reported bounds.", of=float, default=0.99, metavar="P", shown=True
+        "Probability of the reported bounds.",
+        value_type=float,
+        default=0.99,
+        metavar="P",
+        show_default=True,
     )
     loads: int | None = setting(
-        "Samples of the minimum load.  [default: 64]", of=int, least=0, metavar="N"
+        "Samples of the minimum load.  [default: 64]", value_type=int, minimum=0, metavar="N"
     )
-    indices: int = setting("Rows for Sobol indices, 2^k.", of=int, default=0, least=0, metavar="N")
-    seed: int = setting("Seed of the samples.", of=int, default=0, least=0, metavar="N")
+    indices: int = setting(
+        "Rows for Sobol indices, 2^k.", value_type=int, default=0, minimum=0, metavar="N"
+    )
+    seed: int = setting("Seed of the samples.", value_type=int, default=0, minimum=0, metavar="N")
 
     def plan(self) -> "Margin":
         """Check the settings and plan the sweeps over the samples."""
@@ -74,14 +80,14 @@ class UncertaintySettings(OfPoints):
         return plan_margin(self)
 
     def run(
-        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
         """Compute the samples in a folder and estimate the distributions."""
         from rollslip_campaigns.uncertainty.margin import run_margin
 
         return run_margin(made, folder, print_line=said, report=lambda now: show(*now.summary))
 
-    def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
+    def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return commands that compute the points without a result again, None if all points have one."""
         counts = json.loads(dataset.attrs["points"])
         commands = [

@@ -158,7 +158,7 @@ class Margin:
         return self.critical.unusual
 
     @property
-    def told(self) -> list[str]:
+    def messages(self) -> list[str]:
         """Lines that describe what is sampled, and an estimate of its cost."""
         planned = dict.fromkeys(
             f"  {line}" for sweep in self.sweeps.values() for line in sweep.planned
@@ -193,7 +193,7 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
     problems = _faults(requested, samples, loads)
     if problems:
         raise SceneError(problems)
-    scene, scatter = with_scatter(requested.given)
+    scene, scatter = with_scatter(requested.base_scene)
     shared: dict[str, Any] = {
         "seed": requested.seed,
         "engine": requested.engine,
@@ -225,7 +225,7 @@ def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
         samples = _DEFAULT_SAMPLES if requested.until is None else _MAX_SAMPLES
     loads = requested.loads
     if loads is None:
-        has_acceptable_slip = "acceptable_slip" in requested.given.study.get(SteadySlip.name, {})
+        has_acceptable_slip = "acceptable_slip" in requested.base_scene.study.get(SteadySlip.name, {})
         loads = min(_DEFAULT_LOADS, samples) if has_acceptable_slip else 0
     return samples, loads
 
@@ -248,7 +248,7 @@ def _faults(requested: "UncertaintySettings", samples: int, loads: int) -> list[
         problems.append(
             f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}"
         )
-    if not EffectiveFriction.from_scene(requested.given).skidding_range:
+    if not EffectiveFriction.from_scene(requested.base_scene).skidding_range:
         problems.append(
             f"study.{EffectiveFriction.name}.skidding_range: a range is needed, such as 0.95, not 0"
         )

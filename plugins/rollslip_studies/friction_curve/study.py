@@ -1,4 +1,9 @@
-"""Study friction-curve: friction of one contact against its slide-roll ratio, for given normal forces."""
+"""Study friction-curve: friction of one contact over its slide-roll ratio, for given normal forces.
+
+The load over an aligned contact follows from its approach: Newton's method with bisection as a safeguard, to the
+rounding error (`balanced_load`). Friction is the mean over the slices by force; its maximum is searched on the
+continuous curve (`bearing.critical`).
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
@@ -26,12 +31,17 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-_OF_CURVE = "normal_force slip"
-_OF_FORCE = "normal_force"
+#: Dimensions of curves.
+_OF_CURVE: Final = "normal_force slip"
+#: Dimension of values of a curve.
+_OF_FORCE: Final = "normal_force"
 #: A contact, its entrainment speed [m/s], and slide-roll ratios.
 _Curve: TypeAlias = tuple[LoadedContacts, float, Array]
-#: Angle and number of the roller of a curve, for laws that ask: the one in the line of load.
+#: Angle [rad] and number of the roller of the contact, for laws that depend on these: the one in the line of load.
 _FIRST: Final = np.zeros(1), np.zeros(1)
+#: Relative tolerance of the approach: 18 units of rounding. With half as much the iteration may not end, because the
+#: excess is known to some units only; twice as much saves no step.
+_APPROACH_TOLERANCE: Final = 4e-15
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "friction": Output(_OF_CURVE, "1", "friction coefficient"),
@@ -74,7 +84,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
 
 @attrs.frozen(kw_only=True)
 class FrictionCurve(Study):
-    """Friction of one contact against its slide-roll ratio, for given normal forces."""
+    """Friction of one contact over its slide-roll ratio, for given normal forces."""
 
     name: ClassVar[str] = "friction-curve"
     curves_of: ClassVar[Curves] = Curves(
@@ -111,11 +121,11 @@ class FrictionCurve(Study):
 
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate."""
-        half = -(-assembly.slices // 2)  # the other carries the same
+        half = -(-assembly.slices // 2)  # the other half has the same load
         return len(self.normal_force) * self.points * (half + 1)
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return how many numbers the curves hold at least."""
+        """Return how many numbers the curves have at least."""
         return {"points": 10.0 * self.points * len(self.normal_force)}
 
     @property
@@ -124,9 +134,9 @@ class FrictionCurve(Study):
         return self.max_slip
 
     def curves(self, assembly: Assembly, slip: Array, n_positions: Sequence[int]) -> Array:
-        """Return friction for each normal force, which no instant changes, (k, forces, n)."""
+        """Return friction for each normal force, the same for all numbers of positions, (k, forces, n)."""
         contacts = self.contacts(assembly)
-        found = _friction([(one, self.rolling_speed(assembly), slip) for one in contacts])
+        found = _friction([(loaded, self.rolling_speed(assembly), slip) for loaded in contacts])
         return np.broadcast_to(found, (len(n_positions), len(found), slip.size))
 
     def rolling_speed(self, assembly: Assembly) -> float:
@@ -160,7 +170,9 @@ class FrictionCurve(Study):
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the curves, measured with few points."""
-        times = [processor_time(partial(attrs.evolve(self, points=n).run, assembly)) for n in POINTS]
+        times = [
+            processor_time(partial(attrs.evolve(self, points=n).run, assembly)) for n in POINTS
+        ]
         return {"friction": extrapolate_line(POINTS, times, self.points)}
 
     def loaded_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[LoadedSlices]:
@@ -175,6 +187,7 @@ class FrictionCurve(Study):
         return "over the curves", [*self._evaluated(assembly, self.rolling_speed(assembly), slips)]
 
     def _evaluated(self, assembly: Assembly, u: float, slips: Array) -> Iterator[LoadedSlices]:
+        """Yield the slices of each normal force at an entrainment speed [m/s] and slide-roll ratios."""
         for k, contacts in enumerate(self.contacts(assembly)):
             load = contacts.slices.load
             force = contacts.force
@@ -186,8 +199,8 @@ class FrictionCurve(Study):
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the curves.
 
-        The contact rolls at the entrainment speed of the bearing without slip and is loaded evenly but for the
-        roller's profile; film, pressure and regime are those of its most loaded slice.
+        The entrainment speed is that of the bearing without slip. The load is even except for the profile of the
+        roller. Film, pressure and regime are those of the most loaded slice.
 
         Returns
         -------
@@ -201,10 +214,10 @@ class FrictionCurve(Study):
         slip = slip_grid(self.max_slip, self.points)
         u = self.rolling_speed(assembly)
         contacts = self.contacts(assembly)
-        curves = [(one, u, slip) for one in contacts]
+        curves = [(loaded, u, slip) for loaded in contacts]
         friction = _friction(curves)
-        found, coords = self._found(slip, friction, self._critical(curves, friction))
-        rows = [_most_loaded(one, u, slip) for one in contacts]
+        found, coords = self._curve_variables(slip, friction, self._critical(curves, friction))
+        rows = [_heaviest_slice(loaded, u, slip) for loaded in contacts]
 
         def stacked(name: str) -> Array:
             return np.stack([row[name] for row in rows])
@@ -230,7 +243,15 @@ class FrictionCurve(Study):
     def run_batch(
         cls, cases: "Sequence[tuple[FrictionCurve, Assembly]]", outputs: frozenset[str]
     ) -> list[PartialResult] | None:
-        """Return what `run` does of curves and critical slips, for several contacts at once; None if more is asked."""
+        """Return curves and critical slips of several contacts by one evaluation, as `run` does; None for other outputs.
+
+        Parameters
+        ----------
+        cases : sequence of tuple of FrictionCurve and Assembly
+            Studies and bearings.
+        outputs : frozenset of str
+            Names of the requested outputs.
+        """
         if not outputs <= {
             "friction",
             "critical_slip",
@@ -247,18 +268,18 @@ class FrictionCurve(Study):
             curves += [(contact, u, slip) for contact in study.contacts(assembly)]
         friction = _friction(curves)
         critical = cls._critical(curves, friction)
-        found = list[PartialResult]()
+        results = list[PartialResult]()
         first = 0
         for study, _ in cases:
             own = slice(first, first + len(study.normal_force))
             known = friction[own] if "friction" in outputs else None
-            found.append(study._found(curves[first][2], known, critical[own]))
+            results.append(study._curve_variables(curves[first][2], known, critical[own]))
             first = own.stop
-        return found
+        return results
 
     @classmethod
     def _critical(cls, curves: Sequence[_Curve], friction: Sequence[Array]) -> list[Critical]:
-        """Largest friction of curves."""
+        """Return the critical slips of curves, the slips of the largest friction."""
         key = f"study.{cls.name}.max_slip"
         sought = [
             Curve(slip, known, key, max_slip=PURE_SLIDING)
@@ -268,10 +289,10 @@ class FrictionCurve(Study):
             sought, lambda requested: _friction([(*curves[k][:2], slip) for k, slip in requested])
         )
 
-    def _found(
+    def _curve_variables(
         self, slip: Array, friction: Sequence[Array] | None, critical: Sequence[Critical]
     ) -> PartialResult:
-        """Variables of the curves, if they are known as a whole, and their maxima, and their coordinates."""
+        """Return variables and coordinates of the maxima of curves, and of the curves if their friction is known."""
         curves = {} if friction is None else self.variables(friction=np.stack(friction))
         return curves | self.variables(
             critical_slip=np.array([c.slip for c in critical]),
@@ -290,12 +311,11 @@ class FrictionCurve(Study):
 
 
 def balanced_load(assembly: Assembly, raceway: Raceway, force: float) -> Array:
-    """Load per length [N/m] of the slices of an aligned contact that carries a normal force [N], (slices,)."""
+    """Return the load per length [N/m] of the slices of an aligned contact with a normal force [N], (slices,)."""
     if assembly.slices == 1:
         return np.array([force / assembly.scene.bearing.roller_length])
-    drop = (
-        assembly.drop - assembly.drop.min()
-    )  # approaches are measured from the first touch, else small ones round off
+    # approaches are measured from the first contact, else small ones are lost in rounding errors
+    drop = assembly.drop - assembly.drop.min()
     load = _balanced(
         lambda approach: assembly.deflect(approach - drop, raceway.ring), assembly.widths, force
     )
@@ -311,38 +331,44 @@ def balanced_load(assembly: Assembly, raceway: Raceway, force: float) -> Array:
 def _balanced(
     deflection: Callable[[float], tuple[Array, Array]], widths: Array, force: float
 ) -> Array:
-    """Loads that carry a force: Newton's method over the approach, which bisection keeps within its bracket."""
+    """Return the loads that carry a force, by Newton's method over the approach with bisection as a safeguard."""
     low = 0.0
     high = np.inf
     approach = 1e-6
     while True:
         load, stiffness = deflection(approach)
-        with np.errstate(
-            over="ignore", invalid="ignore", divide="ignore"
-        ):  # far above a tiny force
+        # far above the root of a tiny force the load overflows
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             excess = float((load * widths / force).sum()) - 1.0
             step = excess / float((stiffness * widths / force).sum())
-        low, high = (low, approach) if excess > 0.0 else (approach, high)
+        if excess > 0.0:
+            high = approach
+        else:
+            low = approach
         guess = approach - step
-        if not low < guess < high:
+        if not low < guess < high:  # also where the step is NaN
             guess = 0.5 * (low + high) if high < np.inf else 2.0 * approach
-        if abs(guess - approach) <= 4e-15 * approach or excess == 0.0 or not low < guess < high:
+        if (
+            abs(guess - approach) <= _APPROACH_TOLERANCE * approach
+            or excess == 0.0
+            or not low < guess < high
+        ):
             return load
         approach = guess
 
 
 def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Array]:
-    """Friction coefficients of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
+    """Return friction coefficients of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
     return mean_friction(
         [(contacts, np.full(slip.size, u), slip * u) for contacts, u, slip in cases]
     )
 
 
-def _most_loaded(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, Any]:
-    """Film, pressure and regime of the most loaded slice at some slide-roll ratios."""
+def _heaviest_slice(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, Any]:
+    """Return film, pressure and regime of the most loaded slice at slide-roll ratios, (n,)."""
     raceway = contacts.raceway
     at = int(np.argmax(contacts.load))
-    place = {name: of[at] for name, of in contacts.places.items()}
+    place = {name: column[at] for name, column in contacts.places.items()}
     slices = raceway.evaluate(np.full(slip.size, contacts.load[at]), u, slip * u, **place)
     M, L = moes_groups(slices)
     return {

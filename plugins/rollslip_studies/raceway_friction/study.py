@@ -1,15 +1,17 @@
-"""Study raceway-friction: what both raceways do to their rollers, over cage speed, rolling and sliding speed.
+"""Study raceway-friction: forces and friction of both raceways on a grid of cage, rolling and sliding speeds.
 
-- It is what a motion of the cage needs of the contacts under one load and at one temperature, on a grid: effective
-  friction of all loaded slices over the orbit, the sum of their forces and of their resistances to rolling.
-- The loads depend on the cage's speed through the centrifugal force alone. Beside a rolling speed u the cage has
-  about u/R_o where the outer ring stands, so the other axis is the ratio rho = R_o w/u: one node where that is the only
-  ring that stands, several where both turn. Both axes are even in their logarithm.
-- Friction rises over a small slide-roll ratio V/u and falls slowly beyond: nodes are even in asinh(V/(a u)). Scales
-  that follow the largest friction jump from one operation to the next, where another maximum becomes the largest.
-- The supply of oil, and with it how starved the inlets are, is that of rings between which it rolls at u without slip:
-  slip changes u by no more than (R_o - R_i)/(2 R_o).
-- Friction is taken for V > 0; with the sign of V it is odd, as all laws of the box are.
+The result is what a motion of the cage needs of the contacts at one load and one temperature: the effective friction of
+all loaded slices over the orbit, the sum of their forces, and the sum of their rolling resistances.
+
+- The loads depend on the speed of the cage through the centrifugal force alone. At a rolling speed u the cage turns at
+  about w = u/R_o where the outer ring is at rest, so that the other axis is the ratio rho = R_o w/u: one node where the
+  outer ring is the only one at rest, several where both rings turn. Both axes are uniform in their logarithm.
+- Friction rises over a small slide-roll ratio V/u and falls slowly beyond. So the nodes of V/u are uniform in
+  asinh(V/(a u)), with a fixed scale a: a scale that followed the largest friction would jump between operating points
+  at which different maxima are the largest.
+- The supply of oil, and with it the starvation of the inlets, is that of rings between which the bearing rolls at u
+  without slip: slip changes u by less than (R_o - R_i)/(2 R_o).
+- Friction is evaluated for V > 0; it is odd in V, as all built-in laws are.
 """
 
 import math
@@ -35,25 +37,42 @@ from rollslip_studies.motion.spins import orbit_loads
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["REACH", "ROLLING", "SMALL", "RacewayFriction", "at_rolling_speed"]
+__all__ = [
+    "MAX_SLIDE_ROLL",
+    "ROLLING_NODES",
+    "SLIDE_ROLL_SCALE",
+    "RacewayFriction",
+    "at_rolling_speed",
+]
 
-#: a of asinh(V/(a u)), and V/u up to which friction is tabulated; a cage at rest beside a ring that turns has 2.
-SMALL = 3e-3
-REACH = 4.0
-#: Nodes of rho where it varies, of rolling and of sliding speed, each one more than a multiple of a power of two.
-_RATIOS = 9
-ROLLING = 49
-_SLIDING = 65
-#: Rolling speeds over the epicyclic one, where none are named.
-_SPEEDS: Final = (0.1, 2.0)
-#: Instants of a pitch where none are chosen, error that few loads may leave of friction, and loads of resistances.
-_INSTANTS = 4
-_FEW_LOADS = 1e-5
-_LOADS = 48
+#: Scale a of asinh(V/(a u)): below it nodes are uniform in V/u, above it in the logarithm. Twice as much leaves fewer
+#: nodes to the rise of friction; chosen, near the slide-roll ratio of the largest traction.
+SLIDE_ROLL_SCALE: Final = 3e-3
+#: Largest slide-roll ratio V/u of the grid. A cage at rest beside a turning ring has 2; twice that is chosen for
+#: motions that overshoot. Doubling it adds few nodes, because they are uniform in the logarithm there.
+MAX_SLIDE_ROLL: Final = 4.0
+#: Nodes of rho where the ratio varies. Like the other two it is one more than a multiple of a power of two, so that a
+#: coarse grid is a part of the fine one. Twice as many take twice the time; chosen.
+_RATIO_NODES: Final = 9
+#: Nodes of the rolling speed; twice as many take twice the time. Chosen.
+ROLLING_NODES: Final = 49
+#: Nodes of the sliding speed; twice as many take twice the time. Chosen.
+_SLIDING_NODES: Final = 65
+#: Smallest and largest rolling speed of the grid over the epicyclic one, where the scene has none. Chosen: a run-up
+#: from a tenth of the speed, and transients up to twice the speed.
+_SPEED_RANGE: Final = (0.1, 2.0)
+#: Roller positions within a pitch where the resolution has none. Twice as many take twice the time; chosen.
+_DEFAULT_POSITIONS: Final = 4
+#: Relative error of friction by reduced loads. Twice as much saves no load as a rule; chosen, far below tolerances.
+_LOAD_RULE_ERROR: Final = 1e-5
+#: Reduced loads for the sum of rolling resistances, which are smooth over the load. Chosen; twice as many take twice
+#: the time of a small part.
+_RESISTANCE_LOADS: Final = 48
 
-#: What goes with the supply of oil.
+#: Inputs of laws that depend on the supply of oil.
 _SUPPLIED: Final = frozenset({"starvation", "oil_fraction"})
 
+#: Dimensions of values on the grid of cage and rolling speeds.
 _GRID: Final = "ring cage_node rolling_node"
 
 
@@ -128,7 +147,7 @@ class RacewayFriction(Study):
             )
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the resistances to rolling."""
+        """Return the rolling resistances."""
         return tuple(
             ("drag", drag)
             for drag in assembly.cage.drags
@@ -136,7 +155,14 @@ class RacewayFriction(Study):
         )
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
-        """Return force, friction and resistance on the grid.
+        """Return force, friction and rolling resistance on the grid.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        context : RunContext or None
+            Not used.
 
         Returns
         -------
@@ -150,17 +176,19 @@ class RacewayFriction(Study):
         epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
         low, high = (
             fraction * epicyclic if stated is None else stated
-            for stated, fraction in zip((self.slowest, self.fastest), _SPEEDS, strict=True)
+            for stated, fraction in zip((self.slowest, self.fastest), _SPEED_RANGE, strict=True)
         )
-        u = np.geomspace(min(low, 0.5 * high), high, ROLLING)
+        u = np.geomspace(min(low, 0.5 * high), high, ROLLING_NODES)
         same = self.smallest_ratio == self.largest_ratio
-        rho = np.geomspace(self.smallest_ratio, self.largest_ratio, 1 if same else _RATIOS)
-        ratio = SMALL * np.sinh(np.linspace(0.0, math.asinh(REACH / SMALL), _SLIDING))
-        n_positions = assembly.resolution.n_positions or _INSTANTS
+        rho = np.geomspace(self.smallest_ratio, self.largest_ratio, 1 if same else _RATIO_NODES)
+        ratio = SLIDE_ROLL_SCALE * np.sinh(
+            np.linspace(0.0, math.asinh(MAX_SLIDE_ROLL / SLIDE_ROLL_SCALE), _SLIDING_NODES)
+        )
+        n_positions = assembly.resolution.n_positions or _DEFAULT_POSITIONS
         speeds = np.outer(rho, u) / assembly.kinematics.outer_radius
         loads, _ = zip(*orbit_loads(assembly, n_positions, speeds.ravel()), strict=True)
-        supplied = [at_rolling_speed(assembly, one).raceways for one in u.tolist()]
-        friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING))
+        supplied = [at_rolling_speed(assembly, speed).raceways for speed in u.tolist()]
+        friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING_NODES))
         force = np.zeros(friction.shape[:3])
         resistance = np.zeros(friction.shape[:3])
         for ring in range(len(RINGS)):
@@ -191,45 +219,55 @@ class RacewayFriction(Study):
 
 
 def at_rolling_speed(assembly: Assembly, u: float) -> Assembly:
-    """Return the bearing with the supply of oil of rings between which it rolls at a speed [m/s] without slip."""
-    k = assembly.kinematics
+    """Return the bearing with the oil supply of rings between which it rolls at a given speed without slip.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    u : float
+        The rolling speed [m/s].
+    """
+    kinematics = assembly.kinematics
     models = (*assembly.models.values(), *assembly.cage.named)
     if not any(_SUPPLIED & taken_from_scene(model) for model in models):
         return assembly
-    speed = assembly.scene.operation.outer_speed + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
+    speed = assembly.scene.operation.outer_speed + u * (
+        1.0 / kinematics.inner_radius + 1.0 / kinematics.outer_radius
+    )
     scene = evolve(assembly.scene, {"operation.inner_speed": speed})
-    made = assemble(scene, assembly.resolution, like=assembly).with_bounds(
+    supplied = assemble(scene, assembly.resolution, like=assembly).with_bounds(
         *assembly.inner.chain.bounds
     )
-    return made.with_resistance() if assembly.inner.chain.resists else made
+    return supplied.with_resistance() if assembly.inner.chain.resists else supplied
 
 
 def _friction(contacts: LoadedContacts, u: float, sliding: Array) -> Array:
-    """Mean friction of loaded slices at a rolling speed over sliding speeds."""
+    """Return the mean friction of loaded slices at a rolling speed over sliding speeds, (n,)."""
 
     def mean(rule: Array, V: Array) -> Array:
         slices = contacts.raceway.evaluate(np.tile(rule[:, 0], V.size), u, np.repeat(V, len(rule)))
         return np.asarray((slices.friction.reshape(V.size, -1) * rule[:, 1]).sum(axis=1))
 
-    few = load_rule(
+    rule = load_rule(
         contacts.load,
         contacts.force,
         partial(mean, V=sliding[:: sliding.size // PROBES]),
-        _FEW_LOADS,
+        _LOAD_RULE_ERROR,
     )
-    return mean(few, sliding)
+    return mean(rule, sliding)
 
 
 def _resistance(contacts: LoadedContacts, u: float) -> float:
-    """Sum of the rolling resistances at a rolling speed [N]; it does not depend on sliding."""
+    """Return the sum of the rolling resistances at a rolling speed [N], which does not depend on the sliding speed."""
     if not contacts.raceway.chain.resists:
         return 0.0
-    few = contacts.reduced(_LOADS, whole=True)
-    return float((contacts.raceway.evaluate(few.load, u, 0.0).resistance * few.width).sum())
+    reduced = contacts.reduced(_RESISTANCE_LOADS, whole=True)
+    return float((contacts.raceway.evaluate(reduced.load, u, 0.0).resistance * reduced.width).sum())
 
 
 def _largest(friction: Array) -> Array:
-    """Largest value along the last axis, of the parabola through the largest node and its neighbours."""
+    """Return the largest value along the last axis: the vertex of the parabola through the largest node."""
     top = np.clip(friction.argmax(axis=-1), 1, friction.shape[-1] - 2)[..., None]
     a, b, c = (np.take_along_axis(friction, top + k, axis=-1)[..., 0] for k in (-1, 0, 1))
     bend = a - 2.0 * b + c
