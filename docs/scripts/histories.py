@@ -11,7 +11,7 @@
 from output import percent, save_figure, write_table
 
 from rollslip import evolve, limit, load_scene, run
-from rollslip_campaigns.limit.figures import over_searched
+from rollslip_campaigns.limit.figures import draw_limit
 from rollslip_studies.dynamics.history.figures import slip_along
 from rollslip_studies.dynamics.history_findings import record
 from rollslip_studies.surface_damage.figures import over_time
@@ -91,6 +91,6 @@ def gentlest():
 
 
 if __name__ == "__main__":
-    save_figure(over_searched(gentlest()), "limit_run_up")
+    save_figure(draw_limit(gentlest()), "limit_run_up")
     write_table("histories", HEADER, rows())
     save_figure(course(run(evolve(SCENE, WARM_UP), "dynamics")), "history_warm_up")

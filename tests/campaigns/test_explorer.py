@@ -16,7 +16,7 @@ from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip_campaigns.explorer import ExplorerSettings, explorer
 from rollslip_campaigns.explorer import page as written
-from rollslip_campaigns.explorer.grid import Dial, between
+from rollslip_campaigns.explorer.grid import Dial, interpolate
 
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))),
@@ -35,7 +35,7 @@ def test_a_polynomial_of_as_many_nodes_is_met_between_them():
     for place in ((0.3, 2.0), (-1.0, 1.0), (2.0, 5.5), (1.7, 9.0)):
         a = place[0]
         b = np.log(place[1])
-        assert between(dials, table, place)[0] == pytest.approx(
+        assert interpolate(dials, table, place)[0] == pytest.approx(
             a**3 - 2.0 * a * b**2 + 1.0, rel=1e-12
         )
 
@@ -44,7 +44,7 @@ def test_a_smooth_function_is_met_the_better_the_more_nodes_there_are():
     def off(count):
         one = dial(0.0, 1.0, count)
         return max(
-            abs(between([one], np.exp(one.nodes)[:, None], [x])[0] - np.exp(x))
+            abs(interpolate([one], np.exp(one.nodes)[:, None], [x])[0] - np.exp(x))
             for x in np.linspace(0.0, 1.0, 50)
         )
 
@@ -55,12 +55,12 @@ def test_a_smooth_function_is_met_the_better_the_more_nodes_there_are():
 def test_what_a_node_does_not_have_is_taken_from_the_nodes_around_or_not_at_all():
     one = dial(0.0, 1.0, 5)
     table = np.where(one.nodes > 0.9, np.nan, one.nodes**3)[:, None]  # four nodes have a value
-    assert between([one], table, [0.3])[0] == pytest.approx(0.027)
-    assert np.isnan(between([one], table, [0.95])[0])
-    assert between([one], table, [one.nodes[3]])[0] == pytest.approx(one.nodes[3] ** 3)
+    assert interpolate([one], table, [0.3])[0] == pytest.approx(0.027)
+    assert np.isnan(interpolate([one], table, [0.95])[0])
+    assert interpolate([one], table, [one.nodes[3]])[0] == pytest.approx(one.nodes[3] ** 3)
     assert (np.diff(one.nodes) > 0.0).all()
     table = np.where(one.nodes < 0.1, np.nan, one.nodes**3)[:, None]
-    assert [between([one], table, [x])[0] for x in (0.2, 0.9, 1.0)] == pytest.approx(
+    assert [interpolate([one], table, [x])[0] for x in (0.2, 0.9, 1.0)] == pytest.approx(
         [0.008, 0.729, 1.0]
     )
 

@@ -22,8 +22,8 @@ from rollslip.results.accounts import account_of
 from rollslip.results.table import sheet
 from rollslip.studies.error_estimate import JOINT_ORDER
 from rollslip_campaigns.limit import LimitSettings, findings
-from rollslip_campaigns.limit.limit import RESULT, status_of_worst, run_limit
-from rollslip_campaigns.limit.search import Requirement, next_indices, brackets, read_requirement
+from rollslip_campaigns.limit.limit import RESULT, run_limit, status_of_worst
+from rollslip_campaigns.limit.search import Requirement, brackets, next_indices, read_requirement
 from rollslip_campaigns.sweep import SweepSettings
 from rollslip_campaigns.sweep.definition import Resolutions, combination_name
 from rollslip_campaigns.sweep.folder import open_or_create

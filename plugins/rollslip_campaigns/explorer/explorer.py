@@ -96,10 +96,10 @@ def run_explorer(
     angle = grid["angle"].to_numpy().reshape(-1, grid.sizes["roller"])[0]
     write_page(requested.page, planned, Results(slip, angle, layout, table, errors), grid)
     messages = [
-        f"{GROUPS[name]}: off by {100.0 * combination['median']:.2g} % in the middle of the random places, by "
-        f"{100.0 * combination['largest']:.2g} % at most"
-        for name, combination in errors.items()
-        if combination["known"]
+        f"{GROUPS[name]}: off by {100.0 * error['median']:.2g} % in the middle of the random places, by "
+        f"{100.0 * error['largest']:.2g} % at most"
+        for name, error in errors.items()
+        if error["known"]
     ]
     return {"points": planned.size, "messages": messages, "errors": errors}
 

@@ -147,7 +147,7 @@ def interpolate(dials: Sequence[Dial], table: Array, position: Sequence[float]) 
         float(dial.scaled(np.array(value))) for dial, value in zip(dials, position, strict=True)
     ]
     results: Array = np.full(table.shape[-1], np.nan)
-    all_nodes = [(0, len(block_values)) for block_values in nodes]
+    all_nodes = [(0, len(axis_nodes)) for axis_nodes in nodes]
     for column in range(results.size):
         values = table[..., column]
         finite = np.isfinite(values)

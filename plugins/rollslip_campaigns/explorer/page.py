@@ -1,8 +1,8 @@
 """The page of an explorer: data, plotting library and program in one HTML file that loads nothing.
 
-- Curves are drawn by plotly.js (MIT licence, its notice stands in the page), which the Python package plotly carries.
-- Numbers are 32-bit floats; what that rounds is far below the error of the grid.
-- What the page is set to stands behind the # of its address, in SI units, so that it can be kept and shared.
+- Curves are drawn by plotly.js (MIT licence, with its notice in the page), which is part of the Python package plotly.
+- Numbers are 32-bit floats, whose rounding is far below the error of the grid.
+- The settings of the page are in the fragment of its address (behind the #), in SI units, so that they can be shared.
 """
 
 import base64
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["GROUPS", "Results", "library", "write_page"]
 
-#: Result -> what its error is called.
+#: Result -> label of its error.
 GROUPS: Final[Mapping[str, str]] = {
     "effective_friction": "effective friction, of the largest on the ring",
     "normal_force": "normal force, of the largest on the ring",
@@ -43,11 +43,11 @@ GROUPS: Final[Mapping[str, str]] = {
 
 
 def library() -> str:
-    """Return the plotting library."""
-    found = find_spec("plotly")
-    for folder in (found.submodule_search_locations or ()) if found else ():
-        if (place := Path(folder) / "package_data" / "plotly.min.js").is_file():
-            return place.read_text(encoding="utf-8")
+    """Return the text of plotly.js; PluginError if plotly is not installed."""
+    spec = find_spec("plotly")
+    for folder in (spec.submodule_search_locations or ()) if spec else ():
+        if (path := Path(folder) / "package_data" / "plotly.min.js").is_file():
+            return path.read_text(encoding="utf-8")
     raise PluginError(
         "an explorer is drawn by plotly, which is not installed: pip install 'rollslip[explorer]'"
     )
@@ -55,18 +55,21 @@ def library() -> str:
 
 @attrs.frozen(eq=False)
 class Results:
-    """What the page shows.
+    """Data of the page.
 
     Attributes
     ----------
-    slip, angle : ndarray
-        Cage slips of the curves, and positions of the rollers [rad].
+    slip : ndarray
+        Cage slips of the curves.
+    angle : ndarray
+        Angular positions of the rollers [rad].
     layout : mapping of str to tuple of int
-        Where each result stands in a row of the table.
+        Result -> its columns in the table, (start, end).
     table : ndarray
-        Results at the nodes, shape (combinations of models, nodes of each dial in turn, results).
+        Results at the nodes, shape (combinations of models, nodes of each dial in turn, columns).
     errors : mapping
-        Result -> median and largest error, at how many places it is known, and at how many on one side only.
+        Result -> median and largest error, number of points at which both have a value ("known"), and of those at which
+        only one of interpolation and run has ("mistaken").
     """
 
     slip: Array
@@ -77,7 +80,19 @@ class Results:
 
 
 def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dataset") -> None:
-    """Write the page; an older file is replaced."""
+    """Write the page; an older file is replaced.
+
+    Parameters
+    ----------
+    path : Path
+        Path of the file.
+    explorer : Explorer
+        The plan.
+    results : Results
+        Results at the nodes, and their errors.
+    grid : xarray.Dataset
+        Dataset of the sweep over the nodes, for title, warnings and provenance.
+    """
     dials = [
         {
             "key": dial.key,
@@ -139,6 +154,7 @@ def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dat
 
 
 def _controls(explorer: "Explorer") -> str:
+    """HTML of the sliders and of the lists of models."""
     parts = []
     for k, dial in enumerate(explorer.dials):
         parts.append(
@@ -155,12 +171,13 @@ def _controls(explorer: "Explorer") -> str:
 
 
 def _errors(errors: Mapping[str, Mapping[str, Any]], checks: int) -> str:
+    """HTML of the table of errors."""
     if not errors:
         return "<p>Its error was not measured.</p>"
     rows = "".join(
-        f'<tr><th scope="row">{escape(GROUPS[name])}</th><td>{_percent(one["median"])}</td>'
-        f"<td>{_percent(one['largest'])}</td><td>{one['mistaken']} of {one['known'] + one['mistaken']}</td></tr>"
-        for name, one in errors.items()
+        f'<tr><th scope="row">{escape(GROUPS[name])}</th><td>{_percent(row["median"])}</td>'
+        f"<td>{_percent(row['largest'])}</td><td>{row['mistaken']} of {row['known'] + row['mistaken']}</td></tr>"
+        for name, row in errors.items()
     )
     return (
         f"<p>Measured at {checks} random places for each combination of models, against runs there.</p>"
@@ -171,4 +188,5 @@ def _errors(errors: Mapping[str, Mapping[str, Any]], checks: int) -> str:
 
 
 def _percent(value: float | None) -> str:
+    """Text of a fraction in percent."""
     return "–" if value is None else f"{100.0 * value:.2g} %"

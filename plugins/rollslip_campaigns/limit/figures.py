@@ -1,4 +1,4 @@
-"""The figure of a search for a limit: the result over what is searched, the limit, and where it is kept.
+"""The figure of a search for a limit: the result over the varied quantity, the limit, and where it is kept.
 
 Style, sizes and files are those of `rollslip.results.style`.
 """
@@ -11,45 +11,53 @@ import numpy as np
 from rollslip.results.style import DASHES, MODEL_COLOURS, Sheet, plain_decades, unit_label
 from rollslip.results.words import in_percent, short_label
 from rollslip.units import converted, shown_unit
-from rollslip_campaigns.limit.findings import headline, satisfied_spans
+from rollslip_campaigns.limit.findings import describe_limit, satisfied_spans
 from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["limit_figures", "over_searched"]
+__all__ = ["draw_limit", "limit_figures"]
 
 
 def limit_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the figure; give name, caption and figure, if any point has a result."""
+    """Draw the figure if any point has a result; yield its name, caption and figure."""
     if np.isfinite(dataset["result"].to_numpy()).any():
-        yield "limit", f"{headline(dataset)}; shaded is where it is kept.", over_searched(dataset)
+        yield (
+            "limit",
+            f"{describe_limit(dataset)}; shaded is where it is kept.",
+            draw_limit(dataset),
+        )
 
 
-def over_searched(dataset: "xr.Dataset") -> "Figure":
-    """Draw the result over what is searched."""
+def draw_limit(dataset: "xr.Dataset") -> "Figure":
+    """Draw the result over the varied quantity, with the limit and the spans in which it is kept."""
     sheet = Sheet()
     axes = sheet.axes
-    x, of_x = _shown(dataset["searched"], dataset.attrs["searched_given"])
-    y, of_y = _shown(dataset["result"], dataset.attrs["limit_given"])
-    limit = float(converted(float(dataset.attrs["limit"]), dataset["result"].attrs["units"], of_y))
-    keeps = dataset["keeps"].to_numpy() > 0.0
+    x, x_unit = _converted(dataset["searched"], dataset.attrs["searched_given"])
+    y, y_unit = _converted(dataset["result"], dataset.attrs["limit_given"])
+    limit = float(
+        converted(float(dataset.attrs["limit"]), dataset["result"].attrs["units"], y_unit)
+    )
+    satisfied = dataset["keeps"].to_numpy() > 0.0
     known = np.isfinite(y)
     for low, high, *_ in satisfied_spans(dataset):
-        ends = converted(np.array([low, high]), dataset["searched"].attrs["units"], of_x)
-        axes.axvspan(*ends, color=MODEL_COLOURS[2], alpha=0.15, linewidth=0.0)
+        bounds = converted(np.array([low, high]), dataset["searched"].attrs["units"], x_unit)
+        axes.axvspan(*bounds, color=MODEL_COLOURS[2], alpha=0.15, linewidth=0.0)
     axes.plot(x[known], y[known], color="0.6", linewidth=0.8, zorder=2)
-    for which, face, label in ((keeps, MODEL_COLOURS[0], "kept"), (~keeps, "white", "not kept")):
-        if (which & known).any():
+    groups = ((satisfied, MODEL_COLOURS[0], "kept"), (~satisfied, "white", "not kept"))
+    for is_in_group, face, label in groups:
+        marked = is_in_group & known
+        if marked.any():
             style: dict[str, Any] = {
                 "markerfacecolor": face,
                 "markeredgecolor": MODEL_COLOURS[0],
                 "zorder": 3,
             }
             sheet.line(
-                x[which & known],
-                y[which & known],
+                x[marked],
+                y[marked],
                 label,
                 marker="o",
                 linestyle="none",
@@ -63,16 +71,16 @@ def over_searched(dataset: "xr.Dataset") -> "Figure":
     if dataset.attrs["searched_key"] == "operation.radial_load" and in_percent(
         dataset.attrs["output"], "1"
     ):
-        mark_loads(sheet, catalogue_loads(dataset), of_x)
+        mark_loads(sheet, catalogue_loads(dataset), x_unit)
     return sheet.done(
-        f"{_name(short_label(dataset.attrs['searched_key']))} [{unit_label(of_x)}]",
-        f"{_name(dataset['result'].attrs['long_name'])} [{unit_label(of_y)}]",
+        f"{_name(short_label(dataset.attrs['searched_key']))} [{unit_label(x_unit)}]",
+        f"{_name(dataset['result'].attrs['long_name'])} [{unit_label(y_unit)}]",
         columns=3 if len(sheet.handles) <= 3 else 1,
     )
 
 
-def _shown(values: "xr.DataArray", given: str) -> tuple[Any, str]:
-    """Values in the unit that people read, and that unit."""
+def _converted(values: "xr.DataArray", given: str) -> tuple[Any, str]:
+    """Values in the given unit, or else in the usual one, and that unit."""
     unit = str(values.attrs["units"])
     numbers = values.to_numpy()
     shown = given or shown_unit(float(np.nanmax(np.abs(numbers))), unit) or unit
@@ -80,4 +88,5 @@ def _shown(values: "xr.DataArray", given: str) -> tuple[Any, str]:
 
 
 def _name(text: str) -> str:
+    """Text with a capital first letter."""
     return f"{text[:1].upper()}{text[1:]}"

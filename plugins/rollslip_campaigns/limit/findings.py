@@ -1,4 +1,4 @@
-"""What a search for a limit has found, in sentences and plain values, from the dataset alone."""
+"""Report the results of a search for a limit as sentences, tables and plain values, from its dataset alone."""
 
 import math
 from collections import Counter
@@ -19,42 +19,47 @@ from rollslip_campaigns.sweep.findings import point_table
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LimitAccount", "headline", "satisfied_spans"]
+__all__ = ["LimitAccount", "describe_limit", "satisfied_spans"]
 
-#: Share of the span of all results, and times that of the values, by which two neighbours at a limit are apart where
-#: the result jumps.
-_JUMP = 0.1
-_STEEP = 10.0
-#: Changes of the result below this share of its range are no change of its course.
-_FLAT: Final = 1e-6
+#: A result jumps between two neighbours at the limit if their difference is at least this fraction of the range of all
+#: results. A larger value reports fewer jumps, a smaller one reports steep curves as jumps. Chosen.
+_JUMP_FRACTION = 0.1
+#: The second condition of a jump: the mean slope between the neighbours is at least this multiple of that over the
+#: whole range. It matters where neighbours are far apart. Chosen.
+_JUMP_STEEPNESS = 10.0
+#: Differences of neighbouring results below this fraction of their range do not count as a change of direction, because
+#: they may be errors of the results. Twice the value ignores larger ripples. Chosen: well below all tolerances.
+_FLAT_FRACTION: Final = 1e-6
 
 
 class LimitAccount(Account):
-    """How it is told where a limit is kept."""
+    """Report of the campaign ``limit``."""
 
     drawn = ".figures:limit_figures"
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return where the limit is kept."""
-        return Answer(rows=(Row(key="limit", label="limit", text="", note=headline(dataset)),))
+        """Return the sentence on where the limit is kept."""
+        return Answer(
+            rows=(Row(key="limit", label="limit", text="", note=describe_limit(dataset)),)
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Return what was found, by what it is about."""
-        found = {"limit": [headline(dataset)]}
+        """Return sentences by topic."""
+        limit = {"limit": [describe_limit(dataset)]}
         others = {
-            "width": _unknown(dataset),
-            "jump": _jumps(dataset),
-            "course": _course(dataset),
-            "values missing": _without(dataset),
-            "points failed": _failed(dataset),
+            "width": _describe_unknown(dataset),
+            "jump": _describe_jumps(dataset),
+            "course": _describe_monotonicity(dataset),
+            "values missing": _describe_missing(dataset),
+            "points failed": _describe_failures(dataset),
         }
-        return found | {name: lines for name, lines in others.items() if lines}
+        return limit | {name: lines for name, lines in others.items() if lines}
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return what was found as plain values, in SI units; what has no value is null."""
+        """Return the results as plain values, in SI units; None (null in JSON) where there is no value."""
         a = dataset.attrs
         return {
             "requirement": a["requirement"],
@@ -65,83 +70,86 @@ class LimitAccount(Account):
                 "unit": dataset["result"].attrs["units"],
                 "limit": float(a["limit"]),
             },
-            "found": headline(dataset),
+            "found": describe_limit(dataset),
             "kept": [{"from": low, "to": high} for low, high, *_ in satisfied_spans(dataset)],
             "edges": [
                 {
-                    "kept": one["edge_kept"],
-                    "passed": one["edge_passed"],
-                    "points_failed_between": bool(one["edge_unknown"]),
+                    "kept": edge["edge_kept"],
+                    "passed": edge["edge_passed"],
+                    "points_failed_between": bool(edge["edge_unknown"]),
                 }
-                for one in rows_along(dataset, "edge")
+                for edge in rows_along(dataset, "edge")
             ],
-            "one_way": _turns(dataset) == 0,
+            "one_way": _turning_points(dataset) == 0,
             "points": [
                 {
-                    "searched": or_none(one["searched"]),
-                    "result": or_none(one["result"]),
-                    "status": one["status"],
+                    "searched": or_none(point["searched"]),
+                    "result": or_none(point["result"]),
+                    "status": point["status"],
                 }
-                for one in rows_along(dataset, "point")
+                for point in rows_along(dataset, "point")
             ],
         }
 
     def sheets(self, dataset: "xr.Dataset") -> dict[str, Sheet]:
-        """Return a row for each value: what was searched, what came out, and whether it keeps the limit."""
-        ended = dataset["status"].to_numpy()
-        kept = np.where(ended == "ok", np.where(dataset["keeps"] > 0.0, "yes", "no"), ended)
-        told = dataset[["searched", "result"]].assign(kept=("point", kept))
-        return {
-            "": of_points(told.assign(dataset[["status", "message", "result_status", "seconds"]]))
-        }
+        """Return a row for each value: the value, its result, and whether the limit is kept."""
+        status = dataset["status"].to_numpy()
+        verdict = np.where(status == "ok", np.where(dataset["keeps"] > 0.0, "yes", "no"), status)
+        columns = dataset[["searched", "result"]].assign(kept=("point", verdict))
+        details = dataset[["status", "message", "result_status", "seconds"]]
+        return {"": of_points(columns.assign(details))}
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
-        """Return a row for each value, in ascending order, if there are not too many to read."""
+        """Return a table with a row for each value, in ascending order, or none if it would be too long."""
         return point_table(self.sheets(dataset)[""], [dataset.attrs["searched_key"]])
 
 
 def satisfied_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, bool]]:
-    """Return the spans of values at which the limit is kept: both ends, and whether each is an end of the range."""
+    """Return the spans of values at which the limit is kept: both bounds, and whether each is a bound of the range."""
     ok = dataset["status"].to_numpy() == "ok"
     values = dataset["searched"].to_numpy()[ok]
-    keeps = dataset["keeps"].to_numpy()[ok] > 0.0
+    satisfied = dataset["keeps"].to_numpy()[ok] > 0.0
     spans = list[tuple[float, float, bool, bool]]()
-    begin = None
+    start = None
     for k in range(values.size):
-        begin = k if keeps[k] and begin is None else begin
-        if begin is not None and (k + 1 == values.size or not keeps[k + 1]):
-            spans.append((float(values[begin]), float(values[k]), begin == 0, k + 1 == values.size))
-            begin = None
+        start = k if satisfied[k] and start is None else start
+        if start is not None and (k + 1 == values.size or not satisfied[k + 1]):
+            spans.append((float(values[start]), float(values[k]), start == 0, k + 1 == values.size))
+            start = None
     return spans
 
 
-def headline(dataset: "xr.Dataset") -> str:
-    """Say where the limit is kept."""
-    what = dataset.attrs["requirement"]
+def describe_limit(dataset: "xr.Dataset") -> str:
+    """Return a sentence on the values at which the limit is kept, with the results just beyond them."""
+    requirement = dataset.attrs["requirement"]
     key = dataset.attrs["searched_key"]
     ok = dataset["status"].to_numpy() == "ok"
     values = dataset["searched"].to_numpy()[ok]
     if not values.size:
-        return (
-            f"whether {what} is kept is not known: none of {ok.size} values of {key} has a result"
-        )
+        return f"whether {requirement} is kept is not known: none of {ok.size} values of {key} has a result"
     spans = satisfied_spans(dataset)
     if len(spans) == 1 and spans[0][2] and spans[0][3]:
-        return f"{what} is kept at all {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
+        return (
+            f"{requirement} is kept at all {values.size} values of {key} from "
+            f"{_format_bounds(dataset, values)}{_describe_nearest(dataset)}"
+        )
     if not spans:
         return (
-            f"{what} is kept at none of {values.size} values of {key} from "
-            f"{_ends(dataset, values)}{_nearest(dataset)}"
+            f"{requirement} is kept at none of {values.size} values of {key} from "
+            f"{_format_bounds(dataset, values)}{_describe_nearest(dataset)}"
         )
-    said = ", and ".join(_span(dataset, *span) for span in spans)
-    passed = dataset["edge_passed"].to_numpy().tolist()
-    beyond = "; ".join(f"at {_value(dataset, one)} {_result(dataset, one)}" for one in passed)
-    return f"{what} is kept with {key} {said}; {beyond}"
+    spans_text = ", and ".join(_format_span(dataset, *span) for span in spans)
+    beyond = "; ".join(
+        f"at {_format_searched(dataset, value)} {_describe_result(dataset, value)}"
+        for value in dataset["edge_passed"].to_numpy().tolist()
+    )
+    return f"{requirement} is kept with {key} {spans_text}; {beyond}"
 
 
-def _span(dataset: "xr.Dataset", low: float, high: float, first: bool, last: bool) -> str:
-    below = _value(dataset, low)
-    above = _value(dataset, high)
+def _format_span(dataset: "xr.Dataset", low: float, high: float, first: bool, last: bool) -> str:
+    """Text of a span of values, with the bounds of the range where it ends there."""
+    below = _format_searched(dataset, low)
+    above = _format_searched(dataset, high)
     if first:
         return f"from {below}, where the range begins, up to {above}"
     if last:
@@ -149,12 +157,13 @@ def _span(dataset: "xr.Dataset", low: float, high: float, first: bool, last: boo
     return f"from {below} to {above}"
 
 
-def _ends(dataset: "xr.Dataset", values: NDArray[Any]) -> str:
-    return f"{_value(dataset, float(values[0]))} to {_value(dataset, float(values[-1]))}"
+def _format_bounds(dataset: "xr.Dataset", values: NDArray[Any]) -> str:
+    """Text of the first and last value."""
+    return f"{_format_searched(dataset, float(values[0]))} to {_format_searched(dataset, float(values[-1]))}"
 
 
-def _nearest(dataset: "xr.Dataset") -> str:
-    """Say at which value the result is nearest to the limit, and what would have to be looked at beyond."""
+def _describe_nearest(dataset: "xr.Dataset") -> str:
+    """Text on the value at which the result is nearest to the limit."""
     results = dataset["result"].to_numpy()
     if not np.isfinite(results).any():
         return ", and at none of them has the study a value"
@@ -165,60 +174,65 @@ def _nearest(dataset: "xr.Dataset") -> str:
     )
     k = int(np.nanargmin(np.abs(size - float(dataset.attrs["limit"]))))
     at = float(dataset["searched"][k])
-    return f"; nearest to the limit is {_value(dataset, at)}, where {_result(dataset, at)}"
+    return f"; nearest to the limit is {_format_searched(dataset, at)}, where {_describe_result(dataset, at)}"
 
 
-def _unknown(dataset: "xr.Dataset") -> list[str]:
-    """Say which passages could not be narrowed down."""
+def _describe_unknown(dataset: "xr.Dataset") -> list[str]:
+    """Sentences on brackets that could not be narrowed because points failed."""
     return [
-        f"between {_value(dataset, one['edge_kept'])} and {_value(dataset, one['edge_passed'])} the limit could not be "
+        f"between {_format_searched(dataset, edge['edge_kept'])} and "
+        f"{_format_searched(dataset, edge['edge_passed'])} the limit could not be "
         "narrowed down, as points there failed"
-        for one in rows_along(dataset, "edge")
-        if one["edge_unknown"]
+        for edge in rows_along(dataset, "edge")
+        if edge["edge_unknown"]
     ]
 
 
-def _jumps(dataset: "xr.Dataset") -> list[str]:
-    """Say where the limit is passed by a jump, so that no value is at it, and what the study says of either side."""
+def _describe_jumps(dataset: "xr.Dataset") -> list[str]:
+    """Sentences on jumps of the result across the limit, with its status on either side."""
     values = dataset["searched"].to_numpy()
     results = dataset["result"].to_numpy()
     x = np.log(values) if dataset.attrs["logarithmic"] else values
-    words = dataset["result_status"].values
-    said = []
+    statuses = dataset["result_status"].values
+    sentences = []
     for ends in zip(
         dataset["edge_kept"].to_numpy(), dataset["edge_passed"].to_numpy(), strict=True
     ):
         a, b = np.searchsorted(values, sorted(ends)).tolist()
-        fraction = max(_JUMP, _STEEP * float(x[b] - x[a]) / float(np.ptp(x)))
+        fraction = max(_JUMP_FRACTION, _JUMP_STEEPNESS * float(x[b] - x[a]) / float(np.ptp(x)))
         if abs(results[b] - results[a]) > fraction * float(np.nanmax(results) - np.nanmin(results)):
-            told = [
-                f"{_value(dataset, float(values[k]))}, where {_result(dataset, float(values[k]))}"
-                + (f" ({words[k]})" if words[k] not in ("", "found") else "")
+            sides = [
+                f"{_format_searched(dataset, float(values[k]))}, where {_describe_result(dataset, float(values[k]))}"
+                + (f" ({statuses[k]})" if statuses[k] not in ("", "found") else "")
                 for k in (a, b)
             ]
-            said.append(f"the result jumps across the limit between {told[0]}, and {told[1]}")
-    return said
+            sentences.append(
+                f"the result jumps across the limit between {sides[0]}, and {sides[1]}"
+            )
+    return sentences
 
 
-def _turns(dataset: "xr.Dataset") -> int:
-    """How often the result turns back along the values that have one."""
+def _turning_points(dataset: "xr.Dataset") -> int:
+    """Number of changes of direction of the result along the values; 0 if it is monotonic."""
     results = dataset["result"].to_numpy()
     steps = np.diff(results[np.isfinite(results)])
     signs = (
-        np.sign(steps[np.abs(steps) > _FLAT * np.ptp(results[np.isfinite(results)], axis=0)])
+        np.sign(
+            steps[np.abs(steps) > _FLAT_FRACTION * np.ptp(results[np.isfinite(results)], axis=0)]
+        )
         if steps.size
         else steps
     )
     return int((np.diff(signs) != 0.0).sum())
 
 
-def _course(dataset: "xr.Dataset") -> list[str]:
-    """Say whether the result goes one way, on which the search relies between the values."""
+def _describe_monotonicity(dataset: "xr.Dataset") -> list[str]:
+    """Sentence on whether the result is monotonic, which the search assumes between the values."""
     name = dataset.attrs["output"]
     n = int(np.isfinite(dataset["result"].to_numpy()).sum())
     if n < 2:
         return []
-    turns = _turns(dataset)
+    turns = _turning_points(dataset)
     if not turns:
         return [
             f"{name} is monotonic over the {n} values with a result: none of them suggests further passages"
@@ -230,38 +244,44 @@ def _course(dataset: "xr.Dataset") -> list[str]:
     ]
 
 
-def _without(dataset: "xr.Dataset") -> list[str]:
+def _describe_missing(dataset: "xr.Dataset") -> list[str]:
+    """Sentence on values at which the study has no result, with the most frequent status."""
     ok = dataset["status"].to_numpy() == "ok"
     results = dataset["result"].to_numpy()
     missing = ok & ~np.isfinite(results)
     if not missing.any():
         return []
-    words = Counter(filter(None, dataset["result_status"].to_numpy()[missing].astype(str).tolist()))
-    why = f" ({words.most_common(1)[0][0]})" if words else ""
+    statuses = Counter(
+        filter(None, dataset["result_status"].to_numpy()[missing].astype(str).tolist())
+    )
+    why = f" ({statuses.most_common(1)[0][0]})" if statuses else ""
     return [
         f"at {int(missing.sum())} of {int(ok.sum())} values the study has no {dataset.attrs['output']}{why}; they "
         "count as not keeping the limit"
     ]
 
 
-def _failed(dataset: "xr.Dataset") -> list[str]:
-    lost = [one for one in rows_along(dataset, "point") if one["status"] != "ok"]
+def _describe_failures(dataset: "xr.Dataset") -> list[str]:
+    """Sentence on the points that failed, with the message of the first one."""
+    failed = [point for point in rows_along(dataset, "point") if point["status"] != "ok"]
+    if not failed:
+        return []
+    first = failed[0]
     return [
-        f"{len(lost)} of {dataset.sizes['point']} points failed, which says nothing of the limit there; the first, at "
-        f"{_value(dataset, one['searched'])}, is {one['status']}: {one['message']}"
-        for one in lost[:1]
+        f"{len(failed)} of {dataset.sizes['point']} points failed, which says nothing of the limit there; the first, "
+        f"at {_format_searched(dataset, first['searched'])}, is {first['status']}: {first['message']}"
     ]
 
 
-def _value(dataset: "xr.Dataset", value: float) -> str:
-    """Return a value of what is searched as it was given."""
+def _format_searched(dataset: "xr.Dataset", value: float) -> str:
+    """Text of a value of the varied quantity, in the unit in which it was given."""
     return format_quantity(
         value, dataset["searched"].attrs["units"], 4, dataset.attrs["searched_given"] or None
     )
 
 
-def _result(dataset: "xr.Dataset", at: float) -> str:
-    """Say what the result is at a value."""
+def _describe_result(dataset: "xr.Dataset", at: float) -> str:
+    """Text on the result at a value."""
     k = int(np.argmin(np.abs(dataset["searched"].to_numpy() - at)))
     result = float(dataset["result"][k])
     name = dataset.attrs["output"]

@@ -1,10 +1,12 @@
-"""Which values of a quantity to compute next, so that it is known between which two of them a limit is passed.
+"""Bracketing of the values at which a result crosses a limit, on a fine grid of values.
 
-- The values stand in a row, so closely that two neighbours tell the limit exactly enough. Some of them, evenly spread,
-  come first: they show how often the limit is passed.
-- Each passage is then narrowed down, in turn by the straight line through its ends and by halving. The line alone may
-  creep along a curved result, halving alone takes more points where the result is smooth.
-- What to compute follows from what is known alone, so that a search that was interrupted goes on alike.
+1. Compute some values of the grid that are evenly spread. They show how often the limit is crossed.
+2. Two neighbours among the computed values, one within the limit and one beyond it, are a bracket.
+3. Narrow each bracket by regula falsi (the zero of the line through its ends) and by bisection in turn, until its ends
+   are neighbours in the grid. Regula falsi alone converges slowly on a curved result; bisection alone needs more points
+   on a smooth one.
+
+The next values follow from the computed results alone, so that an interrupted search continues in the same way.
 """
 
 import math
@@ -22,27 +24,30 @@ from rollslip.studies.study import Study
 from rollslip.studies.surface_damage.model import OWN, DamageModel
 from rollslip.units import UnitError, format_quantity, quantity, unit_given
 
-__all__ = ["Requirement", "next_places", "outputs_of", "passages", "read_requirement"]
+__all__ = ["Requirement", "brackets", "next_indices", "output_of_text", "read_requirement"]
 
-_FORM: Final = re.compile(r"\s*([A-Za-z_]\w*)\s*(<=|>=|<|>)\s*(\S.*)")
+#: Pattern of a requirement: output, sense and limit.
+_PATTERN: Final = re.compile(r"\s*([A-Za-z_]\w*)\s*(<=|>=|<|>)\s*(\S.*)")
 
 
 @attrs.frozen
 class Requirement:
-    """A limit that a result is to keep.
+    """A limit of a result.
 
     Attributes
     ----------
-    output, unit : str
-        Variable of the study, and its SI unit.
+    output : str
+        Variable of the study.
+    unit : str
+        SI unit of the variable.
     sense : {"<=", ">="}
-        On which side of the limit it has to stay; the limit itself is kept.
+        Side of the limit on which the result has to be; a result at the limit satisfies it.
     limit : float
         The limit, in SI units.
     given : str
-        The unit in which it was given.
+        Unit in which the limit was given.
     without_sign : bool
-        Whether the size of the result counts, as of a slip: a cage that runs ahead slides as much.
+        Whether the absolute value of the result counts, as for slips: a cage that runs ahead slides as much.
     """
 
     output: str
@@ -53,43 +58,54 @@ class Requirement:
     without_sign: bool = False
 
     @property
-    def told(self) -> str:
-        """The requirement in words."""
+    def text(self) -> str:
+        """The requirement as text: "largest_cage_slip <= 5 %"."""
         return f"{self.output} {self.sense} {format_quantity(self.limit, self.unit, 6, self.given)}"
 
     def worst(self, values: Collection[float]) -> float:
-        """Return of several values, of both rings for example, the one that keeps it least; NaN if none is known."""
+        """Return the value nearest to or farthest beyond the limit, of both rings for example; NaN if all are NaN."""
         known = [value for value in values if not math.isnan(value)]
-        if self.without_sign:
-            return (max if self.sense == "<=" else min)(known, key=abs, default=math.nan)
-        return (max if self.sense == "<=" else min)(known, default=math.nan)
+        if self.sense == "<=":
+            return max(known, key=self._compared, default=math.nan)
+        return min(known, key=self._compared, default=math.nan)
 
     def slack(self, value: float) -> float:
-        """Return how far a value is within the limit, negative beyond it."""
-        value = abs(value) if self.without_sign else value
+        """Return the distance of a value from the limit, positive within it and negative beyond it; NaN for NaN."""
+        value = self._compared(value)
         return self.limit - value if self.sense == "<=" else value - self.limit
 
+    def _compared(self, value: float) -> float:
+        """The value that is compared with the limit."""
+        return abs(value) if self.without_sign else value
 
-def outputs_of(text: str) -> list[str]:
-    """Return the output that the text of a requirement names; none where it is none."""
-    return [] if (form := _FORM.fullmatch(text)) is None else [form[1]]
+
+def output_of_text(text: str) -> list[str]:
+    """Return a list with the output that the text of a requirement names; empty if the text is not a requirement."""
+    return [] if (match := _PATTERN.fullmatch(text)) is None else [match[1]]
 
 
 def read_requirement(
     text: str, study: type[Study], measures: Collection[DamageModel] = ()
 ) -> Requirement:
-    """Return the requirement that a text such as "largest_cage_slip <= 5 %" makes of the result of a study.
+    """Return the requirement of a text such as "largest_cage_slip <= 5 %"; SceneError if it is wrong.
 
-    What has a value for each of the ``measures`` of damage is in the unit of the one that there is.
+    Parameters
+    ----------
+    text : str
+        The requirement, OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit.
+    study : type of Study
+        Class of the study that has the output.
+    measures : collection of DamageModel
+        Measures of damage of the scene. An output of damage needs exactly one, whose unit it has.
     """
-    form = _FORM.fullmatch(text)
-    if form is None:
+    match = _PATTERN.fullmatch(text)
+    if match is None:
         raise SceneError(
             [
                 f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"
             ]
         )
-    requested, sense, value = form.groups()
+    requested, sense, value = match.groups()
     name = named_outputs(study, [requested])[0]
     sense = f"{sense[0]}="
     if name in {output.status for output in study.outputs.values()}:
@@ -97,18 +113,18 @@ def read_requirement(
     unit = study.outputs[name].unit
     if unit == OWN:
         if len(measures) != 1:
-            named = ", ".join(one.name for one in measures) or "none"
+            measure_names = ", ".join(damage_measure.name for damage_measure in measures) or "none"
             raise SceneError(
                 [
                     f"keep: {name} is of one measure of damage, and models.damage names "
-                    f"{named}; name the one that counts"
+                    f"{measure_names}; name the one that counts"
                 ]
             )
         (measure,) = measures
         unit = "K/1" if measure.difference else measure.unit
     try:
         limit = quantity(value, unit)
-        if (fraction := in_percent(name, unit)) and not 0.0 <= limit <= 1.0:
+        if (is_slip := in_percent(name, unit)) and not 0.0 <= limit <= 1.0:
             hint = (
                 f"; did you mean {limit:g} %?"
                 if 1.0 < limit <= 100.0 and unit_given(value, unit) != "%"
@@ -117,38 +133,48 @@ def read_requirement(
             raise SceneError(
                 [f"keep: {name}: a slip from 0 to 100 % is expected, not {value}{hint}"]
             )
-        return Requirement(name, unit, sense, limit, unit_given(value, unit), fraction)
+        return Requirement(name, unit, sense, limit, unit_given(value, unit), is_slip)
     except UnitError as error:
         raise SceneError([f"keep: {name}: {error}"]) from error
 
 
 def refuse_text_output(name: str) -> SceneError:
-    """Return the error of an output that is no number."""
+    """Return the error for an output that is not a number."""
     return SceneError(
         [f"keep: {name} tells in words, so it has no limit; name an output that is a number"]
     )
 
 
-def passages(slacks: Mapping[int, float]) -> list[tuple[int, int]]:
-    """Return the neighbours of which one keeps the limit and the other does not, by their places in the row."""
-    row = sorted(slacks)
-    return [(a, b) for a, b in pairwise(row) if (slacks[a] >= 0.0) != (slacks[b] >= 0.0)]
+def brackets(slacks: Mapping[int, float]) -> list[tuple[int, int]]:
+    """Return the indices of neighbours, (lower, upper), of which one is within the limit and the other is not."""
+    indices = sorted(slacks)
+    return [(a, b) for a, b in pairwise(indices) if (slacks[a] >= 0.0) != (slacks[b] >= 0.0)]
 
 
-def next_places(slacks: Mapping[int, float], failed: Collection[int], spacing: int) -> list[int]:
-    """Return the places to compute next: one in each passage that is wider than two neighbours; none at the end."""
-    places = []
-    for a, b in passages(slacks):
-        if b - a < 2 or any(a < place < b for place in failed):
+def next_indices(slacks: Mapping[int, float], failed: Collection[int], spacing: int) -> list[int]:
+    """Return the indices to compute next: one in each bracket that is wider than one step; none at the end.
+
+    Parameters
+    ----------
+    slacks : mapping of int to float
+        Index in the grid -> slack of its result (`Requirement.slack`).
+    failed : collection of int
+        Indices of points without a result; a bracket with one inside is not narrowed further.
+    spacing : int
+        Number of steps between two of the first values.
+    """
+    indices = []
+    for a, b in brackets(slacks):
+        if b - a < 2 or any(a < index < b for index in failed):
             continue
-        first = a // spacing * spacing
-        inside = sum(first < place < first + spacing for place in slacks)
-        places.append(_between(a, b, slacks[a], slacks[b], halve=inside % 2 == 1))
-    return places
+        block_start = a // spacing * spacing
+        computed_inside = sum(block_start < index < block_start + spacing for index in slacks)
+        indices.append(_trial_index(a, b, slacks[a], slacks[b], halve=computed_inside % 2 == 1))
+    return indices
 
 
-def _between(a: int, b: int, at_a: float, at_b: float, *, halve: bool) -> int:
-    """Return a place between two: where a line would pass zero, or the middle."""
-    if halve or not (math.isfinite(at_a) and math.isfinite(at_b)) or at_a * at_b == 0.0:
+def _trial_index(a: int, b: int, slack_a: float, slack_b: float, *, halve: bool) -> int:
+    """Index between two: the zero of the line through their slacks (regula falsi), or the middle (bisection)."""
+    if halve or not (math.isfinite(slack_a) and math.isfinite(slack_b)) or slack_a * slack_b == 0.0:
         return (a + b) // 2
-    return min(max(round(a + (b - a) * at_a / (at_a - at_b)), a + 1), b - 1)
+    return min(max(round(a + (b - a) * slack_a / (slack_a - slack_b)), a + 1), b - 1)
