@@ -1,4 +1,4 @@
-"""The figure of a friction curve: friction of one contact over slip, a curve for each normal force."""
+"""Figure of study friction-curve: friction of one contact over slip, a curve for each normal force."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -20,7 +20,7 @@ __all__ = ["figures"]
 
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the figure; give name, caption and figure."""
+    """Yield name, caption and figure."""
     attributes = dataset.attrs
     at = format_quantity(attributes["rolling_speed"], "m/s", 3)
     caption = f"Friction of one contact with the {attributes['ring']} ring, entrainment speed {at}."
@@ -28,6 +28,7 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 
 def _friction_curve(dataset: "xr.Dataset") -> "Figure":
+    """Draw friction over the slide-roll ratio, dark curves for large forces."""
     figure, axes = new_figure()
     shown = curves(dataset.sortby("normal_force"))
     limits = film_limits(dataset)

@@ -1,4 +1,4 @@
-"""The account of a friction curve."""
+"""Account of study friction-curve."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar, Final
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class FrictionCurveAccount(PlainAccount):
-    """How friction of one contact is told: by its curves."""
+    """Account of study friction-curve, by its curves."""
 
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
         "ring": ("ring", ""),
@@ -23,7 +23,7 @@ class FrictionCurveAccount(PlainAccount):
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return the curves, and that another study knows the slip of the cage."""
+        """Return the critical values of the curves, and the command for the slip of the cage."""
         return attrs.evolve(PlainAccount.answer(dataset), commands=next_of_others(dataset))
 
     drawn = ".figures:figures"

@@ -39,8 +39,8 @@ _OF_FORCE: Final = "normal_force"
 _Curve: TypeAlias = tuple[LoadedContacts, float, Array]
 #: Angle [rad] and number of the roller of the contact, for laws that depend on these: the one in the line of load.
 _FIRST: Final = np.zeros(1), np.zeros(1)
-#: Relative tolerance of the approach: 18 units of rounding. With half as much the iteration may not end, because the
-#: excess is known to some units only; twice as much saves no step.
+#: Relative tolerance of the approach, 18 units of rounding, below which steps are noise. Newton's method converges
+#: quadratically, so that twice as much saves no step. Chosen.
 _APPROACH_TOLERANCE: Final = 4e-15
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
@@ -243,7 +243,7 @@ class FrictionCurve(Study):
     def run_batch(
         cls, cases: "Sequence[tuple[FrictionCurve, Assembly]]", outputs: frozenset[str]
     ) -> list[PartialResult] | None:
-        """Return curves and critical slips of several contacts by one evaluation, as `run` does; None for other outputs.
+        """Return curves and critical slips of several contacts by one evaluation; None for other outputs.
 
         Parameters
         ----------
@@ -292,7 +292,7 @@ class FrictionCurve(Study):
     def _curve_variables(
         self, slip: Array, friction: Sequence[Array] | None, critical: Sequence[Critical]
     ) -> PartialResult:
-        """Return variables and coordinates of the maxima of curves, and of the curves if their friction is known."""
+        """Return variables and coordinates of the maxima of curves, and of curves whose friction is known."""
         curves = {} if friction is None else self.variables(friction=np.stack(friction))
         return curves | self.variables(
             critical_slip=np.array([c.slip for c in critical]),
@@ -358,7 +358,7 @@ def _balanced(
 
 
 def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Array]:
-    """Return friction coefficients of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
+    """Return friction of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
     return mean_friction(
         [(contacts, np.full(slip.size, u), slip * u) for contacts, u, slip in cases]
     )

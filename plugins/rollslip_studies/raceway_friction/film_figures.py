@@ -1,4 +1,4 @@
-"""What figures of friction over slip say of the film: how thick it is, and where it is no longer full."""
+"""Film regimes in figures of friction over slip: film parameters in legends, and shades where films are not full."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -15,18 +15,26 @@ if TYPE_CHECKING:
 
 __all__ = ["film_limits", "film_text", "shade_film"]
 
-#: Background where the thinnest film is no longer full.
+#: Grey of the background where the smallest film is mixed or boundary.
 FILM_TINTS: Final = {"mixed": "0.93", "boundary": "0.84"}
 
 
 def film_limits(dataset: "xr.Dataset") -> dict[str, float]:
-    """Film parameters up to which a film is mixed or boundary, as its law of traction states them."""
+    """Return the film parameters up to which a film is mixed or boundary, as the traction law states them."""
     limits: dict[str, float] = json.loads(dataset.attrs.get("film_limits", "{}"))
     return limits
 
 
 def film_text(curve: Curve, limits: Mapping[str, float]) -> str:
-    """Film parameter of a curve and, if it is one all along, the kind of film."""
+    """Return the film parameters of a curve and, if there is one kind only, the kind of film.
+
+    Parameters
+    ----------
+    curve : Curve
+        The curve.
+    limits : mapping
+        Film parameter [-] below which a film is of a kind, by the kind.
+    """
     finite = curve.film_parameter[np.isfinite(curve.film_parameter)]
     if not finite.size:
         return "Λ unknown"
@@ -38,12 +46,23 @@ def film_text(curve: Curve, limits: Mapping[str, float]) -> str:
 
 
 def _kind(film_parameter: float, limits: Mapping[str, float]) -> str:
+    """Return the kind of a film with a film parameter."""
     below = [film for film, limit in limits.items() if film_parameter < limit]
     return f"{min(below, key=limits.__getitem__)} film" if below else "full film"
 
 
 def shade_film(axes: "Axes", shown: Sequence[Curve], limits: Mapping[str, float]) -> "list[Artist]":
-    """Shade the slips at which the thinnest film is not full; return what goes into the legend."""
+    """Shade the slips at which the smallest film is not full; return the entries of the legend.
+
+    Parameters
+    ----------
+    axes : Axes
+        Axes with slip in percent.
+    shown : sequence of Curve
+        The curves.
+    limits : mapping
+        Film parameter [-] below which a film is of a kind, by the kind.
+    """
     from matplotlib.patches import Patch
 
     thinnest = np.min([curve.film_parameter for curve in shown], axis=0)

@@ -46,7 +46,7 @@ __all__ = [
 ]
 
 #: Scale a of asinh(V/(a u)): below it nodes are uniform in V/u, above it in the logarithm. Twice as much leaves fewer
-#: nodes to the rise of friction; chosen, near the slide-roll ratio of the largest traction.
+#: nodes to the rise of friction, half as much fewer to its fall. Chosen.
 SLIDE_ROLL_SCALE: Final = 3e-3
 #: Largest slide-roll ratio V/u of the grid. A cage at rest beside a turning ring has 2; twice that is chosen for
 #: motions that overshoot. Doubling it adds few nodes, because they are uniform in the logarithm there.
