@@ -34,7 +34,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.dataset import about, save
-from rollslip.scene.changes import Quantity, evolve, describe_unknown_key
+from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.search import Array
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
@@ -353,7 +353,9 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
         name = next((full for full in _KEYS if key in (full, full.partition(".")[2])), None)
         if name is None:
             choices = f"there are: {', '.join(_KEYS)}"
-            problems.append(f"{key}: {choices if key in known else describe_unknown_key(key, known)}")
+            problems.append(
+                f"{key}: {choices if key in known else describe_unknown_key(key, known)}"
+            )
             continue
         # a list of one value is a quantity that does not vary
         text = text[0] if isinstance(text, list) and len(text) == 1 else text
