@@ -1,4 +1,4 @@
-"""Figures of effective friction: of both raceways, of single rollers, and the map over both slips."""
+"""Figures of study effective-friction: curves of both raceways, of single rollers, and the map over both slips."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Final
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["figures"]
 
+#: Style of the mark of the slip at which the cage runs.
 _POINT: Final[dict[str, Any]] = {
     **MARKER,
     "markersize": 6,
@@ -36,7 +37,7 @@ _POINT: Final[dict[str, Any]] = {
 
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the figures; give name, caption and figure of each that the dataset has something to show for."""
+    """Yield name, caption and figure of each figure for which the dataset has variables."""
     name = "effective-friction"
     closure = f"roller speed: {dataset.attrs['closure']}"
     caption = f"Effective friction of both raceways against cage slip, {closure}."
@@ -47,11 +48,12 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     if "friction_map" in dataset:
         caption = f"Effective friction over cage slip and roller slip; the line is the {closure}."
         yield f"{name}-map", caption, _map(dataset)
-    if "operating_slip" not in dataset.attrs:  # else the study that tells it draws them
+    if "operating_slip" not in dataset.attrs:  # else the study with the operating slip draws them
         yield from ring_figure(dataset)
 
 
 def _effective_friction(dataset: "xr.Dataset") -> "Figure":
+    """Draw the effective friction of both raceways over the cage slip."""
     figure, axes = new_figure()
     shown = curves(dataset)
     limits = film_limits(dataset)
@@ -73,6 +75,7 @@ def _effective_friction(dataset: "xr.Dataset") -> "Figure":
 
 
 def _rollers(dataset: "xr.Dataset") -> "Figure":
+    """Draw the friction of single rollers and the effective friction of the inner ring."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.lines import Line2D
@@ -105,13 +108,14 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
     return figure
 
 
-def _runs(dataset: "xr.Dataset") -> float:
-    """Return the slip at which the cage runs, of this study or, in a run, of that which knows it best; NaN for none."""
+def _operating_slip(dataset: "xr.Dataset") -> float:
+    """Return the slip at which the cage runs, of this study or of another one in a run; NaN outside the map."""
     known = float(dataset.attrs.get("operating_slip", dataset.get("steady_cage_slip", np.nan)))
     return known if known <= float(dataset["map_cage_slip"].max()) else np.nan
 
 
 def _map(dataset: "xr.Dataset") -> "Figure":
+    """Draw contours of effective friction over cage slip and roller slip, with the curve of the closure."""
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.ticker import MaxNLocator
@@ -126,7 +130,7 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     colours = against_zero(float(levels[0]), float(levels[-1]))
     style: dict[str, Any] = {"color": "black", "linewidth": 1.6, "linestyle": DASHES[3]}
     panels = figure.subplots(1, dataset.sizes["ring"], sharey=True, squeeze=False)[0]
-    runs = _runs(dataset)
+    operating_slip = _operating_slip(dataset)
     point = list[Line2D]()
     for axes, curve, ring, values in zip(
         panels, curves(dataset), dataset["ring"].values, surface, strict=True
@@ -145,15 +149,18 @@ def _map(dataset: "xr.Dataset") -> "Figure":
         line = 100 * dataset["roller_slip"].sel(ring=ring).to_numpy()
         axes.plot(100 * curve.slip, line, **style)
         if curve.has_critical:
-            place = (
+            point_at = (
                 100 * curve.critical_slip,
                 float(np.interp(curve.critical_slip, curve.slip, line)),
             )
-            axes.plot(*place, marker="o", markersize=5, color="white", markeredgecolor="black")
-            write_beside(axes, percent(curve.critical_slip), place)
-        if np.isfinite(runs):
+            axes.plot(*point_at, marker="o", markersize=5, color="white", markeredgecolor="black")
+            write_beside(axes, percent(curve.critical_slip), point_at)
+        if np.isfinite(operating_slip):
             point = axes.plot(
-                100 * runs, float(np.interp(runs, curve.slip, line)), color="black", **_POINT
+                100 * operating_slip,
+                float(np.interp(operating_slip, curve.slip, line)),
+                color="black",
+                **_POINT,
             )
         axes.set_title(curve.name)
         axes.set_xlabel(axis_label(dataset["map_cage_slip"], r"$S_\mathrm{c}$", "%"))

@@ -1,4 +1,4 @@
-"""The account of effective friction."""
+"""Account of study effective-friction."""
 
 import math
 from collections.abc import Mapping
@@ -18,43 +18,45 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+#: Slip, drag and status of the onset of skidding.
 _SKIDDING: Final = ("skidding_slip", "limit_drag", "skidding_status")
+#: Slip, drag and status of the steady slip.
 _STEADY: Final = ("steady_cage_slip", "steady_drag", "steady_status")
-#: What slip and reserve may be off those of every slice, relative: docs/tables/skidding_effective_summary.csv.
+#: Relative error of slip and reserve by effective friction, from docs/tables/skidding_effective_summary.csv. A smaller
+#: one would call differences from study steady-slip faults.
 _WITHIN: Final = 0.25
 
 
 def _curves(dataset: "xr.Dataset") -> "xr.Dataset":
-    """All but where the cage runs and runs away, of which each is one sentence."""
+    """Return the dataset without the onset of skidding and the steady slip, which have sentences of their own."""
     return dataset.drop_vars((*_SKIDDING, *_STEADY), errors="ignore")
 
 
 def _describe_skidding(dataset: "xr.Dataset") -> str:
-    """Say where the cage runs away; nothing where that was not asked for."""
-    return (
-        describe_skidding(*(dataset[name].item() for name in _SKIDDING))
-        if "skidding_slip" in dataset
-        else ""
-    )
+    """Return the onset of skidding, or why there is none; empty if it was not requested."""
+    if "skidding_slip" not in dataset:
+        return ""
+    slip, drag, status = (dataset[name].item() for name in _SKIDDING)
+    return describe_skidding(slip, drag, status)
 
 
-def _runs(dataset: "xr.Dataset") -> str:
-    """Say steady slip and reserve of drag; nothing where they were not asked for."""
+def _describe_running(dataset: "xr.Dataset") -> str:
+    """Return the steady slip and the drag reserve; empty if they were not requested."""
     if "steady_cage_slip" not in dataset:
         return ""
     slip, drag, status = (dataset[name].item() for name in _STEADY)
     if math.isnan(slip):
         return str(status)
     reserve = dataset["limit_drag"].item() / drag if drag > 0.0 else math.nan
-    known = str(Status.FOUND)
+    reserve_status = str(Status.FOUND)
     if "drag_reserve" in dataset:
         reserve = dataset["drag_reserve"].item()
-        known = dataset["reserve_status"].item()
-    return describe_running(slip, dataset["skidding_slip"].item(), reserve, known)
+        reserve_status = dataset["reserve_status"].item()
+    return describe_running(slip, dataset["skidding_slip"].item(), reserve, reserve_status)
 
 
 class EffectiveFrictionAccount(PlainAccount):
-    """How effective friction is told: by its curves, and by how finely it was computed."""
+    """Account of study effective-friction: its curves, the onset of skidding, the steady slip and errors."""
 
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
         "closure": ("closure: what the rollers spin at", ""),
@@ -63,7 +65,7 @@ class EffectiveFrictionAccount(PlainAccount):
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return slip and reserve of drag, which a study of steady slips knows better."""
+        """Return the steady slip and the drag reserve; study steady-slip has more exact ones."""
         if "steady_cage_slip" not in dataset:
             return Answer(commands=next_of_others(dataset))
         slip = dataset["steady_cage_slip"].item()
@@ -81,35 +83,38 @@ class EffectiveFrictionAccount(PlainAccount):
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say where the cage runs away and runs, and what was found of each curve."""
-        said = {"skidding": _describe_skidding(dataset), "steady slip": _runs(dataset)}
-        return {about: [text] for about, text in said.items() if text} | PlainAccount.topics(
+        """Return the onset of skidding, the steady slip and the maxima of curves, by topic."""
+        sentences = {
+            "skidding": _describe_skidding(dataset),
+            "steady slip": _describe_running(dataset),
+        }
+        return {about: [text] for about, text in sentences.items() if text} | PlainAccount.topics(
             _curves(dataset)
         )
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
-        """Return where the cage runs away and runs, and what was found of each curve."""
+        """Return sentences on the onset of skidding, the steady slip and the maxima of curves."""
         return [
-            *filter(None, (_describe_skidding(dataset), _runs(dataset))),
+            *filter(None, (_describe_skidding(dataset), _describe_running(dataset))),
             *super().sentences(_curves(dataset)),
         ]
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
-        """Return what is said on a terminal."""
-        said = [
-            *filter(None, (_describe_skidding(dataset), _runs(dataset))),
+        """Return the lines for a terminal, with the errors of the discretisation."""
+        lines = [
+            *filter(None, (_describe_skidding(dataset), _describe_running(dataset))),
             *super().lines(_curves(dataset)),
         ]
         a = dataset.attrs
         if {"positions_error", "resolution"} <= a.keys():
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
-            said.append(
+            lines.append(
                 f"{a['n_positions']} roller positions within a pitch and {a['slices']} "
                 "slices of a roller leave relative "
                 f"errors of about {a['positions_error']:.1e} and {slices:.1e}; residual of the forces "
                 f"{a['force_residual']:.1e}"
             )
-        return said
+        return lines
 
     drawn = ".figures:figures"
 

@@ -490,8 +490,8 @@ def no_load_error(scene: Scene, consequence: str) -> SceneError:
         [
             Location(scene.origins, ("operation", "radial_load")).message(
                 f"no roller is loaded on the inner ring with {format_quantity(scene.operation.radial_load, 'N')} and "
-                f"bearing.radial_clearance = {format_quantity(clearance, 'm')}, so {consequence}; raise operation.radial_load, "
-                "or give bearing.radial_clearance below zero"
+                f"bearing.radial_clearance = {format_quantity(clearance, 'm')}, so {consequence}; raise "
+                "operation.radial_load, or give bearing.radial_clearance below zero"
             )
         ]
     )

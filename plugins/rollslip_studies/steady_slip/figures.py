@@ -1,7 +1,7 @@
-"""Figures of steady slip: driving torque and drag over cage slip, the rollers' orbit, slips through their fold.
+"""Figures of study steady-slip: torques over cage slip, the orbit of a roller, losses, and slips through folds.
 
-Style, sizes and files are those of `rollslip.results.style`. Everything reads in grey: what the cage does not hold is
-dashed.
+Style, sizes and files are those of `rollslip.results.style`. Unstable slips are dashed, so that figures are readable in
+grey.
 """
 
 import json
@@ -40,14 +40,16 @@ __all__ = ["catalogue_loads", "mark_loads", "steady_figures"]
 
 Array = NDArray[np.float64]
 
+#: Symbols of the operating conditions over which slips are followed.
 _SYMBOLS: Final = {
     "inner_speed": r"$n_\mathrm{i}$",
     "temperature": r"$\vartheta$",
     "radial_load": r"$F_\mathrm{r}$",
 }
-#: A limit that somebody chose.
+#: Style of a limit, such as the acceptable slip.
 _LIMIT: Final[dict[str, Any]] = {"color": "0.35", "linewidth": 0.8, "linestyle": DASHES[2]}
-_OPEN: dict[str, Any] = {
+#: Style of the mark of an unstable slip.
+_OPEN: Final[dict[str, Any]] = {
     "marker": "o",
     "markersize": 4,
     "markerfacecolor": "white",
@@ -56,18 +58,20 @@ _OPEN: dict[str, Any] = {
 
 
 def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the figures; give name, caption and figure of each."""
-    which = f"{dataset.attrs['friction']} friction"
+    """Yield name, caption and figure of each figure."""
+    friction = f"{dataset.attrs['friction']} friction"
     yield (
         "steady-slip",
-        f"Driving torque of the rollers and drag torque over cage slip, {which}.",
+        f"Driving torque of the rollers and drag torque over cage slip, {friction}.",
         _torques(dataset),
     )
     if has_steady(dataset):
-        caption = f"Normal force and roller slip over the orbit at the steady cage slips, {which}."
+        caption = (
+            f"Normal force and roller slip over the orbit at the steady cage slips, {friction}."
+        )
         yield "steady-slip-orbit", caption, _orbit(dataset)
         yield from ring_figure(dataset)
-        # one bar would say no more than the sentences do
+        # one bar would only repeat a sentence
         if (
             dataset.sizes["steady"] > 1
             and "loss" in dataset
@@ -81,13 +85,14 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     for name in varied(dataset):
         if name in dataset:
             caption = (
-                f"Steady cage slip against {name.replace('_', ' ')}, {which}; dashed "
+                f"Steady cage slip against {name.replace('_', ' ')}, {friction}; dashed "
                 "is what the cage does not hold."
             )
             yield f"steady-slip-{name.replace('_', '-')}", caption, _branches(dataset, name)
 
 
 def _torques(dataset: "xr.Dataset") -> "Figure":
+    """Draw driving torque and drag torque over cage slip, with steady slips and the limit drag torque."""
     from scipy.interpolate import PchipInterpolator
 
     sheet = Sheet()
@@ -104,23 +109,23 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
     rows = {row.key: row for row in account_of(dataset).answer(dataset).rows}
     largest = float(dataset["limit_drag"])
     if not np.isnan(largest):
-        place = 100 * float(dataset["skidding_slip"]), largest
+        point = 100 * float(dataset["skidding_slip"]), largest
         sheet.mark(
-            *place, f"limit drag torque, {two_digits(largest)} N m", marker="^", markersize=4
+            *point, f"limit drag torque, {two_digits(largest)} N m", marker="^", markersize=4
         )
-    for stable, style, words in (
+    for stable, style, label in (
         (1, MARKER, "steady slip"),
         (0, _OPEN, "steady slip that is not held"),
     ):
         if has_steady(dataset) and (chosen := dataset["stable"].to_numpy() == stable).any():
             at = 100 * dataset["steady_slip"].to_numpy()[chosen]
             torque = dataset["torque"].to_numpy()[chosen]
-            said = f"{words}, {', '.join(percent(0.01 * value) for value in at)}"
+            label = f"{label}, {', '.join(percent(0.01 * value) for value in at)}"
             if stable and (band := rows["cage_slip"].band):
-                said += f"; where data scatter {format_slip_band(*band)}"
-                ends = 100 * np.minimum(band, 10.0)  # an end beyond the axis has no tick
+                label += f"; where data scatter {format_slip_band(*band)}"
+                bounds = 100 * np.minimum(band, 10.0)  # an end beyond the axis has no tick
                 axes.plot(
-                    ends,
+                    bounds,
                     [torque[0]] * 2,
                     color="black",
                     linewidth=0.9,
@@ -128,19 +133,18 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
                     markersize=5,
                     zorder=3,
                 )
-            sheet.mark(at, torque, said, zorder=4, clip_on=False, **style)
+            sheet.mark(at, torque, label, zorder=4, clip_on=False, **style)
     if "minimum_load" in rows:
         acceptable = 100 * float(dataset.attrs["acceptable_slip"])
-        least = rows["minimum_load"]
+        minimum = rows["minimum_load"]
         axes.axvline(acceptable, **_LIMIT)
-        said = f"minimum load {least.text}, {least.note}"
-        sheet.key(
-            said if np.isfinite(least.value) else f"acceptable slip, {acceptable:.3g} %; {said}",
-            **_LIMIT,
-        )
-    every = np.concatenate([curve, drag, [0.0]])
-    low = every.min()
-    high = every.max()
+        label = f"minimum load {minimum.text}, {minimum.note}"
+        if not np.isfinite(minimum.value):
+            label = f"acceptable slip, {acceptable:.3g} %; {label}"
+        sheet.key(label, **_LIMIT)
+    values = np.concatenate([curve, drag, [0.0]])
+    low = values.min()
+    high = values.max()
     axes.set_xlim(0.0, 100 * slip[-1])
     axes.set_ylim(low, high + 0.08 * (high - low))
     return sheet.done(
@@ -149,53 +153,61 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
 
 
 def _losses(dataset: "xr.Dataset") -> "Figure":
+    """Draw the losses at each steady slip as stacked bars, by source."""
     sheet = Sheet(TWO_COLUMNS)
     axes = sheet.axes
     power = dataset["loss"].to_numpy()
     sources = [str(source) for source in dataset["source"].to_numpy()]
-    place = np.arange(power.shape[1])
-    begin = np.zeros(power.shape[1])
+    rows = np.arange(power.shape[1])
+    left = np.zeros(power.shape[1])
     tints = light_to_dark()(np.linspace(1.0, 0.0, len(sources)))
     for source, tint, lost in zip(sources, tints, power, strict=True):
         bars = axes.barh(
-            place, lost, left=begin, height=0.6, color=tint, edgecolor="white", linewidth=0.4,
+            rows,
+            lost,
+            left=left,
+            height=0.6,
+            color=tint,
+            edgecolor="white",
+            linewidth=0.4,
             label=f"{source}, {', '.join(f'{value:.3g}' for value in lost)} W",
-        )  # fmt: skip
+        )
         sheet.handles.append(bars[0])
         bars[0].set_label(bars.get_label())
-        begin = begin + lost
-    slips = dataset["steady_slip"].to_numpy()
-    held = dataset["stable"].to_numpy()
+        left = left + lost
     states = [
-        f"{100 * slip:.3g} %, {'held' if kept else 'not held'}"
-        for slip, kept in zip(slips, held, strict=True)
+        f"{100 * slip:.3g} %, {'held' if stable else 'not held'}"
+        for slip, stable in zip(
+            dataset["steady_slip"].to_numpy(), dataset["stable"].to_numpy(), strict=True
+        )
     ]
-    axes.set_yticks(place, states)
+    axes.set_yticks(rows, states)
     axes.invert_yaxis()
-    words = (
+    labels = (
         axis_label(dataset["loss"], "$P$", "W"),
         axis_label(dataset["steady_slip"], r"$S_\mathrm{c}$", "%"),
     )
-    return sheet.done(*words, columns=2, height=0.5 * TWO_COLUMNS[1] + 2 * ROW * power.shape[1])
+    return sheet.done(*labels, columns=2, height=0.5 * TWO_COLUMNS[1] + 2 * ROW * power.shape[1])
 
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
+    """Draw normal forces and roller slip over the orbit at each steady slip."""
     sheet = Sheet(TWO_COLUMNS, 1, 2)
     forces, slips = sheet.axes
     angle = np.degrees(dataset["angle"].to_numpy())
     centred = np.argsort((angle + 180.0) % 360.0)
     shown = (angle[centred] + 180.0) % 360.0 - 180.0
     for k in range(dataset.sizes["steady"]):
-        one = dataset.isel(steady=k)
-        style: dict[str, Any] = {"linestyle": "solid" if int(one["stable"]) else "dashed"}
-        for ring in one["ring"].to_numpy():
-            force = one["normal_force"].sel(ring=ring).to_numpy()[centred]
+        state = dataset.isel(steady=k)
+        style: dict[str, Any] = {"linestyle": "solid" if int(state["stable"]) else "dashed"}
+        for ring in state["ring"].to_numpy():
+            force = state["normal_force"].sel(ring=ring).to_numpy()[centred]
             forces.plot(shown, force, color=RING_COLOURS[str(ring)], **style)
-        roller = 100 * one["roller_slip"].to_numpy()[centred]
-        cage = 100 * float(one["steady_slip"])
+        roller = 100 * state["roller_slip"].to_numpy()[centred]
+        cage = 100 * float(state["steady_slip"])
         slips.plot(shown, roller, color="black", **style)
-        words = f"cage slip {cage:.3g} %, {str(one['stability'].item()).partition(':')[0]}"
-        sheet.key(words, color="black", **style)
+        label = f"cage slip {cage:.3g} %, {str(state['stability'].item()).partition(':')[0]}"
+        sheet.key(label, color="black", **style)
     for ring, colour in RING_COLOURS.items():
         sheet.key(f"{ring} ring", color=colour)
     for axes in (forces, slips):
@@ -209,21 +221,19 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
 
 
 def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
+    """Draw steady slips over an operating condition, with folds, and over the load with minimum loads."""
     sheet = Sheet()
     axes = sheet.axes
-    value, unit, symbol = _for_people(dataset, name)
+    value, unit, symbol = _in_shown_unit(dataset, name)
     slip = 100 * dataset[f"{name}_slip"].to_numpy()
     branch = dataset[f"{name}_branch"].to_numpy()
     stable = dataset[f"{name}_stable"].to_numpy() == 1
     fold = dataset[f"{name}_fold"].to_numpy() == 1
     for number in np.unique(branch):
-        for kind, style in (
-            (stable | fold, "solid"),
-            (~stable, "dashed"),
-        ):  # a fold belongs to both
+        for shown, style in ((stable | fold, "solid"), (~stable, "dashed")):  # folds are in both
             axes.plot(
                 value,
-                np.where(kind & (branch == number), slip, np.nan),
+                np.where(shown & (branch == number), slip, np.nan),
                 color=MODEL_COLOURS[0],
                 linestyle=style,
             )
@@ -231,12 +241,12 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
         ("steady slip", "solid", stable),
         ("steady slip that is not held", "dashed", ~stable),
     )
-    for words, style, of_kind in kinds:
-        if of_kind.any():
-            sheet.key(words, color=MODEL_COLOURS[0], linestyle=style)
+    for label, style, chosen in kinds:
+        if chosen.any():
+            sheet.key(label, color=MODEL_COLOURS[0], linestyle=style)
     if fold.any():
-        words = ", ".join(f"{at:.4g} {unit}" for at in value[fold])
-        sheet.mark(value[fold], slip[fold], f"fold, {words}", zorder=4, **MARKER)
+        values = ", ".join(f"{at:.4g} {unit}" for at in value[fold])
+        sheet.mark(value[fold], slip[fold], f"fold, {values}", zorder=4, **MARKER)
     axes.set_ylim(bottom=0.0)
     if name == "radial_load" and "makers_minimum_load" in dataset:
         acceptable = 100 * float(dataset.attrs["acceptable_slip"])
@@ -247,12 +257,12 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
             None,
         )
         if row is not None and np.isfinite(row.value):
-            ends = ""
+            band = ""
             if row.band:
                 low, high = converted(np.array(row.band), "N", unit)
-                ends = f", {two_digits(low)} to {two_digits(high)} where data scatter:"
+                band = f", {two_digits(low)} to {two_digits(high)} where data scatter:"
                 axes.axvspan(low, high, color="0.9", linewidth=0.0, zorder=0)
-            mark_loads(sheet, {f"minimum load{ends}": row.value}, unit, color="black")
+            mark_loads(sheet, {f"minimum load{band}": row.value}, unit, color="black")
         mark_loads(sheet, catalogue_loads(dataset), unit)
     return sheet.done(
         axis_label(dataset[name], symbol, unit),
@@ -261,15 +271,15 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
 
 
 def catalogue_loads(dataset: "xr.Dataset") -> dict[str, float]:
-    """Return the minimum loads of catalogues [N] for the bearing of a result, the least first, as a legend names them.
+    """Return the minimum loads of catalogues [N] for the bearing of a result by label, the smallest first.
 
-    They are read from the scene of the result, so that a sweep has them, too.
+    They are evaluated from the scene of the result, so that results of sweeps have them, too.
     """
     try:
         loads, _ = minimum_loads_of_makers(
             from_raw(json.loads(dataset.attrs["scene_resolved"]), "")
         )
-    except (KeyError, RollslipError):  # a result of before
+    except (KeyError, RollslipError):  # an older result
         return {}
     pairs = sorted(
         (float(load), maker) for maker, load in zip(RULES, loads, strict=True) if load > 0.0
@@ -278,25 +288,38 @@ def catalogue_loads(dataset: "xr.Dataset") -> dict[str, float]:
 
 
 def mark_loads(sheet: Sheet, loads: Mapping[str, float], unit: str, **style: Any) -> None:
-    """Draw loads [N] over an axis of loads in a unit, as lines; of one beyond its ends the legend says so."""
+    """Draw loads as lines across an axis of loads; for a load beyond the axis there is a text in the legend only.
+
+    Parameters
+    ----------
+    sheet : Sheet
+        The figure.
+    loads : mapping
+        Loads [N] by label.
+    unit : str
+        Unit of the axis.
+    **style
+        Style of the lines.
+    """
     low, high = sheet.axes.get_xlim()
     for k, (label, load) in enumerate(loads.items(), 1):
         at = float(converted(load, "N", unit))
-        look: dict[str, Any] = {
+        line: dict[str, Any] = {
             "color": "0.45",
             "linewidth": 0.8,
             "linestyle": DASHES[k % len(DASHES)],
             **style,
         }
-        if inside := low <= at <= high:
-            sheet.axes.axvline(at, **look)
-        words = f"{label} {two_digits(at)} {unit}{'' if inside else ', beyond the axis'}"
-        sheet.key(words, **(look if inside else {"linestyle": "none"}))
+        if low <= at <= high:
+            sheet.axes.axvline(at, **line)
+            sheet.key(f"{label} {two_digits(at)} {unit}", **line)
+        else:
+            sheet.key(f"{label} {two_digits(at)} {unit}, beyond the axis", linestyle="none")
     sheet.axes.set_xlim(low, high)
 
 
-def _for_people(dataset: "xr.Dataset", name: str) -> tuple[Array, str, str]:
-    """Values of what was varied in the unit that people use, the unit, and the symbol."""
+def _in_shown_unit(dataset: "xr.Dataset", name: str) -> tuple[Array, str, str]:
+    """Return values of an operating condition in the unit that people read, that unit, and the symbol."""
     values = dataset[name].to_numpy()
     unit = str(dataset[name].attrs["units"])
     shown = shown_unit(float(np.nanmax(np.abs(values))), unit)

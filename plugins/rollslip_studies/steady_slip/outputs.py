@@ -187,7 +187,7 @@ MEASURED: Final[Mapping[str, Measurable]] = MappingProxyType(
         ),
         "cage-speed": Measurable(variable="cage_speed", lasting=0),
         "friction-torque": Measurable(variable="friction_torque", lasting=0),
-        "least-load": Measurable(variable="minimum_load"),
-        "largest-drag-slip": Measurable(variable="skidding_slip", beyond=True),
+        "minimum-load": Measurable(variable="minimum_load"),
+        "limit-drag-slip": Measurable(variable="skidding_slip", beyond=True),
     }
 )
