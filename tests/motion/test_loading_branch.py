@@ -24,6 +24,7 @@ from rollslip_studies.motion.loading_branch import (
     _Maximum,
     _second_derivative,
     _slips_within,
+    find_loading_branch,
 )
 from rollslip_studies.motion.spins import Motion, Motions, logit_slip, slip_from_logit
 from rollslip_studies.motion.torque_balance import (
@@ -242,7 +243,9 @@ def test_all_motions_lie_between_those_that_both_ends_lead_to(number, resists, p
     found = motions.find(slips)[0]
     high = found[0].fraction
     low = found[-1].fraction
-    low_end, high_end = motions._march_starts(motions.spins(slips), slips)[0] / motions.unit(slips)[0]
+    low_end, high_end = (
+        motions._march_starts(motions.spins(slips), slips)[0] / motions.unit(slips)[0]
+    )
     between = motions.find(slips, np.array([low_end + part * (high_end - low_end)]))[0][0]
     nearest = min(motions.distance(between.fraction, one) for one in (high, low))
     if len(found) == 1:
@@ -477,6 +480,76 @@ def curve(*torques, gaps=()):
     ]
 
 
+class Torques:
+    """Motions of a bearing whose torque is a function of logit(S); they are not linked across the ``end`` of one."""
+
+    resists = False
+    n_positions = 1
+
+    def __init__(self, torque, *, end=math.inf, fine=None):
+        self.torque = torque
+        self.end = end
+        self.fine = fine or self
+        self.count = 0
+
+    def find(self, slips, starts=None):
+        self.count += slips.size
+        torques = [self.torque(logit_slip(slip)) for slip in slips.tolist()]
+        return [
+            [Motion(slip, torque, np.zeros(1), 1.0, True)]
+            for slip, torque in zip(slips.tolist(), torques, strict=True)
+        ]
+
+    def link(self, below, motion):
+        is_linked = (below.logit_slip <= self.end) == (motion.logit_slip <= self.end)
+        return attrs.evolve(motion, linked=is_linked)
+
+    def distance(self, first, second):
+        return 0.0
+
+    def with_resolution(self, n_positions, n_loads):
+        return self.fine
+
+
+def test_the_slope_of_a_steady_slip_balances_truncation_and_rounding():
+    """Of S^3 with a rounding of 2e-12 in the worst sense; half and twice the step have errors of 1.4e-8 and 1.7e-8."""
+
+    def torque(logit):
+        slip = slip_from_logit(logit)
+        return slip**3 * (1.0 + math.copysign(2e-12, slip - 0.3))
+
+    motions = Torques(torque)
+    (steady,) = find_loading_branch(motions, 0.9, motions).find_steady_motions(lambda _: -0.027)
+    assert steady.slope == pytest.approx(3.0 * 0.3**2, rel=1.2e-8)
+
+
+def test_the_slip_after_a_jump_is_found_to_a_thousandth_of_its_logit():
+    """Where the torque rises in a step; with twice the tolerance it is off by 1.5e-3."""
+
+    def torque(logit):
+        return 2.0 + 0.01 * logit if logit > 1.0337 else math.exp(-((logit + 2.0) ** 2))
+
+    motions = Torques(torque)
+    jump, *_ = find_loading_branch(motions, 0.9, motions).jumps
+    assert jump.drag == pytest.approx(1.0, rel=1e-6)
+    assert logit_slip(jump.slip_after) == pytest.approx(1.0337, abs=1e-3)
+
+
+def test_the_end_of_a_motion_is_found_on_finer_positions_by_two_passes():
+    """There it is 0.018 beyond that of coarse ones: between two samples of the first pass, which are 0.025 apart."""
+
+    def rising_to(end):
+        return lambda logit: 2.0 + logit - end if logit <= end else 0.5 - 0.1 * logit
+
+    fine = Torques(rising_to(-1.0 + 0.018))
+    motions = Torques(rising_to(-1.0), end=-1.0, fine=fine)
+    (jump,) = find_loading_branch(motions, 0.9, motions).jumps
+    assert logit_slip(jump.slip) == pytest.approx(-1.0 + 0.018, abs=0.025 / 4.0 + SEARCH.gap_width)
+    assert jump.drag == pytest.approx(2.0, rel=jump.error)
+    assert jump.error < 0.02
+    assert fine.count <= 2 * SEARCH.end_samples + 2
+
+
 def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_on_all_slices():
     """By few loads the excess passes zero just below 4.7 %, a slip of the way, and by all slices at 5 %."""
     bearing = assemble(scenes.wide(100_600))
@@ -489,18 +562,8 @@ def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_o
 
 def test_maxima_of_a_way_fall_behind_by_more_than_rounding_before_a_larger_one_comes():
     assert _find_maxima(curve(1.0, 3.0, 2.0, 4.0, 1.0)) == [1, 3]
-    assert (
-        _find_maxima(
-            curve(
-                1.0,
-                3.0,
-                3.0 * (1.0 - 0.5 * SEARCH.min_fall),
-                4.0,
-                4.0 * (1.0 - 0.5 * SEARCH.min_fall),
-            )
-        )
-        == []
-    )
+    level = 1.0 - 0.5 * SEARCH.min_fall
+    assert _find_maxima(curve(1.0, 3.0, 3.0 * level, 4.0, 4.0 * level)) == []
     assert _find_maxima(curve(-1.0, -3.0)) == []
 
 
