@@ -13,7 +13,7 @@ from output import write_table
 
 from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
-from rollslip.results.words import two_digits
+from rollslip.results.text import two_digits
 from rollslip_studies.steady_slip.study import SteadySlip
 
 BASE = {

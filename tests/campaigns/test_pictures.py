@@ -8,7 +8,7 @@ import xarray as xr
 
 import rollslip
 from rollslip.results.figures import plot
-from rollslip.results.words import two_digits
+from rollslip.results.text import two_digits
 from rollslip.structure import resolved
 from rollslip_studies.steady_slip.figures import catalogue_loads
 from rollslip_studies.steady_slip.minimum_load import minimum_loads_of_makers

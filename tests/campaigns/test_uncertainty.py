@@ -22,7 +22,7 @@ from rollslip.errors import OutputError, SceneError
 from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip.results.table import sheet
-from rollslip.results.words import two_digits
+from rollslip.results.text import two_digits
 from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
 from rollslip.units import quantity

@@ -21,7 +21,7 @@ import rollslip
 import warm
 from rollslip.cli.main import cli
 from rollslip.results.dataset import VOLATILE
-from rollslip.results.words import LOWER_BOUNDS
+from rollslip.results.text import LOWER_BOUNDS
 from rollslip.scene.reading import shipped_scenes
 
 QUICK = ["--study", "friction-curve", "--no-plots"]

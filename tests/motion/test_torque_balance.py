@@ -8,7 +8,7 @@ import pytest
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip_studies.motion.spins import EffectiveCurve, Motions
 from rollslip_studies.motion.torque_balance import (
     Running,

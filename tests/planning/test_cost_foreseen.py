@@ -10,9 +10,9 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
-from rollslip.planning.lines import LONG, cost_sentences, format_time
+from rollslip.planning.lines import LONG_RUN, cost_sentences, format_time
 from rollslip.planning.plan import plan, require_memory
-from rollslip.results.words import duration
+from rollslip.results.text import duration
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from tabled import TABLES, rows_of
@@ -84,7 +84,7 @@ def test_nine_of_ten_runs_take_half_to_three_times_what_was_foreseen():
 
 def test_what_takes_long_is_told_in_words():
     scene = load_scene(SCENE)
-    assert cost_sentences(assemble(scene), {}, 0.5 * LONG, 0) == []
+    assert cost_sentences(assemble(scene), {}, 0.5 * LONG_RUN, 0) == []
     (told,) = cost_sentences(assemble(scene), {}, 7200.0, 10**6)
     assert told.startswith(
         "this will take 1 h 0 min to 6 h 0 min; 1.0e+06 slices to evaluate; Ctrl-C"

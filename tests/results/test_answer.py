@@ -33,7 +33,7 @@ from rollslip.results.answer import (
     judged,
     merged,
 )
-from rollslip.results.words import format_rounded_up, percent
+from rollslip.results.text import format_rounded_up, percent
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
 
 SAFE = {"slip": 0.01, "band": (0.004, 0.03), "reserve": (8.0, 8.0)}

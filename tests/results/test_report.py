@@ -23,7 +23,7 @@ from rollslip.results.curves import percent
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 from rollslip.results.style import on_dark
-from rollslip.results.words import OTHER_BOUNDS, describe_more_bounds
+from rollslip.results.text import OTHER_BOUNDS, describe_more_bounds
 from rollslip.scene import resolved
 from rollslip.scene.reading import load_scene
 from rollslip_studies.effective_friction.study import EffectiveFriction

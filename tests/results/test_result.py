@@ -15,7 +15,7 @@ from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.planning.execution import compute, execute
 from rollslip.results.dataset import VOLATILE, save
-from rollslip.results.words import python_call
+from rollslip.results.text import python_call
 
 COARSE = {
     "accuracy.slices": 5,

@@ -10,7 +10,7 @@ import pytest
 from registrations import registrations_rolled_back
 from rollslip import evolve, load_scene, plot, register
 from rollslip.errors import PluginError
-from rollslip.results.words import describe_law_outputs
+from rollslip.results.text import describe_law_outputs
 from rollslip_kernels.slices import Slices
 from rollslip_plugins.traction.eyring import Muraki
 from without_bands import run

@@ -11,7 +11,7 @@ import loading_branch_scenes as scenes
 from rollslip import evolve, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip_studies.dynamics.over_time import onset_of
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.spins import Motions

@@ -25,7 +25,7 @@ from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.results.accounts import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures, styled
-from rollslip.results.words import Status, two_digits
+from rollslip.results.text import Status, two_digits
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.units import format_quantity, quantity

@@ -17,7 +17,7 @@ from rollslip.planning.execution import execute
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
-from rollslip.results.words import LOWER_BOUNDS
+from rollslip.results.text import LOWER_BOUNDS
 from rollslip.scene.interchange import read_foreign, write_foreign
 from rollslip.studies.error_estimate import JOINT_ORDER
 from rollslip.studies.surface_damage.model import Contacts

@@ -24,7 +24,7 @@ from rollslip.cli.models import models_as_dict
 from rollslip.errors import DomainError
 from rollslip.models import ISOTHERMAL, FilmModel, SliceModel, Tabled, TractionModel, Validity
 from rollslip.planning.execution import warnings
-from rollslip.results.words import collect_warnings as together
+from rollslip.results.text import collect_warnings as together
 from rollslip.studies.validity import (
     APPROXIMATION,
     LawDifference,

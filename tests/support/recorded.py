@@ -28,7 +28,7 @@ from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import aligned
 from rollslip.results.dataset import with_present_names
 from rollslip.results.figures import plot
-from rollslip.results.words import collect_warnings, confidence, describe_more_bounds
+from rollslip.results.text import collect_warnings, confidence, describe_more_bounds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -331,7 +331,7 @@ class Results:
 
         Without ``laws`` those of laws outside their range are not among them: an answer has them as notes.
         """
-        from rollslip.results.words import collect_warnings, describe_more_bounds
+        from rollslip.results.text import collect_warnings, describe_more_bounds
 
         first, more = collect_warnings(datasets, laws=laws)
         warn(first)

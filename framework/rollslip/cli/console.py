@@ -20,7 +20,7 @@ from rollslip.cli.app import terminal
 from rollslip.cli.units import with_units
 from rollslip.results.accounts import account_of
 from rollslip.results.answer import COLOURS, Answer
-from rollslip.results.words import confidence, describe_law_outputs, first_line
+from rollslip.results.text import confidence, describe_law_outputs, first_line
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import scene_hash
@@ -86,8 +86,8 @@ def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
 
 def print_short_plan(plan: "Plan") -> None:
     """Print the plan in a few lines: cautions, of each study how finely and at what cost, and what is out."""
-    from rollslip.planning.lines import how_finely
-    from rollslip.results.words import duration_range
+    from rollslip.planning.lines import describe_resolution
+    from rollslip.results.text import duration_range
 
     for caution in plan.cautions:
         click.echo(caution)
@@ -105,7 +105,7 @@ def print_short_plan(plan: "Plan") -> None:
         left = f"; relative errors of about {told}" if told else ""
         left += f"; that of {' and '.join(unknown)} cannot be determined" if unknown else ""
         click.echo(
-            f"{study}: {how_finely(resolution)}{left}; {duration_range(plan.seconds_of(study))}"
+            f"{study}: {describe_resolution(resolution)}{left}; {duration_range(plan.seconds_of(study))}"
         )
     if out := dict.fromkeys(part.part for part in plan.parts if not part.included):
         click.echo(f"left out: {', '.join(out)}")

@@ -182,17 +182,17 @@ def run(
     from rollslip.cli import console
     from rollslip.errors import ConvergenceError, DomainError, RollslipError
     from rollslip.planning.execution import execute, studies_of_slip
-    from rollslip.planning.lines import own_cage
+    from rollslip.planning.lines import describe_own_cage
     from rollslip.planning.plan import plan
     from rollslip.planning.verification import verify as verified
     from rollslip.results.accounts import answer
     from rollslip.results.dataset import save
-    from rollslip.results.words import CATALOGUE_LOAD_WARNING, confidence
+    from rollslip.results.text import CATALOGUE_LOAD_WARNING, confidence
 
     made = plan(scene_of(scene, changes, later=CATALOGUE_LOAD_WARNING), study)
     if verbose and not results.as_json:
         click.echo(console.headline(made))
-    own = own_cage(made.scene, made.studies)  # which the answer tells among what is assumed
+    own = describe_own_cage(made.scene, made.studies)  # which the answer tells among what is assumed
     for sentence in made.cost_sentences:
         if verbose or sentence != own:
             click.echo(f"note: {sentence}", err=True)
@@ -206,7 +206,7 @@ def run(
         for name in made.studies:
             try:
                 with progress(name, made.seconds_of(name)) as show:
-                    datasets[name] = execute(made, name, kept=kept, progress=show)
+                    datasets[name] = execute(made, name, checkpoint_folder=kept, progress=show)
             except (DomainError, ConvergenceError) as error:  # the others may have the answer
                 failures[name] = error
                 continue

@@ -1,4 +1,4 @@
-"""What a plan says: a line for each part of the bearing and its studies, and what somebody should know before a run."""
+"""The lines of a plan, one for each part of the bearing and its studies, and the sentences before a run."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -11,7 +11,7 @@ from rollslip.bearing.cage import describe_cage, read_cage
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.registry import find
 from rollslip.models import FilmModel, PressureModel, SliceModel
-from rollslip.results.words import LOWER_BOUNDS, SWITCHED_OFF, duration_range
+from rollslip.results.text import LOWER_BOUNDS, SWITCHED_OFF, duration_range
 from rollslip.scene.values import EXACT, Scene
 from rollslip.studies.answers import Part
 from rollslip.studies.parts import rings
@@ -19,35 +19,44 @@ from rollslip.studies.study import Study
 from rollslip.units import GRAVITY, format_quantity
 
 __all__ = [
-    "LONG",
-    "caged",
-    "check",
+    "LONG_RUN",
+    "bearing_parts",
+    "check_parts",
     "cost_sentences",
+    "describe_own_cage",
+    "describe_resolution",
     "format_time",
-    "how_finely",
-    "of_bearing",
-    "of_studies",
-    "own_cage",
     "part_as_dict",
+    "study_parts",
+    "uses_cage",
 ]  # fmt: skip
 
-#: Time that is told before it is spent [s].
-LONG: Final = 60.0
-#: Time of a slice at the least, all stages compiled [s].
-_SLICE: Final = 2e-8
-#: Time that it takes to see how far a result is off and to tell it, at the least [s] and relative to that of the study;
-#: docs/scripts/plan_times.py.
-_CHECK: Final = (0.03, 0.9)
+#: Estimated time of a run from which a sentence says so before the run [s]. Chosen: people wait for a minute.
+LONG_RUN: Final = 60.0
+#: Lower bound on the time of a slice, all stages compiled [s]; measured, an estimate below it is not believed.
+_SLICE_TIME: Final = 2e-8
+#: Time of the error estimate and the check of validity at least [s], measured by docs/scripts/plan_times.py.
+_CHECK_TIME: Final = 0.03
+#: Time of both, relative to that of the study; measured likewise.
+_CHECK_FRACTION: Final = 0.9
 
 
 def part_as_dict(part: Part) -> dict[str, Any]:
-    """Return a line of a plan as plain values; an error that cannot be determined is null."""
+    """Return a line of a plan as plain values, for JSON; an error that cannot be determined is null."""
     errors = {name: error if math.isfinite(error) else None for name, error in part.errors.items()}
     return attrs.asdict(part) | {"errors": errors}
 
 
-def of_bearing(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
-    """Return the lines of models, oil, clearance, rings and what pulls at the rollers."""
+def bearing_parts(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
+    """Return the lines of models, oil, clearance, rings and body forces of the rollers.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing as the scene states it.
+    studies : mapping of str to Study
+        Studies by name.
+    """
     scene = assembly.scene
     law = assembly.lubricant.pressure_viscosity_law
     named = dict(scene.raw or {}).get("models", {})
@@ -67,12 +76,20 @@ def of_bearing(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
         parts.append(
             Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted))
         )
-    weighed = all(study.with_weight for study in studies.values())
-    return [*parts, rings(assembly), *_pulls(assembly, weighed)]
+    has_weight = all(study.with_weight for study in studies.values())
+    return [*parts, rings(assembly), *_body_forces(assembly, has_weight)]
 
 
-def of_studies(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
-    """Return the lines of cage, heat and damage, which hang on what is asked."""
+def study_parts(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
+    """Return the lines of cage, heat and damage, which depend on the studies.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing as the scene states it.
+    studies : mapping of str to Study
+        Studies by name.
+    """
     return [
         *_cage(assembly, studies),
         *_heat(assembly.scene, studies),
@@ -81,91 +98,135 @@ def of_studies(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
 
 
 def format_time(seconds: float, studies: Iterable[Study], assembly: Assembly) -> str:
-    """Return how long studies take, and that it may be longer where one may run again."""
-    again = any(study.may_run_again(assembly) for study in studies)
-    return duration_range(seconds) + ", longer if the check of a result asks for more" * again
+    """Return the time of studies as text, with a note where one of them may run again.
+
+    Parameters
+    ----------
+    seconds : float
+        Estimated time [s].
+    studies : iterable of Study
+        The studies.
+    assembly : Assembly
+        The bearing as the scene states it.
+    """
+    text = duration_range(seconds)
+    if any(study.may_run_again(assembly) for study in studies):
+        text += ", longer if the check of a result asks for more"
+    return text
 
 
-def how_finely(resolution: Resolution) -> str:
-    """Return of how many slices and positions something is evaluated."""
+def describe_resolution(resolution: Resolution) -> str:
+    """Return the numbers of slices and roller positions of a resolution as text."""
     slices = resolution.slices
     positions = resolution.n_positions or 1
-    fine = f"{slices} slice{'s' * (slices != 1)} of a roller"
-    return fine + f", {positions} roller positions within a pitch" * (positions > 1)
+    text = "1 slice of a roller" if slices == 1 else f"{slices} slices of a roller"
+    if positions > 1:
+        text += f", {positions} roller positions within a pitch"
+    return text
 
 
-def check(study: Study, assembly: Assembly, costs: Mapping[str, float]) -> list[Part]:
-    """Return the line of what follows a study whose costs are known, nothing where it is not judged."""
+def check_parts(study: Study, assembly: Assembly, costs: Mapping[str, float]) -> list[Part]:
+    """Return the line on the check of a result, if its error is estimated and the costs of the study are known.
+
+    Parameters
+    ----------
+    study : Study
+        The study with its settings.
+    assembly : Assembly
+        The bearing at the resolution of the study.
+    costs : mapping of str to float
+        Part -> estimated time [s].
+    """
     if not costs or not study.has_error_estimate(assembly):
         return []
-    least, times = _CHECK
-    own = study.curve_study(assembly) in (
-        None,
-        study,
-    )  # else judged by curves that take nothing of the time in motion
-    then = "; beyond its tolerance it runs again, which takes longer" * study.may_run_again(
-        assembly
-    )
+    fraction = 0.0
+    if study.curve_study(assembly) in (None, study):
+        fraction = _CHECK_FRACTION  # else curves estimate the error, which take no part of the time of the motion
+    again = ""
+    if study.may_run_again(assembly):
+        again = "; beyond its tolerance it runs again, which takes longer"
     return [
         Part(
             part="check of the result",
             choice="more slices and positions, range of validity",
-            reason=f"tells how far the result is off{then}",
-            seconds=least + times * sum(costs.values()) * own,
+            reason=f"tells how far the result is off{again}",
+            seconds=_CHECK_TIME + fraction * sum(costs.values()),
         )
     ]
 
 
-def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
-    """Return which cage a bearing has that the scene does not state; nothing where it does, or none takes part."""
-    if not caged(studies) or "mass" in (scene.cage or {}):
+def describe_own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
+    """Return the cage of a bearing as text, if the scene does not state it and a study uses it; else an empty text.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    studies : mapping of str to Study
+        Studies by name.
+    """
+    if not uses_cage(studies) or "mass" in (scene.cage or {}):
         return ""
     cage = read_cage(scene)
-    told = "; ".join(describe_cage(scene, cage))
-    return (
-        f"the cage is the bearing's own, {told}"
-        if scene.models.neighbour_friction is None
-        else f"cage: {told}"
-    )
+    description = "; ".join(describe_cage(scene, cage))
+    if scene.models.neighbour_friction is None:
+        return f"the cage is the bearing's own, {description}"
+    return f"cage: {description}"
 
 
 def cost_sentences(
     assembly: Assembly, studies: Mapping[str, Study], seconds: float, evaluations: int
 ) -> list[str]:
-    """Return in words what somebody should know before a plan is run; empty if there is nothing."""
+    """Return the sentences to be printed before a plan is run.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing as the scene states it.
+    studies : mapping of str to Study
+        Studies by name.
+    seconds : float
+        Estimated time [s].
+    evaluations : int
+        Estimated number of slices to be evaluated.
+    """
     scene = assembly.scene
-    said = [
-        f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05"
-        + '; nothing finer is computed than with accuracy.tolerance = "exact"'
-        * (name == "tolerance")
-        for name in ("tolerance", "critical_slip", "friction", "cage_speed")
-        if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
-    ]
-    if told := own_cage(scene, studies):
-        said.append(told)
-    if held := _held(scene, studies):
-        said.append(
-            f"models.thermal does not act in {', '.join(held)}: rings, rollers and oil "
+    sentences = list[str]()
+    for name in ("tolerance", "critical_slip", "friction", "cage_speed"):
+        value = getattr(scene.accuracy, name)
+        if value is None or value >= EXACT:
+            continue
+        sentence = f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05"
+        if name == "tolerance":
+            sentence += '; nothing finer is computed than with accuracy.tolerance = "exact"'
+        sentences.append(sentence)
+    cage = describe_own_cage(scene, studies)
+    if cage:
+        sentences.append(cage)
+    without_heat = _studies_without_heat(scene, studies)
+    if without_heat:
+        sentences.append(
+            f"models.thermal does not act in {', '.join(without_heat)}: rings, rollers and oil "
             "have the temperatures that operation states"
         )
-    seconds = max(seconds, _SLICE * evaluations)
-    if seconds > LONG:
-        said.append(
+    seconds = max(seconds, _SLICE_TIME * evaluations)
+    if seconds > LONG_RUN:
+        sentences.append(
             f"this will take {format_time(seconds, studies.values(), assembly)}; {evaluations:.1e} slices to "
             "evaluate; Ctrl-C ends it, and rollslip plan says what the time goes to"
         )
-    return said
+    return sentences
 
 
-def caged(studies: Mapping[str, Study]) -> bool:
-    """Whether a study tells of the cage."""
+def uses_cage(studies: Mapping[str, Study]) -> bool:
+    """Whether a study computes anything about the cage."""
     return any(
         study.with_cage or getattr(study, "skidding_range", 0.0) for study in studies.values()
     )
 
 
 def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
-    """The drags, where a study asks for the cage."""
+    """Return the lines of cage and drags, if a study uses them."""
     if not any(study.with_cage for study in studies.values()):
         reason = "the scene has no study of cage and rollers in motion"
         return [
@@ -176,15 +237,15 @@ def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
                 reason=reason,
             )
         ]
-    named = "drag" in (assembly.scene.cage or {})
+    is_named = "drag" in (assembly.scene.cage or {})
     supply = assembly.scene.lubrication.supply
-    reason = "cage.drag names it" if named else f"default, of lubrication.supply = {supply!r}"
+    reason = "cage.drag names it" if is_named else f"default, of lubrication.supply = {supply!r}"
     choice, known = describe_cage(assembly.scene, assembly.cage)
     parts = [
         Part(part="cage", choice=choice, reason=known),
         *(
-            Part(part="drag", choice=one.name, resolution=one.equation, reason=reason)
-            for one in assembly.cage.drags
+            Part(part="drag", choice=drag.name, resolution=drag.equation, reason=reason)
+            for drag in assembly.cage.drags
         ),
     ]
     if assembly.cage.drags.bound_below:
@@ -194,45 +255,44 @@ def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
 
 
 def _heat(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
-    """Which studies find temperatures by the thermal model, where the scene names one."""
+    """Return the line on the thermal model that a scene names, with the studies that do not use it."""
     if scene.models.thermal is None:
         return []
-    held = _held(scene, studies)
-    reason = (
-        f"not in {', '.join(held)}, at the temperatures of the operation"
-        if held
-        else "the scene names it"
-    )
-    found = any(study.with_heat for study in studies.values())
-    return [Part(part="thermal", included=found, choice=scene.models.thermal.name, reason=reason)]
+    without_heat = _studies_without_heat(scene, studies)
+    reason = "the scene names it"
+    if without_heat:
+        reason = f"not in {', '.join(without_heat)}, at the temperatures of the operation"
+    is_used = any(study.with_heat for study in studies.values())
+    return [Part(part="thermal", included=is_used, choice=scene.models.thermal.name, reason=reason)]
 
 
 def _damage(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
-    """Which damage models the scene names that no study takes; a study that takes them says so in lines of its own."""
+    """Return the lines of the damage models of a scene that no study uses; a study that uses them has its own lines."""
     if any(study.with_damage for study in studies.values()):
         return []
     reason = "no study of this run measures damage"
     return [
-        Part(part="damage", included=False, choice=one.name, reason=reason)
-        for one in scene.models.damage
+        Part(part="damage", included=False, choice=model.name, reason=reason)
+        for model in scene.models.damage
     ]
 
 
-def _held(scene: Scene, studies: Mapping[str, Study]) -> list[str]:
-    """Name the studies in which the thermal model of the scene would find temperatures and does not act."""
+def _studies_without_heat(scene: Scene, studies: Mapping[str, Study]) -> list[str]:
+    """Return the studies that do not use the thermal model of a scene, if it has unknown temperatures."""
     if scene.models.thermal is None:
         return []
-    from rollslip.studies.thermal_balance.model import thermal_model  # nobody else needs it
+    from rollslip.studies.thermal_balance.model import (
+        thermal_model,
+    )  # imported here, since only scenes with a thermal model need it
 
     model = thermal_model(scene)
-    return (
-        [name for name, study in studies.items() if not study.with_heat]
-        if model and model.nodes
-        else []
-    )
+    if not (model and model.nodes):
+        return []
+    return [name for name, study in studies.items() if not study.with_heat]
 
 
 def _stage(kind: str, model: SliceModel, named: Any) -> Part:
+    """Return the line of a model of a contact."""
     offer = find(kind, model.name)
     compiled = "compiled" if model.kernel() is not None else "NumPy"
     if isinstance(model, PressureModel) and model.of_contact:
@@ -245,8 +305,8 @@ def _stage(kind: str, model: SliceModel, named: Any) -> Part:
     )
 
 
-def _pulls(assembly: Assembly, weighed: bool) -> list[Part]:
-    """Return what acts on all rollers in one direction, but for the weight that all studies have themselves."""
+def _body_forces(assembly: Assembly, has_weight: bool) -> list[Part]:
+    """Return the line on the body force of the rollers: of a carrier, or weight that not all studies have."""
     o = assembly.scene.operation
     fraction = assembly.weight_fraction
     tolerance = assembly.scene.accuracy.tolerance
@@ -255,7 +315,7 @@ def _pulls(assembly: Assembly, weighed: bool) -> list[Part]:
         what = "carrier"
         direction = carrier.direction
         why = "the bearing turns about another axis; the cage's own weight there is its guide's, and left out"
-    elif (fraction > tolerance and not weighed) or direction is not None:
+    elif (fraction > tolerance and not has_weight) or direction is not None:
         weight = format_quantity(assembly.roller_mass * GRAVITY, "N", 2)
         what = "gravity of rollers"
         why = f"{weight} each, {100.0 * fraction:.2g} % of what presses a roller on average"
@@ -278,7 +338,7 @@ def _pulls(assembly: Assembly, weighed: bool) -> list[Part]:
 
 
 def _inlet(film: FilmModel) -> Part:
-    """What heat and want of oil in the inlet do to the film."""
+    """Return the line on thermal inlet shear and starvation of the film."""
     heating = film.inlet_heating
     starvation = film.inlet_starvation
     return Part(

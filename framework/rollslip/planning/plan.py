@@ -1,12 +1,12 @@
-"""The plan: what will be modelled of a scene, with which model, how finely, what is left out, and why.
+"""The plan of a run: what is modelled, by which model, at which resolution, what is left out, and why.
 
-It is made before anything runs and executed as printed: a run takes its studies and their bearings, at the resolution
-that was chosen for them (`rollslip.studies.error_estimate`), from it.
+A plan is made before anything runs, and executed as printed: a run takes the studies and their bearings, at the
+resolution that was chosen for them (`rollslip.studies.error_estimate`), from the plan.
 
-What it will cost is told before it is spent. Time is that of the estimate, or what the evaluations take at the least,
-the larger one; estimates from small parts may be off by a factor of two or three, so nothing is refused for its time. A
-result that does not fit into the memory of the machine is refused: it would end the process, or the machine's other
-work, after minutes.
+The cost is estimated before the run. Time is the larger one of the estimate and of a lower bound by the number of
+evaluations. Estimates from small parts may be off by a factor of two or three, so that nothing is refused for its time.
+A result that does not fit into the memory of the machine is refused, because it would end the process, or other work of
+the machine, after minutes.
 """
 
 import logging
@@ -25,14 +25,14 @@ from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
 from rollslip.planning.lines import (
-    caged,
-    check,
+    bearing_parts,
+    check_parts,
     cost_sentences,
-    of_bearing,
-    of_studies,
     part_as_dict,
+    study_parts,
+    uses_cage,
 )
-from rollslip.results.words import LOWER_BOUNDS, duration_range
+from rollslip.results.text import LOWER_BOUNDS, duration_range
 from rollslip.scene.named import unknown_names
 from rollslip.scene.reading import as_scene
 from rollslip.scene.values import Scene
@@ -43,107 +43,136 @@ from rollslip.units import format_quantity
 
 _log = logging.getLogger(__name__)
 
-#: Size of a number [bytes].
-_NUMBER: Final = 8
+#: Size of a number in double precision [bytes].
+_NUMBER_SIZE: Final = 8
 
 
 @attrs.frozen(eq=False, kw_only=True, repr=False)
 class Plan:
-    """What will be modelled: studies with their settings, the bearing of each at its resolution, and why, in lines."""
+    """The plan of a run: studies with their settings, the bearing of each at its resolution, and lines with reasons."""
 
     scene: Scene
     assembly: Assembly  #: The bearing as the scene states it.
     studies: dict[str, Study]
-    assemblies: Mapping[str, Assembly]  #: Study -> its bearing, with a watch over what is left out.
+    assemblies: Mapping[str, Assembly]  #: Study -> its bearing, which checks what is left out.
     choices: Mapping[str, ResolutionChoice]  #: Study -> its resolution, with estimated errors.
     planning: float  #: Processor time that the plan took [s], without its lines.
-    #: Makes its lines when they are first asked for, with the time of each part, which is measured on small parts.
+    #: Makes the lines when they are first needed, since the time of each part is measured on small parts.
     make_parts: "Callable[[Plan], tuple[Part, ...]]"
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """Its lines: what is modelled and what is left out, with reasons and estimated costs."""
+        """The lines: what is modelled and what is left out, with reasons and estimated costs."""
         return self.make_parts(self)
 
     @property
     def degrees_of_freedom(self) -> int:
         """Unknowns of the largest system that is solved."""
-        moving = [one for one in self.studies.values() if one.is_transient] or list(
-            self.studies.values()
+        studies = [study for study in self.studies.values() if study.is_transient]
+        return max(
+            study.degrees_of_freedom(self.assembly) for study in studies or self.studies.values()
         )
-        return max(one.degrees_of_freedom(self.assembly) for one in moving)
 
     @property
     def evaluations(self) -> int:
-        """Slices to be evaluated, about."""
-        return sum(one.evaluations(self.assemblies[name]) for name, one in self.studies.items())
+        """Approximate number of slices to be evaluated."""
+        return sum(study.evaluations(self.assemblies[name]) for name, study in self.studies.items())
 
     def __repr__(self) -> str:
-        named = self.scene.source or self.scene.title
+        name = self.scene.source or self.scene.title
         studies = ", ".join(self.studies)
-        return f"Plan of {named!r}: {studies}; {duration_range(self.seconds)}"
+        return f"Plan of {name!r}: {studies}; {duration_range(self.seconds)}"
 
     @property
     def seconds(self) -> float:
-        """Estimated cost of all studies."""
+        """Estimated time of all studies [s]."""
         return sum(part.seconds or 0.0 for part in self.parts)
 
     def seconds_of(self, study: str) -> float:
-        """Return the estimated cost of a study."""
+        """Return the estimated time of a study [s]."""
         return sum(part.seconds or 0.0 for part in self.parts if part.study == study)
 
     @property
     def cost_sentences(self) -> list[str]:
-        """What somebody should know before it is run, in words: that it takes long, or asks for what there is not."""
+        """Sentences to be printed before a run: that it takes long, or requests an error that cannot be reached."""
         return cost_sentences(self.assembly, self.studies, self.seconds, self.evaluations)
 
     @property
     def cautions(self) -> list[str]:
-        """What holds of all its results, as a run tells first: whether they are bounds, and a law of the oil."""
-        bound = LOWER_BOUNDS if caged(self.studies) and self.assembly.cage.drags.bound_below else ""
-        return [*filter(None, (bound, self.assembly.lubricant.pressure_viscosity_law.caution()))]
+        """Sentences on all results, to be printed first: whether they are lower bounds, and a caution on the oil."""
+        sentences = [self.assembly.lubricant.pressure_viscosity_law.caution()]
+        if uses_cage(self.studies) and self.assembly.cage.drags.bound_below:
+            sentences.insert(0, LOWER_BOUNDS)
+        return [sentence for sentence in sentences if sentence]
 
     @property
     def models(self) -> tuple[tuple[str, Any], ...]:
-        """Kind and model of all that is used, each once: those of a contact first."""
+        """Kind and model of all that is used, each once; those of a contact first."""
         studies = (pair for study in self.studies.values() for pair in study.models(self.assembly))
         return tuple(dict.fromkeys((*self.assembly.models.items(), *studies)))
 
     def at(self, study: str, resolution: Resolution) -> "Plan":
-        """Return the plan with another resolution for a study; what is left out under a bound stays so."""
-        return self._refined(study, attrs.evolve(self.choices[study], resolution=resolution))
+        """Return the plan with another resolution for a study; what is left out under a bound stays left out.
 
-    def _refined(self, study: str, estimated: ResolutionChoice, scaled: bool = False) -> "Plan":
-        """Return the plan with another choice for a study; its lines are those from before, or scaled to it."""
-        assembly = self.assemblies[study].at(estimated.resolution).with_bounds(*estimated.left_out)
+        Parameters
+        ----------
+        study : str
+            Name of the study.
+        resolution : Resolution
+            Its resolution.
+        """
+        return self._with_choice(study, attrs.evolve(self.choices[study], resolution=resolution))
+
+    def _with_choice(
+        self, study: str, choice: ResolutionChoice, has_new_lines: bool = False
+    ) -> "Plan":
+        """Return the plan with another choice for a study; its lines are the previous ones, or scaled to the choice."""
+        assembly = self.assemblies[study].at(choice.resolution).with_bounds(*choice.left_out)
+        make_parts = partial(_previous_parts, self)
+        if has_new_lines:
+            make_parts = partial(_scaled_parts, self, study)
         return attrs.evolve(
             self,
             assemblies={**self.assemblies, study: assembly},
-            choices={**self.choices, study: estimated},
-            make_parts=partial(_scaled_parts, self, study)
-            if scaled
-            else partial(_parts_before, self),
+            choices={**self.choices, study: choice},
+            make_parts=make_parts,
         )
 
     def with_reinstated(self, study: str, bound: LeftOut) -> "Plan":
-        """Return the plan of a study with what was left out under a bound taken back in."""
+        """Return the plan with a model of a study reinstated that was left out.
+
+        Parameters
+        ----------
+        study : str
+            Name of the study.
+        bound : LeftOut
+            The bound that was exceeded.
+        """
         before = self.choices[study]
-        left_out = tuple(one for one in before.left_out if one is not bound)
-        estimated = attrs.evolve(
+        left_out = tuple(other for other in before.left_out if other is not bound)
+        choice = attrs.evolve(
             before, resolution=bound.reinstated(before.resolution), left_out=left_out
         )
-        return self._refined(study, estimated)
+        return self._with_choice(study, choice)
 
-    def again(self, study: str, estimated: ResolutionChoice) -> "Plan":
-        """Return the plan with another resolution for a study, which its lines tell; costs grow with its numbers."""
-        return self._refined(study, estimated, scaled=True)
+    def refined(self, study: str, choice: ResolutionChoice) -> "Plan":
+        """Return the plan with another resolution for a study, and lines on it; costs grow with its numbers.
+
+        Parameters
+        ----------
+        study : str
+            Name of the study.
+        choice : ResolutionChoice
+            The resolution, with its errors and the reason.
+        """
+        return self._with_choice(study, choice, has_new_lines=True)
 
     def parts_of(self, study: str) -> list[dict[str, Any]]:
         """Return the lines that concern a study, as plain values."""
         return [part_as_dict(part) for part in self.parts if part.study in ("", study)]
 
     def lines(self) -> list[dict[str, str]]:
-        """Return what people read of each part, by heading."""
+        """Return the lines as text, by heading."""
         several = len(self.studies) > 1
         return [
             {
@@ -159,7 +188,7 @@ class Plan:
         ]
 
     def _repr_html_(self) -> str:
-        from rollslip.results.words import html_table
+        from rollslip.results.text import html_table
 
         lines = self.lines()
         return f"<p>{escape(repr(self))}</p>{html_table([*lines[0]], [[*line.values()] for line in lines])}"
@@ -173,7 +202,7 @@ class Plan:
                 for name, study in self.studies.items()
             },
             "resolutions": {
-                name: attrs.asdict(one.resolution) for name, one in self.choices.items()
+                name: attrs.asdict(choice.resolution) for name, choice in self.choices.items()
             },
             "parts": [part_as_dict(part) for part in self.parts],
             "degrees_of_freedom": self.degrees_of_freedom,
@@ -184,42 +213,42 @@ class Plan:
 
 
 def _units(settings: Any) -> dict[str, str]:
-    """Return the unit of each number among settings, those of settings in them too."""
-    found = dict[str, str]()
-    for one in attrs.fields(type(settings)):
-        value = getattr(settings, one.name)
-        unit = one.metadata.get("unit")
+    """Return the unit of each number among settings, nested ones included."""
+    units = dict[str, str]()
+    for field in attrs.fields(type(settings)):
+        value = getattr(settings, field.name)
+        unit = field.metadata.get("unit")
         if attrs.has(type(value)):
-            found |= _units(value)
+            units |= _units(value)
         elif unit is not None or (isinstance(value, int | float) and not isinstance(value, bool)):
-            found[one.name] = unit or "1"
-    return found
+            units[field.name] = unit or "1"
+    return units
 
 
-def _at_once(scene: Scene, study: str | None) -> tuple[dict[str, Study], Assembly]:
-    """Return studies and bearing; if one is wrong, with what is wrong of the other and of the cage."""
+def _studies_and_bearing(scene: Scene, study: str | None) -> tuple[dict[str, Study], Assembly]:
+    """Return studies and bearing of a scene; an error has all that is wrong with both, and with the cage."""
     problems = list[str]()
-    found = list[Any]()
-    first = list[RollslipError]()
+    results = list[Any]()
+    errors = list[RollslipError]()
     for make in (
         partial(settings, scene, study),
         partial(assemble, scene),
         partial(read_cage, scene),
     ):
-        if len(found) == 2:  # a cage that no study asks for may be wrong
+        if len(results) == 2:  # a cage that no study uses may be wrong
             break
         try:
-            found.append(make())
+            results.append(make())
         except (SceneError, UnknownNameError) as error:
-            first.append(error)
+            errors.append(error)
             problems += error.problems if isinstance(error, SceneError) else [str(error)]
-    if first:
+    if errors:
         every = dict.fromkeys([*problems, *unknown_names(scene.raw or {}, Location(scene.origins))])
-        raise (
-            first[0] if len(first) == 1 and len(every) == len({*problems}) else SceneError([*every])
-        )
-    chosen, stated = found
-    return chosen, stated
+        if len(errors) == 1 and len(every) == len({*problems}):
+            raise errors[0]
+        raise SceneError([*every])
+    studies, assembly = results
+    return studies, assembly
 
 
 def plan(
@@ -229,7 +258,7 @@ def plan(
     cheaper_laws: bool = True,
     without: Collection[str] = (),
 ) -> Plan:
-    """Plan a scene: the cheapest way that keeps the error it states.
+    """Plan a scene: choose the coarsest resolution and the cheapest laws whose errors keep its tolerances.
 
     Parameters
     ----------
@@ -238,10 +267,10 @@ def plan(
     study : str, optional
         Only this study, with the scene's settings or its defaults.
     cheaper_laws : bool
-        Whether a law may be evaluated more cheaply, or another serve in its place, where the error allows it; where
-        models are compared with each other it may not.
+        Whether a law may be left out, or replaced by a cheaper one, where the error allows it; False where models are
+        compared with each other.
     without : collection of str
-        Outputs that nobody asked for, which are left out where that saves something.
+        Outputs that are not needed; they are left out where that saves time.
 
     Raises
     ------
@@ -250,22 +279,25 @@ def plan(
     PluginError
         If a package it requires or a model it names is missing or broken.
     """
-    begin = time.process_time()
+    start = time.process_time()
     scene = as_scene(scene)
     if scene.plugins.require:
         check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
-    chosen, stated = _at_once(scene, study)
+    requested, stated = _studies_and_bearing(scene, study)
     studies = {
-        name: one.without_outputs(frozenset(without) | _known_better(one, chosen))
-        for name, one in chosen.items()
+        name: item.without_outputs(frozenset(without) | _superseded_outputs(item, requested))
+        for name, item in requested.items()
     }
     require_memory(studies, stated)
     choices = {
-        name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()
+        name: estimate(item, stated, cheaper_laws=cheaper_laws) for name, item in studies.items()
     }
-    studies = {name: one.with_resolution(choices[name].resolution) for name, one in studies.items()}
+    studies = {
+        name: item.with_resolution(choices[name].resolution) for name, item in studies.items()
+    }
     assemblies = {
-        name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in choices.items()
+        name: stated.at(choice.resolution).with_bounds(*choice.left_out)
+        for name, choice in choices.items()
     }
     made = Plan(
         scene=scene,
@@ -274,12 +306,12 @@ def plan(
         assemblies=assemblies,
         choices=choices,
         make_parts=_parts,
-        planning=time.process_time() - begin,
+        planning=time.process_time() - start,
     )
     if _log.isEnabledFor(logging.INFO):
         for part in made.parts:
-            choice = part.choice if part.included else "left out"
-            _log.info(": ".join(filter(None, (part.part, choice, part.reason))))
+            text = part.choice if part.included else "left out"
+            _log.info(": ".join(filter(None, (part.part, text, part.reason))))
     return made
 
 
@@ -287,81 +319,105 @@ def _parts(plan: Plan) -> tuple[Part, ...]:
     """Return the lines of a plan that was just made."""
     stated = plan.assembly
     studies = plan.studies
-    parts = of_bearing(stated, studies)
-    for name, one in studies.items():
+    parts = bearing_parts(stated, studies)
+    for name, study in studies.items():
         assembly = stated.at(plan.choices[name].resolution)
         try:
-            costs = one.cost(assembly)
+            costs = study.cost(assembly)
         except RollslipError:
             costs = {}
-        lines = [*one.parts(assembly, plan.choices[name], costs), *check(one, assembly, costs)]
+        lines = study.parts(assembly, plan.choices[name], costs)
+        lines += check_parts(study, assembly, costs)
         parts += [attrs.evolve(part, study=name) for part in lines]
-    return (*parts, *of_studies(stated, studies))
+    return (*parts, *study_parts(stated, studies))
 
 
-def _parts_before(before: Plan, _: Plan) -> tuple[Part, ...]:
+def _previous_parts(before: Plan, _: Plan) -> tuple[Part, ...]:
     """Return the lines that a plan had before its run."""
     return before.parts
 
 
 def _scaled_parts(before: Plan, study: str, plan: Plan) -> tuple[Part, ...]:
     """Return the lines of a plan with a finer resolution for a study; costs grow with its numbers."""
-    estimated = plan.choices[study]
-    few, many = (
-        one.slices * (one.n_positions or 1)
-        for one in (before.choices[study].resolution, estimated.resolution)
+    choice = plan.choices[study]
+    coarse, fine = (
+        resolution.slices * (resolution.n_positions or 1)
+        for resolution in (before.choices[study].resolution, choice.resolution)
     )
     seconds = {
-        part.part: many / few * part.seconds
+        part.part: fine / coarse * part.seconds
         for part in before.parts
         if part.study == study and part.seconds
     }
     lines = [
         attrs.evolve(part, study=study, seconds=seconds.pop(part.part, None))
-        for part in plan.studies[study].parts(plan.assembly.at(estimated.resolution), estimated, {})
+        for part in plan.studies[study].parts(plan.assembly.at(choice.resolution), choice, {})
     ]
     own = (part for part in before.parts if part.study == study and part.part in seconds)
     lines += [attrs.evolve(part, seconds=seconds[part.part]) for part in own]
     return (*(part for part in before.parts if part.study != study), *lines)
 
 
-def _known_better(study: Study, chosen: Mapping[str, Study]) -> frozenset[str]:
-    """Single values that a study of the cage tells by these or other names: one question has one answer."""
-    caged = [one for one in chosen.values() if one.with_cage and not study.with_cage]
-    told = {
-        name
-        for one in caged
-        for own, output in one.outputs.items()
-        for name in (own, *output.aliases)
+def _superseded_outputs(study: Study, requested: Mapping[str, Study]) -> frozenset[str]:
+    """Return the single values of a study which a study of the cage computes, too, by these names or their aliases."""
+    better = set[str]()
+    for other in requested.values():
+        if other.with_cage and not study.with_cage:
+            for name, output in other.outputs.items():
+                better |= {name, *output.aliases}
+    superseded = {
+        name: output for name, output in study.outputs.items() if not output.dims and name in better
     }
-    same = {
-        name: output for name, output in study.outputs.items() if not output.dims and name in told
-    }
-    return frozenset(same) | {output.status for output in same.values()}
+    return frozenset(superseded) | {output.status for output in superseded.values()}
 
 
 def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:
-    """Return the resolution that a study chooses."""
+    """Return the resolution that a study chooses, or that of the bearing, with the reason, where it cannot choose.
+
+    Parameters
+    ----------
+    study : Study
+        The study with its settings.
+    assembly : Assembly
+        The bearing as the scene states it.
+    cheaper_laws : bool
+        Whether a law may be left out, or replaced by a cheaper one, where the error allows it.
+    """
     try:
         return study.choose_resolution(assembly, cheaper_laws=cheaper_laws)
     except RollslipError as error:
         return ResolutionChoice(resolution=assembly.resolution, failed=str(error))
 
 
-# What it costs, told before it is spent ------------------------------------------------------------------------------
+# Memory ------------------------------------------------------------------------------
 
 
 def require_memory(
     studies: Mapping[str, Study], assembly: Assembly, memory: float | None = None
 ) -> None:
-    """Refuse studies whose results do not fit into memory."""
+    """Refuse studies whose results do not fit into memory.
+
+    Parameters
+    ----------
+    studies : mapping of str to Study
+        Studies by name.
+    assembly : Assembly
+        The bearing as the scene states it.
+    memory : float, optional
+        Memory [bytes]; by default that of this machine.
+
+    Raises
+    ------
+    SceneError
+        If one does not fit.
+    """
     memory = _memory() if memory is None else memory
     problems = []
     for study in studies.values():
-        of = study.numbers(assembly)
-        needed = _NUMBER * sum(of.values())
+        numbers = study.numbers(assembly)
+        needed = _NUMBER_SIZE * sum(numbers.values())
         if needed > memory:
-            setting = max(of, key=lambda name: of[name])
+            setting = max(numbers, key=numbers.__getitem__)
             problems.append(
                 f"{study.table}.{setting} = {getattr(study, setting):g} asks for at least {_size(needed)} of memory, "
                 f"and this machine has {_size(memory)}; lower it"
@@ -375,7 +431,7 @@ def _size(number: float) -> str:
 
 
 def _memory() -> float:
-    """Memory of this machine [bytes]; without bound where it does not say."""
+    """Return the memory of this machine [bytes]; infinite where the system does not say."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from html import escape
 from typing import Any, Final, Protocol
 
-from rollslip.results.words import duration
+from rollslip.results.text import duration
 
 __all__ = ["ProgressReporter", "ProgressTimer", "in_notebook", "progress_in_notebook", "time_left"]
 

@@ -14,7 +14,7 @@ import attrs
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.results.answer import Answer
-from rollslip.results.words import capitalise
+from rollslip.results.text import capitalise
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -19,7 +19,7 @@ from rollslip.results.account import Account, Contact, Figures
 from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
 from rollslip.results.curves import critical_rows, curves
 from rollslip.results.dataset import OTHERWISE, shown_short
-from rollslip.results.words import LOWER_BOUNDS, percent, single_value_indices, single_values
+from rollslip.results.text import LOWER_BOUNDS, percent, single_value_indices, single_values
 from rollslip.scene.reading import shipped_scenes
 from rollslip.units import expect_results
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 
 from rollslip.results.curves import or_none
-from rollslip.results.words import force_unit, format_plain, percent, python_call, two_digits
+from rollslip.results.text import force_unit, format_plain, percent, python_call, two_digits
 from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:

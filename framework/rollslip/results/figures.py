@@ -19,7 +19,7 @@ from rollslip.results.curves import Curves
 from rollslip.results.dataset import open_result
 from rollslip.results.folder import take_in
 from rollslip.results.style import as_svg, save_figures, styled
-from rollslip.results.words import LAW, capitalise, collect_warnings
+from rollslip.results.text import LAW, capitalise, collect_warnings
 from rollslip.units import expect_results
 
 if TYPE_CHECKING:

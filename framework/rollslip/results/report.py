@@ -39,7 +39,7 @@ from rollslip.results.answer import Answer, case_of
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
 from rollslip.results.style import GROUND, INK, adapting
-from rollslip.results.words import (
+from rollslip.results.text import (
     capitalise,
     collect_warnings,
     confidence,

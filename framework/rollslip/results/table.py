@@ -18,7 +18,7 @@ from rollslip.errors import OutputError
 from rollslip.files import whole_file
 from rollslip.results.account import Sheet
 from rollslip.results.accounts import account_of, answer
-from rollslip.results.words import in_percent
+from rollslip.results.text import in_percent
 from rollslip.units import converted, expect_results, shown_unit
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import attrs
 from rollslip.bearing.raceway import Array, Ring
 from rollslip.bearing.resolution import LeftOut, Resolution
 from rollslip.results.dataset import about
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 
 #: Key of [accuracy], or name of a number -> relative error.
 Errors: TypeAlias = Mapping[str, float]

@@ -14,7 +14,7 @@ from rollslip.bearing.raceway import RINGS, Array
 from rollslip.fields import submodels
 from rollslip.models import SliceModel
 from rollslip.results.dataset import about
-from rollslip.results.words import LAW
+from rollslip.results.text import LAW
 from rollslip.studies.answers import LoadedSlices, Variables
 from rollslip.studies.study import Study
 from rollslip.studies.validity import evaluate_rings, quantity

@@ -35,7 +35,7 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
-from rollslip.results.words import OTHER_BOUNDS, REPORTED_FROM
+from rollslip.results.text import OTHER_BOUNDS, REPORTED_FROM
 from rollslip.studies.answers import LoadedSlices
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices

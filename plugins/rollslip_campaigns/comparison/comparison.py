@@ -32,10 +32,10 @@ from rollslip.errors import (
 from rollslip.planning.campaign import listed
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
-from rollslip.planning.provenance import origin, together
+from rollslip.planning.provenance import combine_origins, origin
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import about
-from rollslip.results.words import collect_warnings, describe_more_bounds, duration_range
+from rollslip.results.text import collect_warnings, describe_more_bounds, duration_range
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import resolved, scene_hash
@@ -518,7 +518,7 @@ def _origin(
     failed: Mapping[str, str],
     wall_time: float,
 ) -> dict[str, Any]:
-    """Return the attributes of the comparison: those of its runs together, and the scene as it was given."""
+    """Return the attributes of the comparison: those of its runs combine_origins, and the scene as it was given."""
     runs = {label: result.attrs for label, result in done.items()}
     scene = comparison.scene
     first = next(iter(runs.values()))
@@ -552,7 +552,7 @@ def _origin(
         },
         scene_resolved=resolved(scene),
         scene_hash=scene_hash(scene),
-        **together(runs.values(), "plan"),
+        **combine_origins(runs.values(), "plan"),
         warnings=[f"{label} {text}" for label, text in failed.items()]
         + [
             text if len(labels) == len(done) else f"{', '.join(labels)}: {text}"

@@ -11,7 +11,7 @@ from rollslip.results.account import Account, Story, Table
 from rollslip.results.accounts import account_of
 from rollslip.results.curves import Curves, curve_names, or_none
 from rollslip.results.dataset import rows_along
-from rollslip.results.words import two_digits
+from rollslip.results.text import two_digits
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import attrs
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import SceneError
-from rollslip.results.words import short_label
+from rollslip.results.text import short_label
 from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, shown_unit

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along
-from rollslip.results.words import first_line
+from rollslip.results.text import first_line
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:

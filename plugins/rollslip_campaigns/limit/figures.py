@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.results.style import DASHES, MODEL_COLOURS, Sheet, plain_decades, unit_label
-from rollslip.results.words import in_percent, short_label
+from rollslip.results.text import in_percent, short_label
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.limit.findings import describe_limit, satisfied_spans
 from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads

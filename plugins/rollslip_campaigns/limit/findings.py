@@ -12,7 +12,7 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along
 from rollslip.results.table import of_points
-from rollslip.results.words import in_percent
+from rollslip.results.text import in_percent
 from rollslip.units import format_quantity
 from rollslip_campaigns.sweep.findings import point_table
 

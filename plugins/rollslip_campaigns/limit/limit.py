@@ -34,8 +34,8 @@ from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.execution import compute
 from rollslip.planning.plan import estimate, plan
 from rollslip.results.dataset import about, save
-from rollslip.results.words import duration_range
-from rollslip.scene.changes import Quantity, evolve, describe_unknown_key
+from rollslip.results.text import duration_range
+from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import FrozenTable
 from rollslip.studies.error_estimate import exceeding
@@ -169,7 +169,7 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     if not 1e-6 <= within <= 0.5:
         raise SceneError(
             [
-                f"within: a share from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {requested.within}"
+                f"within: a fraction from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {requested.within}"
             ]
         )
     if len(over) != 1:

@@ -18,7 +18,7 @@ from typing import Final
 import attrs
 
 from rollslip.errors import SceneError
-from rollslip.results.words import in_percent
+from rollslip.results.text import in_percent
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import Study
 from rollslip.studies.surface_damage.model import OWN, DamageModel
@@ -141,7 +141,7 @@ def read_requirement(
 def refuse_text_output(name: str) -> SceneError:
     """Return the error for an output that is not a number."""
     return SceneError(
-        [f"keep: {name} tells in words, so it has no limit; name an output that is a number"]
+        [f"keep: {name} is a text, so it has no limit; name an output that is a number"]
     )
 
 

@@ -220,7 +220,7 @@ def _report_sweep(planned: "Sweep", folder: Path, run: dict[str, object], result
 
 def sweep_progress(progress: "Progress") -> str:
     """Return the progress of a sweep in one line."""
-    from rollslip.results.words import duration
+    from rollslip.results.text import duration
 
     left = f", {duration(progress.left)} left" if progress.left is not None else ""
     return f"{progress.summary[0]}{left}"
@@ -228,7 +228,7 @@ def sweep_progress(progress: "Progress") -> str:
 
 def sweep_standing(status: "SweepStatus") -> list[str]:
     """Return the status of a sweep, line by line."""
-    from rollslip.results.words import duration
+    from rollslip.results.text import duration
 
     lines = [
         f"sweep of {status.study} in {status.folder}: {status.done} of {status.total} points done"

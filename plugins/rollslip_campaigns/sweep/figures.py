@@ -27,7 +27,7 @@ from rollslip.results.style import (
     seamless,
     unit_label,
 )
-from rollslip.results.words import in_percent, short_label
+from rollslip.results.text import in_percent, short_label
 from rollslip.search import Array
 from rollslip.units import UnitError, converted, shown_unit
 from rollslip_campaigns.sweep.findings import (

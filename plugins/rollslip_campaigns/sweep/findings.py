@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.dataset import STATUS_VARIABLE, UNITS
 from rollslip.results.table import sheet
-from rollslip.results.words import format_plain, in_percent, two_digits, with_unit
+from rollslip.results.text import format_plain, in_percent, two_digits, with_unit
 
 if TYPE_CHECKING:
     import xarray as xr

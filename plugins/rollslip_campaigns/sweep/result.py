@@ -29,7 +29,7 @@ from rollslip.planning.plan import plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import describe_citations, describe_scene, origin
 from rollslip.results.dataset import STATUS_VARIABLE, about
-from rollslip.results.words import describe_more_bounds
+from rollslip.results.text import describe_more_bounds
 from rollslip.scene.changes import evolve, full_key
 from rollslip.studies import validity
 from rollslip.studies.error_estimate import errors_between

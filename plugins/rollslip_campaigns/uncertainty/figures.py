@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.results.style import DASHES, MM, MODEL_COLOURS, SINGLE_COLUMN, Sheet, plain_decades
-from rollslip.results.words import short_label
+from rollslip.results.text import short_label
 from rollslip_campaigns.uncertainty.findings import (
     RESERVE,
     SKIDDING,
@@ -43,7 +43,7 @@ def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figu
         caption = "Rank correlations of each uncertain quantity with what is acted on, the strongest first."
         yield "uncertainty-ranks", caption, _ranks(dataset)
     if dataset.sizes.get("indexed"):
-        caption = "Sobol indices: shares of the variance that each uncertain quantity makes, with 95 % intervals."
+        caption = "Sobol indices: fractions of the variance due to each uncertain quantity, with 95 % intervals."
         yield "uncertainty-indices", caption, _indices(dataset)
     if np.isfinite(dataset["batch_allowable"].to_numpy()).sum() > 1:
         caption = "Allowable slip by the number of samples, with its 95 % interval."
@@ -63,7 +63,7 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
     if drawn.any():
         shown = known[drawn]
         below = np.arange(1, known.size + 1)[drawn] / n
-        label = f"drag reserve: share of {n} samples below"
+        label = f"drag reserve: fraction of {n} samples below"
         axes.plot(shown, 100 * below, color=MODEL_COLOURS[0], drawstyle="steps-post", label=label)
         if unknown:
             axes.fill_between(
@@ -87,7 +87,7 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
     axes.axvline(1.0, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="below 1 the cage skids")
     axes.set_ylim(0.0, 103.0)
     sheet.handles = axes.get_legend_handles_labels()[0]
-    return sheet.done("Limit drag torque over the drags of the scene [–]", "Share of samples [%]")
+    return sheet.done("Limit drag torque over the drags of the scene [–]", "Fraction of samples [%]")
 
 
 def _ranks(dataset: "xr.Dataset") -> "Figure":
@@ -155,7 +155,7 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
             if side == "below"
             else (1 - below - unknown / n, 1 - below)
         )
-        label = f"{name}: share of {n} samples {side}"
+        label = f"{name}: fraction of {n} samples {side}"
         style: dict[str, Any] = {
             "drawstyle": "steps-post",
             "color": colour,
@@ -194,7 +194,7 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         axes.set_xlim(0.0, 100.0)
     axes.set_ylim(0.0, 103.0)
     sheet.handles = axes.get_legend_handles_labels()[0]
-    return sheet.done("Cage slip [%]", "Share of samples [%]")
+    return sheet.done("Cage slip [%]", "Fraction of samples [%]")
 
 
 def _indices(dataset: "xr.Dataset") -> "Figure":
@@ -223,7 +223,7 @@ def _indices(dataset: "xr.Dataset") -> "Figure":
                 xerr=spread,
             )
 
-    sheet = _draw_input_panels(dataset, order, 9, names, "Share of the variance [–]", draw_bars)
+    sheet = _draw_input_panels(dataset, order, 9, names, "Fraction of the variance [–]", draw_bars)
     handles = sheet.axes[0][0].get_legend_handles_labels()[0]
     sheet.figure.legend(handles=handles, loc="outside lower left", ncols=2)
     return sheet.figure

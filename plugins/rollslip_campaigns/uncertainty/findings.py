@@ -12,7 +12,7 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import UNITS, rows_along
 from rollslip.results.table import in_people_s_unit
-from rollslip.results.words import format_force, format_plain, format_slip_band, percent, two_digits
+from rollslip.results.text import format_force, format_plain, format_slip_band, percent, two_digits
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -458,7 +458,7 @@ def _describe_indices(indices: "xr.Dataset") -> str:
         additions += (
             f"; made of {used} of {requested} rows, the largest power of two of those without a gap"
         )
-    return f"share of the variance of {indices['indexed'].item()}, total Sobol index: {', '.join(parts)}{additions}"
+    return f"fraction of the variance of {indices['indexed'].item()}, total Sobol index: {', '.join(parts)}{additions}"
 
 
 def _format_torque(value: float) -> str:

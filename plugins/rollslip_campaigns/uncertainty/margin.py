@@ -47,7 +47,7 @@ from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
 from rollslip.results.dataset import UNITS, about
-from rollslip.results.words import duration_range
+from rollslip.results.text import duration_range
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.point import compute
@@ -303,7 +303,7 @@ def run_margin(
         The sweeps and the requested probability.
     folder : Path
         Folder of the sweeps and of the result; a run with the same plan continues there.
-    said : callable
+    print_line : callable
         Takes a line of text on the progress.
     report : callable
         Takes the progress of the sweep that is computed.
@@ -418,7 +418,7 @@ def _dataset(
         "probability": (
             "probability",
             np.array(probabilities),
-            about("1", "share of the distribution below"),
+            about("1", "fraction of the distribution below"),
         ),
         "input": ("input", np.array(plan.critical.design.keys), about("1", "what is uncertain")),
     }

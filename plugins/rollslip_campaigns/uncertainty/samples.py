@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, SKIDDING, STEADY
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ import numpy as np
 
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.errors import SceneError, did_you_mean, nearest
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.studies.answers import Measurable

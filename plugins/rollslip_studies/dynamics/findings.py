@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer, Row
-from rollslip.results.words import EFFECTIVE_FRICTION_ERROR, describe_skidding, percent
+from rollslip.results.text import EFFECTIVE_FRICTION_ERROR, describe_skidding, percent
 from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.results.answer import Row
-from rollslip.results.words import describe_estimated, percent
+from rollslip.results.text import describe_estimated, percent
 from rollslip.search import Array
 from rollslip.units import format_quantity
 

@@ -22,7 +22,7 @@ from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip.structure import Location
 from rollslip.studies.answers import Part, ResolutionChoice
 from rollslip.studies.error_estimate import choose_slices_and_positions

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
-from rollslip.results.words import Status, describe_running, describe_skidding
+from rollslip.results.text import Status, describe_running, describe_skidding
 from rollslip_studies.steady_slip.findings import (
     UNCOMPUTED_MINIMUM_LOAD,
     next_of_others,

@@ -13,7 +13,7 @@ import numpy as np
 from rollslip.errors import RollslipError
 from rollslip.planning.loads import load_distribution
 from rollslip.results.style import RING_COLOURS, SINGLE_COLUMN, Sheet
-from rollslip.results.words import two_digits
+from rollslip.results.text import two_digits
 from rollslip.scene.reading import from_raw
 from rollslip.units import format_quantity
 

@@ -28,7 +28,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import effective_table
 from rollslip_studies.motion.loading_branch import LoadingBranch, find_loading_branch

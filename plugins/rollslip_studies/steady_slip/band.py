@@ -44,7 +44,7 @@ from rollslip.catalogue.registry import get_class
 from rollslip.errors import ConvergenceError, DomainError, RollslipError, SceneError
 from rollslip.models import FINITE, SliceModel
 from rollslip.results.curves import or_none
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.values import Scene
 from rollslip.search import secants

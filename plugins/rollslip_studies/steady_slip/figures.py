@@ -25,7 +25,7 @@ from rollslip.results.style import (
     light_to_dark,
     unit_label,
 )
-from rollslip.results.words import format_slip_band, percent, two_digits
+from rollslip.results.text import format_slip_band, percent, two_digits
 from rollslip.scene.reading import from_raw
 from rollslip.units import converted, shown_unit
 from rollslip_studies.effective_friction.ring_figures import ring_figure

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.answer import ACCEPTABLE, Answer, Row, assumed_of
-from rollslip.results.words import (
+from rollslip.results.text import (
     Status,
     force_unit,
     format_force,

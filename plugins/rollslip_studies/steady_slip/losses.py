@@ -16,7 +16,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip.studies.error_estimate import JOINT_ORDER, MINIMUM_ERROR_FACTOR
 from rollslip.studies.steady_slip.torque import Duty, formula_variables
 from rollslip_studies.motion.losses import power_balance

@@ -32,7 +32,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.words import SWITCHED_OFF, Status
+from rollslip.results.text import SWITCHED_OFF, Status
 from rollslip.scene.relations import skf_minimum_load
 from rollslip.scene.values import Scene
 from rollslip.search import bracketed, secants, vertex

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip.studies.answers import Measurable, Output
 from rollslip.studies.steady_slip.torque import FORMULA_OUTPUTS
 from rollslip_studies.effective_friction.raceways import REGIMES

@@ -15,7 +15,7 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip_studies.motion.loading_branch import Jump, LoadingBranch
 from rollslip_studies.motion.spins import logit_slip, slip_from_logit
 from rollslip_studies.motion.torque_balance import TorqueBalance, describe_no_skidding

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
-from rollslip.results.words import SWITCHED_OFF, Status
+from rollslip.results.text import SWITCHED_OFF, Status
 from rollslip.units import format_quantity
 from rollslip_studies.motion.loading_branch import LoadingBranch, SteadyMotion
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance

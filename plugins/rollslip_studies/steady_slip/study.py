@@ -30,7 +30,7 @@ from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, in_range, parameter
 from rollslip.results.dataset import about
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies.answers import (

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
-from rollslip.results.words import Status, describe_estimated, format_power, percent
+from rollslip.results.text import Status, describe_estimated, format_power, percent
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.findings import next_of_others
 

@@ -18,7 +18,7 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, in_range, non_negative, parameter, positive
 from rollslip.results.dataset import about
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip.studies.answers import ComparedValues, Output, ResolutionChoice, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel, from_bearing, thermal_model

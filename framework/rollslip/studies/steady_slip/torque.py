@@ -21,7 +21,7 @@ from rollslip.datasets import Catalogue
 from rollslip.errors import DomainError
 from rollslip.references import Citation
 from rollslip.results.dataset import about
-from rollslip.results.words import Status
+from rollslip.results.text import Status
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Output

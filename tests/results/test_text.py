@@ -6,7 +6,7 @@ import math
 import pytest
 
 import rollslip
-from rollslip.results.words import (
+from rollslip.results.text import (
     collect_warnings,
     confidence,
     describe_running,
