@@ -34,7 +34,7 @@ from rollslip.studies.study import AXES
 from rollslip_campaigns.pareto import ParetoSettings
 from rollslip_campaigns.pareto import figures as front_figures
 from rollslip_campaigns.pareto import pareto as fronts
-from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED
+from rollslip_campaigns.pareto.candidates import EXACT, HALF, PLANNED, REFERENCE
 from rollslip_campaigns.pareto.findings import ParetoAccount, records, results_of
 from rollslip_campaigns.pareto.pareto import front, run_family
 from rollslip_campaigns.sweep import journal
@@ -69,7 +69,7 @@ def _nothing_stays_registered(monkeypatch):
 def _one_run_a_turn():
     """What a time is worth is not tested here."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(fronts, "_TURN", 0.0)
+        patch.setattr(fronts, "_MIN_TURN", 0.0)
         yield
 
 
@@ -126,7 +126,7 @@ def answer(capsys, *arguments):
 @pytest.fixture(scope="module")
 def effective():
     return pareto(
-        SCENE, study="effective-friction", choices="slices,instants,traction,film", rounds=2
+        SCENE, study="effective-friction", choices="slices,n_positions,traction,film", rounds=2
     )
 
 
@@ -183,13 +183,13 @@ def test_the_fronts_of_a_run_are_fronts_of_its_errors_and_medians(effective):
 
 
 def test_the_family_is_told_before_it_runs():
-    family = ParetoSettings(SCENE, study="effective-friction", choices="slices,instants").plan()
-    labels = [one.label for one in family.of("effective-friction", "numerical")]
+    family = ParetoSettings(SCENE, study="effective-friction", choices="slices,n_positions").plan()
+    labels = [one.label for one in family.choices_of("effective-friction", "numerical")]
     # 2 numbers of slices below those stated, crossed with 3 of instants; both alone, and 7 numbers of instants
     assert len(labels) == len(set(labels)) == 1 + 2 * 3 + 2 + 7
     assert labels[0] == PLANNED
-    assert [one.label for one in family.of("effective-friction", "reference")] == [
-        FINEST,
+    assert [one.label for one in family.choices_of("effective-friction", "reference")] == [
+        REFERENCE,
         HALF,
         EXACT,
     ]
@@ -203,7 +203,7 @@ def test_slices_that_a_scene_leaves_open_go_on_and_gauss_takes_part():
     ).plan()
     found = {
         (one.resolution.slices, one.resolution.quadrature)
-        for one in family.of("friction-curve", "numerical")
+        for one in family.choices_of("friction-curve", "numerical")
     }
     assert {(401, "equal"), (101, "gauss")} <= found
     assert family.notes == ()
@@ -213,7 +213,10 @@ def test_one_slice_a_contact_leaves_no_slices_to_choose():
     family = ParetoSettings(
         evolve(SCENE, {"bearing.profile": "none"}), study="friction-curve"
     ).plan()
-    assert [one.label for one in family.of("friction-curve", "numerical")] == [PLANNED, "in NumPy"]
+    assert [one.label for one in family.choices_of("friction-curve", "numerical")] == [
+        PLANNED,
+        "in NumPy",
+    ]
 
 
 def test_choices_are_of_what_acts_on_a_result():
@@ -224,20 +227,20 @@ def test_choices_are_of_what_acts_on_a_result():
         "friction-curve": {"slices", "traction", "film", "compiled"},
         "effective-friction": {"slices", "n_positions", "traction", "film", "compiled"},
     }.items():
-        planned = family.of(study, "numerical")[0]
+        planned = family.choices_of(study, "numerical")[0]
         varied = set()
-        for one in family.of(study, "numerical", "modelling", "film"):
+        for one in family.choices_of(study, "numerical", "modelling", "film"):
             here = attrs.asdict(one.resolution)
             there = attrs.asdict(planned.resolution)
             varied |= {key for key in here if here[key] != there[key]} | (
                 {"film"} if one.kind == "film" else set()
             )
         assert varied == axes
-    moving = {one.label: one for one in family.of("dynamics", "numerical", "modelling")}
+    moving = {one.label: one for one in family.choices_of("dynamics", "numerical", "modelling")}
     assert {"lsoda, steps to 1e-07", "effective friction"} <= set(moving)
     assert any(label.startswith("tables to ") for label in moving)
     assert moving["effective friction"].kind == "modelling"
-    assert family.of("dynamics", "reference")[-1].resolution.friction == "conventional"
+    assert family.choices_of("dynamics", "reference")[-1].resolution.friction == "conventional"
 
 
 @pytest.mark.slow  # plans cage and rollers in motion once for every axis
@@ -251,7 +254,10 @@ def test_everything_that_can_be_chosen_is_chosen_somewhere():
 def test_the_exact_law_of_a_law_of_its_own_is_itself():
     scene = evolve(SCENE, {"models.traction": "constant"})
     family = ParetoSettings(scene, study="friction-curve", choices="slices").plan()
-    assert [one.label for one in family.of("friction-curve", "reference")] == [FINEST, HALF]
+    assert [one.label for one in family.choices_of("friction-curve", "reference")] == [
+        REFERENCE,
+        HALF,
+    ]
 
 
 # Numbers ------------------------------------------------------------------------------------------------------------
@@ -260,7 +266,7 @@ def test_the_exact_law_of_a_law_of_its_own_is_itself():
 def test_the_finest_has_no_error_and_the_exact_model_no_difference(effective, contact):
     for found in (effective, contact):
         one = found.isel(result=0)
-        assert float(one.error.sel(choice=FINEST)) == 0.0
+        assert float(one.error.sel(choice=REFERENCE)) == 0.0
         assert float(one.difference.sel(choice=EXACT)) == 0.0
         assert max(float(one.error.sel(choice=HALF)), 1e-14) == float(
             one.floor
@@ -274,7 +280,8 @@ def test_errors_are_those_of_runs_by_hand(effective):
     by_hand = {
         label: study.run(assemble(one.scene, one.resolution))
         for one in family.choices
-        if (label := one.label) in (FINEST, EXACT, "5 slices, 2 instants", "eyring", "film regime")
+        if (label := one.label)
+        in (REFERENCE, EXACT, "5 slices, 2 positions", "eyring", "film regime")
     }
 
     def error(label, against):
@@ -282,19 +289,19 @@ def test_errors_are_those_of_runs_by_hand(effective):
         return float((abs(a - b).max("cage_slip") / abs(b).max("cage_slip")).max())
 
     friction = effective.sel(result="friction")
-    assert float(friction.error.sel(choice="5 slices, 2 instants")) == pytest.approx(
-        error("5 slices, 2 instants", FINEST), rel=1e-12
+    assert float(friction.error.sel(choice="5 slices, 2 positions")) == pytest.approx(
+        error("5 slices, 2 positions", REFERENCE), rel=1e-12
     )
-    for label, against in (("eyring", EXACT), ("film regime", FINEST), (FINEST, EXACT)):
+    for label, against in (("eyring", EXACT), ("film regime", REFERENCE), (REFERENCE, EXACT)):
         assert float(friction.difference.sel(choice=label)) == pytest.approx(
             error(label, against), rel=1e-12
         )
     critical = effective.sel(result="critical slip, inner ring")
     slips = [
         float(by_hand[name].critical_cage_slip.sel(ring="inner"))
-        for name in ("5 slices, 2 instants", FINEST)
+        for name in ("5 slices, 2 positions", REFERENCE)
     ]
-    assert float(critical.error.sel(choice="5 slices, 2 instants")) == pytest.approx(
+    assert float(critical.error.sel(choice="5 slices, 2 positions")) == pytest.approx(
         abs(slips[0] / slips[1] - 1)
     )
 
@@ -344,7 +351,7 @@ def test_times_are_of_all_rounds_and_evaluations_are_counted(contact):
     assert (contact.evaluations > 0).all()
     few, planned = (int(contact.evaluations.sel(choice=name)) for name in ("5 slices", PLANNED))
     assert few < planned
-    assert int(contact.round_seconds.sel(choice=FINEST).notnull().sum()) == 1
+    assert int(contact.round_seconds.sel(choice=REFERENCE).notnull().sum()) == 1
 
 
 def test_a_critical_slip_that_is_not_there_is_a_status():
@@ -379,7 +386,7 @@ def test_a_choice_that_fails_is_a_status_and_stops_no_other():
     status = {label.item(): found.status.sel(choice=label).item() for label in found.choice}
     assert "outside its domain" in status["film refuses"]
     assert "in somebody's model" in status["raises"]
-    assert {status[name] for name in (PLANNED, "eyring", FINEST)} == {"done"}
+    assert {status[name] for name in (PLANNED, "eyring", REFERENCE)} == {"done"}
     assert found.difference.sel(choice=["raises", "film refuses"]).isnull().all()
     assert found.seconds.sel(choice="raises").isnull()
     assert any(
@@ -680,13 +687,13 @@ import rollslip
 from rollslip_campaigns.pareto import pareto as fronts
 from rollslip.cli import main
 
-fronts._TURN = 0.0
-whole = fronts._take
+fronts._MIN_TURN = 0.0
+whole = fronts._take_turn
 def slow(family, choice, record):
     print(choice.label, flush=True)
     time.sleep(float(os.environ.get("PAUSE", "0")))
     whole(family, choice, record)
-fronts._take = slow
+fronts._take_turn = slow
 main()
 """
 
@@ -743,15 +750,15 @@ def test_a_run_goes_on_where_it_was_stopped(how, tmp_path, capsys, monkeypatch):
         assert command[-1] == "--resume"
     monkeypatch.chdir(tmp_path)
     turns = []
-    take = fronts._take
+    take = fronts._take_turn
     monkeypatch.setattr(
-        fronts, "_take", lambda *given: (turns.append(given[1].label), take(*given))
+        fronts, "_take_turn", lambda *given: (turns.append(given[1].label), take(*given))
     )
     code, _, err = answer(
         capsys, "1032930-30C", *QUICK, "--no-plots", "--choices=slices", "--out", "o", "--resume"
     )
     assert code == 0, err
-    assert not {FINEST, HALF, EXACT} & set(turns)
+    assert not {REFERENCE, HALF, EXACT} & set(turns)
     found = open_result(tmp_path / "o" / "pareto.nc")
     assert (found.status == "done").all()
     assert found.round_seconds.sel(choice=PLANNED).values[0] == kept[3]["seconds"][0]
@@ -820,7 +827,7 @@ def test_names_of_models_are_choices_beside_those_that_are_narrowed_to():
         SCENE, study="friction-curve", choices="slices", traction="carreau"
     ).plan()
     assert [one.label for one in family.choices if one.kind == "modelling"] == ["carreau"]
-    assert not family.of("friction-curve", "film")
+    assert not family.choices_of("friction-curve", "film")
 
 
 def test_errors_have_their_classes():

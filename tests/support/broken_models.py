@@ -1021,9 +1021,9 @@ def _rows(**changes):
 
 
 DATA_SETS = {
-    "no citation": ("check_a_data_set_says_what_it_is_and_whence", data_set(references=())),
+    "no citation": ("check_data_set_states_contents_and_source", data_set(references=())),
     "a row names an oil that nobody offers": (
-        "check_every_row_makes_a_bearing",
+        "check_rows_make_valid_bearings",
         data_set(series=_rows(**{"lubricant.name": "oil-of-nobody"})),
     ),
 }

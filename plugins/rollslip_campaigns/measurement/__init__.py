@@ -1,4 +1,4 @@
-"""What was measured: data sets to hold models against, and the rows of rigs, read strictly from their files."""
+"""Measured data: data sets to compare models with, and rows of rigs, read from files with all faults reported."""
 
 from rollslip_campaigns.measurement.reading import load_measurement, load_measurements
 from rollslip_campaigns.measurement.values import QUANTITIES, Measurement

@@ -1,9 +1,9 @@
-"""Reads data sets from their folders, with every fault of all their files in one error.
+"""Read data sets from their folders, with all faults of their files in one error.
 
-- A folder has ``measurement.toml``; the scenes, rigs and tables of numbers that it names stand beside it.
-- A header cell is a key of the scene with the unit of the values below, ``operation.radial_load [N]``; a name, a model
-  for example, has no unit. What the key takes, the scene says: every row is read as a change of it.
-- Nothing is repaired, nothing is left out, and a value without uncertainty is no measurement.
+- A folder has ``measurement.toml``, and beside it the scenes, rigs and tables of numbers that it names.
+- A cell of a header is a key of the scene with the unit of the values below, ``operation.radial_load [N]``; a name,
+  such as that of a model, has no unit. The scene defines what a key accepts: each row is read as a change of the scene.
+- Nothing is repaired and nothing is left out. A value without an uncertainty is not a measurement.
 """
 
 import csv
@@ -51,29 +51,34 @@ from rollslip_campaigns.measurement.values import (
 
 __all__ = ["FILE", "load_measurement", "load_measurements"]
 
+#: Name of the file of a data set in its folder.
 FILE: Final = "measurement.toml"
-#: Columns of the value and of its standard uncertainty.
+#: Column of the measured value.
 MEASURED = "measured"
+#: Column of its standard uncertainty.
 UNCERTAINTY = "uncertainty"
+#: A number in a cell: decimal, with an exponent of up to three digits.
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
-#: The variable of a study.
-_OF_STUDY: Final = re.compile(r"[\w-]+/\w+", re.ASCII)
-#: How values are read that are not there yet.
+#: A variable of a study: STUDY/VARIABLE.
+_STUDY_VARIABLE: Final = re.compile(r"[\w-]+/\w+", re.ASCII)
+#: How the values of a form are read, which has none yet.
 _TO_READ: Final = "to be digitised"
-#: What a licence says that the numbers may not be passed on.
+#: Licence under which the numbers may not be passed on.
 _CLOSED: Final = "not redistributable"
+#: Words that a citation has at least, such as author, title and year. Chosen; it refuses bare keys and links.
+_MIN_CITATION_LENGTH = 3
 
 
 def load_measurements(folder: str | os.PathLike[str]) -> list[Measurement]:
-    """Return the data sets in the folders below one, in the order of their names."""
-    found = sorted(path.parent for path in Path(folder).glob(f"*/{FILE}"))
-    if not found:
+    """Return the data sets in the subfolders of a folder, in the order of their names."""
+    folders = sorted(path.parent for path in Path(folder).glob(f"*/{FILE}"))
+    if not folders:
         raise SceneError([f"{readable(os.fspath(folder))}: no folder in it has a file {FILE}"])
-    return [load_measurement(path) for path in found]
+    return [load_measurement(path) for path in folders]
 
 
 def load_measurement(folder: str | os.PathLike[str]) -> Measurement:
-    """Read a data set."""
+    """Return the data set in a folder; all faults of its files are raised in one error."""
     base = Path(folder)
     source, text = text_named(base / FILE)
     raw, origins = parse(text, source)
@@ -82,15 +87,15 @@ def load_measurement(folder: str | os.PathLike[str]) -> Measurement:
     table = structure(MeasurementTable, raw, where, problems)
     if table is None:
         raise SceneError(problems)
-    made = _Reader(base, table, where, problems).measurement()
+    measurement = _Reader(base, table, where, problems).measurement()
     if problems:
         raise faults_of(source, problems)
-    return made
+    return measurement
 
 
 @attrs.define
 class _Reader:
-    """Reads what a data set's table names, and notes what is wrong with it."""
+    """Reads the files that the table of a data set names, and collects faults."""
 
     folder: Path
     table: MeasurementTable
@@ -99,21 +104,22 @@ class _Reader:
     _scenes: dict[str, Scene | None] = attrs.field(factory=dict)
 
     def measurement(self) -> Measurement:
+        """Return the data set, without series and statements that cannot be read."""
         table = self.table
         series = [
-            self._series(one, self.where.at("series").at(k)) for k, one in enumerate(table.series)
+            self._series(each, self.where.at("series").at(k)) for k, each in enumerate(table.series)
         ]
-        said = [
-            self._statement(one, self.where.at("statements").at(k))
-            for k, one in enumerate(table.statements)
+        statements = [
+            self._statement(each, self.where.at("statements").at(k))
+            for k, each in enumerate(table.statements)
         ]
         self._check_names()
         references = self._references(table.source)
         # what could not be read may have values
-        has_values = any(one is None or one.rows for one in series) or bool(said)
+        has_values = any(each is None or each.rows for each in series) or bool(statements)
         self._check_source(table.source, has_values)
         self._check_estimates()
-        made = Measurement(
+        measurement = Measurement(
             name=table.name,
             description=table.description,
             references=references,
@@ -122,46 +128,51 @@ class _Reader:
             licence=table.source.licence,
             recipe=table.source.recipe,
             estimated=FrozenTable(dict(table.estimated)),
-            series=tuple(one for one in series if one is not None),
-            statements=tuple(one for one in said if one is not None),
+            series=tuple(each for each in series if each is not None),
+            statements=tuple(each for each in statements if each is not None),
             folder=str(self.folder),
         )
-        return (
-            attrs.evolve(made, description=f"{FORM}: {made.description}") if made.is_form else made
-        )
+        if measurement.is_form:
+            return attrs.evolve(measurement, description=f"{FORM}: {measurement.description}")
+        return measurement
 
-    # About the whole -------------------------------------------------------------------------------------------------
+    # Names and sources -----------------------------------------------------------------------------------------------
 
     def _check_names(self) -> None:
+        """Collect faults of the names of the data set and of its series."""
         if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", self.table.name, re.ASCII):
-            self._note(
+            self._add_problem(
                 "name",
                 f"{as_written(self.table.name)} is not made of small letters, digits and hyphens",
             )
         if not self.table.series and not self.table.statements:
-            self._note(
+            self._add_problem(
                 "series",
                 "missing: a data set has [[series]] of numbers, or [[statements]], or both",
             )
-        names = [one.name for one in self.table.series]
+        names = [series.name for series in self.table.series]
         for name in {name for name in names if names.count(name) > 1}:
-            self._note("series", f"two are called {as_written(name)}; give each a name of its own")
+            self._add_problem(
+                "series", f"two are called {as_written(name)}; give each a name of its own"
+            )
 
-    def _note(self, key: str, reason: str) -> None:
+    def _add_problem(self, key: str, reason: str) -> None:
+        """Collect a fault of a key of the data set."""
         self.problems.append(self.where.at(key).message(reason))
 
     def _references(self, source: SourceTable) -> tuple[Any, ...]:
-        found: list[Reference | str] = []
+        """Return the citations of the data set."""
+        references: list[Reference | str] = []
         where = self.where.at("source").at("references")
-        for k, one in enumerate(source.references):
-            if isinstance(one, Mapping):
+        for k, citation in enumerate(source.references):
+            if isinstance(citation, Mapping):
                 try:
-                    fields: dict[str, Any] = dict(one)
-                    found.append(Reference(**fields))
+                    fields: dict[str, Any] = dict(citation)
+                    references.append(Reference(**fields))
                 except (TypeError, ValueError) as error:
                     self.problems.append(where.at(k).message(str(error)))
-            elif isinstance(one, str) and len(one.split()) >= 3:
-                found.append(one)
+            elif isinstance(citation, str) and len(citation.split()) >= _MIN_CITATION_LENGTH:
+                references.append(citation)
             else:
                 self.problems.append(
                     where.at(k).message("a citation is expected: who, what, where and when")
@@ -172,14 +183,17 @@ class _Reader:
                     "missing, but required: a citation of what the values stand in, or of the rig's own record"
                 )
             )
-        return tuple(found)
+        return tuple(references)
 
     def _check_source(self, source: SourceTable, has_values: bool) -> None:
+        """Collect faults of licence, reading and recipe."""
         where = self.where.at("source")
         digitised = source.read == "digitised"
         closed = source.licence == _CLOSED
-        without = [
-            k for k, one in enumerate(self.table.series) if digitised and one.reading_error is None
+        without_error = [
+            k
+            for k, series in enumerate(self.table.series)
+            if digitised and series.reading_error is None
         ]
         faults = [
             (
@@ -198,7 +212,7 @@ class _Reader:
                     self.where.at("series").at(k).at("reading_error"),
                     "missing: digitised values have an error of reading, such as '2 %'",
                 )
-                for k in without
+                for k in without_error
             ),
             (
                 source.read == _TO_READ and has_values,
@@ -216,29 +230,24 @@ class _Reader:
                 f"{_CLOSED!r}, but the values stand here; leave them out and give the recipe",
             ),
         ]
-        self.problems += [at.message(reason) for wrong, at, reason in faults if wrong]
+        self.problems += [place.message(reason) for is_fault, place, reason in faults if is_fault]
 
     def _check_estimates(self) -> None:
-        """What is estimated stands in a scene, and scatters where it is a number."""
+        """Collect estimated keys that no scene states, and estimated numbers without a distribution."""
         scenes = [scene for scene in self._scenes.values() if scene is not None]
         for key in self.table.estimated:
-            at = self.where.at("estimated").at(key)
             path = key.split(".")
             stated = [
-                value for scene in scenes if (value := _deep(scene.raw or {}, path)) is not None
+                value
+                for scene in scenes
+                if (value := _nested_value(scene.raw or {}, path)) is not None
             ]
             if scenes and not stated:
-                self.problems.append(at.message("no scene of the data set states this key"))
+                reason = "no scene of the data set states this key"
+                self.problems.append(self.where.at("estimated").at(key).message(reason))
             for scene in scenes:
-                value = _deep(scene.raw or {}, path)
-                number = isinstance(value, int | float) or (
-                    isinstance(value, str) and _NUMBER.match(value)
-                )
-                if (
-                    number
-                    and not isinstance(value, bool)
-                    and _deep(scene.uncertainty or {}, path) is None
-                ):
+                value = _nested_value(scene.raw or {}, path)
+                if _is_number(value) and _nested_value(scene.uncertainty or {}, path) is None:
                     place = readable(scene.source)
                     self.problems.append(
                         f"{place}: uncertainty.{key}: missing: {as_written(value)} is estimated, so it needs a "
@@ -248,11 +257,13 @@ class _Reader:
     # Scenes and quantities --------------------------------------------------------------------------------------------
 
     def _scene(self, name: str, where: Location) -> Scene | None:
+        """Return the scene in a file, or None after collecting its faults."""
         if name not in self._scenes:
-            self._scenes[name] = self._noted(lambda: load_scene(self._beside(name, where)))
+            self._scenes[name] = self._try(lambda: load_scene(self._file(name, where)))
         return self._scenes[name]
 
-    def _beside(self, name: str, where: Location) -> Path:
+    def _file(self, name: str, where: Location) -> Path:
+        """Return the path of a file in the folder of the data set."""
         path = self.folder / name
         if Path(name).name != name or not path.is_file():
             raise SceneError(
@@ -260,30 +271,32 @@ class _Reader:
             )
         return path
 
-    def _noted(self, read: "Callable[[], Any]") -> Any:
+    def _try(self, read: "Callable[[], Any]") -> Any:
+        """Return what a function reads, or None after collecting the faults that it raises."""
         try:
             return read()
         except SceneError as error:
             self.problems += error.problems
             return None
 
-    def _unit(self, one: SeriesTable | StatementTable, where: Location) -> str | None:
-        """SI unit of the quantity, or None after noting what is wrong."""
-        if one.quantity in QUANTITIES:
-            return QUANTITIES[one.quantity].unit
-        if not _OF_STUDY.fullmatch(one.quantity):
-            self._unknown(one.quantity, where)
-        elif not one.unit:
+    def _unit(self, table: SeriesTable | StatementTable, where: Location) -> str | None:
+        """Return the SI unit of the quantity, or None after collecting a fault."""
+        if table.quantity in QUANTITIES:
+            return QUANTITIES[table.quantity].unit
+        if not _STUDY_VARIABLE.fullmatch(table.quantity):
+            self._add_unknown(table.quantity, where)
+        elif not table.unit:
             reason = "missing: the variable of a study needs its SI unit, '1' for none"
             self.problems.append(where.at("unit").message(reason))
         else:
             try:
-                return check_unit(one.unit)
+                return check_unit(table.unit)
             except UnitError as error:
                 self.problems.append(where.at("unit").message(str(error)))
         return None
 
-    def _unknown(self, name: str, where: Location) -> None:
+    def _add_unknown(self, name: str, where: Location) -> None:
+        """Collect the fault of a quantity that is not known."""
         near = nearest(name, QUANTITIES, count=1)
         hint = did_you_mean(near, f"there are: {', '.join(QUANTITIES)}; and STUDY/VARIABLE")
         self.problems.append(
@@ -292,58 +305,61 @@ class _Reader:
 
     # Series -----------------------------------------------------------------------------------------------------------
 
-    def _series(self, one: SeriesTable, where: Location) -> Series | None:
-        unit = self._unit(one, where)
+    def _series(self, table: SeriesTable, where: Location) -> Series | None:
+        """Return a series, or None after collecting faults that prevent it."""
+        unit = self._unit(table, where)
         if unit is None:
             return None
-        if not one.uncertainty.strip():
+        if not table.uncertainty.strip():
             self.problems.append(
                 where.at("uncertainty").message(
                     "is empty; say what the column of uncertainty rests on"
                 )
             )
-        of_contact = one.quantity in QUANTITIES and QUANTITIES[one.quantity].of == "contact"
-        wanted, other = ("rig", "scene") if of_contact else ("scene", "rig")
-        if not getattr(one, wanted):
+        of_contact = table.quantity in QUANTITIES and QUANTITIES[table.quantity].of == "contact"
+        required = "rig" if of_contact else "scene"
+        other = "scene" if of_contact else "rig"
+        if not getattr(table, required):
             self.problems.append(
-                where.at(wanted).message(f"missing: a {one.quantity} is measured on a {wanted}")
+                where.at(required).message(
+                    f"missing: a {table.quantity} is measured on a {required}"
+                )
             )
             return None
-        if getattr(one, other):
+        if getattr(table, other):
             self.problems.append(
                 where.at(other).message(
-                    f"a {one.quantity} is measured on a {wanted}; leave this out"
+                    f"a {table.quantity} is measured on a {required}; leave this out"
                 )
             )
         common: dict[str, Any] = {
-            "name": one.name,
-            "quantity": one.quantity,
+            "name": table.name,
+            "quantity": table.quantity,
             "unit": unit,
-            "at": one.at,
-            "about_uncertainty": one.uncertainty,
+            "at": table.at,
+            "about_uncertainty": table.uncertainty,
         }
         if of_contact:
-            return self._of_contact(one, where, common)
-        scene = self._scene(one.scene, where.at("scene"))
-        if scene is not None and one.changes:
-            given = scene
-            scene = self._noted(lambda: evolve(given, one.changes))
-        rows = self._rows(one, unit, scene, where)
+            return self._contact_series(table, where, common)
+        scene = self._scene(table.scene, where.at("scene"))
+        if scene is not None and table.changes:
+            unchanged = scene
+            scene = self._try(lambda: evolve(unchanged, table.changes))
+        rows = self._rows(table, unit, scene, where)
         return None if scene is None else Series(scene=scene, rows=tuple(rows), **common)
 
-    def _of_contact(
-        self, one: SeriesTable, where: Location, common: Mapping[str, Any]
+    def _contact_series(
+        self, table: SeriesTable, where: Location, common: Mapping[str, Any]
     ) -> Series | None:
-        column = one.quantity.replace("-", "_")
-        rig: Rig | None = self._noted(lambda: load_rig(self._beside(one.rig, where.at("rig"))))
-        if (
-            rig is not None and self.table.source.read == _TO_READ
-        ):  # a form: there is nothing to read yet
-            self._noted(lambda: self._beside(one.data, where.at("data")))
+        """Return a series of a rig, or None after collecting faults that prevent it."""
+        column = table.quantity.replace("-", "_")
+        rig: Rig | None = self._try(lambda: load_rig(self._file(table.rig, where.at("rig"))))
+        if rig is not None and self.table.source.read == _TO_READ:  # a form has no values yet
+            self._try(lambda: self._file(table.data, where.at("data")))
             return Series(rows=(), **common)
-        row = FilmRow if one.quantity == "film-thickness" else TractionRow
-        data: RigData | None = self._noted(
-            lambda: read_data(self._beside(one.data, where.at("data")), row)
+        row = FilmRow if table.quantity == "film-thickness" else TractionRow
+        data: RigData | None = self._try(
+            lambda: read_data(self._file(table.data, where.at("data")), row)
         )
         if rig is None or data is None:
             return None
@@ -354,26 +370,26 @@ class _Reader:
             return None
         conditions = [name for name in data.columns if not name.startswith(column)]
         rows = list[Row]()
-        seen = dict[FrozenTable, int]()
+        line_of = dict[FrozenTable, int]()
         for k, line in enumerate(data.lines):
             changes = FrozenTable({name: float(data.columns[name][k]) for name in conditions})
-            if changes in seen:
+            if changes in line_of:
                 self.problems.append(
-                    f"{data.source}:{line}: the conditions of line {seen[changes]} once more"
+                    f"{data.source}:{line}: the conditions of line {line_of[changes]} once more"
                 )
-            seen[changes] = line
+            line_of[changes] = line
             measured, sigma = (
                 float(data.columns[name][k]) for name in (column, f"{column}_uncertainty")
             )
-            sigma = _with_reading(one, measured, sigma)
+            sigma = _add_reading_error(table, measured, sigma)
             rows.append(Row(changes=changes, measured=measured, uncertainty=sigma, line=line))
         return ContactSeries(rig=rig, data=data, rows=tuple(rows), **common)
 
     def _rows(
-        self, one: SeriesTable, unit: str, scene: Scene | None, where: Location
+        self, table: SeriesTable, unit: str, scene: Scene | None, where: Location
     ) -> Iterator[Row]:
-        """Rows of a file; what is wrong with them is noted."""
-        path = self._noted(lambda: self._beside(one.data, where.at("data")))
+        """Yield the rows of a file; faults of others are collected."""
+        path = self._try(lambda: self._file(table.data, where.at("data")))
         if path is None:
             return
         source, text = text_named(path)
@@ -385,26 +401,25 @@ class _Reader:
             self.problems.append(f"{source}: no header, such as '{example}'")
             return
         number, cells = lines[0]
-        header = [_cell(cell) for cell in cells]
-        before = len(self.problems)
-        self.problems += _of_header(header, unit, f"{source}:{number}")
-        if len(self.problems) > before:
+        header = [_parse_head(cell) for cell in cells]
+        n_problems = len(self.problems)
+        self.problems += _header_problems(header, unit, f"{source}:{number}")
+        if len(self.problems) > n_problems:
             return
-        seen = dict[FrozenTable, int]()
+        line_of = dict[FrozenTable, int]()
         for number, cells in lines[1:]:
-            row = self._row(
-                [cell.strip() for cell in cells], header, unit, f"{source}:{number}", one, number
-            )
+            cells = [cell.strip() for cell in cells]
+            row = self._row(cells, header, unit, f"{source}:{number}", table, number)
             if row is None:
                 continue
-            if row.changes in seen:
+            if row.changes in line_of:
                 self.problems.append(
-                    f"{source}:{number}: the conditions of line {seen[row.changes]} once more"
+                    f"{source}:{number}: the conditions of line {line_of[row.changes]} once more"
                 )
                 continue
-            seen[row.changes] = number
+            line_of[row.changes] = number
             if scene is not None:
-                self._fits(scene, row.changes, f"{source}:{number}")
+                self._check_changes(scene, row.changes, f"{source}:{number}")
             yield row
 
     def _row(
@@ -413,37 +428,38 @@ class _Reader:
         header: list[tuple[str, str]],
         unit: str,
         where: str,
-        one: SeriesTable,
+        table: SeriesTable,
         line: int,
     ) -> Row | None:
+        """Return the row in some cells, or None after collecting faults."""
         if len(cells) != len(header):
             hint = "; a decimal comma is not read, write 0.05" if len(cells) > len(header) else ""
             self.problems.append(f"{where}: {len(cells)} values under {len(header)} columns{hint}")
             return None
         changes = dict[str, object]()
         values = dict[str, float]()
-        before = len(self.problems)
-        for (name, of), cell in zip(header, cells, strict=True):
-            if of and not _NUMBER.fullmatch(cell):
+        n_problems = len(self.problems)
+        for (name, cell_unit), cell in zip(header, cells, strict=True):
+            if cell_unit and not _NUMBER.fullmatch(cell):
                 reason = "is empty" if not cell else f"{as_written(cell)} is not a number alone"
                 self.problems.append(f"{where}: {name}: {reason}; its unit stands in the header")
             elif name in (MEASURED, UNCERTAINTY):
-                values[name] = quantity(f"{cell} {of}", unit)
+                values[name] = quantity(f"{cell} {cell_unit}", unit)
             else:
-                changes[name] = _plain(cell, of)
+                changes[name] = _scene_value(cell, cell_unit)
         if values.get(UNCERTAINTY, 1.0) <= 0.0:
             self.problems.append(
                 f"{where}: {UNCERTAINTY}: must be above 0, the standard uncertainty of the value"
             )
-        if len(self.problems) > before:
+        if len(self.problems) > n_problems:
             return None
-        sigma = _with_reading(one, values[MEASURED], values[UNCERTAINTY])
+        sigma = _add_reading_error(table, values[MEASURED], values[UNCERTAINTY])
         return Row(
             changes=FrozenTable(changes), measured=values[MEASURED], uncertainty=sigma, line=line
         )
 
-    def _fits(self, scene: Scene, changes: Mapping[str, object], where: str) -> None:
-        """Note what the scene says against changes of it."""
+    def _check_changes(self, scene: Scene, changes: Mapping[str, object], where: str) -> None:
+        """Collect faults of changes of a scene."""
         try:
             evolve(scene, changes)
         except SceneError as error:
@@ -453,110 +469,125 @@ class _Reader:
 
     # Statements -------------------------------------------------------------------------------------------------------
 
-    def _statement(self, one: StatementTable, where: Location) -> Statement | None:
-        unit = self._unit(one, where)
-        scene = self._scene(one.scene, where.at("scene"))
-        before = len(self.problems)
-        if not one.source.strip():
+    def _statement(self, table: StatementTable, where: Location) -> Statement | None:
+        """Return a statement, or None after collecting faults that prevent it."""
+        unit = self._unit(table, where)
+        scene = self._scene(table.scene, where.at("scene"))
+        n_problems = len(self.problems)
+        if not table.source.strip():
             self.problems.append(
                 where.at("source").message("is empty; name who says so, and where")
             )
-        if bool(one.key) != bool(one.values) or (one.key and one.steps):
+        steps = self._steps(table, where)
+        limit = self._limit(table, unit, where)
+        if scene is not None:
+            for step in steps:
+                name = step.quantity
+                if name and name not in QUANTITIES and not _STUDY_VARIABLE.fullmatch(name):
+                    self._add_unknown(name, where.at("steps"))
+                self._check_changes(scene, step.changes, where.at("steps").message(step.text))
+        if unit is None or scene is None or len(self.problems) > n_problems:
+            return None
+        return Statement(
+            quantity=table.quantity,
+            unit=unit,
+            at=table.at,
+            scene=scene,
+            text=table.text,
+            by_whom=table.source,
+            expect=table.expect,
+            by=table.by,
+            limit=limit,
+            steps=steps,
+        )
+
+    def _steps(self, table: StatementTable, where: Location) -> tuple[Step, ...]:
+        """Return the steps of a statement: those stated, one for each value of its key, or the scene as it is."""
+        if bool(table.key) != bool(table.values) or (table.key and table.steps):
             self.problems.append(
                 where.at("key").message("give a key with its values, or steps, and not both")
             )
-        steps = (
-            one.steps
-            or tuple(
-                Step(text=str(value), changes=FrozenTable({one.key: value}))
-                for value in (one.values if one.key else ())
+        steps = table.steps
+        if not steps and table.key:
+            steps = tuple(
+                Step(text=str(value), changes=FrozenTable({table.key: value}))
+                for value in table.values
             )
-            or (Step(text="the scene as it is"),)
-        )
-        if one.expect in ("rises", "falls") and len(steps) < 2:
-            self.problems.append(where.message(f"what {one.expect} needs two steps at least"))
-        limit = self._limit(one, unit, where)
-        if scene is not None:
-            for step in steps:
-                if (
-                    step.quantity
-                    and step.quantity not in QUANTITIES
-                    and not _OF_STUDY.fullmatch(step.quantity)
-                ):
-                    self._unknown(step.quantity, where.at("steps"))
-                self._fits(scene, step.changes, where.at("steps").message(step.text))
-        if unit is None or scene is None or len(self.problems) > before:
-            return None
-        return Statement(
-            quantity=one.quantity, unit=unit, at=one.at, scene=scene, text=one.text, by_whom=one.source,
-            expect=one.expect, by=one.by, limit=limit, steps=steps,
-        )  # fmt: skip
+        steps = steps or (Step(text="the scene as it is"),)
+        if table.expect in ("rises", "falls") and len(steps) < 2:
+            self.problems.append(where.message(f"what {table.expect} needs two steps at least"))
+        return steps
 
-    def _limit(self, one: StatementTable, unit: str | None, where: Location) -> float | None:
-        bounded = one.expect in ("below", "above")
-        if bounded != (one.limit is not None):
+    def _limit(self, table: StatementTable, unit: str | None, where: Location) -> float | None:
+        """Return the limit of a statement in the SI unit, or None where it has none."""
+        bounded = table.expect in ("below", "above")
+        if bounded != (table.limit is not None):
             reason = (
-                f"missing: {one.expect!r} what?"
+                f"missing: {table.expect!r} what?"
                 if bounded
-                else f"{one.expect!r} has no limit; leave it out"
+                else f"{table.expect!r} has no limit; leave it out"
             )
             self.problems.append(where.at("limit").message(reason))
         elif bounded and unit is not None:
             try:
-                return quantity(one.limit, unit)
+                return quantity(table.limit, unit)
             except UnitError as error:
                 self.problems.append(where.at("limit").message(str(error)))
         return None
 
 
-def _deep(table: Mapping[str, Any], path: list[str]) -> Any:
-    """Value deep in tables, also under a key that was written in quotes."""
+def _nested_value(table: Mapping[str, Any], path: list[str]) -> Any:
+    """Return the value at a path in nested tables, also under a key with dots; None where there is none."""
     for n in (len(path), *range(1, len(path))):
-        below = table.get(".".join(path[:n]))
-        if below is not None:
-            return (
-                below
-                if n == len(path)
-                else _deep(below, path[n:])
-                if isinstance(below, Mapping)
-                else None
-            )
+        value = table.get(".".join(path[:n]))
+        if value is not None:
+            if n == len(path):
+                return value
+            return _nested_value(value, path[n:]) if isinstance(value, Mapping) else None
     return None
 
 
-def _cell(cell: str) -> tuple[str, str]:
-    """Name and unit of a column; no unit where none is given."""
+def _is_number(value: object) -> bool:
+    """Return whether a value of a scene is a number, also as a text with a unit."""
+    if isinstance(value, str):
+        return _NUMBER.match(value) is not None
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _parse_head(cell: str) -> tuple[str, str]:
+    """Return name and unit of a column; the unit is empty where none is given."""
     name, bracket, rest = (part.strip() for part in cell.partition("["))
     return name, rest.removesuffix("]").strip() if bracket else ""
 
 
-def _of_header(header: list[tuple[str, str]], unit: str, where: str) -> Iterator[str]:
-    """Say what is wrong with a header."""
+def _header_problems(header: list[tuple[str, str]], unit: str, where: str) -> Iterator[str]:
+    """Yield the faults of a header."""
     names = [name for name, _ in header]
-    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-    yield from (f"{where}: {as_written(name)} stands there twice" for name in twice)
+    repeated = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    yield from (f"{where}: {as_written(name)} stands there twice" for name in repeated)
     yield from (
         f"{where}: {name}: missing, but required"
         for name in (MEASURED, UNCERTAINTY)
         if name not in names
     )
-    for name, of in header:
+    for name, column_unit in header:
         if name in (MEASURED, UNCERTAINTY):
             try:
-                quantity(f"1 {of}" if of else "1 ?", unit)
+                quantity(f"1 {column_unit}" if column_unit else "1 ?", unit)
             except UnitError as error:
-                yield f"{where}: {name}: {error if of else f'has no unit, write {name} [{unit}]'}"
+                reason = str(error) if column_unit else f"has no unit, write {name} [{unit}]"
+                yield f"{where}: {name}: {reason}"
         elif "." not in name:
             yield f"{where}: {as_written(name)} is no key of the scene, such as operation.radial_load"
 
 
-def _plain(cell: str, unit: str) -> object:
-    """What the scene is given for a cell."""
+def _scene_value(cell: str, unit: str) -> object:
+    """Return the value of a cell as a scene takes it."""
     if not unit:
         return int(cell) if re.fullmatch(r"\d+", cell) else cell
     return float(cell) if unit == "1" else f"{cell} {unit}"
 
 
-def _with_reading(one: SeriesTable, measured: float, sigma: float) -> float:
-    """Uncertainty with that of reading off a figure."""
-    return float((sigma**2 + (abs(measured) * (one.reading_error or 0.0)) ** 2) ** 0.5)
+def _add_reading_error(table: SeriesTable, measured: float, sigma: float) -> float:
+    """Return the standard uncertainty with that of reading the value off a figure."""
+    return float((sigma**2 + (abs(measured) * (table.reading_error or 0.0)) ** 2) ** 0.5)

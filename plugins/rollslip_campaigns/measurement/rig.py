@@ -1,11 +1,9 @@
-"""Reads what a traction rig has measured, and what the rig is, with every fault of a file in one error.
+"""Read files of a traction rig, measured data and the rig itself, with all faults of a file in one error.
 
-Decisions:
-
-- Data are never repaired and never left out: what `rollslip.files.read_columns` does not understand is an error.
-- Mean and maximum pressure differ by 27 %, so that a column called "pressure" would be a trap; there is none.
-- A rig file has the tables ``[lubricant]`` and ``[models]`` of a scene, read by the same reader, and ``[rig]`` in the
-  place of the bearing.
+- Data are not repaired and not left out: what `rollslip.files.read_columns` does not understand is an error.
+- Mean and maximum pressure differ by 27 %, so that a column "pressure" would be ambiguous; there is none.
+- A rig file has the tables ``[lubricant]`` and ``[models]`` of a scene, read by the same reader, and ``[rig]`` instead
+  of the bearing.
 """
 
 import hashlib
@@ -38,7 +36,7 @@ __all__ = [
     "read_data",
 ]
 
-#: A rig file to start from.
+#: Example of a rig file, for messages.
 EXAMPLE: Final = """\
 # Twin discs of 40 mm: 1/R = 1/R1 + 1/R2.
 [rig]
@@ -54,30 +52,33 @@ film = "moes"
 traction = "muraki"
 """
 
+#: Faults of one file that an error lists; the others are counted. Doubling it makes longer errors; chosen.
 _MAX_FAULTS = 20
-#: Coefficients of friction that are possible.
-_LARGEST: Final = 10.0
+#: Largest absolute friction coefficient that is accepted: above it the unit is wrong. Doubling it accepts more wrong
+#: columns; chosen far above any measured coefficient.
+_MAX_FRICTION: Final = 10.0
 
 
 # Data ---------------------------------------------------------------------------------------------------------------
 
 
 def _column(unit: str, doc: str, *, required: bool = True, validator: Any = positive) -> Any:
+    """Return the field of a column."""
     return field(
         unit=unit, doc=doc, default=attrs.NOTHING if required else None, validator=validator
     )
 
 
 def _coefficient(_: object, column: "attrs.Attribute[float]", value: float) -> None:
-    """Refuse what is no traction coefficient."""
-    if not abs(value) <= _LARGEST:
-        reason = f"must be from -{_LARGEST:g} to {_LARGEST:g}, not {value:g}; in percent its header has [%]"
+    """Raise `FieldError` for values that cannot be traction coefficients."""
+    if not abs(value) <= _MAX_FRICTION:
+        reason = f"must be from -{_MAX_FRICTION:g} to {_MAX_FRICTION:g}, not {value:g}; in percent its header has [%]"
         raise FieldError(column.name, reason)
 
 
 @attrs.frozen(kw_only=True)
 class _ContactRow:
-    """What every row says of its contact, of which it needs one of the loads."""
+    """Columns of all kinds of rows; one of the loads is required."""
 
     rolling_speed: float = _column(
         "m/s", "rolling (entrainment) speed u, the mean of both surface speeds"
@@ -123,19 +124,20 @@ class FilmRow(_ContactRow):
     )
 
 
+#: Columns of the load, of which a file has one.
 _LOADS: Final = ("load", "load_per_length", "mean_pressure", "max_pressure")
 
 
 @attrs.frozen(kw_only=True)
 class RigData:
-    """The rows of a data file in SI units; those of one content are equal.
+    """The rows of a data file in SI units; files of the same content are equal.
 
     Attributes
     ----------
     source, text, sha256 : str
         Name, content and hash of the file.
     columns : mapping
-        Column -> values, shape (n,).
+        Values of each column, (n,).
     lines : tuple of int
         Line of each row in the file.
     """
@@ -150,11 +152,19 @@ class RigData:
         return len(self.lines)
 
     def message(self, row: int, column: str, reason: str) -> str:
-        """Return a message about a cell: ``data.csv:7: friction: ...``."""
+        """Return a message about a cell: ``data.csv:7: friction: ...``.
+
+        Parameters
+        ----------
+        row : int
+            Number of the row.
+        column, reason : str
+            Name of the column, and the fault.
+        """
         return f"{self.source}:{self.lines[row]}: {column}: {reason}"
 
     def load_per_length(self, contact: "RigContact") -> Array:
-        """Return the normal force per length [N/m] on a contact; from a pressure, after Hertz, w = 32 R p^2/(pi E')."""
+        """Return the normal force per length [N/m], (n,); from a pressure by Hertz, w = 32 R p^2/(pi E')."""
         kind = next(name for name in _LOADS if name in self.columns)
         values = self.columns[kind]
         if kind == "load_per_length":
@@ -172,32 +182,38 @@ class RigData:
 
 
 def read_data(path: str | os.PathLike[str], row: type = TractionRow) -> RigData:
-    """Read a data file: comma-separated values under a header ``name [unit], name [unit], ...``.
+    """Return the data in a file: comma-separated values under a header ``name [unit], name [unit], ...``.
 
-    Lines that start with ``#`` are comments. The columns are the fields of ``row``, `TractionRow` or
-    `FilmRow`, in any order.
+    Lines that start with ``#`` are comments.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    row : type
+        `TractionRow` or `FilmRow`; its fields are the columns, in any order.
 
     Raises
     ------
     SceneError
-        With every fault of the file, each as ``data.csv:7: friction: sentence``.
+        With all faults of the file, each as ``data.csv:7: friction: sentence``.
     """
     source, content = content_named(path)
     text = decoded(content, source)
     faults: list[str] = []
-    given, lines = read_columns(text, source, row, faults, check=_check_loads)
+    values, lines = read_columns(text, source, row, faults, check=_check_loads)
     if not faults:
-        columns = {name: np.array(values) for name, values in given.items()}
+        columns = {name: np.array(column) for name, column in values.items()}
         if "friction" in columns:
-            faults = _of_friction(columns, source)
+            faults = _friction_faults(columns, source)
         if not faults:
             sha256 = hashlib.sha256(content).hexdigest()
             return RigData(source=source, text=text, sha256=sha256, columns=columns, lines=lines)
     raise faults_of(source, faults)
 
 
-def _of_friction(columns: Mapping[str, Array], source: str) -> list[str]:
-    """Say what is wrong with friction as a whole."""
+def _friction_faults(columns: Mapping[str, Array], source: str) -> list[str]:
+    """Return the faults of the friction column as a whole."""
     if not columns["friction"].any():
         return [f"{source}: friction: is 0 in every row, so that there is nothing to fit"]
     if columns["friction"][columns["slide_roll_ratio"] < 0.0].sum() <= 0.0:
@@ -209,7 +225,7 @@ def _of_friction(columns: Mapping[str, Array], source: str) -> list[str]:
 
 
 def content_named(path: str | os.PathLike[str]) -> tuple[str, bytes]:
-    """Return the name of a file as messages have it, and its content."""
+    """Return the name of a file for messages, and its content."""
     source = readable(os.fspath(path))
     try:
         return source, content_of(Path(path))
@@ -218,22 +234,24 @@ def content_named(path: str | os.PathLike[str]) -> tuple[str, bytes]:
 
 
 def text_named(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Return the name of a file as messages have it, and its text."""
+    """Return the name of a file for messages, and its text."""
     source, content = content_named(path)
     return source, decoded(content, source)
 
 
 def faults_of(source: str, faults: Sequence[str]) -> SceneError:
-    """Return the error of what is wrong with a file, of many faults the first ones."""
+    """Return the error with the faults of a file; of many faults, with the first ones and the number of others."""
     more = len(faults) - _MAX_FAULTS
-    return SceneError(
-        [*faults[:_MAX_FAULTS], *([f"{source}: and {more} faults more"] if more > 0 else [])]
-    )
+    listed = list(faults[:_MAX_FAULTS])
+    if more > 0:
+        listed.append(f"{source}: and {more} faults more")
+    return SceneError(listed)
 
 
 def _check_loads(names: Collection[str]) -> str:
-    one = sum(name in names for name in _LOADS) == 1
-    return "" if one else f"one of the columns {', '.join(_LOADS)} is needed, and not more"
+    """Return the fault of columns without, or with more than one, column of the load."""
+    is_unique = sum(name in names for name in _LOADS) == 1
+    return "" if is_unique else f"one of the columns {', '.join(_LOADS)} is needed, and not more"
 
 
 # Rig ----------------------------------------------------------------------------------------------------------------
@@ -241,7 +259,7 @@ def _check_loads(names: Collection[str]) -> str:
 
 @attrs.frozen(kw_only=True)
 class RigContact:
-    """The line contact of a rig, of two discs of one material."""
+    """Line contact of a rig: two discs of the same material."""
 
     radius: float = field(
         unit="m", doc="equivalent radius R, 1/R = 1/R1 + 1/R2", validator=positive
@@ -262,7 +280,7 @@ class RigContact:
 
     @property
     def modulus(self) -> float:
-        """Equivalent modulus E' [Pa] of two discs of one material."""
+        """Equivalent modulus E' [Pa] of two discs of the same material."""
         return self.material.elastic_modulus / (1 - self.material.poisson_ratio**2)
 
     @property
@@ -294,16 +312,16 @@ class Rig:
 
 
 def load_rig(path: str | os.PathLike[str]) -> Rig:
-    """Read a rig file.
+    """Return the rig in a file.
 
     Raises
     ------
     SceneError
-        With every fault of the file, each with file, line and key; if there is no such file, with an example of one.
+        With all faults of the file, each with file, line and key; if the file does not exist, with an example.
     """
     if not Path(path).exists():
-        told = "there is no such file; it says what contact and oil data are of, for example:"
-        raise SceneError([f"{readable(os.fspath(path))}: {told}\n\n{EXAMPLE}"])
+        message = "there is no such file; it says what contact and oil data are of, for example:"
+        raise SceneError([f"{readable(os.fspath(path))}: {message}\n\n{EXAMPLE}"])
     source, text = text_named(path)
     raw, origins = parse(text, source)
     problems: list[str] = []

@@ -1,4 +1,4 @@
-"""The rules of data sets: each says what it is and whence, and each row of a bearing can be computed."""
+"""Conformance rules of data sets: description and sources, and rows that make valid bearings."""
 
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
@@ -16,8 +16,8 @@ from rollslip_campaigns.measurement import Measurement
 
 
 @rule(Measurement)
-def check_a_data_set_says_what_it_is_and_whence(measurement: Measurement) -> None:
-    """Reports, `rollslip cite` and whoever doubts a number ask for it."""
+def check_data_set_states_contents_and_source(measurement: Measurement) -> None:
+    """A data set states in one line what was measured, cites its source and names a licence, for reports and users."""
     refuse_unless(
         measurement.description.strip() and "\n" not in measurement.description,
         f"its description is {measurement.description!r}; say in one line what was measured on what",
@@ -33,8 +33,8 @@ def check_a_data_set_says_what_it_is_and_whence(measurement: Measurement) -> Non
 
 
 @rule(Measurement)
-def check_every_row_makes_a_bearing(measurement: Measurement) -> None:
-    """An oil, a model or a cage that cannot be put together is found by its author and not by its users."""
+def check_rows_make_valid_bearings(measurement: Measurement) -> None:
+    """All rows of bearings can be assembled, so that the author finds faults of oils, models and cages, not a user."""
     of_bearings = [
         (series, series.scene) for series in measurement.series if series.scene is not None
     ]

@@ -1,11 +1,11 @@
-"""What a data set is: what was measured, on what, how well, where it stands, how it was read, and under which licence.
+"""Classes of data sets: what was measured, on what, how well, where it was published, how it was read, and the licence.
 
-- What is measured is one number a row, a *quantity*: a result of a study of a bearing, or of a contact of a rig. What
-  was said in words alone is a `Statement`: how a quantity goes along some steps.
-- Rows say under which conditions they hold by keys of the scene: whatever a scene can state can be measured at.
-- What a source does not state is estimated: the data set says which keys these are and why their values, the table
-  ``[uncertainty]`` of the scene how they scatter. Nothing is estimated in silence.
-- A data set without rows is a form: complete but for the numbers that a person has to read off.
+- A row has one number, of a *quantity*: a result of a study of a bearing, or of a contact of a rig. A finding in words
+  is a `Statement`: how a quantity changes along some steps.
+- Rows state their conditions by keys of the scene, so that conditions can be whatever a scene can state.
+- What a source does not state is estimated: the data set names these keys and the reasons for their values, and the
+  table ``[uncertainty]`` of the scene their scatter. Nothing is estimated without notice.
+- A data set without rows is a form: complete except for the numbers, which are still to be read off.
 """
 
 from collections.abc import Mapping
@@ -30,14 +30,14 @@ __all__ = [
 
 @attrs.frozen
 class Quantity:
-    """What can be measured: its SI unit, its meaning, and whether it is of a bearing's scene or of a rig's contact."""
+    """Quantity that can be measured: SI unit, description, and whether it is of a bearing or of a contact."""
 
     unit: str
     doc: str
     of: str = "bearing"
 
 
-#: What data sets can hold, by name; besides, ``STUDY/VARIABLE`` for a variable of any study.
+#: Quantities of data sets, by name; also, ``STUDY/VARIABLE`` for a variable of any study.
 QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
     {
         "critical-slip": Quantity("1", "cage slip of the largest effective friction of a ring"),
@@ -50,9 +50,9 @@ QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
         "friction-torque": Quantity(
             "N m", "friction torque of the bearing in steady operation, at that slip"
         ),
-        "least-load": Quantity("N", "minimum radial load for an acceptable slip"),
+        "minimum-load": Quantity("N", "minimum radial load for an acceptable slip"),
         "largest-cage-slip": Quantity("1", "cage slip of steady operation, the largest that lasts"),
-        "largest-drag-slip": Quantity(
+        "limit-drag-slip": Quantity(
             "1", "cage slip of the limit drag torque, beyond which no slip lasts"
         ),
         "friction": Quantity("1", "traction coefficient of a contact", "contact"),
@@ -61,24 +61,26 @@ QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
 )
 #: How values came from their source into the file.
 READ: Final = ("printed", "digitised", "computed", "recalled", "to be digitised")
-#: How the description of a data set begins whose numbers are still to be read off, wherever it is listed.
+#: First words of the description of a data set without numbers.
 FORM: Final = "A FORM without numbers, no measurement yet"
 #: What a statement may expect of the values along its steps.
 EXPECTED: Final = ("rises", "falls", "below", "above", "none")
+#: Description of what a licence may be.
 LICENCES: Final = "a licence such as 'CC BY 4.0', 'facts' for single numbers, or 'not redistributable' with a recipe"
 
 
 def _text(doc: str, default: object = attrs.NOTHING) -> str:
+    """Return the field of a text."""
     text: str = field(doc=doc, default=default)
     return text
 
 
-# As the file has it -------------------------------------------------------------------------------------------------
+# Tables of the file --------------------------------------------------------------------------------------------------
 
 
 @attrs.frozen(kw_only=True)
 class SourceTable:
-    """Where the values stand, and how they came here."""
+    """Source of the values, and how they were read."""
 
     references: tuple[object, ...] = field(
         doc="citations, texts or tables of a reference's fields", default=()
@@ -112,7 +114,7 @@ class SeriesTable:
 
 @attrs.frozen(kw_only=True)
 class Step:
-    """One of the states that a statement speaks of."""
+    """One of the states that a statement compares."""
 
     text: str = _text("what is so at this step")
     quantity: str = _text(
@@ -124,7 +126,7 @@ class Step:
 
 @attrs.frozen(kw_only=True)
 class StatementTable:
-    """What was said in words: how a quantity goes along some steps, or where it lies."""
+    """A finding in words: how a quantity changes along some steps, or where it lies."""
 
     text: str = _text("the statement, in a few words")
     source: str = _text("who says so, where")
@@ -160,7 +162,7 @@ class MeasurementTable:
     statements: tuple[StatementTable, ...] = field(doc="what was said in words", default=())
 
 
-# As it is used ------------------------------------------------------------------------------------------------------
+# Data sets -----------------------------------------------------------------------------------------------------------
 
 
 @attrs.frozen(kw_only=True)
@@ -174,21 +176,22 @@ class Row:
 
     @property
     def label(self) -> str:
-        """The conditions in words."""
+        """The conditions as text."""
         return ", ".join(
-            f"{key.rpartition('.')[2].replace('_', ' ')} {_shown(key, v)}"
-            for key, v in self.changes.items()
+            f"{key.rpartition('.')[2].replace('_', ' ')} {_format_condition(key, value)}"
+            for key, value in self.changes.items()
         )
 
 
-def _shown(key: str, value: object) -> object:
-    """A value of a rig with its unit; of a scene as it was written."""
+def _format_condition(key: str, value: object) -> object:
+    """Return a condition of a rig with its unit; of a scene as it was written."""
     unit = _RIG_UNITS.get(key)
     return (
         value if unit is None or not isinstance(value, float) else format_quantity(value, unit, 3)
     )
 
 
+#: SI units of the columns of rigs.
 _RIG_UNITS: Final = {
     attribute.name: attribute.metadata["unit"]
     for row in (TractionRow, FilmRow)
@@ -198,7 +201,7 @@ _RIG_UNITS: Final = {
 
 @attrs.frozen(kw_only=True)
 class Measured:
-    """What series and statements share: the quantity, which of several values, its unit, and the scene."""
+    """Quantity, unit, coordinates and scene of a series or a statement."""
 
     quantity: str
     unit: str
@@ -208,7 +211,7 @@ class Measured:
 
 @attrs.frozen(kw_only=True)
 class Series(Measured):
-    """Rows of one quantity, on a bearing; none yet in a form."""
+    """Rows of one quantity of a bearing; a form has none yet."""
 
     name: str
     rows: tuple[Row, ...]
@@ -217,7 +220,7 @@ class Series(Measured):
 
 @attrs.frozen(kw_only=True)
 class ContactSeries(Series):
-    """Rows of one quantity, on a contact in a rig."""
+    """Rows of one quantity of a contact in a rig."""
 
     rig: Rig
     data: RigData
@@ -225,7 +228,7 @@ class ContactSeries(Series):
 
 @attrs.frozen(kw_only=True)
 class Statement(Measured):
-    """What was said in words; see `StatementTable`."""
+    """A finding in words; see `StatementTable`."""
 
     text: str
     by_whom: str
@@ -237,24 +240,24 @@ class Statement(Measured):
 
 @attrs.frozen(kw_only=True)
 class Measurement:
-    """A data set that models are held against; `load_measurement` reads one from its folder.
+    """A data set for the validation of models; `load_measurement` reads one from its folder.
 
     Attributes
     ----------
     name, description : str
-        What it is called, and what it is in one line.
+        Name, and description in one line.
     references : tuple of Reference or str
-        Where the values stand.
+        Publications of the values.
     read, by, licence, recipe : str
-        How they were read, by whom, what may be done with them, how to get what is not here.
+        How the values were read, by whom, their licence, and how to get what is not included.
     estimated : mapping
-        What the source does not state: key of the scene -> why the value it has.
+        Reasons for the values of keys of the scene that the source does not state, by key.
     series : tuple of Series
-        What was measured.
+        Measured rows.
     statements : tuple of Statement
-        What was said in words.
+        Findings in words.
     folder : str
-        Where it was read from; equal data sets may stand in different places.
+        Folder of the files; equal data sets may be in different folders.
     """
 
     name: str
@@ -283,28 +286,29 @@ class Measurement:
 
     @property
     def validity(self) -> str:
-        """What is estimated, in one line."""
+        """The estimated keys, in one line."""
         if not self.estimated:
             return "the source states all that was needed"
         return f"estimated, since the source does not state it: {', '.join(self.estimated)}"
 
     @property
     def data(self) -> "Contents":
-        """How much there is of each, for lists."""
+        """The number of rows and statements, for lists."""
         return Contents(
-            rows={one.name: len(one.rows) for one in self.series}, statements=len(self.statements)
+            rows={series.name: len(series.rows) for series in self.series},
+            statements=len(self.statements),
         )
 
 
 @attrs.frozen(kw_only=True)
 class Contents:
-    """How many rows each series has, and how many statements there are."""
+    """Number of rows of each series, and of statements."""
 
     rows: Mapping[str, int] = field(doc="rows of each series")
     statements: int = field(doc="statements")
 
 
-#: The kind of a data set.
+#: Plugin kind of data sets.
 MEASUREMENT: Final = Kind(
     name="measurement",
     hook="measurements",

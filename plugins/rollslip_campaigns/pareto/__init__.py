@@ -1,4 +1,4 @@
-"""Hold the error of numerical and modelling choices against their cost."""
+"""Campaign pareto: errors of numerical and modelling choices over their costs."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 class ParetoSettings(OfScene):
     """Hold error against cost for the studies of SCENE: a family of choices, and the front that none of them passes.
 
-    What may differ: slices, quadrature, instants, table_tolerance, integrator, integrator_tolerance, compiled (NumPy in
-    its place), traction, film, friction. Errors of numerical choices are against the finest of the same models;
+    What may differ: slices, quadrature, n_positions, table_tolerance, integrator, integrator_tolerance, compiled (NumPy
+    in its place), traction, film, friction. Errors of numerical choices are against the finest of the same models;
     other models differ from the exact one.
 
     Returns
@@ -54,7 +54,7 @@ class ParetoSettings(OfScene):
 
     study: str | None = setting("Only this study.", metavar="STUDY")
     choices: Sequence[str] | str = setting(
-        "What may differ, such as slices,instants; by default all there is.",
+        "What may differ, such as slices,n_positions; by default all there is.",
         default=(),
         metavar="A,B",
         repeatable=True,
@@ -78,11 +78,11 @@ class ParetoSettings(OfScene):
     def run(
         self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
     ) -> "xr.Dataset":
-        """Run all choices; what is done of them is kept in a folder."""
+        """Run all choices, and return errors and costs; finished turns are stored in a folder."""
         from rollslip_campaigns.pareto.pareto import run_family
 
         return run_family(made, folder, show)
 
     def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
-        """Tell whether a choice failed."""
+        """Return an empty list if a choice failed, else None."""
         return [] if (dataset["status"] != "done").any() else None

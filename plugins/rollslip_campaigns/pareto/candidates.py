@@ -1,21 +1,23 @@
-"""The family of numerical and modelling choices for one scene, whose cost is held against their error.
+"""Generate the family of numerical and modelling choices of a scene, whose errors are compared with their costs.
 
-- A numerical choice computes the scene's own models more or less finely; its error is against the finest of the same
-  models. A modelling choice puts another law or friction in; it differs from the exact model. The two never mix: what a
-  law leaves out, no slices bring back.
-- Of films none is exact. They differ from the scene's own film with the same law, and have no front: against the exact
-  law a wrong film could make good for what another law leaves out.
-- The full product of all choices would not end. The family varies one thing at a time around the plan's choice, and
-  crosses what acts together: slices with instants, integrators with their tolerance.
-- Where a scene states its slices, they are part of what is asked for: the finest has them too, and only fewer are
+- A numerical choice computes the models of the scene more or less finely; its error is the difference from the
+  reference solution of the same models, "finest". A modelling choice has another law or friction; it is compared with
+  the exact model. The two are separate, because no resolution corrects what a law neglects.
+- None of the films is exact. They are compared with the film of the scene under the same law, and have no front:
+  against the exact law, a wrong film could compensate what another law neglects.
+- The full product of all choices would be too large. The family varies one setting at a time around the plan, and
+  crosses settings that interact: slices with roller positions, integrators with their tolerance.
+- If a scene states its slices, they are part of the problem: the reference solution has as many, and only fewer are
   choices.
-- The finest is not exact either. One half as fine tells how far: nothing is known of errors below that.
+- The reference solution has an error, too. It is estimated by a solution with half its resolution (half the slices and
+  positions, four times the tolerances): errors below this difference are unknown.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import attrs
 
@@ -34,24 +36,59 @@ from rollslip_campaigns.comparison.choices import choice_of, loadable
 if TYPE_CHECKING:
     from rollslip_campaigns.pareto import ParetoSettings
 
-#: One at a time.
-_SLICES: Final = (5, 11, 21, 41, 101, 201, 401)
-_GAUSS: Final = (5, 11, 21, 41, 101)
-_INSTANTS: Final = (1, 2, 4, 8, 16, 32, 64)
-_TABLES: Final = (10.0, 3.0, 0.3)  # times the plan's
-_STEPS: Final = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-#: Crossed.
-_CORE: Final = ((5, 11, 21, 41), (1, 2, 4))
-_CORE_STEPS: Final = (1e-3, 1e-5, 1e-7)
-#: Tables of the finest, over the plan's: loads over the orbit take time with the inverse of their error, and end.
-_FINEST_TABLES: Final = 0.1
-#: By how much coarser the tolerances are of what tells how exact the finest is; slices and instants are halved.
-_COARSER: Final = 4.0
 
-#: Labels that are no deviation from the plan.
+@attrs.frozen
+class _FamilySettings:
+    """Values of the settings that a family varies; more values make the front finer and the run longer. All chosen.
+
+    Attributes
+    ----------
+    slices : tuple of int
+        Numbers of equal slices; odd, so that one slice is at the centre.
+    gauss_points : tuple of int
+        Numbers of Gauss-Legendre points; fewer than slices, because they converge faster.
+    n_positions : tuple of int
+        Numbers of roller positions within one pitch.
+    table_factors : tuple of float
+        Tolerances of tables over that of the plan.
+    integrator_tolerances : tuple of float
+        Relative tolerances of a step.
+    crossed_slices, crossed_positions : tuple of int
+        Numbers of slices and of roller positions that are combined with each other.
+    crossed_tolerances : tuple of float
+        Relative tolerances that are combined with each integrator.
+    max_table_tolerance : float
+        Upper limit of the tolerance of tables, above which a table is meaningless.
+    reference_tables : float
+        Tolerance of tables of the reference solution over that of the plan. The time for loads over the orbit is
+        proportional to its inverse: halving it doubles this time.
+    coarsening : float
+        Tolerances of the solution that estimates the error of the reference solution, over those of the latter; slices
+        and roller positions are halved. Four is two halvings, as of a method of second order.
+    """
+
+    slices: tuple[int, ...] = (5, 11, 21, 41, 101, 201, 401)
+    gauss_points: tuple[int, ...] = (5, 11, 21, 41, 101)
+    n_positions: tuple[int, ...] = (1, 2, 4, 8, 16, 32, 64)
+    table_factors: tuple[float, ...] = (10.0, 3.0, 0.3)
+    integrator_tolerances: tuple[float, ...] = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+    crossed_slices: tuple[int, ...] = (5, 11, 21, 41)
+    crossed_positions: tuple[int, ...] = (1, 2, 4)
+    crossed_tolerances: tuple[float, ...] = (1e-3, 1e-5, 1e-7)
+    max_table_tolerance: float = 0.5
+    reference_tables: float = 0.1
+    coarsening: float = 4.0
+
+
+_FAMILY: Final = _FamilySettings()
+
+#: Label of the choice of the plan.
 PLANNED = "as planned"
-FINEST = "finest"
+#: Label of the reference solution: the finest resolution of the same models.
+REFERENCE = "finest"
+#: Label of the solution with half the resolution of the reference solution.
 HALF = "half as fine"
+#: Label of the reference solution of the exact model.
 EXACT = "finest, exact model"
 
 
@@ -62,15 +99,15 @@ class Choice:
     Attributes
     ----------
     study : str
-        Its study.
+        Name of the study.
     label : str
-        Where it departs from the plan: "11 slices, 2 instants".
+        Differences from the plan: "11 slices, 2 positions".
     kind : {"numerical", "modelling", "film", "reference"}
-        What it is; a reference is not timed again and again.
+        Kind of the difference; a reference is run once and not timed in rounds.
     scene : Scene
-        The scene, with another film in it where that is the choice.
+        The scene, with another film where that is the choice.
     resolution : Resolution
-        All else.
+        All other settings.
     """
 
     study: str
@@ -87,15 +124,15 @@ class Family:
     Attributes
     ----------
     plan : Plan
-        The scene's own.
+        The plan of the scene.
     studies : mapping of str to Study
-        What is run, without what nobody compares.
+        Studies by name, without outputs that are not compared.
     choices : tuple of Choice
-        All of them.
+        All choices.
     rounds : int
-        How often each is timed.
+        Number of times that each choice is timed.
     notes : tuple of str
-        What limits the family, in words.
+        Sentences on limits of the family.
     """
 
     plan: Plan
@@ -106,251 +143,289 @@ class Family:
 
     @property
     def messages(self) -> list[str]:
-        """What will be run: the number of choices of each study by kind, rounds and references."""
+        """Lines that describe the run: the number of choices of each study by kind, rounds and references."""
         from rollslip.cli.console import headline
 
         lines = [headline(self.plan)]
         for study in self.studies:
-            of = {
-                kind: len(self.of(study, kind))
+            counts = {
+                kind: len(self.choices_of(study, kind))
                 for kind in ("numerical", "modelling", "film", "reference")
             }
-            reference_resolution = self.of(study, "reference")[0].resolution
-            n_positions = (
-                f" and {reference_resolution.n_positions} roller positions"
-                if (reference_resolution.n_positions or 1) > 1
-                else ""
-            )
+            reference = self.choices_of(study, "reference")[0].resolution
+            n_positions = ""
+            if (reference.n_positions or 1) > 1:
+                n_positions = f" and {reference.n_positions} roller positions"
             lines.append(
-                f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
-                f"{self.rounds} round{'s' * (self.rounds != 1)} each, against {of['reference']} references, the finest "
-                f"with {reference_resolution.slices} slices{n_positions}"
+                f"{study}: {counts['numerical']} numerical and {counts['modelling']} modelling choices and "
+                f"{counts['film']} films, {self.rounds} round{'s' * (self.rounds != 1)} each, against "
+                f"{counts['reference']} references, the finest with {reference.slices} slices{n_positions}"
             )
         return [*lines, *self.notes]
 
-    def of(self, study: str, *kinds: str) -> list[Choice]:
-        """Return the choices of a study that are of some kinds."""
-        return [one for one in self.choices if one.study == study and one.kind in kinds]
+    def choices_of(self, study: str, *kinds: str) -> list[Choice]:
+        """Return the choices of a study that are of one of some kinds.
+
+        Parameters
+        ----------
+        study : str
+            Name of the study.
+        *kinds : str
+            Kinds of choices.
+        """
+        return [choice for choice in self.choices if choice.study == study and choice.kind in kinds]
 
 
 def plan_family(requested: "ParetoSettings") -> Family:
-    """Return the family of choices for a scene."""
+    """Return the family of choices for a scene, after a check of all names."""
     scene = requested.base_scene
-    rounds = requested.rounds
-    wanted, laws, films = (
-        tuple(listed(names)) for names in (requested.choices, requested.traction, requested.film)
-    )
-    problems = list[str]()
-    for name in wanted:
-        if name not in AXES:
-            near = nearest(name, AXES, cutoff=0.4)
-            hint = (
-                f"did you mean {' or '.join(map(repr, near))}?"
-                if near
-                else f"there are: {', '.join(AXES)}"
-            )
-            problems.append(f"choices: nothing to choose is called {name!r}; {hint}")
-    if rounds < 1:
-        problems.append(f"rounds: must be at least 1, not {rounds}")
-    if problems:
-        raise SceneError(problems)
+    axes = tuple(listed(requested.choices))
+    laws = tuple(listed(requested.traction))
+    films = tuple(listed(requested.film))
+    _check_settings(axes, requested.rounds)
     for law in laws:
         get_class("traction", law)
-    made = plan(scene, requested.study)
-    named = [axis for axis, names in (("traction", laws), ("film", films)) if names]
-    wanted = tuple(dict.fromkeys((*wanted, *named))) if wanted else tuple(AXES)
-    varied = _films(scene, films)
-    found: list[Choice] = []
-    for name, one in made.studies.items():
-        found += _of_study(made, name, [axis for axis in wanted if axis in one.affected_by], laws, varied)
-    if not any(one.label not in (PLANNED, FINEST, HALF, EXACT) for one in found):
-        can = [axis for axis in AXES if any(axis in one.affected_by for one in made.studies.values())]
-        raise SceneError(
-            [
-                f"there is nothing to choose: {', '.join(made.studies)} of this scene can differ in {', '.join(can)}, "
-                f"but not in {', '.join(wanted)} as far as the scene leaves that open"
-            ]
-        )
+    base = plan(scene, requested.study)
+    if axes:
+        axes += ("traction",) * bool(laws) + ("film",) * bool(films)
+    axes = tuple(dict.fromkeys(axes or AXES))
+    scenes = _films(scene, films)
+    choices: list[Choice] = []
+    for name, study in base.studies.items():
+        varied = [axis for axis in axes if axis in study.affected_by]
+        choices += _choices_of_study(base, name, varied, laws, scenes)
+    if all(choice.label in (PLANNED, REFERENCE, HALF, EXACT) for choice in choices):
+        _raise_nothing_to_choose(base, axes)
     notes = []
     if (
         scene.accuracy.slices is not None
-        and made.assembly.slices > 1
-        and {"slices", "quadrature"} & {*wanted}
+        and base.assembly.slices > 1
+        and {"slices", "quadrature"} & {*axes}
     ):
         notes.append(
             f"the scene states {scene.accuracy.slices} slices, and so has the finest; with "
             "--set accuracy.slices=auto more of them, and those of Gauss and Legendre, take part"
         )
     return Family(
-        plan=made,
-        # without what is no result here, so that it costs nothing
+        plan=base,
+        # other outputs are not compared, so that they are not computed
         studies={
-            name: one.without_outputs(frozenset(one.outputs.keys() - set(one.controlled_outputs.values())))
-            for name, one in made.studies.items()
+            name: study.without_outputs(
+                frozenset(study.outputs.keys() - set(study.controlled_outputs.values()))
+            )
+            for name, study in base.studies.items()
         },
-        choices=tuple(found),
-        rounds=rounds,
+        choices=tuple(choices),
+        rounds=requested.rounds,
         notes=tuple(notes),
+    )
+
+
+def _check_settings(axes: Sequence[str], rounds: int) -> None:
+    """Raise `SceneError` for unknown names of choices, and for less than one round."""
+    problems = list[str]()
+    for name in axes:
+        if name not in AXES:
+            near = nearest(name, AXES, cutoff=0.4)
+            hint = f"there are: {', '.join(AXES)}"
+            if near:
+                hint = f"did you mean {' or '.join(map(repr, near))}?"
+            problems.append(f"choices: nothing to choose is called {name!r}; {hint}")
+    if rounds < 1:
+        problems.append(f"rounds: must be at least 1, not {rounds}")
+    if problems:
+        raise SceneError(problems)
+
+
+def _raise_nothing_to_choose(base: Plan, axes: Sequence[str]) -> NoReturn:
+    """Raise `SceneError` with the settings in which the studies of a plan can differ."""
+    studies = base.studies
+    possible = [
+        axis for axis in AXES if any(axis in study.affected_by for study in studies.values())
+    ]
+    raise SceneError(
+        [
+            f"there is nothing to choose: {', '.join(studies)} of this scene can differ in {', '.join(possible)}, "
+            f"but not in {', '.join(axes)} as far as the scene leaves that open"
+        ]
     )
 
 
 # One study ------------------------------------------------------------------------------------------------------------
 
 
-def _of_study(
-    made: Plan, study: str, axes: Sequence[str], laws: Sequence[str], films: Mapping[str, Scene]
+def _choices_of_study(
+    base: Plan, study: str, axes: Sequence[str], laws: Sequence[str], films: Mapping[str, Scene]
 ) -> list[Choice]:
-    """References of a study, the plan's choice, and what departs from it, each once."""
-    scene = made.scene
-    base = made.choices[study].resolution
-    settings = made.studies[study]
-    best = reference_resolution(scene)
-    law = assemble(scene, best).traction.full_film.name
-    if "table_tolerance" in settings.affected_by:
-        best = attrs.evolve(
-            best, table_tolerance=max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance)
-        )
-    if "n_positions" not in settings.affected_by:
-        best = attrs.evolve(best, n_positions=base.n_positions)
-    if own := settings.numerical_settings(made.assembly):
-        base = attrs.evolve(
-            base,
-            friction=base.friction or own["friction"],
-            integrator_tolerance=base.integrator_tolerance or own["integrator_tolerance"],
-        )
-        best = attrs.evolve(best, friction=own["friction"])
-    # the exact model: the equation solved that the law is a form of, friction of every slice
-    traction = get_class("traction", law).solved_by or best.traction
-    exact = attrs.evolve(best, traction=traction, friction=best.friction and "conventional")
+    """Return the references of a study, the choice of the plan, and its variations, each once."""
+    scene = base.scene
+    planned, reference = _resolutions(base, study)
+    law = assemble(scene, reference_resolution(scene)).traction.full_film.name
+    # the exact model: the equation that the law approximates, with friction of each slice
+    traction = get_class("traction", law).solved_by or reference.traction
+    friction = reference.friction and "conventional"
+    exact = attrs.evolve(reference, traction=traction, friction=friction)
     choice = partial(Choice, study=study, scene=scene)
-    found = [
+    labelled = ((REFERENCE, reference), (HALF, _coarser(scene, reference)), (EXACT, exact))
+    choices = [
         choice(label=label, kind="reference", resolution=resolution)
-        for label, resolution in ((FINEST, best), (HALF, _coarser(scene, best)), (EXACT, exact))
-        if label == FINEST or resolution != best
+        for label, resolution in labelled
+        if label == REFERENCE or resolution != reference
     ]
-    found.append(choice(label=PLANNED, kind="numerical", resolution=base))
-    seen = {base}
-    own_models = [(one.traction, one.friction) for one in (best, base)]
-    for changes in (*_numerical(made, study, base, axes), *_modelling(axes, laws, law)):
-        resolution = attrs.evolve(base, **changes)
-        if resolution not in seen:
-            seen.add(resolution)
-            kind = (
-                "numerical"
-                if (resolution.traction, resolution.friction) in own_models
-                else "modelling"
-            )
-            found.append(choice(label=_label(base, resolution), kind=kind, resolution=resolution))
+    choices.append(choice(label=PLANNED, kind="numerical", resolution=planned))
+    present = {planned}
+    own_models = [(resolution.traction, resolution.friction) for resolution in (reference, planned)]
+    for changes in (
+        *_numerical_changes(base, study, planned, axes),
+        *_modelling_changes(axes, laws, law),
+    ):
+        resolution = attrs.evolve(planned, **changes)
+        if resolution not in present:
+            present.add(resolution)
+            is_own = (resolution.traction, resolution.friction) in own_models
+            kind = "numerical" if is_own else "modelling"
+            label = _label(planned, resolution)
+            choices.append(choice(label=label, kind=kind, resolution=resolution))
     if "film" in axes:
-        found += [
-            Choice(study=study, label=f"film {name}", kind="film", scene=changed, resolution=base)
+        choices += [
+            Choice(
+                study=study, label=f"film {name}", kind="film", scene=changed, resolution=planned
+            )
             for name, changed in films.items()
         ]
-    return found
+    return choices
 
 
-def _coarser(scene: Scene, best: Resolution) -> Resolution:
-    """Return one half as fine; slices that a scene states are what it asks for, and so are not in doubt."""
-    step = best.integrator_tolerance
-    return attrs.evolve(
-        best,
-        slices=scene.accuracy.slices or best.slices // 2,
-        n_positions=best.n_positions and max(1, best.n_positions // 2),
-        table_tolerance=_COARSER * best.table_tolerance,
-        integrator_tolerance=step and _COARSER * step,
-    )
-
-
-def _numerical(
-    made: Plan, study: str, base: Resolution, axes: Sequence[str]
-) -> Iterable[dict[str, Any]]:
-    """What departs from the plan in numbers: the crossed core first, then one thing at a time."""
-    stated = made.scene.accuracy.slices
-    sliced = made.assembly.slices > 1
-    slices = (
-        [n for n in _SLICES if stated is None or n < stated] if sliced and "slices" in axes else []
-    )
-    if slices and "n_positions" in axes:
-        for n in _CORE[0]:
-            for m in _CORE[1]:
-                if n in slices:
-                    yield {"slices": n, "quadrature": "equal", "n_positions": m}
-    yield from ({"slices": n, "quadrature": "equal"} for n in slices)
-    if sliced and stated is None and "quadrature" in axes:
-        yield from ({"slices": n, "quadrature": "gauss"} for n in _GAUSS)
-    if "n_positions" in axes:
-        yield from ({"n_positions": m} for m in _INSTANTS)
-    if "table_tolerance" in axes:
-        yield from (
-            {"table_tolerance": min(0.5, factor * base.table_tolerance)} for factor in _TABLES
+def _resolutions(base: Plan, study: str) -> tuple[Resolution, Resolution]:
+    """Return the planned resolution of a study, and that of its reference solution."""
+    planned = base.choices[study].resolution
+    settings = base.studies[study]
+    reference = reference_resolution(base.scene)
+    if "table_tolerance" in settings.affected_by:
+        tolerance = _FAMILY.reference_tables * planned.table_tolerance
+        reference = attrs.evolve(
+            reference, table_tolerance=max(reference.table_tolerance, tolerance)
         )
-    integrators = _integrators(made, study) if "integrator" in axes else []
+    if "n_positions" not in settings.affected_by:
+        reference = attrs.evolve(reference, n_positions=planned.n_positions)
+    if own := settings.numerical_settings(base.assembly):
+        planned = attrs.evolve(
+            planned,
+            friction=planned.friction or own["friction"],
+            integrator_tolerance=planned.integrator_tolerance or own["integrator_tolerance"],
+        )
+        reference = attrs.evolve(reference, friction=own["friction"])
+    return planned, reference
+
+
+def _coarser(scene: Scene, reference: Resolution) -> Resolution:
+    """Return half the resolution of the reference solution; slices that a scene states are not in doubt."""
+    step = reference.integrator_tolerance
+    return attrs.evolve(
+        reference,
+        slices=scene.accuracy.slices or reference.slices // 2,
+        n_positions=reference.n_positions and max(1, reference.n_positions // 2),
+        table_tolerance=_FAMILY.coarsening * reference.table_tolerance,
+        integrator_tolerance=step and _FAMILY.coarsening * step,
+    )
+
+
+def _numerical_changes(
+    base: Plan, study: str, planned: Resolution, axes: Sequence[str]
+) -> Iterator[dict[str, Any]]:
+    """Yield changes of the planned resolution: crossed settings first, then one setting at a time."""
+    yield from _slice_changes(base, axes)
+    if "n_positions" in axes:
+        yield from ({"n_positions": n} for n in _FAMILY.n_positions)
+    if "table_tolerance" in axes:
+        for factor in _FAMILY.table_factors:
+            tolerance = min(_FAMILY.max_table_tolerance, factor * planned.table_tolerance)
+            yield {"table_tolerance": tolerance}
+    integrators = _integrators(base, study) if "integrator" in axes else []
     yield from ({"integrator": name} for name in integrators)
     if "integrator_tolerance" in axes:
-        yield from ({"integrator_tolerance": tolerance} for tolerance in _STEPS)
-        for name in integrators:
-            yield from (
-                {"integrator": name, "integrator_tolerance": tolerance} for tolerance in _CORE_STEPS
-            )
+        yield from ({"integrator_tolerance": value} for value in _FAMILY.integrator_tolerances)
+        for name, value in itertools.product(integrators, _FAMILY.crossed_tolerances):
+            yield {"integrator": name, "integrator_tolerance": value}
     if "compiled" in axes:
         yield {"compiled": False}
 
 
-def _modelling(axes: Sequence[str], laws: Sequence[str], law: str) -> Iterable[dict[str, Any]]:
-    """Other laws, by default all forms of the same equation and what solves it, and the other friction of dynamics."""
+def _slice_changes(base: Plan, axes: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """Yield changes of slices and quadrature, those crossed with roller positions first."""
+    if base.assembly.slices <= 1:
+        return
+    stated = base.scene.accuracy.slices
+    if "slices" in axes:
+        slices = [n for n in _FAMILY.slices if stated is None or n < stated]
+        if "n_positions" in axes:
+            crossed = [n for n in _FAMILY.crossed_slices if n in slices]
+            for n, m in itertools.product(crossed, _FAMILY.crossed_positions):
+                yield {"slices": n, "quadrature": "equal", "n_positions": m}
+        yield from ({"slices": n, "quadrature": "equal"} for n in slices)
+    if stated is None and "quadrature" in axes:
+        yield from ({"slices": n, "quadrature": "gauss"} for n in _FAMILY.gauss_points)
+
+
+def _modelling_changes(
+    axes: Sequence[str], laws: Sequence[str], law: str
+) -> Iterator[dict[str, Any]]:
+    """Yield other laws, by default all forms of the same equation and its solution, and both kinds of friction."""
     if "traction" in axes:
-        solves = get_class("traction", law).solved_by or law
-        forms = [name for name, cls in loadable("traction") if cls.solved_by == solves]
-        for name in laws or (*forms, solves):
+        solution = get_class("traction", law).solved_by or law
+        forms = [name for name, cls in loadable("traction") if cls.solved_by == solution]
+        for name in laws or (*forms, solution):
             yield {"traction": "named" if name == law else name}
     if "friction" in axes:
         yield from ({"friction": name} for name in ("conventional", "effective"))
 
 
-def _integrators(made: Plan, study: str) -> list[str | None]:
-    """Implicit integrators that are there, with the packages that they need; None for the scene's own."""
-    own = made.studies[study].numerical_settings(made.assembly).get("integrator")
-    found = list[str | None]()
+def _integrators(base: Plan, study: str) -> list[str | None]:
+    """Return the implicit integrators that are installed; None for that of the scene."""
+    own = base.studies[study].numerical_settings(base.assembly).get("integrator")
+    names = list[str | None]()
     for name, cls in loadable("integrator"):
         if own == name:
-            found.append(None)
+            names.append(None)
         elif not cls.explicit:
-            with suppress(PluginError):  # one that lacks its package is no choice
+            with suppress(PluginError):  # its package is not installed
                 get_model("integrator", name).solver()
-                found.append(name)
-    return found
+                names.append(name)
+    return names
 
 
 def _films(scene: Scene, names: Sequence[str]) -> dict[str, Scene]:
-    """Return the scene with each of some films in it, by their labels; by default those that say they are to be."""
+    """Return the scene with each of some films, by label; by default with all films that declare `on_fronts`."""
     own = choice_of(scene, "film", None).label
     names = names or [name for name, cls in loadable("film") if name != own and cls.on_fronts]
     choices = [choice_of(scene, "film", name) for name in names]
-    return {one.label: evolve(scene, {"models.film": one.table}) for one in choices}
+    return {choice.label: evolve(scene, {"models.film": choice.table}) for choice in choices}
 
 
-# Words ----------------------------------------------------------------------------------------------------------------
+# Labels ---------------------------------------------------------------------------------------------------------------
 
 
-def _label(base: Resolution, resolution: Resolution) -> str:
-    """Say in what a resolution departs from the plan's."""
-    said = []
-    if (resolution.slices, resolution.quadrature) != (base.slices, base.quadrature):
-        said.append(
+def _label(planned: Resolution, resolution: Resolution) -> str:
+    """Return the differences of a resolution from the planned one, as text."""
+    differences = []
+    if (resolution.slices, resolution.quadrature) != (planned.slices, planned.quadrature):
+        differences.append(
             f"{resolution.slices} {'Gauss points' if resolution.quadrature == 'gauss' else 'slices'}"
         )
-    if resolution.n_positions != base.n_positions:
-        said.append(f"{resolution.n_positions} instant{'s' * (resolution.n_positions != 1)}")
-    if resolution.table_tolerance != base.table_tolerance:
-        said.append(f"tables to {resolution.table_tolerance:.0e}")
-    if resolution.integrator != base.integrator:
-        said.append(str(resolution.integrator))
-    if resolution.integrator_tolerance != base.integrator_tolerance:
-        said.append(f"steps to {resolution.integrator_tolerance:.0e}")
-    if resolution.traction != base.traction:
-        said.append("the law" if resolution.traction == "named" else resolution.traction)
-    if resolution.friction != base.friction:
-        said.append(f"{resolution.friction} friction")
-    if not resolution.compiled and base.compiled:
-        said.append("in NumPy")
-    return ", ".join(said)
+    if resolution.n_positions != planned.n_positions:
+        differences.append(
+            f"{resolution.n_positions} position{'s' * (resolution.n_positions != 1)}"
+        )
+    if resolution.table_tolerance != planned.table_tolerance:
+        differences.append(f"tables to {resolution.table_tolerance:.0e}")
+    if resolution.integrator != planned.integrator:
+        differences.append(str(resolution.integrator))
+    if resolution.integrator_tolerance != planned.integrator_tolerance:
+        differences.append(f"steps to {resolution.integrator_tolerance:.0e}")
+    if resolution.traction != planned.traction:
+        differences.append("the law" if resolution.traction == "named" else resolution.traction)
+    if resolution.friction != planned.friction:
+        differences.append(f"{resolution.friction} friction")
+    if not resolution.compiled and planned.compiled:
+        differences.append("in NumPy")
+    return ", ".join(differences)

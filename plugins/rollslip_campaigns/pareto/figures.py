@@ -1,8 +1,8 @@
-"""Figures of error against cost: for each result the numerical choices with their front, and beside them the models.
+"""Draw errors over costs: for each result the numerical choices with their front, and beside them the models.
 
-Style, sizes and files are those of `rollslip.results.style`. What is dominated is grey; what is not, and the plan's
-choice, has a number, which the legend explains, since names would cover the points. Models all have one. Bars reach
-from the fastest round to the slowest. Errors below what is known are drawn at the edge of what is shaded.
+Style, sizes and files are those of `rollslip.results.style`. Dominated choices are grey. All others, the plan and all
+models have a number that the legend explains, because names would cover the points. Bars extend from the fastest to the
+slowest round. Errors below the floor are drawn at the edge of the shaded range.
 """
 
 import itertools
@@ -10,13 +10,14 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
+import attrs
 import numpy as np
 
 from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, Sheet, lay_out
 from rollslip.search import Array
-from rollslip_campaigns.pareto.findings import FINEST, NUMBERS, PLANNED, studies, taking_part
+from rollslip_campaigns.pareto.findings import NUMBERS, PLANNED, REFERENCE, rows_of_kinds, studies
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,41 +27,48 @@ if TYPE_CHECKING:
 
 __all__ = ["front_figures"]
 
+#: Colour of dominated choices.
 _GREY: Final = "0.62"
+#: Colours by kind of choice.
 _COLOURS: Final = {
     "numerical": MODEL_COLOURS[0],
     "modelling": MODEL_COLOURS[1],
     "film": MODEL_COLOURS[2],
 }
-#: Directions in which a number may stand from its point, the best first, and distances [pt] that are tried.
+#: Directions of a number from its point, the preferred one first.
 _DIRECTIONS: Final = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
+#: Distances [pt] of a number from its point that are tried. Chosen by the size of the numbers, 6.5 pt.
 _DISTANCES: Final = (3, 6, 10, 16, 24, 36)
-#: Distance [pt] from which on a line leads to the point.
+#: Distance [pt] from which on a line connects number and point. Chosen; halving it draws lines beside most points.
 _LEADER: Final = 10
+#: Points on each segment of a line that a number should not cover. Doubling it doubles the time; chosen.
+_LINE_POINTS: Final = 20
+#: Cost of a number that is nearer to another point, in covered points of lines.
+_AMBIGUITY_COST: Final = 10
 #: Columns of the legend.
 _COLUMNS: Final = 3
 
 
 def front_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw the figures; give name, caption and figure of each result that has an error."""
+    """Yield name, caption and figure of each result that has an error."""
     several = len(json.loads(dataset.attrs["studies"])) > 1
-    for study, one in studies(dataset):
-        for j, name in enumerate(one["result"].values):
-            part = one.isel(result=j)
-            if np.isnan(part["error"].to_numpy()[part["label"].to_numpy() == FINEST]).any():
+    for study, selected in studies(dataset):
+        for j, name in enumerate(selected["result"].values):
+            part = selected.isel(result=j)
+            if np.isnan(part["error"].to_numpy()[part["label"].to_numpy() == REFERENCE]).any():
                 continue
-            slug = re.sub(
-                r"[^a-z0-9]+", "-", (f"{study} {name}" if several else str(name)).lower()
-            ).strip("-")
+            text = f"{study} {name}" if several else str(name)
+            slug = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
             caption = f"{study}, {name}: error against processor time; the line is the front that no choice passes."
             yield f"pareto-{slug}", caption, _figure(part, str(name))
 
 
 def _figure(part: "xr.Dataset", name: str) -> "Figure":
+    """Return the figure of a result: a panel of numerical choices, and one of models."""
     shown = {
         number: kinds
         for kinds, (number, _) in NUMBERS.items()
-        if taking_part(part, *kinds).size > 1
+        if rows_of_kinds(part, *kinds).size > 1
     }
     sheet = Sheet(
         (TWO_COLUMNS[0], 78 * MM), 1, len(shown), squeeze=False, width_ratios=[3, 2][: len(shown)]
@@ -84,7 +92,7 @@ def _figure(part: "xr.Dataset", name: str) -> "Figure":
     figure = sheet.done(
         columns=_COLUMNS, loc="outside lower left", handlelength=1.0, columnspacing=1.2
     )
-    lay_out(figure)  # it depends on the place of the axes what a number covers
+    lay_out(figure)  # what a number covers depends on the final position of the axes
     for axes, points in labels:
         _write_numbers(axes, points)
     return figure
@@ -93,12 +101,11 @@ def _figure(part: "xr.Dataset", name: str) -> "Figure":
 def _panel(
     axes: "Axes", part: "xr.Dataset", number: str, kinds: Sequence[str], first: int
 ) -> "list[tuple[Artist, float, float]]":
-    """Draw one panel; return what the legend says of each numbered point, and where it is."""
+    """Draw one panel; return the entry of the legend and the position of each numbered point."""
     from matplotlib.lines import Line2D
-    from matplotlib.ticker import LogLocator, NullFormatter
 
     floor = float(part["floor"])
-    rows = taking_part(part, *kinds)
+    rows = rows_of_kinds(part, *kinds)
     time, low, high = (
         1e3 * part[name].to_numpy() for name in ("seconds", "seconds_low", "seconds_high")
     )
@@ -106,15 +113,14 @@ def _panel(
     labels = part["label"].to_numpy()
     on_front = part[dict(NUMBERS.values())[number]].to_numpy() == 1
     rows = rows[np.isfinite(values[rows]) & np.isfinite(time[rows])]
-    if (
-        above := values[rows][values[rows] > floor]
-    ).size:  # many decades down to rounding would be empty
+    above = values[rows][values[rows] > floor]
+    if above.size:  # many decades down to rounding would be empty
         floor = max(floor, 0.1 * float(above.min()))
     drawn = np.maximum(values, floor)
     chosen = rows[on_front[rows]]
     axes.loglog()
-    axes.set_autoscale_on(False)  # of a single value it would make nothing
-    # cheaper than the next one nothing is known to be more exact, hence steps
+    axes.set_autoscale_on(False)  # a single value would have no range
+    # between two points of the front no cheaper choice is more exact, hence steps
     axes.plot(
         np.repeat(time[chosen], 2)[1:],
         np.repeat(drawn[chosen], 2)[:-1],
@@ -125,22 +131,14 @@ def _panel(
     numbered: list[tuple[Artist, float, float]] = []
     for k in rows:
         kind = str(part["kind"].values[k])
-        planned = labels[k] == PLANNED
+        planned = bool(labels[k] == PLANNED)
         emphasised = on_front[k] or planned or kind == "film"
         colour = _COLOURS[kind if kind in kinds else kinds[0]] if emphasised else _GREY
-        style: dict[str, Any] = {
-            "marker": "D" if planned else "s" if kind == "film" else "o",
-            "markersize": 5 if planned else 3.8,
-            "markerfacecolor": "white" if planned and not on_front[k] else colour,
-            "markeredgecolor": "black" if planned else colour,
-            "markeredgewidth": 0.9,
-            "linestyle": "none",
-        }
-        spread = [[time[k] - low[k]], [high[k] - time[k]]]
+        style = _marker_style(kind, planned, bool(on_front[k]), colour)
         axes.errorbar(
             time[k],
             drawn[k],
-            xerr=spread,
+            xerr=[[time[k] - low[k]], [high[k] - time[k]]],
             ecolor=colour,
             elinewidth=0.6,
             zorder=3 + emphasised,
@@ -149,15 +147,42 @@ def _panel(
         if emphasised or number == "difference":
             text = f"{first + len(numbered) + 1}  {labels[k]}"
             numbered.append((Line2D([], [], label=text, **style), time[k], drawn[k]))
-    everything = drawn[rows]
-    least = float(everything.min(initial=1.0))
-    most = float(everything.max(initial=0.0))
-    bottom = 10 ** np.floor(np.log10(min(least, floor) if least < 3 * floor else least) - 0.15)
-    axes.set_ylim(bottom, 10 ** np.ceil(np.log10(most) + 0.05))
-    least = float(low[rows].min(initial=np.inf))
-    most = float(high[rows].max(initial=0.0))
-    room = max(1.33, 2.5 * math.sqrt(least / most))  # for two marks of the axis at least
-    axes.set_xlim(least / room, most * room)
+    _set_limits(axes, low[rows], high[rows], drawn[rows], floor)
+    axes.set(xlabel="Processor time of the study [ms]", ylabel=f"Relative {number} [–]")
+    return numbered
+
+
+def _marker_style(kind: str, planned: bool, on_front: bool, colour: str) -> dict[str, Any]:
+    """Return the style of a point: a diamond for the plan, a square for a film, a circle for others."""
+    marker = "o"
+    if planned:
+        marker = "D"
+    elif kind == "film":
+        marker = "s"
+    return {
+        "marker": marker,
+        "markersize": 5 if planned else 3.8,
+        "markerfacecolor": "white" if planned and not on_front else colour,
+        "markeredgecolor": "black" if planned else colour,
+        "markeredgewidth": 0.9,
+        "linestyle": "none",
+    }
+
+
+def _set_limits(axes: "Axes", low: Array, high: Array, drawn: Array, floor: float) -> None:
+    """Set limits and marks of both logarithmic axes, and shade the errors below the floor."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    smallest = float(drawn.min(initial=1.0))
+    largest = float(drawn.max(initial=0.0))
+    if smallest < 3 * floor:
+        smallest = min(smallest, floor)
+    bottom = 10 ** np.floor(np.log10(smallest) - 0.15)
+    axes.set_ylim(bottom, 10 ** np.ceil(np.log10(largest) + 0.05))
+    fastest = float(low.min(initial=np.inf))
+    slowest = float(high.max(initial=0.0))
+    room = max(1.33, 2.5 * math.sqrt(fastest / slowest))  # for at least two marks of the axis
+    axes.set_xlim(fastest / room, slowest * room)
     if floor > bottom:
         axes.axhspan(bottom, floor, color="0.93", linewidth=0.0, zorder=0)
     for axis in (axes.xaxis, axes.yaxis):
@@ -168,36 +193,61 @@ def _panel(
         )
         axis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.set(xlabel="Processor time of the study [ms]", ylabel=f"Relative {number} [–]")
-    return numbered
+
+
+#: Where a number stands from its point: distance [pt] and direction.
+Position: TypeAlias = tuple[float, tuple[int, int]]
+
+
+@attrs.frozen(eq=False)
+class _Obstacles:
+    """What a number should not cover, in pixels: points of lines, points with markers, and other numbers."""
+
+    axes: "Axes"
+    lines: Array
+    markers: Array
+    numbers: list[tuple[Array, Array]] = attrs.field(factory=list)
+
+    @classmethod
+    def from_axes(cls, axes: "Axes") -> "_Obstacles":
+        """Return the lines, error bars and markers of axes."""
+        from matplotlib.collections import LineCollection
+
+        lines = [np.asarray(line.get_xydata(), dtype=float) for line in axes.lines]
+        for bars in axes.collections:
+            if isinstance(bars, LineCollection):
+                lines += bars.get_segments()
+        corners = [axes.transData.transform(line) for line in lines if len(line)]
+        steps = np.linspace(0.0, 1.0, _LINE_POINTS)[:, None]
+        pixels = [corner for line in corners for corner in line]
+        for line in corners:
+            for a, b in itertools.pairwise(line):
+                pixels += list(a + steps * (b - a))
+        markers = np.array([line[0] for line in corners if len(line) == 1])
+        return cls(axes, np.array(pixels), markers)
+
+    def cost(
+        self, point: Array, centre: Array, size: Array, distance: float
+    ) -> tuple[int, int, float]:
+        """Return the cost of a number of some size at a centre: covered numbers, covered points, and distance."""
+        low = centre - 0.5 * size - 1.0
+        high = centre + 0.5 * size + 1.0
+        overlaps = sum(bool(np.all((low < end) & (start < high))) for start, end in self.numbers)
+        box = self.axes.bbox
+        outside = not (np.all(low > box.min) and np.all(high < box.max))
+        covered = int(np.count_nonzero(np.all((low < self.lines) & (self.lines < high), axis=1)))
+        # a number next to another point would be read as that of the other point
+        nearest = np.hypot(*(self.markers - centre).T).min()
+        ambiguous = nearest < np.hypot(*(point - centre)) - 1.0 and distance < _LEADER
+        return overlaps + outside, covered + _AMBIGUITY_COST * int(ambiguous), distance
 
 
 def _write_numbers(axes: "Axes", points: Sequence[tuple[str, float, float]]) -> None:
-    """Write each number beside its point, where it covers no other number and least of points and lines."""
-    from matplotlib.collections import LineCollection
-
-    lines = [np.asarray(line.get_xydata(), dtype=float) for line in axes.lines]
-    lines += [
-        segment
-        for bars in axes.collections
-        if isinstance(bars, LineCollection)
-        for segment in bars.get_segments()
-    ]
-    corners = [axes.transData.transform(line) for line in lines if len(line)]
-    along = np.linspace(0.0, 1.0, 20)[:, None]
-    pixels = [corner for line in corners for corner in line]
-    pixels += [
-        place
-        for line in corners
-        for a, b in itertools.pairwise(line)
-        for place in a + along * (b - a)
-    ]
-    covered = np.array(pixels)
-    taken = list[Any]()
-    markers = np.array([line[0] for line in corners if len(line) == 1])
+    """Write each number beside its point, where it covers no other number and the fewest points and lines."""
+    obstacles = _Obstacles.from_axes(axes)
     points_per_pixel = 72.0 / axes.figure.dpi
     for text, x, y in points:
-        own = axes.transData.transform((x, y))
+        point = axes.transData.transform((x, y))
         label = axes.annotate(
             text,
             (x, y),
@@ -210,29 +260,21 @@ def _write_numbers(axes: "Axes", points: Sequence[tuple[str, float, float]]) -> 
         )
         size = np.array(label.get_window_extent().size)
 
-        def middle(place: tuple[float, tuple[int, int]], size: Array = size) -> Array:
-            """From the point to the middle of the number, in pixels."""
-            return np.array(place[1]) * (place[0] / points_per_pixel + 0.5 * size)
+        def offset_of(position: Position, size: Array = size) -> Array:
+            """Return the vector from the point to the centre of the number, in pixels."""
+            return np.array(position[1]) * (position[0] / points_per_pixel + 0.5 * size)
 
         def cost(
-            place: tuple[float, tuple[int, int]], size: Array = size, own: Array = own
+            position: Position, point: Array = point, size: Array = size
         ) -> tuple[int, int, float]:
-            at = own + middle(place, size)
-            low = at - 0.5 * size - 1.0
-            high = at + 0.5 * size + 1.0
-            words = sum(bool(np.all((low < end) & (begin < high))) for begin, end in taken)
-            beyond = not (np.all(low > axes.bbox.min) and np.all(high < axes.bbox.max))
-            inside = int(np.count_nonzero(np.all((low < covered) & (covered < high), axis=1)))
-            # next to another point it would be read as that point's
-            near = np.hypot(*(markers - at).T).min() < np.hypot(*(own - at)) - 1.0
-            return words + beyond, inside + 10 * int(near and place[0] < _LEADER), place[0]
+            centre = point + offset_of(position, size)
+            return obstacles.cost(point, centre, size, position[0])
 
-        best = min(
-            ((distance, towards) for distance in _DISTANCES for towards in _DIRECTIONS), key=cost
-        )
-        offset = middle(best)
+        positions = [(distance, towards) for distance in _DISTANCES for towards in _DIRECTIONS]
+        best = min(positions, key=cost)
+        offset = offset_of(best)
         label.set_position(tuple(points_per_pixel * offset))
-        taken.append((own + offset - 0.5 * size, own + offset + 0.5 * size))
+        obstacles.numbers.append((point + offset - 0.5 * size, point + offset + 0.5 * size))
         if best[0] >= _LEADER:
             axes.annotate(
                 "", (x, y), tuple(points_per_pixel * (offset - 0.5 * size * np.array(best[1]))),

@@ -1,12 +1,18 @@
-"""Error against cost: run a family of choices against the finest of it, and find the front that none of them passes.
+"""Compare error and cost: run a family of choices, compare it with its reference solution, and find the Pareto front.
 
-- Cost is the time that the processor spends in a study, all threads together, without reading, planning and binding:
-  what a choice itself takes, which other work on the machine moves least.
-- Choices take turns, round after round, so that a machine that changes its mood is unkind to all alike. A turn repeats
-  a short study until it can be timed. A choice is called faster only where every one of its rounds is faster.
-- A choice that fails is a status and stops no other. A result that is not there, such as a critical slip outside the
-  range, has no error: its status says in words what is found, beside what the finest finds.
-- What is done is kept in a journal, as points of sweeps are: a run that is interrupted or killed loses one turn.
+1. Run each reference once.
+2. Run all other choices in turns, round after round, so that changing loads of the machine affect all alike. A turn
+   repeats a short study until it can be timed. The cost is the processor time of the study, of all threads together,
+   without reading, planning and binding, because other programs affect it least.
+3. The error of a result is its difference from that of the reference solution, relative to the largest value of each
+   curve; of all curves the largest counts. The reference solution has an unknown error, too: errors below its
+   difference from half its resolution are replaced by this floor.
+4. The front is the choices that no other choice dominates: none is as cheap and as exact, and better in one of both.
+
+- A choice is called faster only if each of its rounds is faster than all rounds of the other.
+- A choice that fails has a status, and the others go on. A result that does not exist, such as a critical slip outside
+  the range, has no error; its status states what the choice and what the reference solution find.
+- Finished turns are in a journal, as points of sweeps are: a run that is interrupted or killed loses one turn.
 """
 
 import time
@@ -25,10 +31,10 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError, describe_error
 from rollslip.planning.plan import Plan
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.provenance import models_origin, origin, run_origin, together
+from rollslip.planning.provenance import combine_origins, models_origin, origin, run_origin
 from rollslip.results.dataset import about
 from rollslip.structure import scene_hash
-from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family
+from rollslip_campaigns.pareto.candidates import EXACT, HALF, PLANNED, REFERENCE, Choice, Family
 from rollslip_campaigns.sweep.journal import StoredValues
 
 if TYPE_CHECKING:
@@ -36,9 +42,10 @@ if TYPE_CHECKING:
 
     from rollslip.planning.progress import ProgressReporter
 
-#: Processor time [s] that a turn takes at least, so that the clock of every system can tell it.
-_TURN: Final = 0.05
-#: Error below which rounding governs, whatever the finest and one half as fine differ by.
+#: Processor time [s] of a turn at least: the clock of some systems has steps of 16 ms. Doubling it halves the error of
+#: the clock, and doubles the time of short studies.
+_MIN_TURN: Final = 0.05
+#: Smallest floor of errors: rounding of double precision after some hundred operations. Doubling it changes nothing.
 _ROUNDING: Final = 1e-14
 
 
@@ -58,20 +65,20 @@ def front(cost: Array, error: Array) -> NDArray[np.bool_]:
 
 @attrs.define
 class Record:
-    """What is known of a choice so far.
+    """Results and times of a choice.
 
     Attributes
     ----------
     status : str
         "" before its first turn, "done", or why it failed.
     results : dict
-        Result -> its values, one row for each curve or a single value, and its status.
+        Values of each result, one row for each curve or a single value, and their status.
     tolerances : dict
-        Result -> key of [accuracy] that it is held against; empty for the general one.
+        Key of [accuracy] with the tolerance of each result; empty for the general one.
     seconds : list of float
         Processor time of each round [s].
     evaluations : int
-        Slices evaluated.
+        Number of evaluated slices.
     """
 
     status: str = ""
@@ -82,16 +89,25 @@ class Record:
 
 
 def run_family(family: Family, folder: Path, show: "ProgressReporter") -> "xr.Dataset":
-    """Run all choices of a family, or what is left of them in a folder."""
-    begin = time.perf_counter()
-    with StoredValues(folder, _digest(family)) as kept:
-        records = [Record(**kept.values.get(k, {})) for k in range(len(family.choices))]
-        resumed = bool(kept.values)
-        for (
-            study
-        ) in family.studies:  # what is loaded at first use is to be loaded before anything is timed
-            _take(family, family.of(study, "numerical")[0], Record())
-        timed = [k for k, one in enumerate(family.choices) if one.kind != "reference"]
+    """Run all choices of a family, or those that are missing in a folder, and return errors and costs.
+
+    Parameters
+    ----------
+    family : Family
+        The choices.
+    folder : Path
+        Folder of the journal.
+    show : ProgressReporter
+        Receives the progress.
+    """
+    start = time.perf_counter()
+    with StoredValues(folder, _digest(family)) as stored:
+        records = [Record(**stored.values.get(k, {})) for k in range(len(family.choices))]
+        resumed = bool(stored.values)
+        # load what is imported at first use before anything is timed
+        for study in family.studies:
+            _take_turn(family, family.choices_of(study, "numerical")[0], Record())
+        timed = [k for k, choice in enumerate(family.choices) if choice.kind != "reference"]
         turns = [(k, 0) for k in range(len(family.choices)) if k not in timed]
         turns += [(k, n) for n in range(family.rounds) for k in timed]
         last: dict[int, float] = {}
@@ -100,20 +116,22 @@ def run_family(family: Family, folder: Path, show: "ProgressReporter") -> "xr.Da
             record = records[k]
             if len(record.seconds) > n or record.status not in ("", "done"):
                 continue
-            show(f"{choice.study}: {choice.label}", done / len(turns), _left(turns[done:], last))
-            started = time.perf_counter()
-            _take(family, choice, record)
-            if k in timed:  # a reference says nothing of the others
-                last[k] = time.perf_counter() - started
-            kept.store(k, attrs.asdict(record))
-        return _dataset(family, records, time.perf_counter() - begin, resumed)
+            show(
+                f"{choice.study}: {choice.label}", done / len(turns), _time_left(turns[done:], last)
+            )
+            turn_start = time.perf_counter()
+            _take_turn(family, choice, record)
+            if k in timed:  # the time of a reference does not estimate that of other choices
+                last[k] = time.perf_counter() - turn_start
+            stored.store(k, attrs.asdict(record))
+        return _dataset(family, records, time.perf_counter() - start, resumed)
 
 
 def _digest(family: Family) -> str:
-    """Return what tells a family from another: scene, settings of the studies and all choices, but not the rounds."""
+    """Return a hash of scene, settings of the studies and all choices, but not of the number of rounds."""
     choices = [
-        f"{one.study} {one.label} {scene_hash(one.scene)} {one.resolution}"
-        for one in family.choices
+        f"{choice.study} {choice.label} {scene_hash(choice.scene)} {choice.resolution}"
+        for choice in family.choices
     ]
     studies = [f"{name} {study}" for name, study in family.studies.items()]
     return sha256(
@@ -121,44 +139,43 @@ def _digest(family: Family) -> str:
     ).hexdigest()
 
 
-def _left(turns: Sequence[tuple[int, int]], last: Mapping[int, float]) -> float:
-    """Seconds that turns will take: each as the last one of the same choice, or as the mean of the others'."""
+def _time_left(turns: Sequence[tuple[int, int]], last: Mapping[int, float]) -> float:
+    """Return the time of turns [s]: each as the last one of the same choice, or as the mean of the others."""
     mean = sum(last.values()) / len(last) if last else np.nan
     return sum(last.get(k, mean) for k, _ in turns)
 
 
-def _take(family: Family, choice: Choice, record: Record) -> None:
-    """Take the turn of a choice: run its study, for the first time keep its results, and time it."""
-    spent = 0.0
+def _take_turn(family: Family, choice: Choice, record: Record) -> None:
+    """Run the study of a choice, store its results the first time, and its processor time."""
+    seconds = 0.0
     count = 0
     study = family.studies[choice.study]
     try:
-        while spent < _TURN * (choice.kind != "reference") or not count:
+        while seconds < _MIN_TURN * (choice.kind != "reference") or not count:
             assembly = assemble(choice.scene, choice.resolution)
-            started = time.process_time()
+            start = time.process_time()
             dataset = study.run(assembly)
-            spent = spent + time.process_time() - started
+            seconds = seconds + time.process_time() - start
             count = count + 1
             if dataset.attrs.get("outcome") == "interrupted":
                 raise KeyboardInterrupt
             if dataset.attrs.get("outcome") == "failed":
                 record.status = f"failed: {dataset.attrs['outcome_message']}"
                 return
-    except Exception as error:  # somebody's model may raise anything
+    except Exception as error:  # a third-party model may raise anything
         if choice.kind == "reference":
             raise
-        record.status = (
-            f"failed: {str(error) if isinstance(error, RollslipError) else describe_error(error)}"
-        )
+        message = str(error) if isinstance(error, RollslipError) else describe_error(error)
+        record.status = f"failed: {message}"
         return
-    record.seconds.append(spent / count)
+    record.seconds.append(seconds / count)
     if not record.status:
         record.status = "done"
-        for name, one in study.compared_values(dataset).items():
-            record.results[name] = [*map(list, one.values)], one.status
-            record.tolerances[name] = one.tolerance
+        for name, compared in study.compared_values(dataset).items():
+            record.results[name] = [*map(list, compared.values)], compared.status
+            record.tolerances[name] = compared.tolerance
         record.evaluations = assembly.inner.chain.evaluated
-        if dataset.attrs.get("friction") == "conventional":  # the motion counts for itself
+        if dataset.attrs.get("friction") == "conventional":  # a motion counts its own evaluations
             record.evaluations += int(dataset.attrs.get("contacts_evaluated", 0))
 
 
@@ -168,61 +185,29 @@ def _take(family: Family, choice: Choice, record: Record) -> None:
 def _dataset(
     family: Family, records: Sequence[Record], wall_time: float, resumed: bool
 ) -> "xr.Dataset":
+    """Return errors, costs and fronts of all choices."""
     import xarray as xr
 
-    of = {
-        (one.study, one.label): record for one, record in zip(family.choices, records, strict=True)
-    }
     several = len(family.studies) > 1
 
-    def named(study: str, text: str) -> str:
+    def full_name(study: str, text: str) -> str:
         return f"{study}: {text}" if several else text
 
-    results = [(study, name) for study in family.studies for name in of[study, FINEST].results]
-    shape = len(records), len(results)
-    numbers = {name: np.full(shape, np.nan) for name in ("error", "difference")}
-    words = {name: np.full(shape, "", dtype=object) for name in numbers}
-    floor = np.full(len(results), np.nan)
-    fronts = {name: np.zeros(shape, dtype=np.int8) for name in numbers}
-    tolerance = [
-        family.plan.scene.accuracy.of(of[study, FINEST].tolerances[name]) for study, name in results
+    by_label = _by_label(family, records)
+    results = [
+        (study, name) for study in family.studies for name in by_label[study, REFERENCE].results
     ]
-    labels, kinds, owners = (
-        np.array([getattr(one, what) for one in family.choices])
-        for what in ("label", "kind", "study")
-    )
-    seconds = np.full((len(records), family.rounds), np.nan)
-    for k, record in enumerate(records):
-        seconds[k, : len(record.seconds)] = record.seconds[: family.rounds]
-    known = ~np.isnan(seconds).all(axis=1)
-    median, low, high = (np.full(len(records), np.nan) for _ in range(3))
-    for values, reduce in ((median, np.nanmedian), (low, np.nanmin), (high, np.nanmax)):
-        values[known] = reduce(seconds[known], axis=1)
-    for j, (study, name) in enumerate(results):
-        reference_resolution = of[study, FINEST]
-        exact = of.get((study, EXACT), of[study, FINEST])
-        floor[j] = max(
-            _compared(of.get((study, HALF), reference_resolution), reference_resolution, name)[0],
-            _ROUNDING,
-        )
-        for k, (one, record) in enumerate(zip(family.choices, records, strict=True)):
-            if one.study != study:
-                continue
-            against = reference_resolution if one.kind == "film" else exact
-            numbers["difference"][k, j], words["difference"][k, j] = _compared(
-                record, against, name
-            )
-            if one.kind == "numerical" or one.label in (FINEST, HALF):
-                numbers["error"][k, j], words["error"][k, j] = _compared(
-                    record, reference_resolution, name
-                )
-        for number, kind in (("error", "numerical"), ("difference", "modelling")):
-            rows = np.flatnonzero((owners == study) & ((kinds == kind) | (labels == PLANNED)))
-            # below the floor none is more exact than another, as far as anybody knows
-            fronts[number][rows, j] = front(
-                median[rows], np.maximum(numbers[number][rows, j], floor[j])
-            )
-    each = "choice"
+    tolerance = [
+        family.plan.scene.accuracy.of(by_label[study, REFERENCE].tolerances[name])
+        for study, name in results
+    ]
+    labels = _attributes(family, "label")
+    kinds = _attributes(family, "kind")
+    owners = _attributes(family, "study")
+    seconds, median, low, high = _times(records, family.rounds)
+    numbers, statuses, floor = _compare_results(family, records, results)
+    fronts = _fronts(family, numbers, floor, median, results)
+    choice = "choice"
     both = ("choice", "result")
     dataset = xr.Dataset(
         {
@@ -234,61 +219,131 @@ def _dataset(
             ),
             **{
                 f"{name}_status": (both, texts.astype(str), about("1", f"what the {name} is, or why there is none"))
-                for name, texts in words.items()
+                for name, texts in statuses.items()
             },
             "on_front": (both, fronts["error"], about("1", "whether no numerical choice dominates it")),
             "on_model_front": (both, fronts["difference"], about("1", "whether no modelling choice dominates it")),
             "tolerance": ("result", np.array(tolerance), about("1", "error that the scene allows")),
             "floor": ("result", floor, about("1", "difference of the finest from one half as fine")),
-            "kind": (each, kinds, about("1", "numerical, modelling, film or reference")),
-            "seconds": (each, median, about("s", "processor time of the study, median of the rounds")),
-            "seconds_low": (each, low, about("s", "processor time of the study, the fastest round")),
-            "seconds_high": (each, high, about("s", "processor time of the study, the slowest round")),
-            "round_seconds": ((each, "round"), seconds, about("s", "processor time of the study")),
-            "evaluations": (each, np.array([r.evaluations for r in records]), about("1", "slices evaluated")),
-            "status": (each, np.array([r.status for r in records]), about("1", "what became of the choice")),
+            "kind": (choice, kinds, about("1", "numerical, modelling, film or reference")),
+            "seconds": (choice, median, about("s", "processor time of the study, median of the rounds")),
+            "seconds_low": (choice, low, about("s", "processor time of the study, the fastest round")),
+            "seconds_high": (choice, high, about("s", "processor time of the study, the slowest round")),
+            "round_seconds": ((choice, "round"), seconds, about("s", "processor time of the study")),
+            "evaluations": (choice, np.array([r.evaluations for r in records]), about("1", "slices evaluated")),
+            "status": (choice, np.array([r.status for r in records]), about("1", "what became of the choice")),
         },
         {
-            each: (each, np.array([*map(named, owners, labels)]), about("1", "choice")),
-            "label": (each, labels, about("1", "departure from the plan")),
-            "result": ("result", np.array([named(*pair) for pair in results]), about("1", "result")),
+            choice: (choice, np.array([*map(full_name, owners, labels)]), about("1", "choice")),
+            "label": (choice, labels, about("1", "departure from the plan")),
+            "result": ("result", np.array([full_name(*pair) for pair in results]), about("1", "result")),
             "result_study": ("result", np.array([study for study, _ in results]), about("1", "study of the result")),
             "round": ("round", np.arange(1, family.rounds + 1), about("1", "round")),
-            "study": (each, owners, about("1", "study")),
+            "study": (choice, owners, about("1", "study")),
             **_coordinates(family),
         },
     )  # fmt: skip
     return dataset.assign_attrs(_origin(family, dataset, records, wall_time, resumed))
 
 
-def _compared(record: Record, reference: Record, name: str) -> tuple[float, str]:
-    """Error of a result, relative to the largest value of its curve and the largest over them, or why it has none."""
+def _by_label(family: Family, records: Sequence[Record]) -> dict[tuple[str, str], Record]:
+    """Return the records by study and label."""
+    pairs = zip(family.choices, records, strict=True)
+    return {(choice.study, choice.label): record for choice, record in pairs}
+
+
+def _attributes(family: Family, name: str) -> NDArray[Any]:
+    """Return an attribute of all choices, (choice,)."""
+    return np.array([getattr(choice, name) for choice in family.choices])
+
+
+def _fronts(
+    family: Family,
+    numbers: Mapping[str, Array],
+    floor: Array,
+    seconds: Array,
+    results: Sequence[tuple[str, str]],
+) -> dict[str, NDArray[np.int8]]:
+    """Return which choices are on the fronts of errors and of differences, (choice, result) each."""
+    labels = _attributes(family, "label")
+    kinds = _attributes(family, "kind")
+    owners = _attributes(family, "study")
+    fronts = {name: np.zeros(values.shape, dtype=np.int8) for name, values in numbers.items()}
+    for j, (study, _) in enumerate(results):
+        for number, kind in (("error", "numerical"), ("difference", "modelling")):
+            rows = np.flatnonzero((owners == study) & ((kinds == kind) | (labels == PLANNED)))
+            # below the floor no choice is known to be more exact than another
+            bounded = np.maximum(numbers[number][rows, j], floor[j])
+            fronts[number][rows, j] = front(seconds[rows], bounded)
+    return fronts
+
+
+def _times(records: Sequence[Record], rounds: int) -> tuple[Array, Array, Array, Array]:
+    """Return the time of each round [s], (choice, round), with median, minimum and maximum, (choice,)."""
+    seconds = np.full((len(records), rounds), np.nan)
+    for k, record in enumerate(records):
+        seconds[k, : len(record.seconds)] = record.seconds[:rounds]
+    known = ~np.isnan(seconds).all(axis=1)
+    median, low, high = (np.full(len(records), np.nan) for _ in range(3))
+    for values, reduce in ((median, np.nanmedian), (low, np.nanmin), (high, np.nanmax)):
+        values[known] = reduce(seconds[known], axis=1)
+    return seconds, median, low, high
+
+
+def _compare_results(
+    family: Family, records: Sequence[Record], results: Sequence[tuple[str, str]]
+) -> tuple[dict[str, Array], dict[str, NDArray[Any]], Array]:
+    """Return errors and differences with their statuses, (choice, result) each, and the floor of errors, (result,)."""
+    by_label = _by_label(family, records)
+    shape = (len(records), len(results))
+    numbers = {name: np.full(shape, np.nan) for name in ("error", "difference")}
+    statuses = {name: np.full(shape, "", dtype=object) for name in numbers}
+    floor = np.full(len(results), np.nan)
+    for j, (study, name) in enumerate(results):
+        reference = by_label[study, REFERENCE]
+        exact = by_label.get((study, EXACT), reference)
+        half = by_label.get((study, HALF), reference)
+        floor[j] = max(_relative_error(half, reference, name)[0], _ROUNDING)
+        for k, (choice, record) in enumerate(zip(family.choices, records, strict=True)):
+            if choice.study != study:
+                continue
+            base = reference if choice.kind == "film" else exact
+            difference, status = _relative_error(record, base, name)
+            numbers["difference"][k, j] = difference
+            statuses["difference"][k, j] = status
+            if choice.kind == "numerical" or choice.label in (REFERENCE, HALF):
+                error, status = _relative_error(record, reference, name)
+                numbers["error"][k, j] = error
+                statuses["error"][k, j] = status
+    return numbers, statuses, floor
+
+
+def _relative_error(record: Record, reference: Record, name: str) -> tuple[float, str]:
+    """Return the error of a result, relative to the largest value of its curve, with its status; NaN if it has none."""
     if record.status != "done":
         return np.nan, record.status
-    (values, status) = record.results[name]
-    (known, told) = reference.results[name]
-    if np.shape(values) != np.shape(known):
-        return np.nan, f"ends after {np.size(values)} of {np.size(known)} instants"
+    values, status = record.results[name]
+    reference_values, reference_status = reference.results[name]
+    if np.shape(values) != np.shape(reference_values):
+        return np.nan, f"ends after {np.size(values)} of {np.size(reference_values)} instants"
     a = np.array(values)
-    b = np.array(known)
+    b = np.array(reference_values)
     if a.size == 1 and (np.isnan(a).any() or np.isnan(b).any()):
         if np.isnan(a).all() and np.isnan(b).all():
             return np.nan, "none, as the finest"
-        return np.nan, (
-            f"{a.item():.3%}, where the finest has none ({told})"
-            if np.isnan(b).any()
-            else f"none ({status}), where the finest has {b.item():.3%}"
-        )
+        if np.isnan(b).any():
+            return np.nan, f"{a.item():.3%}, where the finest has none ({reference_status})"
+        return np.nan, f"none ({status}), where the finest has {b.item():.3%}"
     scale = np.abs(b).max(axis=1)
     return float((np.abs(a - b).max(axis=1) / np.where(scale > 0.0, scale, 1.0)).max()), "found"
 
 
 def _coordinates(family: Family) -> dict[str, Any]:
-    """What was chosen, field by field; 0 instants are doubled until the result stands still."""
-    found: dict[str, list[Any]] = {}
-    for one in family.choices:
-        r = one.resolution
-        settings = family.studies[one.study]
+    """Return the settings of all choices as coordinates; 0 positions are doubled until the result converges."""
+    columns: dict[str, list[Any]] = {}
+    for choice in family.choices:
+        r = choice.resolution
+        settings = family.studies[choice.study]
         own = settings.with_resolution(r).numerical_settings(family.plan.assembly)
         law = family.plan.assembly.traction.full_film.name if r.traction == "named" else r.traction
         row = {
@@ -303,10 +358,10 @@ def _coordinates(family: Family) -> dict[str, Any]:
             "friction": own.get("friction", ""),
             "level": own.get("level", ""),
             "compiled": int(r.compiled),
-            "film": one.scene.models.film.name,
+            "film": choice.scene.models.film.name,
         }
         for name, value in row.items():
-            found.setdefault(name, []).append(value)
+            columns.setdefault(name, []).append(value)
     units = {"table_tolerance", "integrator_tolerance"}
     return {
         name: (
@@ -314,7 +369,7 @@ def _coordinates(family: Family) -> dict[str, Any]:
             np.array(values),
             about("1", name.replace("_", " ") + (", relative" * (name in units))),
         )
-        for name, values in found.items()
+        for name, values in columns.items()
     }
 
 
@@ -326,34 +381,34 @@ def _origin(
     resumed: bool,
 ) -> dict[str, Any]:
     """Return the attributes: those of the plan, with the models of all choices."""
-    told = zip(dataset["choice"].to_numpy(), dataset["status"].to_numpy(), strict=True)
-    warned = [f"{name}: {text}" for name, text in told if text != "done"]
+    statuses = zip(dataset["choice"].to_numpy(), dataset["status"].to_numpy(), strict=True)
+    warnings = [f"{name}: {text}" for name, text in statuses if text != "done"]
     if resumed:
-        warned.append(
+        warnings.append(
             "the run was interrupted and gone on with: not all rounds met the same machine"
         )
-    warned += implausible(family.plan.scene)
+    warnings += implausible(family.plan.scene)
     evaluations = sum(record.evaluations for record in records)
     first = next(iter(family.studies))
     origins = [
-        run_origin(made, evaluations, wall_time) | models_origin(made, first)
-        for made in _plans(family)
+        run_origin(each_plan, evaluations, wall_time) | models_origin(each_plan, first)
+        for each_plan in _plans(family)
     ]
     return origins[0] | origin(
-        warnings=warned,
+        warnings=warnings,
         plan=family.plan.parts_of(first),
         study="pareto",
         studies=list(family.studies),
         rounds=family.rounds,
         notes=family.notes,
-        **together(origins),
+        **combine_origins(origins),
     )
 
 
 def _plans(family: Family) -> Iterator[Plan]:
-    """Yield the plan, and it with the models of each choice where they can be had: its status says so."""
+    """Yield the plan, and the plan with the models of each choice, except those that fail, as their status says."""
     yield family.plan
-    for one in family.choices:
-        if one.kind in ("modelling", "film"):
+    for choice in family.choices:
+        if choice.kind in ("modelling", "film"):
             with suppress(Exception):
-                yield attrs.evolve(family.plan, assembly=assemble(one.scene, one.resolution))
+                yield attrs.evolve(family.plan, assembly=assemble(choice.scene, choice.resolution))

@@ -1,4 +1,4 @@
-"""The data sets in the box: a folder each, with what was measured, on what, how well, and where it stands."""
+"""Built-in data sets: each folder has one, with its values, uncertainties and sources."""
 
 from pathlib import Path
 
