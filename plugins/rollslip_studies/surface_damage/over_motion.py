@@ -1,17 +1,17 @@
-"""Measures of damage along a motion: the worst contact at each of some instants, and the worst of all.
+"""Evaluate measures of damage along a motion: the worst contact at each of some times, and the worst of all.
 
-- A motion stores force, sliding and spin of every roller. At some of the stored instants each force is spread over the
-  slices, the contacts are evaluated with the models of the scene at the temperatures of that instant, and measured.
-  Friction is that of these models on every slice, whichever one moved the bearing.
-- Where rollers tilt, a force is spread as that of the roller at its place is in the equilibrium under the load of the
-  instant, which motions that know a tilt take their loads from; else as over an aligned roller.
-- Stored instants are those of even steps, and on either ring those at which forces, sliding and speeds alone let power
-  density, energy of a pass or flash be largest, or a film thinnest. Between them nothing is seen: a worst value is at
-  least as bad as what is told.
-- The worst contacts are measured again with more slices. What that changes by more than the tolerance is told.
+1. Select stored times: evenly spread ones, and on either ring those at which force, sliding and speed alone make power
+   density, energy per pass or flash temperature largest, or the film thinnest.
+2. Distribute the stored force of each roller over its slices: where rollers tilt, as in the static equilibrium under
+   the load of that time, from which motions with tilted rollers have their loads; else as over an aligned roller.
+3. Evaluate the contacts with the models of the scene at the temperatures of that time, and measure them. The friction
+   is that of these models on every slice, also if the motion was integrated with effective or constant friction.
+4. Measure the worst contacts once more with four times as many slices; a difference beyond the tolerance is reported.
+
+Values between the selected times are not known: the true worst value is at least as bad as the reported one.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -45,10 +45,17 @@ Numbers = NDArray[np.int_]
 
 __all__ = ["OVER_MOTION", "over_motion"]
 
-#: Stored instants of even steps that are measured at most, and how many times as many slices the worst contacts have.
+#: Largest number of evenly spread stored times that are measured. Doubled, measures take twice as long and miss less
+#: between them. Chosen; step 1 adds the times that matter.
 _MAX_POINTS = 101
-_FINER = 4
-#: What is known of damage along a motion.
+#: Factor of the slices with which the worst contacts are measured once more. Doubled, the estimated error is closer to
+#: the true one: the error of the finer value is about a sixteenth at order 2. Chosen.
+_REFINEMENT = 4
+#: Relative difference of the profile of a roller from its mirror image that is rounding.
+_ROUNDING = 1e-9
+#: The same, absolute [m]: far below the radius of an atom.
+_MIN_DROP = 1e-15
+#: Outputs about damage along a motion.
 OVER_MOTION: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "worst": Output(
@@ -73,181 +80,209 @@ OVER_MOTION: Final[Mapping[str, Output]] = MappingProxyType(
 )
 
 
-def over_motion(
-    assembly: Assembly, dataset: "xr.Dataset", there: Callable[[int], Assembly]
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return what `OVER_MOTION` names, and coordinates, of the measures of a scene; nothing where it has none."""
-    measures = damage_of(assembly)
-    if not measures:
-        return {}, {}
-    stored = dataset.sizes["time"]
-    stored_points = np.linspace(0, stored - 1, min(stored, _MAX_POINTS)).round().astype(int)
-    if stored > stored_points.size:
-        stored_points = np.union1d(stored_points, _suspects(assembly, dataset))
-    shape = len(measures), len(RINGS)
-    over = np.full((*shape, stored_points.size), np.nan)
-    said = np.full(shape, "", dtype=object)
-    found = np.full((4, *shape), np.nan)
-    times = dataset["time"].to_numpy()
-    angles = dataset["orbit_angle"].to_numpy()
-    for n, instant in enumerate(stored_points.tolist()):
-        at = there(instant)
-        now = dataset.isel(time=instant)
+@attrs.frozen(eq=False)
+class _WorstValues:
+    """Worst values of the measures on both rings, filled in while the times are measured."""
+
+    over_time: NDArray[np.float64]  #: Worst value at each measured time, (measures, rings, times).
+    #: Worst value of all times, its time [s], angle [rad] and place along the roller [m], (4, measures, rings).
+    extremes: NDArray[np.float64]
+    problems: NDArray[Any]  #: Last error of a law or measure, empty without, (measures, rings).
+
+    def measure(
+        self, measures: Sequence[DamageModel], bearing: Assembly, state: "xr.Dataset", n: int
+    ) -> None:
+        """Measure the contacts of a stored time, the n-th of those that are measured."""
         try:
-            tilted = _tilted(at, now)
+            tilted = _tilted_loads(bearing, state)
         except RollslipError as error:
-            said[:] = str(error)
-            continue
+            self.problems[:] = str(error)
+            return
         for i in range(len(RINGS)):
             try:
-                taken = _contacts(at, now.isel(ring=i), i, tilted)
+                loaded = _contacts(bearing, state.isel(ring=i), i, tilted)
             except DomainError as error:
-                said[:, i] = str(error)
+                self.problems[:, i] = str(error)
                 continue
-            if taken is None:
+            if loaded is None:
                 continue
-            contacts, owner, column = taken
+            contacts, owner, column = loaded
             for k, model in enumerate(measures):
                 try:
                     values = values_of(model, contacts)
-                except DomainError as error:  # of one measure; the others have values
-                    said[k, i] = str(error)
+                except DomainError as error:  # the other measures may have values
+                    self.problems[k, i] = str(error)
                     continue
                 worst = int(np.argmax(harm(model, values)))
-                over[k, i, n] = values[worst]
-                if not harm(model, values[worst]) <= harm(model, found[0, k, i]):
-                    place = at.position[column[worst]]
-                    found[:, k, i] = (
-                        values[worst],
-                        times[instant],
-                        angles[instant, owner[worst]],
-                        place,
-                    )
-    seen = (
-        f"{stored_points.size} of {stored} stored instants"
-        if stored_points.size < stored
-        else "all stored instants"
+                self.over_time[k, i, n] = values[worst]
+                if not harm(model, values[worst]) <= harm(model, self.extremes[0, k, i]):
+                    angle = state["orbit_angle"].to_numpy()[owner[worst]]
+                    place = bearing.position[column[worst]]
+                    self.extremes[:, k, i] = values[worst], float(state["time"]), angle, place
+
+
+def over_motion(
+    assembly: Assembly, dataset: "xr.Dataset", bearing_at: Callable[[int], Assembly]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the variables of `OVER_MOTION`, and coordinates; nothing if a scene has no measure of damage.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing of the scene.
+    dataset : xarray.Dataset
+        The motion.
+    bearing_at : callable
+        Returns the bearing at the temperatures of a stored time, by its index.
+    """
+    measures = damage_of(assembly)
+    if not measures:
+        return {}, {}
+    indices = _measured_times(assembly, dataset)
+    shape = len(measures), len(RINGS)
+    found = _WorstValues(
+        over_time=np.full((*shape, indices.size), np.nan),
+        extremes=np.full((4, *shape), np.nan),
+        problems=np.full(shape, "", dtype=object),
     )
+    for n, index in enumerate(indices.tolist()):
+        found.measure(measures, bearing_at(index), dataset.isel(time=index), n)
+    times = dataset["time"].to_numpy()
+    selection = "all stored instants"
+    if indices.size < times.size:
+        selection = f"{indices.size} of {times.size} stored instants"
+    status = np.full(shape, "", dtype=object)
     for k, i in np.ndindex(*shape):
-        if not np.isfinite(over[k, i]).any():
-            said[k, i] = said[k, i] or f"no roller is loaded on the {RINGS[i]} ring at {seen}"
+        problem = found.problems[k, i]
+        if not np.isfinite(found.over_time[k, i]).any():
+            status[k, i] = problem or f"no roller is loaded on the {RINGS[i]} ring at {selection}"
             continue
-        told = [f"found at {seen}", *([f"at some: {said[k, i]}"] if said[k, i] else [])]
-        instant = int(np.searchsorted(times, found[1, k, i]))
-        off = _by_slices(there(instant), dataset.isel(time=instant), i, measures[k], found[0, k, i])
-        if off > assembly.scene.accuracy.tolerance:
-            told.append(f"its slices leave about {100.0 * off:.2g} %")
-        said[k, i] = "; ".join(told)
+        texts = [f"found at {selection}"]
+        if problem:
+            texts.append(f"at some: {problem}")
+        index = int(np.searchsorted(times, found.extremes[1, k, i]))
+        state = dataset.isel(time=index)
+        error = _slice_error(bearing_at(index), state, i, measures[k], found.extremes[0, k, i])
+        if error > assembly.scene.accuracy.tolerance:
+            texts.append(f"its slices leave about {100.0 * error:.2g} %")
+        status[k, i] = "; ".join(texts)
     names = ("worst", "worst_time", "worst_angle", "worst_place")
-    return dict(zip(names, found, strict=True)) | described(measures) | {
-        "worst_status": said.astype(np.str_),
-        "worst_over_time": over,
-    }, {
+    variables = dict(zip(names, found.extremes, strict=True)) | described(measures)
+    variables["worst_status"] = status.astype(np.str_)
+    variables["worst_over_time"] = found.over_time
+    return variables, {
         "measure": named(measures),
-        "measured_time": ("measured_time", times[stored_points], about("s", "time")),
-    }  # fmt: skip
+        "measured_time": ("measured_time", times[indices], about("s", "time")),
+    }
+
+
+def _measured_times(assembly: Assembly, dataset: "xr.Dataset") -> Numbers:
+    """Return the indices of the stored times that are measured, in order."""
+    stored = dataset.sizes["time"]
+    indices = np.linspace(0, stored - 1, min(stored, _MAX_POINTS)).round().astype(int)
+    return np.union1d(indices, _suspects(assembly, dataset)) if stored > indices.size else indices
 
 
 def _suspects(assembly: Assembly, dataset: "xr.Dataset") -> list[int]:
-    """Stored instants, by number, at which a measure may be worst on a ring."""
+    """Return indices of stored times at which measures may be worst on a ring, by proportionalities of line contacts.
+
+    Half width ~ force^0.5 gives, in order: power density, energy per pass of the slower surface, flash temperature
+    after Blok, and the reciprocal film thickness after Dowson and Higginson.
+    """
     found = list[int]()
     for i in range(len(RINGS)):
         ring = dataset.isel(ring=i)
         force, sliding, traction = (
-            ring[n].to_numpy() for n in ("normal_force", "sliding_speed", "traction_force")
+            ring[name].to_numpy() for name in ("normal_force", "sliding_speed", "traction_force")
         )
-        rolling = _rolling(assembly, ring, i)
-        carries = (force > 0.0) & (rolling > 0.0) & np.isfinite(sliding)
+        rolling = _rolling_speed(assembly, ring, i)
+        loaded = (force > 0.0) & (rolling > 0.0) & np.isfinite(sliding)
         power = np.abs(traction * sliding)
         slower = np.abs(np.abs(rolling) - 0.5 * np.abs(sliding))
         with np.errstate(divide="ignore", invalid="ignore"):
             width = np.sqrt(force)
-            worse = (
+            indicators = (
                 power / width,
                 power / slower,
                 power / np.sqrt(slower * width),
                 force**0.1 / rolling**0.7,
             )
-        for measure in worse:
-            if carries.any():
-                found.append(
-                    int(np.nanargmax(np.where(carries, measure, -np.inf))) // force.shape[1]
-                )
+        if not loaded.any():
+            continue
+        for indicator in indicators:
+            flat_index = int(np.nanargmax(np.where(loaded, indicator, -np.inf)))
+            found.append(flat_index // force.shape[1])
     return found
 
 
-def _by_slices(
-    assembly: Assembly, now: "xr.Dataset", i: int, model: DamageModel, worst: float
+def _slice_error(
+    assembly: Assembly, state: "xr.Dataset", i: int, model: DamageModel, worst: float
 ) -> float:
-    """How far the worst value of a measure on a ring is off that with more slices, relative to that."""
-    slices = _FINER * assembly.slices if assembly.slices > 1 else 1
+    """Return the relative difference of the worst value of a measure on a ring from that with more slices."""
+    slices = _REFINEMENT * assembly.slices if assembly.slices > 1 else 1
     fine_bearing = assembly.at(attrs.evolve(assembly.resolution, slices=slices))
-    taken = _contacts(fine_bearing, now.isel(ring=i), i, _tilted(fine_bearing, now))
-    values = np.zeros(0) if taken is None else values_of(model, taken[0])
+    loaded = _contacts(fine_bearing, state.isel(ring=i), i, _tilted_loads(fine_bearing, state))
+    values = np.zeros(0) if loaded is None else values_of(model, loaded[0])
     fine = float(values[np.argmax(harm(model, values))]) if values.size else worst
     return abs(worst / fine - 1.0) if fine else 0.0
 
 
-def _rolling(assembly: Assembly, of: "xr.Dataset", i: int) -> NDArray[np.float64]:
-    """Entrainment: the spin of a roller r w and sliding V give r w + V/2 on the inner, r w - V/2 on the outer ring."""
-    spin = (
-        assembly.kinematics.direction
-        * assembly.kinematics.roller_radius
-        * of["roller_speed"].to_numpy()
-    )
-    return np.asarray(spin + (0.5 - i) * of["sliding_speed"].to_numpy())
+def _rolling_speed(assembly: Assembly, state: "xr.Dataset", i: int) -> NDArray[np.float64]:
+    """Return the entrainment speed [m/s], with spin w and sliding V r w + V/2 on the inner, r w - V/2 on the outer."""
+    radius = assembly.kinematics.direction * assembly.kinematics.roller_radius
+    surface_speed = radius * state["roller_speed"].to_numpy()
+    return np.asarray(surface_speed + (0.5 - i) * state["sliding_speed"].to_numpy())
 
 
-def _tilted(assembly: Assembly, now: "xr.Dataset") -> NDArray[np.float64] | None:
-    """Loads per length [N/m] on both rings in equilibrium at an instant, (2, Z, n); None where no roller tilts."""
+def _tilted_loads(assembly: Assembly, state: "xr.Dataset") -> NDArray[np.float64] | None:
+    """Return the loads per length [N/m] on both rings in static equilibrium, (2, Z, n); None if no roller tilts."""
     drop = assembly.drop
-    if assembly.scene.operation.misalignment == 0.0 and np.allclose(
-        drop, drop[::-1], rtol=1e-9, atol=1e-15
-    ):
+    is_symmetric = np.allclose(drop, drop[::-1], rtol=_ROUNDING, atol=_MIN_DROP)
+    if assembly.scene.operation.misalignment == 0.0 and is_symmetric:
         return None
-    turned = (
-        assembly.kinematics.direction * float(now["load_direction"])
-        if "load_direction" in now
-        else 0.0
-    )
+    direction = 0.0
+    if "load_direction" in state:
+        direction = assembly.kinematics.direction * float(state["load_direction"])
     given: dict[str, Any] = {
-        name: float(now[name]) for name in ("radial_load", "radial_clearance") if name in now
+        name: float(state[name]) for name in ("radial_load", "radial_clearance") if name in state
     }
     case = attrs.evolve(
-        assembly.load_case(1, assembly.centrifugal_force_at(float(now["cage_speed"]))),
-        psi=now["orbit_angle"].to_numpy()[None] - turned,
+        assembly.load_case(1, assembly.centrifugal_force_at(float(state["cage_speed"]))),
+        psi=state["orbit_angle"].to_numpy()[None] - direction,
         **given,
     )
-    held = solve_equilibrium(case, assembly.raceways)
-    return np.stack((held.inner_load[0], held.outer_load[0]))
+    equilibrium = solve_equilibrium(case, assembly.raceways)
+    return np.stack((equilibrium.inner_load[0], equilibrium.outer_load[0]))
 
 
-def _spread(
-    assembly: Assembly, i: int, force: float, as_in: NDArray[np.float64] | None
+def _distribute(
+    assembly: Assembly, i: int, force: float, tilted: NDArray[np.float64] | None
 ) -> NDArray[np.float64]:
-    """Load per length [N/m] along a roller under a force [N], in proportion to a load or as along an aligned one."""
-    held = 0.0 if as_in is None else float(as_in @ assembly.widths)
-    if as_in is None or not held > 0.0:
+    """Return the load per length [N/m] under a force [N], in proportion to that of a tilted roller, or aligned."""
+    tilted_force = 0.0 if tilted is None else float(tilted @ assembly.widths)
+    if tilted is None or not tilted_force > 0.0:
         return balanced_load(assembly, assembly.raceways[i], force)
-    return as_in * (force / held)
+    return tilted * (force / tilted_force)
 
 
 def _contacts(
-    assembly: Assembly, now: "xr.Dataset", i: int, tilted: NDArray[np.float64] | None = None
-) -> tuple[Contacts, NDArray[np.int_], NDArray[np.int_]] | None:
-    """Evaluated slices of the loaded rollers on a ring, with the roller and the place of each; None without any."""
-    force = now["normal_force"].to_numpy()
-    sliding = now["sliding_speed"].to_numpy()
-    rolling = _rolling(assembly, now, i)
-    carries = np.flatnonzero((force > 0.0) & (rolling > 0.0) & np.isfinite(sliding))
-    if not carries.size:
+    assembly: Assembly, state: "xr.Dataset", i: int, tilted: NDArray[np.float64] | None = None
+) -> tuple[Contacts, Numbers, Numbers] | None:
+    """Return the evaluated slices on a ring, with the indices of roller and slice of each; None without load."""
+    force = state["normal_force"].to_numpy()
+    sliding = state["sliding_speed"].to_numpy()
+    rolling = _rolling_speed(assembly, state, i)
+    loaded = np.flatnonzero((force > 0.0) & (rolling > 0.0) & np.isfinite(sliding))
+    if not loaded.size:
         return None
     raceway = assembly.raceways[i]
-    along = [None if tilted is None else tilted[i, j] for j in carries]
     load = np.array(
-        [_spread(assembly, i, float(force[j]), of) for j, of in zip(carries, along, strict=True)]
+        [
+            _distribute(assembly, i, float(force[j]), None if tilted is None else tilted[i, j])
+            for j in loaded
+        ]
     )
     row, column = np.nonzero(load > 0.0)
-    owner = carries[row]
+    owner = loaded[row]
     slices = raceway.evaluate(load[row, column], rolling[owner], sliding[owner])
     return Contacts.of(assembly, RINGS[i], slices), owner, column

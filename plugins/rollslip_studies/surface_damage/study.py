@@ -1,9 +1,10 @@
-"""Study surface-damage: what slip does to the surfaces at the steady slip of a bearing, by ring and place of a roller.
+"""Study surface-damage: measures of damage by slip at the steady slip of a bearing, by ring and position of a roller.
 
-- ``models.damage`` names one measure or several; where it names none, nothing is computed.
-- Measures are taken on every loaded slice at all positions of the orbit. Told is the worst of the slices of a roller at
-  each position, and the worst of all. How far that is off is seen on more slices and instants at once, at the steady
-  slip that these lead to; between slices, the worst of the finer ones is that of a parabola.
+- ``models.damage`` names the measures; without a name nothing is computed.
+- Measures are evaluated on every loaded slice at all roller positions of the orbit. Results are the worst value of the
+  slices of a roller at each position, and the worst of all.
+- Their error is that against more slices and roller positions at once, at the steady slip with these. The finer worst
+  value is that of a parabola through the worst slice and its neighbours.
 """
 
 from collections.abc import Mapping
@@ -18,6 +19,7 @@ from rollslip.bearing.raceway import RINGS, LoadedContacts
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, in_range, parameter
 from rollslip.results.dataset import about
+from rollslip.results.text import Status
 from rollslip.studies.answers import (
     ComparedValues,
     LoadedSlices,
@@ -52,18 +54,18 @@ from rollslip_studies.steady_slip.study import SteadySlip
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Share of the largest slip at which a motion is processor_time, and how many of them a steady slip takes.
-_TRIED = 0.3
-_ORBITS = 30
-#: Parts of a resolution that change films and widths of contacts.
-_OF_CONTACTS: Final = ("inlet_heating", "light_contacts")
-#: What was found where everything was.
-_FOUND: Final = "found"
+#: Fraction of the largest slip at which the time of an orbit is measured for the estimate of the cost. Doubled, the
+#: time hardly changes. Chosen.
+_TIMED_SLIP_FRACTION = 0.3
+#: Typical number of orbits for a steady slip, for the estimate of the cost, which is proportional to it. Chosen.
+_TYPICAL_ORBITS = 30
+#: Parts of a resolution that change films and widths of contacts, which measures require.
+_CONTACT_PARTS: Final = ("inlet_heating", "light_contacts")
 
 
 @attrs.frozen(kw_only=True)
 class SurfaceDamage(Study):
-    """What slip does to the surfaces at the steady slip, and where it is worst."""
+    """Measures of damage by slip at the steady slip, and where they are worst."""
 
     name: ClassVar[str] = "surface-damage"
     outputs: ClassVar[Mapping[str, Output]] = MappingProxyType(
@@ -118,64 +120,89 @@ class SurfaceDamage(Study):
 
     @property
     def _steady(self) -> SteadySlip:
+        """Study that finds the steady slip."""
         return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
 
     def choose_resolution(
         self, assembly: Assembly, *, cheaper_laws: bool = True
     ) -> ResolutionChoice:
-        """Choose slices, instants and laws as for the torques of a steady slip; nothing where nothing is measured.
+        """Choose slices, roller positions and laws as for the torques of a steady slip.
 
-        Nothing is left out of films and widths of contacts: measures see these where torques do not.
+        Effects on films and half widths are not left out: measures depend on them even where torques do not.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        cheaper_laws : bool, optional
+            Whether cheaper laws may be chosen.
         """
         if not assembly.scene.models.damage:
             return ResolutionChoice(resolution=assembly.resolution)
         found = choose_by_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
-        whole = attrs.evolve(found.resolution, inlet_heating=True, light_contacts=True)
-        if (
-            assembly.scene.accuracy.slices is None
-        ):  # which go closer to the end of a roller, where the worst often is
-            whole = attrs.evolve(whole, quadrature="gauss")
-        left = tuple(bound for bound in found.left_out if bound.reinstated(whole) != whole)
-        errors = {part: some for part, some in found.errors.items() if part not in _OF_CONTACTS}
-        return attrs.evolve(found, resolution=whole, left_out=left, errors=errors)
+        resolution = attrs.evolve(found.resolution, inlet_heating=True, light_contacts=True)
+        if assembly.scene.accuracy.slices is None:
+            # Gauss points are closer to the end of a roller, where the worst value often is
+            resolution = attrs.evolve(resolution, quadrature="gauss")
+        left_out = tuple(
+            bound for bound in found.left_out if bound.reinstated(resolution) != resolution
+        )
+        errors = {name: error for name, error in found.errors.items() if name not in _CONTACT_PARTS}
+        return attrs.evolve(found, resolution=resolution, left_out=left_out, errors=errors)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the drags and the damage models; none where nothing is measured."""
+        """Return the drags and the damage models, each with its kind; nothing if nothing is measured."""
         measures = damage_of(assembly)
-        return (
-            (*self._steady.models(assembly), *(("damage", model) for model in measures))
-            if measures
-            else ()
-        )
+        if not measures:
+            return ()
+        return *self._steady.models(assembly), *(("damage", model) for model in measures)
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return the time [s] from that of one motion of the rollers; measures take next to none."""
+        """Return the processor time [s] of the run, from that of one orbit; measures take next to nothing."""
         if not assembly.scene.models.damage:
             return {"run": 0.0}
-        there = assembly.with_resistance()
-        slip = self.cage_slip or _TRIED * self.max_cage_slip
-        one = processor_time(lambda: self._steady.balance(there).orbit(slip), 1)
-        return {"run": one * (_ORBITS if self.cage_slip is None else 1)}
+        resisted = assembly.with_resistance()
+        slip = self.cage_slip or _TIMED_SLIP_FRACTION * self.max_cage_slip
+        seconds = processor_time(lambda: self._steady.balance(resisted).orbit(slip), 1)
+        return {"run": seconds * (_TYPICAL_ORBITS if self.cage_slip is None else 1)}
 
     def extra_parts(
         self, assembly: Assembly, estimated: ResolutionChoice, costs: dict[str, float]
     ) -> list[Part]:
-        """Return what is measured."""
+        """Return the lines of a plan about the measures.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        estimated : ResolutionChoice
+            The choices.
+        costs : dict of str to float
+            Processor times [s] by name.
+        """
         return parts(assembly.scene)
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
         """Return the worst value of each measure on each ring."""
         return {
-            f"worst {one['meaning'].item()}, {ring} ring": ComparedValues(
-                [[float(one["worst"].sel(ring=ring))]],
-                str(one["worst_status"].sel(ring=ring).item()),
+            f"worst {measure['meaning'].item()}, {ring} ring": ComparedValues(
+                [[float(measure["worst"].sel(ring=ring))]],
+                str(measure["worst_status"].sel(ring=ring).item()),
             )
-            for one in (dataset.isel(measure=k) for k in range(dataset.sizes["measure"]))
+            for measure in (dataset.isel(measure=k) for k in range(dataset.sizes["measure"]))
             for ring in RINGS
         }
 
     def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
-        """Return by how much the steady slip and the worst value of each measure are off."""
+        """Return the relative errors of the steady slip and of the worst value of each measure, by name.
+
+        Parameters
+        ----------
+        finer : Assembly
+            The bearing with a finer resolution.
+        dataset : xarray.Dataset
+            The result.
+        """
         slip = float(dataset["slip"])
         measures = damage_of(finer)
         if not np.isfinite(slip):
@@ -184,44 +211,53 @@ class SurfaceDamage(Study):
 
         def worst(orbit: Orbit) -> Array:
             found = np.full((len(measures), len(RINGS)), np.nan)
-            for i, (ring, loaded) in enumerate(zip(RINGS, balance.evaluate_contacts(orbit), strict=True)):
+            for i, (ring, loaded) in enumerate(
+                zip(RINGS, balance.evaluate_contacts(orbit), strict=True)
+            ):
                 contacts = Contacts.of(finer, ring, loaded.slices)
                 for k, model in enumerate(measures):
-                    if loaded.total and dataset["worst_status"].values[k, i] == _FOUND:
+                    if loaded.total and dataset["worst_status"].values[k, i] == Status.FOUND:
                         found[k, i] = _worst_between(
                             model, values_of(model, contacts), loaded, finer.position
                         )
             return found
 
-        off = dict[str, float]()
-        at = None
+        errors = dict[str, float]()
+        reference = None
         try:
             if self.cage_slip is None and not balance.rolls_freely:
-                off["cage slip"], at = estimate_by_secant(balance, slip, worst)
+                errors["cage slip"], reference = estimate_by_secant(balance, slip, worst)
             else:
-                at = worst(balance.orbit(slip))
+                reference = worst(balance.orbit(slip))
         except DomainError:
             return {f"worst {model.measure}": np.inf for model in measures}
         with np.errstate(all="ignore"):
-            apart = np.where(at == dataset["worst"], 0.0, np.abs(dataset["worst"] / at - 1.0))
-        for model, errors, known in zip(
-            measures, apart, np.isfinite(dataset["worst"].values), strict=True
-        ):
+            ratio = np.abs(dataset["worst"] / reference - 1.0)
+            deviation = np.where(reference == dataset["worst"], 0.0, ratio)
+        is_known = np.isfinite(dataset["worst"].values)
+        for model, row, known in zip(measures, deviation, is_known, strict=True):
             if known.any():
-                off[f"worst {model.measure}"] = float(
-                    np.nan_to_num(errors[known], nan=np.inf).max()
-                )
-        return off
+                largest = np.nan_to_num(row[known], nan=np.inf).max()
+                errors[f"worst {model.measure}"] = float(largest)
+        return errors
 
     @property
     def validity_state(self) -> str:
-        """What state `validity_slices` are at."""
-        return (
-            "at the steady slip" if self.cage_slip is None else "at study.surface-damage.cage_slip"
-        )
+        """State of the `validity_slices`."""
+        if self.cage_slip is None:
+            return "at the steady slip"
+        return "at study.surface-damage.cage_slip"
 
     def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
-        """Return the slices that were measured."""
+        """Return the slices that were measured.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        dataset : xarray.Dataset
+            The result.
+        """
         slip = float(dataset["slip"])
         if not np.isfinite(slip):
             return []
@@ -230,6 +266,13 @@ class SurfaceDamage(Study):
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return all measures that the scene names.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        context : RunContext, optional
+            Without effect.
 
         Returns
         -------
@@ -249,20 +292,25 @@ class SurfaceDamage(Study):
         """
         measures = damage_of(assembly)
         if not measures:
-            return self._told(assembly, (), np.nan, "models.damage names no measure, so none was taken; name one or "
-                              "several, 'rollslip models damage' lists them", None)  # fmt: skip
-        there = assembly.with_resistance()
+            status = (
+                "models.damage names no measure, so none was taken; name one or several, 'rollslip models damage' "
+                "lists them"
+            )
+            return self._dataset(assembly, (), np.nan, status, None)
+        resisted = assembly.with_resistance()
         if self.cage_slip is not None:
-            balance = self._steady.balance(there)
+            balance = self._steady.balance(resisted)
             orbit = balance.orbit(self.cage_slip)
         else:
-            balance, steady, status = self._steady.steady(there)
+            balance, steady, status = self._steady.steady(resisted)
             if not steady:
-                return self._told(assembly, measures, np.nan, status, None)
+                return self._dataset(assembly, measures, np.nan, status, None)
             orbit = balance.orbit_from_motion(steady[0].motion)
-        return self._told(assembly, measures, orbit.cage_slip, _FOUND, balance.evaluate_contacts(orbit))
+        return self._dataset(
+            assembly, measures, orbit.cage_slip, Status.FOUND, balance.evaluate_contacts(orbit)
+        )
 
-    def _told(
+    def _dataset(
         self,
         assembly: Assembly,
         measures: tuple[DamageModel, ...],
@@ -270,41 +318,42 @@ class SurfaceDamage(Study):
         status: str,
         evaluated: tuple[LoadedContacts, LoadedContacts] | None,
     ) -> "xr.Dataset":
+        """Return the measures at a slip as dataset; NaN with a status without evaluated contacts."""
         import xarray as xr
 
         shape = len(measures), len(RINGS)
         places = np.linspace(-1.0, 1.0, self.places)
         positions = 0 if evaluated is None else evaluated[0].rollers
         angle = 2.0 * np.pi * np.arange(positions) / positions if positions else np.zeros(0)
-        (worst, where, beside) = np.full((3, *shape), np.nan)
-        said = np.full(shape, status, dtype=object)
+        worst, worst_angle, worst_place = np.full((3, *shape), np.nan)
+        statuses = np.full(shape, str(status), dtype=object)
         along = np.full((*shape, positions), np.nan)
         across = np.full((*shape, self.places), np.nan)
         for k, model in enumerate(measures):
             for i, (ring, loaded) in enumerate(zip(RINGS, evaluated or (), strict=False)):
                 if loaded.total == 0.0:
-                    said[k, i] = f"no roller is loaded on the {ring} ring"
+                    statuses[k, i] = f"no roller is loaded on the {ring} ring"
                     continue
                 contacts = Contacts.of(assembly, ring, loaded.slices)
                 try:
-                    along[k, i], worst[k, i], at, across[k, i] = _measured(
+                    along[k, i], worst[k, i], index, across[k, i] = _measure(
                         model, contacts, loaded, places
                     )
-                except DomainError as error:  # of one measure; the others have values
-                    said[k, i] = str(error)
+                except DomainError as error:  # the other measures may have values
+                    statuses[k, i] = str(error)
                     continue
-                where[k, i] = angle[loaded.owner[at]]
-                beside[k, i] = assembly.position[loaded.column[at]]
+                worst_angle[k, i] = angle[loaded.owner[index]]
+                worst_place[k, i] = assembly.position[loaded.column[index]]
         variables = self.variables(
             worst=worst,
-            worst_angle=where,
-            worst_place=beside,
-            worst_status=said.astype(np.str_),
+            worst_angle=worst_angle,
+            worst_place=worst_place,
+            worst_status=statuses.astype(np.str_),
             **described(measures),
             along=along,
             across=across,
             slip=slip,
-            status=status,
+            status=str(status),
         )
         coords = {
             "measure": named(measures),
@@ -323,33 +372,35 @@ class SurfaceDamage(Study):
         return xr.Dataset(variables, coords, attrs=self.attributes)
 
 
-def _measured(
+def _measure(
     model: DamageModel, contacts: Contacts, loaded: LoadedContacts, places: Array
 ) -> tuple[Array, float, int, Array]:
-    """Return the worst value of each roller, NaN where it is not loaded, of all, its slice, and across that."""
+    """Return the worst value of each roller, NaN without load; that of all, its index, and the values across it."""
     values = values_of(model, contacts)
     along = np.full(loaded.rollers, np.nan)
     np.fmax.at(along, loaded.owner, harm(model, values))
-    at = int(np.nanargmax(harm(model, values)))
-    inside = model.across(attrs.evolve(contacts, slices=contacts.slices.taken([at])), places)
+    index = int(np.nanargmax(harm(model, values)))
+    worst_contact = attrs.evolve(contacts, slices=contacts.slices.taken([index]))
+    inside = model.across(worst_contact, places)
     across = np.full(places.size, np.nan) if inside is None else np.asarray(inside[0], dtype=float)
-    return harm(model, along), float(values[at]), at, across
+    return harm(model, along), float(values[index]), index, across
 
 
 def _worst_between(
     model: DamageModel, values: Array, loaded: LoadedContacts, position: Array
 ) -> float:
-    """Return the worst value, at the vertex of a parabola through its slice and the neighbours on the roller."""
-    at = int(np.nanargmax(harm(model, values)))
-    near = np.array([at - 1, at, at + 1])
+    """Return the worst value, at the vertex of a parabola through the worst slice and its neighbours on the roller."""
+    index = int(np.nanargmax(harm(model, values)))
+    worst = values[index]
+    nearest = np.array([index - 1, index, index + 1])
     if (
-        near[0] < 0
-        or near[2] >= values.size
-        or np.ptp(loaded.owner[near])
-        or np.isnan(values[near]).any()
+        nearest[0] < 0
+        or nearest[2] >= values.size
+        or np.ptp(loaded.owner[nearest])
+        or np.isnan(values[nearest]).any()
     ):
-        return float(values[at])  # at an end
-    x = position[loaded.column[near]] - position[loaded.column[at]]
-    curvature, slope, _ = np.polyfit(x / np.ptp(x), harm(model, values[near] - values[at]), 2)
-    beyond = 0.25 * slope**2 / curvature if curvature < 0.0 else 0.0
-    return float(values[at] - harm(model, beyond))
+        return float(worst)  # the slice at the end of a roller
+    x = position[loaded.column[nearest]] - position[loaded.column[index]]
+    curvature, slope, _ = np.polyfit(x / np.ptp(x), harm(model, values[nearest] - worst), 2)
+    excess = 0.25 * slope**2 / curvature if curvature < 0.0 else 0.0
+    return float(worst - harm(model, excess))

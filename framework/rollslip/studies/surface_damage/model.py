@@ -1,9 +1,9 @@
-"""What a model of kind ``damage`` must offer: one measure of what slip does to the surfaces of a contact.
+"""Interface of models of kind ``damage``: one measure of the effect of slip on the surfaces of a contact.
 
-- No measure of smearing, scuffing or wear has general validity. That is why each is a plugin that says what it
-  measures, in which unit, up to which limit if one is published, and what it does not say (`DamageModel.scope`).
-- A model sees evaluated slices and the surfaces that they are of. It knows neither bearing nor motion, so that the same
-  measure serves for a steady slip, a map or a rig.
+- No measure of smearing, scuffing or wear has general validity. Therefore each is a plugin that states what it
+  measures, in which unit, up to which limit if one is published, and what it does not cover (`DamageModel.scope`).
+- A model has evaluated slices and their surfaces, and neither bearing nor motion, so that the same measure can be used
+  for a steady slip, a map or a rig.
 """
 
 import abc
@@ -52,23 +52,33 @@ Array = NDArray[np.float64]
 
 @attrs.frozen(eq=False, kw_only=True)
 class Contacts:
-    """Evaluated slices of rollers on one ring, and what their surfaces are of."""
+    """Evaluated slices of rollers on one ring, and the materials and temperatures of their surfaces."""
 
-    #: With load, half width, pressure, film thickness, friction and speeds, and the conditions that they share.
+    #: Load, half width, pressure, film thickness, friction and speeds, with the common conditions.
     slices: Slices
     ring: "Ring"  #: The ring.
     #: ring_temperature, roller_temperature: Bulk temperatures [K].
     ring_temperature: float
     roller_temperature: float
-    material: Material  #: Of the raceway.
-    #: Of the rollers.
+    material: Material  #: Material of the raceway.
+    #: Material of the rollers.
     roller_material: Material = attrs.field(
         default=attrs.Factory(lambda own: own.material, takes_self=True)
     )
 
     @classmethod
     def of(cls, assembly: "Assembly", ring: "Ring", slices: Slices) -> "Contacts":
-        """Return slices of a bearing with the surfaces that its scene gives."""
+        """Return slices of a bearing with the surfaces of its scene.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        ring : {"inner", "outer"}
+            The ring.
+        slices : Slices
+            The evaluated slices.
+        """
         operation = assembly.scene.operation
         return cls(
             slices=slices,
@@ -85,8 +95,8 @@ class Contacts:
     def surface_speeds(self) -> tuple[Array, Array]:
         """Speeds of ring and roller relative to the contact [m/s], (n,) each, not negative.
 
-        The surface that pushes the roller forward is the faster one: the ring on the inner side, the roller on the
-        outer. A surface that turns back in its contact has the speed of its size.
+        The surface that drives the roller is the faster one: the ring at the inner ring, the roller at the outer ring.
+        Of a surface that moves backwards in its contact it is the magnitude.
         """
         u = self.slices.rolling_speed
         V = self.slices.sliding_speed
@@ -95,14 +105,14 @@ class Contacts:
 
     @property
     def friction_power(self) -> Array:
-        """Power that sliding turns into heat on a length of contact, the size of mu w V [W/m], (n,)."""
+        """Friction power per length of contact, the magnitude of mu w V [W/m], (n,)."""
         slices = self.slices
         return np.abs(slices.friction * slices.load * slices.sliding_speed)
 
 
 #: Unit of variables that hold several measures, each in a unit of its own.
 OWN: Final = "own SI unit"
-#: What results say of each measure.
+#: Outputs that describe each measure.
 DESCRIBED: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "limit": Output("measure", OWN, "value beyond which harm was seen", status="limit_source"),
@@ -116,47 +126,50 @@ DESCRIBED: Final[Mapping[str, Output]] = MappingProxyType(
 
 
 class DamageModel(abc.ABC):
-    """One measure of what slip does to surfaces; its parameters are its attrs fields."""
+    """One measure of the effect of slip on surfaces; its parameters are its attrs fields."""
 
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[Citation, ...]]
-    #: What it measures, as in "sliding power density", and its SI unit.
+    #: What it measures, for example "sliding power density".
     measure: ClassVar[str]
+    #: SI unit of the measure.
     unit: ClassVar[str]
-    #: What it does not say, or where it was never tried: one sentence without its full stop.
+    #: What it does not cover, or where it was not validated: one sentence without its full stop.
     scope: ClassVar[str]
-    #: Whether it is a difference of temperatures, which is told in K.
+    #: Whether it is a difference of temperatures, which is printed in K.
     difference: ClassVar[bool] = False
-    #: Whether surfaces fare worse where it is large, or where it is small.
+    #: Whether damage is more probable where the measure is large, or where it is small.
     worst: ClassVar[Literal["largest", "smallest"]] = "largest"
-    #: Rule of the conformance kit that the model breaks for a reason -> that reason.
+    #: Rule of the conformance kit that the model violates -> the reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     def of(self, assembly: "Assembly") -> Self:
-        """Return the measure with what its limit takes of the oil and the bearing.
-
-        What the scene does not give is a `SceneError`.
-        """
+        """Return the measure with the data of oil and bearing for its limit; SceneError if they are missing."""
         return self
 
     @abc.abstractmethod
     def evaluate(self, contacts: Contacts) -> Array:
         """Return the measure of every slice in its unit, (n,), without changing the slices.
 
-        A slice outside of what the measure is defined on is a `DomainError`.
+        A slice for which the measure is not defined is a `DomainError`.
         """
 
     def across(self, contacts: Contacts, places: Array) -> Array | None:
         """Return the measure across the contacts, (n, m); None if it has one value for a slice.
 
-        Places, (m,), are in half widths from the middle, -1 where surfaces enter and 1 where they leave.
+        Parameters
+        ----------
+        contacts : Contacts
+            Contacts with n slices.
+        places : ndarray
+            Positions across a contact, (m,), in half widths from the middle: -1 is the inlet, 1 the outlet.
         """
         return None
 
     @property
     def limit(self) -> tuple[float, str] | None:
-        """Value beyond which harm was seen, in the unit of the measure, and its source; None if there is none."""
+        """Value beyond which damage was observed, in the unit of the measure, and its source; None if there is none."""
         return None
 
 
@@ -167,12 +180,20 @@ def named_damage(scene: Scene) -> tuple[DamageModel, ...]:
 
 
 def damage_of(assembly: "Assembly") -> tuple[DamageModel, ...]:
-    """Return the models that a scene names, each with what it takes of the bearing."""
+    """Return the models that a scene names, each with the data of its bearing."""
     return tuple(model.of(assembly) for model in named_damage(assembly.scene))
 
 
 def values_of(model: DamageModel, contacts: Contacts) -> Array:
-    """Return a measure of every slice, (n,)."""
+    """Return a measure of every slice, (n,); DomainError if a value is not finite.
+
+    Parameters
+    ----------
+    model : DamageModel
+        The measure.
+    contacts : Contacts
+        Contacts with n slices.
+    """
     values = np.asarray(model.evaluate(contacts), dtype=float)
     if not np.isfinite(values).all():
         raise DomainError(
@@ -182,12 +203,20 @@ def values_of(model: DamageModel, contacts: Contacts) -> Array:
 
 
 def harm(model: DamageModel, values: Any) -> Any:
-    """Return ``values`` of a measure with the sign by which the larger is the worse, as ``model`` has it."""
+    """Return values of a measure with such a sign that the largest is the worst.
+
+    Parameters
+    ----------
+    model : DamageModel
+        The measure.
+    values : float or ndarray
+        The values, of any shape.
+    """
     return values if model.worst == "largest" else -values
 
 
 def described(measures: tuple[DamageModel, ...]) -> dict[str, NDArray[Any]]:
-    """Return what results say of measures, by the names of `DESCRIBED`, (measures,) each."""
+    """Return the variables that describe measures, by the names of `DESCRIBED`, (measures,) each."""
     limits = [model.limit or (np.nan, "no limit is published or given") for model in measures]
     return {
         "limit": np.array([value for value, _ in limits]),
@@ -206,11 +235,12 @@ def named(measures: tuple[DamageModel, ...]) -> tuple[str, NDArray[Any], dict[st
 
 
 def _unit(model: DamageModel) -> str:
+    """Return the unit of a measure in results."""
     return "K, a difference" if model.difference else model.unit
 
 
 def parts(scene: Scene) -> list[Part]:
-    """Return the lines of a plan about what is measured."""
+    """Return the lines of a plan about the measures of a scene."""
     return [
         Part(
             part="damage",
@@ -222,9 +252,9 @@ def parts(scene: Scene) -> list[Part]:
     ]
 
 
-def texts(words: Iterable[object]) -> NDArray[Any]:
-    """Return words as an array."""
-    return np.array([*words], dtype=np.str_)
+def texts(values: Iterable[object]) -> NDArray[Any]:
+    """Return values as an array of texts."""
+    return np.array([*values], dtype=np.str_)
 
 
 DAMAGE: Final = Kind(
