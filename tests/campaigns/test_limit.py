@@ -201,7 +201,7 @@ def test_what_a_study_says_of_each_of_several_values_is_told_of_the_one_that_cou
 )
 def test_it_is_said_where_a_limit_is_kept(bearing, keep, said, edges):
     found = rollslip.limit(bearing, LENGTHS, keep, **CURVE)
-    text = findings.headline(found)
+    text = findings.describe_limit(found)
     assert text.startswith(f"{keep} is kept ")
     assert said in text
     assert found.sizes["edge"] == edges
@@ -267,8 +267,8 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
         (LENGTHS, "half_width == 1 um", {}, "is no limit; write OUTPUT<=VALUE"),
         (LENGTHS, "half_widht <= 1 um", {}, "did you mean 'half_width'"),
         (LENGTHS, "half_width <= 1 N", {}, "is a force, here a length is expected"),
-        (LENGTHS, "critical_status <= 1", {}, "critical_status tells in words, so it has no limit"),
-        (LENGTHS, "half_width <= 1 um", {"within": 0.9}, "a share from 1e-06 to 0.5 is expected"),
+        (LENGTHS, "critical_status <= 1", {}, "critical_status is a text, so it has no limit"),
+        (LENGTHS, "half_width <= 1 um", {"within": 0.9}, "a fraction from 1e-06 to 0.5 is expected"),
         ({}, "half_width <= 1 um", {}, "one quantity is searched over, not 0"),
         (
             {"operation.radial_lod": "1:2"},
@@ -394,7 +394,7 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
     assert 12e6 * 0.99 < passed < 1.03 * kept
     heated = limit("worst <= 1.2 K", "flash-temperature")
     assert re.search(
-        r"worst <= 1.2 K is kept with .*, where the range begins, up to", findings.headline(heated)
+        r"worst <= 1.2 K is kept with .*, where the range begins, up to", findings.describe_limit(heated)
     )
     for models, named in (
         ((), "none"),

@@ -42,8 +42,8 @@ class ExplorerSettings(OfPoints):
     own_command = "rollslip_campaigns.explorer.command:explore"
 
     over: Mapping[str, object] | Sequence[str] | str = setting(
-        "What moves: LOW:HIGH or LOW:HIGH:NODES with units, or models A,B; by default load, speed, temperature, "
-        "clearance and the law of traction.",
+        "Quantities to vary: LOW:HIGH or LOW:HIGH:NODES with units, or models A,B; by default load, speed, "
+        "temperature, clearance and the law of traction.",
         default=(),
         metavar="KEY=VALUES",
         repeatable=True,
@@ -51,7 +51,7 @@ class ExplorerSettings(OfPoints):
         details='A mapping of keys to "LOW:HIGH" or "LOW:HIGH:NODES", or to lists of models.',
     )
     checks: int = setting(
-        "Random places at which it is checked against runs, for each combination of models.",
+        "Random points at which the page is compared with runs, for each combination of models.",
         value_type=int,
         default=24,
         minimum=0,
@@ -60,7 +60,7 @@ class ExplorerSettings(OfPoints):
     )
     out: Any = setting(
         "",
-        details="The file, of which an older one is replaced; by default SCENE-explorer.html here.",
+        details="Path of the page; an older file is replaced. By default SCENE-explorer.html in the current folder.",
     )
 
     def plan(self) -> "Explorer":
@@ -70,7 +70,7 @@ class ExplorerSettings(OfPoints):
         return plan_explorer(self)
 
     def run(  # type: ignore[override]
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> dict[str, Any]:
         """Compute the grid in a folder and write the page."""
         from rollslip_campaigns.explorer.explorer import run_explorer

@@ -47,7 +47,7 @@ class LimitSettings(OfPoints):
     name = "limit"
 
     over: Mapping[str, object] | Sequence[str] | str = setting(
-        "What moves, with units; LOW:HIGH:COUNT says how many values are computed first.  [default: 9]",
+        "Quantity to vary, with units; COUNT in LOW:HIGH:COUNT is the number of first values.  [default: 9]",
         default=attrs.NOTHING,
         metavar="KEY=LOW:HIGH",
         repeatable=True,
@@ -55,13 +55,13 @@ class LimitSettings(OfPoints):
         details='A mapping of the key to "LOW:HIGH", or the text "KEY=LOW:HIGH".',
     )
     keep: str = setting(
-        "The limit of a result, or OUTPUT>=VALUE.",
+        "Limit of a result, or OUTPUT>=VALUE.",
         default=attrs.NOTHING,
         metavar="OUTPUT<=VALUE",
         positional=True,
     )
     within: float | str = setting(
-        "How exactly it is told, such as 1 %.", default="1 %", metavar="SHARE", show_default=True
+        "Tolerance of the limit, such as 1 %.", default="1 %", metavar="FRACTION", show_default=True
     )
     study: str | None = setting("Only this study.", metavar="STUDY")
 
@@ -72,12 +72,12 @@ class LimitSettings(OfPoints):
         return plan_limit(self)
 
     def run(
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Search in a folder."""
         from rollslip_campaigns.limit.limit import run_limit
 
-        return run_limit(made, folder, print_line=said, report=lambda now: show(*now.summary))
+        return run_limit(made, folder, print_line=message, report=lambda now: show(*now.summary))
 
     def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return the advice for points that failed, None if none did."""

@@ -311,7 +311,12 @@ def _point_seconds(scene: Scene, study: str, resolution: Resolution) -> float | 
     cls = study_class(study)
     start_time = time.process_time()
     try:
-        cost = sum(cls.from_scene(scene).at(resolution).cost(assemble(scene, resolution)).values())
+        cost = sum(
+            cls.from_scene(scene)
+            .with_resolution(resolution)
+            .cost(assemble(scene, resolution))
+            .values()
+        )
     except RollslipError:
         return None
     # maps of a transient study, which the plan of a run prepares, are prepared by each point, as in this estimate

@@ -49,7 +49,7 @@ class SweepSettings(OfPoints):
     own_command = "rollslip_campaigns.sweep.command:sweep"
 
     over: Mapping[str, object] | Sequence[str] | str | None = setting(
-        "What is varied: A,B,C or LOW:HIGH:COUNT, with units, or LOW:HIGH:COUNT:log; LOW:HIGH for samples.",
+        "Quantity to vary: A,B,C or LOW:HIGH:COUNT, with units, or LOW:HIGH:COUNT:log; LOW:HIGH for samples.",
         metavar="KEY=VALUES",
         repeatable=True,
         positional=True,
@@ -65,7 +65,7 @@ class SweepSettings(OfPoints):
     seed: int | None = setting("Seed of the samples.", value_type=int, minimum=0, metavar="N")
     study: str | None = setting("Only this study.", metavar="STUDY")
     output: Sequence[str] | str = setting(
-        "Variable to keep; may be repeated.",
+        "Variable to store; may be repeated.",
         default=(),
         metavar="NAME",
         repeatable=True,
@@ -79,12 +79,12 @@ class SweepSettings(OfPoints):
         return plan_requested(self)
 
     def run(
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Compute the points in a folder."""
         from rollslip_campaigns.sweep.folder import create_folder, write_result
         from rollslip_campaigns.sweep.run import run_sweep
 
         create_folder(made, folder)
-        run_sweep(made, folder, print_line=said, report=lambda now: show(*now.summary))
+        run_sweep(made, folder, print_line=message, report=lambda now: show(*now.summary))
         return write_result(made, folder)

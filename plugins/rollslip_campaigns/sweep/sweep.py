@@ -31,10 +31,10 @@ from rollslip.fields import FieldError, submodels
 from rollslip.files import whole_file
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import estimate, require_memory
-from rollslip.planning.plausibility import implausible_along
-from rollslip.planning.provenance import cited, data_references
+from rollslip.planning.plausibility import implausible_in_sweep
+from rollslip.planning.provenance import collect_citations, data_references
 from rollslip.references import Citation
-from rollslip.scene.changes import Quantity, evolve, full_key, describe_unknown_key
+from rollslip.scene.changes import Quantity, describe_unknown_key, evolve, full_key
 from rollslip.scene.reading import as_scene, from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.search import Array
@@ -402,7 +402,7 @@ def _checked_assemblies(
                     f"{axis.key}: value {k + 1} of {count}, {axis.shown(value)}: {'; '.join(error.problems)}"
                 )
                 break
-        unusual += implausible_along(
+        unusual += implausible_in_sweep(
             base,
             axis.quantity,
             accepted_values,
@@ -427,7 +427,7 @@ def _checked_assemblies(
                 break
         else:
             written = [format_quantity(value, quantity.unit or "1", 4) for value in bounds]
-            unusual += implausible_along(base, quantity, written, "ends of the samples")
+            unusual += implausible_in_sweep(base, quantity, written, "ends of the samples")
     if problems:
         raise SceneError(problems)
     return assemblies, tuple(unusual)
@@ -468,7 +468,7 @@ def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ..
             *settings(assembly.scene, study)[study].references,
             *data_references(assembly),
         ]
-    return tuple(cited(models, references))
+    return tuple(collect_citations(models, references))
 
 
 # Resolutions ----------------------------------------------------------------------------------------------------------

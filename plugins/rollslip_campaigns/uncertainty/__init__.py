@@ -56,7 +56,7 @@ class UncertaintySettings(OfPoints):
         "Double samples until the interval's half width is H, a slip.",
         value_type=float,
         metavar="H",
-        details="Samples are then 16384 at most.",
+        details="The number of samples is then 16384 at most.",
     )
     probability: float = setting(
         "Probability of the reported bounds.",
@@ -80,12 +80,12 @@ class UncertaintySettings(OfPoints):
         return plan_margin(self)
 
     def run(
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Compute the samples in a folder and estimate the distributions."""
         from rollslip_campaigns.uncertainty.margin import run_margin
 
-        return run_margin(made, folder, print_line=said, report=lambda now: show(*now.summary))
+        return run_margin(made, folder, print_line=message, report=lambda now: show(*now.summary))
 
     def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return commands that compute the points without a result again, None if all points have one."""
