@@ -19,7 +19,7 @@ def main():
     rows = []
     for said in PUBLISHED.statements:
         judged = evaluate_statement(PUBLISHED, said, AS_STATED)
-        rows.append((said.says, said.by_whom, judged.found.replace(", ", "; "), judged.verdict))
+        rows.append((said.text, said.by_whom, judged.found.replace(", ", "; "), judged.verdict))
         print(*rows[-1], sep=" | ", flush=True)
     for at in (70, 50, 30):
         cold = {"operation.temperature": f"{at} degC"}

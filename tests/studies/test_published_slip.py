@@ -8,7 +8,7 @@ from rollslip_campaigns.validation.validate import AS_STATED, evaluate_statement
 
 
 @pytest.mark.parametrize(
-    "said", PUBLISHED.statements, ids=[said.says for said in PUBLISHED.statements]
+    "said", PUBLISHED.statements, ids=[said.text for said in PUBLISHED.statements]
 )
 def test_slip_goes_the_way_that_is_published(said):
     judged = evaluate_statement(PUBLISHED, said, AS_STATED)
