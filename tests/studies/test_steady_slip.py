@@ -1078,7 +1078,7 @@ def test_a_curve_whose_end_is_not_found_loses_no_answer(monkeypatch):
     """Its last torque is unknown, and how exact the most is; all else is what it was."""
     scene = evolve(dragged(SHIPPED, brake(0.1)), {"accuracy.slices": 15})
     whole = run(scene, points=40)
-    at = LoadingBranch.at
+    at = LoadingBranch.interpolate
 
     def ends(way, slips):
         if max(slips) > 0.85:
@@ -1088,8 +1088,8 @@ def test_a_curve_whose_end_is_not_found_loses_no_answer(monkeypatch):
     def unknown(way):
         raise ConvergenceError("no equilibrium")
 
-    monkeypatch.setattr(LoadingBranch, "at", ends)
-    monkeypatch.setattr(LoadingBranch, "largest_error", property(unknown))
+    monkeypatch.setattr(LoadingBranch, "interpolate", ends)
+    monkeypatch.setattr(LoadingBranch, "maximum_error", property(unknown))
     found = run(scene, points=40)
     assert np.isnan(found.driving_torque[-1])
     assert np.isnan(found.largest_torque_error)
