@@ -315,7 +315,7 @@ def test_curves_of_bearings_are_those_of_all_their_slices(changes, ring):
     load = (distribution.inner_load, distribution.outer_load)[ring].reshape(-1, 5)
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     friction = all_slices(raceway, load, rolling)
-    table = effective_table(assembly, raceway, load, 1e-3, slips=False)
+    table = effective_table(assembly, raceway, load, 1e-3, two_speeds=False)
     V = places(table, 3)[::4]
     true = friction(V)
     assert np.abs(friction_of(table, V.ravel()) - true).max() <= 1e-3 * np.abs(true).max()
@@ -447,7 +447,7 @@ def test_a_very_small_tolerance_is_reached(tolerance):
     assembly = bearing()
     load = loads_of(assembly)[::7]
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    table = effective_table(assembly, assembly.inner, load, tolerance, slips=False)
+    table = effective_table(assembly, assembly.inner, load, tolerance, two_speeds=False)
     V = rolling * np.geomspace(1e-6, 8.0, 200)
     true = all_slices(assembly.inner, load, rolling)(V)
     assert np.abs(friction_of(table, V) - true).max() <= tolerance * true.max()
@@ -544,7 +544,9 @@ def test_what_classes_of_load_leave_is_added_to_what_cells_leave(monkeypatch):
     found = []
     for left in ((0.0, 0.0, 0.0), (1e-3, 2e-3, 3e-3)):
         monkeypatch.setattr(
-            tables, "_gathered", lambda *_, left=left: (lambda u, V: Hump(0.02, 0.1, 5.0)(V), left)
+            tables,
+            "_group_slices",
+            lambda *_, left=left: (lambda u, V: Hump(0.02, 0.1, 5.0)(V), left),
         )
         found.append(effective_table(assembly, assembly.inner, np.ones((2, 3)), 1e-2, False))
     more = [

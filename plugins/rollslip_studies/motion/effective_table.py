@@ -1,27 +1,36 @@
-"""Effective friction of a raceway as a table: over the sliding speed, or over sliding and rolling speed.
+"""Effective friction of a raceway as a table over the sliding speed, or over sliding and rolling speed.
 
-- mu_e = sum(mu Q)/sum(Q) over the loaded slices of all positions of the orbit at the epicyclic speed (see
-  ``effective_friction``), here as a function of what the contact itself knows: its sliding speed V and its rolling
-  speed u. Cage slip and roller slip, in which the study states it, are these two for either raceway in other units.
-- Over V alone the rolling speed is the epicyclic one. With the rollers near rolling on the outer ring, as most are,
-  the rolling speed of neither contact moves by more than a tenth of the sliding speed.
-- Friction rises over a small sliding speed and falls slowly beyond: equal steps of V/(|V| + V_s), one division and one
-  multiplication for the index. Where it also depends on u the rise goes with the slide-roll ratio, V_s = S u.
-- V_s is free, so it is chosen such that the critical sliding speed, where friction is largest, is a node, whose slope
-  is zero: place and height of the maximum are those of the law. Of the V_s that do so the one counts with which few
-  cells err least. The slope at V = 0 is the law's, too.
-- A law has one second derivative for V < 0 and another for V > 0, so each half is a cubic spline of its own.
-- The slopes of a spline are limited to three times those of the chords beside them (Fritsch & Carlson 1980): cells are
-  monotone, and the cubics have as many extrema as their nodes. Where nodes turn, the cell towards which the slope there
-  points holds the extremum and sets no limit: one that no node hits is neither flattened nor moved (after Hyman 1983).
-- In a map this holds along V on the rows. Between them cubics of smooth laws were not seen to turn more often either;
-  a corner that wanders from row to row ripples there by the error of the table.
-- Friction of a slice depends on its load: thousands of loaded slices are gathered into classes of equal force, as many
-  as the tolerance needs to keep friction, slope at no slip and critical speed.
-- Cells are halved until friction at the quarters of each is right to the tolerance, relative to the largest at that
-  rolling speed, and the slope at no slip is within the limits of its cells: a rise may be too small for the tolerance
-  and yet be most of that slope. A tenth of the tolerance is left to the classes and a tenth to what lies between the
-  quarters.
+mu_e = sum(mu Q)/sum(Q) over the loaded slices of all positions of the orbit at the epicyclic speed (see
+``effective_friction``). Here it is a function of the speeds of the contact itself: its sliding speed V and its rolling
+speed u. Cage slip and roller slip, in which the study states it, are these two for either raceway in other units.
+
+1. Gather thousands of loaded slices into classes of equal force, as many as the tolerance requires for friction,
+   its slope at no slip and the critical sliding speed, where friction is largest.
+2. Map the sliding speed to x = V/(|V| + V_s). Friction rises over a small sliding speed and falls slowly beyond, so
+   that equal steps of x resolve both; the index of a cell costs one division and one multiplication. Where friction
+   also depends on u, its rise depends on the slide-roll ratio, V_s = S u.
+3. Choose V_s such that the critical sliding speed is a node, whose slope is zero: abscissa and height of the maximum
+   are those of the law. Of the V_s that do so take the one with which few cells have the smallest error.
+4. Interpolate each half, V < 0 and V > 0, by a cubic spline, because the second derivative of a law jumps at V = 0. The
+   slope there is that of the law.
+5. Limit the slopes to three times those of the neighbouring chords (Fritsch & Carlson 1980), so that cells are monotone
+   and the cubics have as many extrema as their nodes. Where nodes change from rising to falling, the cell towards which
+   the slope points contains the extremum and sets no limit, so that the extremum is neither flattened nor shifted
+   (after Hyman 1983).
+6. Double the number of cells until the error at the quarters of each is within the tolerance, relative to the largest
+   friction at that rolling speed, and the slope at no slip is that of the law: a rise may be too small for the
+   tolerance and yet be most of that slope. A tenth of the tolerance is left to the classes and a tenth to the error
+   between the quarters.
+
+- Over V alone the rolling speed is the epicyclic one. With rollers near rolling on the outer ring, as most are, the
+  rolling speed of either contact changes by less than a tenth of the sliding speed.
+- In a map the rules hold along V on the rows. Between rows, cubics of smooth laws were not observed to have more
+  extrema; a kink whose sliding speed changes from row to row makes the cubics oscillate by the error of the table.
+
+References
+----------
+F. N. Fritsch, R. E. Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 17 (1980) 238-246.
+J. M. Hyman, "Accurate monotonicity preserving cubic interpolation", SIAM J. Sci. Stat. Comput. 4 (1983) 645-654.
 """
 
 import json
@@ -40,42 +49,70 @@ from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
 from rollslip_kernels.motion import raceway as compiled
 
-#: Largest sliding speed, relative to the epicyclic rolling speed; beyond it friction is held.
-_REACH: Final = 8.0
-#: Rolling speeds of a map, relative to the epicyclic one, which is a row; beyond them friction is held.
-_ROLLING: Final = (1.0 / 11.0, 3.0)
-#: Sliding speeds at which laws are looked at before there are nodes, over 8 decades.
+# Effects of half and twice a value were measured on 16 curves and 4 maps of shipped scenes, tolerances 1e-3 and 1e-5.
+
+#: Largest sliding speed, relative to the epicyclic rolling speed; beyond it friction is constant. Doubling it adds
+#: 18 % of nodes, half of it is less than the sliding speeds of a cage that stands still; chosen.
+_MAX_SLIDING: Final = 8.0
+#: Smallest and largest rolling speed of a map, relative to the epicyclic one; beyond them friction is constant.
+#: With these the epicyclic speed is a row (`_EPICYCLIC_ROW`). Doubling the range adds rows; chosen.
+_ROLLING_RANGE: Final = (1.0 / 11.0, 3.0)
+#: Index of the epicyclic row in eighths of all rows: u/(u + u_s) of `_ROLLING_RANGE` is 1/12, 3/4, and 1/2 there.
+_EPICYCLIC_ROW: Final = 5
+#: Number of sliding speeds, over eight decades, by which the maximum of a law is bracketed. Doubling it costs 3 %
+#: more evaluations, half of it saves 2 % but may miss a narrow maximum; chosen.
 _PROBES: Final = 129
-#: A speed that is to be a node is at one of these shares of the way to the largest one, the last for steep rises.
-_SHARES: Final = (*(k / 16 for k in range(1, 16)), *(1.0 - 0.5**k for k in range(5, 11)))
-_FIRST_CELLS = 64
-_MAX_CELLS = 4096
-#: To what a curve goes on that misses its tolerance with the most: a fast roller bends far from where friction rises.
+#: Fractions of the largest abscissa at one of which the critical sliding speed becomes a node, the last for steep
+#: rises. Denser fractions need more cells; chosen, multiples of 1/16 and halvings of the distance to 1.
+_NODE_FRACTIONS: Final = (*(k / 16 for k in range(1, 16)), *(1.0 - 0.5**k for k in range(5, 11)))
+#: Numbers of cells by which fractions are compared, more while none has an error below `_CLEAR_ERROR`. Twice as
+#: many of the second cost 2 %, half and twice the third have no effect; chosen.
+_TRIAL_CELLS: Final = (64, 256, 1024)
+#: Error up to which the best fraction is known. Half of it costs 12 % more evaluations, twice as much saves 2 % and
+#: chooses another fraction in one of 20 tables; chosen.
+_CLEAR_ERROR: Final = 0.01
+#: Smallest number of cells. Half as many cost 9 % more evaluations (further doublings), twice as many 35 %.
+_FIRST_CELLS: Final = 64
+#: Number of cells from which on no slope and no smaller error than the tolerance is aimed at. Half and twice the
+#: value have no effect on these tables; chosen, 16 kB per column.
+_MAX_CELLS: Final = 4096
+#: Number of cells at which a table that misses its tolerance is refused. Half and twice the value have no effect on
+#: these tables; chosen, because friction of a fast roller bends far from where it rises.
 _LAST_CELLS: Final = 32768
-#: Where the first cells err more than this, more of them are needed to tell which mapping is best.
-_UNCLEAR = 0.01
-_CLEARER = 256
-_CLEAR_CELLS = 1024
-_FIRST_ROWS = 8
-_MAX_ROWS = 256
-_FIRST_CLASSES = 16
-_MAX_CLASSES = 1024
-#: Slices evaluated at a time.
-_AT_ONCE: Final = 1 << 18
-#: Of the tolerance, for the cells and for the classes.
-_CELLS_FRACTION = 0.8
-_CLASSES_FRACTION = 0.1
-#: Of two maxima among the probes that differ by less, either may be the larger one.
-_ALIKE: Final = 0.05
-#: What rounding leaves of the place of a maximum.
-_PLACE: Final = 1e-7
-#: Sliding speed, relative to that at which friction has risen by half, from which the slope at none is taken.
-_NEAR: Final = 1e-4
-#: What the limits of slopes may leave of the slope at no slip, relative to it.
-_SLOPE: Final = 1e-9
-#: How what one node has to do with the slope at another falls from node to node, and after how many it is rounding.
-_DECAY = math.sqrt(3.0) - 2.0
-_DECAYED = 28
+#: Smallest number of rows of a map. Half as many cost 12 % more evaluations (further doublings); chosen.
+_FIRST_ROWS: Final = 8
+#: Largest number of rows of a map. Half and twice the value have no effect on these tables; chosen.
+_MAX_ROWS: Final = 256
+#: Smallest number of classes of load. Half and twice the value change evaluations by 0.2 %; chosen.
+_FIRST_CLASSES: Final = 16
+#: Number of classes from which on all slices are used. Half and twice the value have no effect on these tables;
+#: chosen.
+_MAX_CLASSES: Final = 1024
+#: Slices evaluated at a time. Twice as many take twice the memory, 2 MB per column, and no less time; chosen.
+_BLOCK_SIZE: Final = 1 << 18
+#: Fraction of the tolerance for the cells. Twice
+#: the value misses the tolerance by 5 %, half of it needs 39 % more nodes.
+_CELLS_FRACTION: Final = 0.8
+#: Fraction of the tolerance for the classes. Half and twice the
+#: value change evaluations by less than 3 %; chosen.
+_CLASSES_FRACTION: Final = 0.1
+#: Relative difference up to which either of two maxima among the probes may be the larger one. Half and twice the
+#: value have no effect on these tables; chosen, more than the error between two probes.
+_EQUAL_MAXIMA: Final = 0.05
+#: Relative error of the abscissa of a maximum by rounding: the root of that of the friction, with a factor of about
+#: ten. Doubling it doubles a stated error of the critical speed of 1e-7.
+_LOCATION_ROUNDING: Final = 1e-7
+#: Step of the slope at no slip, relative to the sliding speed at which friction has risen by half. Half and
+#: twice the value change nothing but rounding; chosen, in between truncation and rounding.
+_SLOPE_STEP: Final = 1e-4
+#: Relative difference of the slope at no slip from that of the law from which on the limits of slopes count as
+#: active. Half and twice the value have no effect on these tables; chosen, above rounding.
+_SLOPE_TOLERANCE: Final = 1e-9
+#: Ratio by which the effect of a node on the slope of another decreases from node to node: a root of z^2 + 4 z + 1.
+_SPLINE_DECAY: Final = math.sqrt(3.0) - 2.0
+#: Number of nodes after which it is rounding, 1e-16. Half as many leave 1e-8 of a slope, twice as many nothing
+#: but rounding.
+_SPLINE_TERMS: Final = 28
 
 Law = Callable[[Array], Array]
 
@@ -86,26 +123,25 @@ class EffectiveTable:
 
     nodes: Array  # (N, 2) over the sliding speed, (M, N, 4) over rolling and sliding speed
     limits: tuple[float, float]  # V/(|V| + V_s) of the first and the last node
-    #: sliding_scale, sliding_ratio: V_s = sliding_scale + sliding_ratio u [m/s].
-    sliding_scale: float = 0.0
+    sliding_scale: float = 0.0  # of V_s = sliding_scale + sliding_ratio u [m/s]
     sliding_ratio: float = 0.0
     row_limits: tuple[float, float] = (0.0, 1.0)  # u/(u + u_s) of the first and the last row
     rolling_scale: float = 1.0  # u_s [m/s]
-    #: Largest error at the quarters of the cells, relative to the largest friction at that rolling speed, and what the
-    #: classes add.
+    #: Largest error at the quarters of the cells, relative to the largest friction at that rolling speed, plus the
+    #: error of the classes.
     error: float = 0.0
     slope_error: float = (
-        0.0  # error of the slope at no slip, relative to it, at the epicyclic rolling speed
+        0.0  # relative error of the slope at no slip, at the epicyclic rolling speed
     )
-    #: Sliding speed V > 0 of the largest friction at the epicyclic rolling speed [m/s]; NaN if there is none below half
-    #: the largest sliding speed.
+    #: Sliding speed V > 0 of the largest friction at the epicyclic rolling speed [m/s]; NaN if there is none below
+    #: half the largest sliding speed.
     critical_speed: float = math.nan
-    #: Error of ``critical_speed`` or of the friction there, the larger one, relative to it; NaN without one.
+    #: Relative error of ``critical_speed`` or of the friction there, the larger one; NaN without one.
     critical_error: float = math.nan
 
     @property
     def record(self) -> dict[str, object]:
-        """Size and errors by name, as results keep them; what has no value is None."""
+        """Size and errors by name, as results store them; NaN is None."""
         names = ("error", "slope_error", "critical_speed", "critical_error")
         values = {name: getattr(self, name) for name in names}
         known = {name: value if math.isfinite(value) else None for name, value in values.items()}
@@ -116,7 +152,7 @@ class EffectiveTable:
         """Sliding speeds [m/s] and friction at the nodes; None for a table over two speeds."""
         if self.nodes.ndim != 2:
             return None
-        return _speed(
+        return _sliding_speed(
             np.linspace(*self.limits, self.nodes.shape[0]), self.sliding_scale
         ), self.nodes[:, 0]
 
@@ -138,7 +174,7 @@ def effective_table(
     raceway: Raceway,
     load: Array,
     tolerance: float,
-    slips: bool,
+    two_speeds: bool,
     between_nodes: float = 1.0,
 ) -> EffectiveTable:
     """Tabulate the effective friction of a raceway.
@@ -153,31 +189,32 @@ def effective_table(
         Loads per length of a roller at positions of the orbit [N/m], (K, n).
     tolerance : float
         Largest error, relative to the largest friction at a rolling speed.
-    slips : bool
+    two_speeds : bool
         Over both speeds instead of the sliding speed alone.
     between_nodes : float
-        Share of what cubics over the sliding speed alone may leave between nodes that is aimed at, up to 1.
+        Fraction, up to 1, of the tolerance between nodes which is aimed at over the sliding speed alone.
     """
     epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     rolling = np.array(
-        [epicyclic, *(epicyclic * fraction for fraction in _ROLLING)][: 3 if slips else 1]
+        [epicyclic, *(epicyclic * fraction for fraction in _ROLLING_RANGE)][
+            : 3 if two_speeds else 1
+        ]
     )
-    distinct, times = np.unique(
-        load[load > 0.0], return_counts=True
-    )  # mirror images are equal to the bit
-    law, left = _gathered(
+    # mirror images are equal to the bit
+    distinct, times = np.unique(load[load > 0.0], return_counts=True)
+    law, errors = _group_slices(
         raceway, distinct, times.astype(float), rolling, _CLASSES_FRACTION * tolerance
     )
     cells = _CELLS_FRACTION * tolerance
-    if slips:
+    if two_speeds:
         table = map_table(law, epicyclic, cells)
     else:
         table = curve_table(partial(law, epicyclic), epicyclic, cells, between_nodes * cells)
     return attrs.evolve(
         table,
-        error=table.error + left[0],
-        slope_error=table.slope_error + left[1],
-        critical_error=table.critical_error + left[2],
+        error=table.error + errors[0],
+        slope_error=table.slope_error + errors[1],
+        critical_error=table.critical_error + errors[2],
     )
 
 
@@ -189,7 +226,15 @@ class _Recorded(Protocol):
 
 
 def table_records(tables: Sequence[_Recorded], name: str = "effective_tables") -> dict[str, str]:
-    """Return the attribute of a result that says how right its tables of inner and outer raceway are, if it has any."""
+    """Return the attribute of a result with the errors of its tables of inner and outer raceway, if it has any.
+
+    Parameters
+    ----------
+    tables : sequence
+        Tables with a ``record``, of inner and outer raceway.
+    name : str
+        Name of the attribute.
+    """
     records = dict(zip(RINGS, (table.record for table in tables), strict=False))
     return {name: json.dumps(records)} if records else {}
 
@@ -208,36 +253,36 @@ def curve_table(
     tolerance : float
         Largest error at the quarters of cells, relative to the largest friction.
     aim : float, optional
-        Error down to which nodes are added as long as there are not the most of them, by default the tolerance.
+        Error down to which nodes are added up to 4096 cells, by default the tolerance.
     """
-    shape = _shape(friction, rolling)
-    scale, limit, fraction = _mapping([(1.0, friction)], shape, rolling)
+    features = _find_features(friction, rolling)
+    scale, limit, fraction = _choose_mapping([(1.0, friction)], features, rolling)
 
-    def at(x: Array) -> Array:
-        return friction(_speed(x, scale))
+    def sample(x: Array) -> Array:
+        return friction(_sliding_speed(x, scale))
 
-    cells = _first_cells(fraction)
-    fine = at(_halves(limit, 4 * cells))
+    aim = tolerance if aim is None else aim
+    cells = _min_cells(fraction)
+    fine = sample(_symmetric_nodes(limit, 4 * cells))
     while True:
         values = fine[::4]
         slopes = _slopes(
-            limit, values, scale * shape.slope, fraction if shape.has_critical else 0.0
+            limit, values, scale * features.slope, fraction if features.has_critical else 0.0
         )
-        error = _missed(fine, slopes)
-        enough = error <= (tolerance if aim is None else aim) and _rises(
-            limit, slopes, scale * shape.slope
-        )
-        if enough or (cells >= _MAX_CELLS and error <= tolerance):
+        error = _quarter_error(fine, slopes)
+        is_aim_reached = error <= aim and _has_slope_of_law(limit, slopes, scale * features.slope)
+        if is_aim_reached or (cells >= _MAX_CELLS and error <= tolerance):
             break
         if cells >= _LAST_CELLS:
-            raise _too_coarse(error, tolerance)
-        both = np.empty(8 * cells + 1)
-        both[::2], both[1::2] = fine, at(_halves(limit, 8 * cells)[1::2])
+            raise _tolerance_error(error, tolerance)
+        finer = np.empty(8 * cells + 1)
+        finer[::2] = fine
+        finer[1::2] = sample(_symmetric_nodes(limit, 8 * cells)[1::2])
         cells = 2 * cells
-        fine = both
+        fine = finer
     nodes = np.stack((values, slopes), axis=-1)
     table = EffectiveTable(nodes, (-limit, limit), sliding_scale=scale, error=error)
-    return _stated(table, shape, nodes, scale)
+    return _with_stated_errors(table, features, nodes, scale)
 
 
 def map_table(
@@ -255,86 +300,113 @@ def map_table(
     tolerance, Raises
         As for `curve_table`.
     """
-    shape = _shape(partial(friction, epicyclic), epicyclic)
-    laws = [(fraction, partial(friction, fraction * epicyclic)) for fraction in (1.0, *_ROLLING)]
-    scale, limit, fraction = _mapping(laws, shape, epicyclic)
-    ratio = scale / epicyclic
-    near = _NEAR * shape.half / epicyclic
-    low, high = (part / (part + 1.0) for part in _ROLLING)
-    cells = _first_cells(fraction)
+    features = _find_features(partial(friction, epicyclic), epicyclic)
+    laws = [
+        (fraction, partial(friction, fraction * epicyclic)) for fraction in (1.0, *_ROLLING_RANGE)
+    ]
+    mapping = _choose_mapping(laws, features, epicyclic)
+    scale, limit, fraction = mapping
+    low, high = (part / (part + 1.0) for part in _ROLLING_RANGE)
+    cells = _min_cells(fraction)
     rows = _FIRST_ROWS
     while cells <= _MAX_CELLS and rows <= _MAX_ROWS:
-        x = _halves(limit, 4 * cells)
         e = np.linspace(low, high, 2 * rows + 1)
-        u = epicyclic * e / (1.0 - e)
-        true = np.array([friction(speed, _speed(x, ratio * speed)) for speed in u.tolist()])
-        rise = [
-            ratio * speed * _slope(partial(friction, speed), near * speed)[0]
-            for speed in u[::2].tolist()
-        ]
-        values = true[::2, ::4]
-        slopes = _slopes(limit, values, np.array(rise))
-        middle = 5 * rows // 8  # the epicyclic row
-        slopes[middle] = _slopes(
-            limit, values[middle], rise[middle], fraction if shape.has_critical else 0.0
-        )
-        rising, twisting = (_spline(part.T).T for part in (values, slopes))
-        # half-way between the rows
-        values_there = _between(values.T, rising.T, 0.5).T
-        slopes_there = _between(slopes.T, twisting.T, 0.5).T
-        along = _missed(true[::2], slopes)
-        across = _relative(values_there - true[1::2, ::4], true[1::2])
-        inside = max(
-            _relative(_between(values_there, slopes_there, q / 4) - true[1::2, q::4], true[1::2])
-            for q in (1, 2, 3)
-        )
-        error = max(along, across, inside)
-        steep = cells < _MAX_CELLS and not _rises(limit, slopes[middle], rise[middle])
-        if error <= tolerance and not steep:
-            nodes = np.stack((values, slopes, rising, twisting), axis=-1)
+        fit = _fit_map(friction, features, mapping, epicyclic, epicyclic * e / (1.0 - e), cells)
+        error = max(fit.along, fit.across)
+        is_steep = cells < _MAX_CELLS and not fit.has_slope_of_law
+        if error <= tolerance and not is_steep:
             table = EffectiveTable(
-                nodes,
+                fit.nodes,
                 (-limit, limit),
-                sliding_ratio=ratio,
+                sliding_ratio=scale / epicyclic,
                 row_limits=(low, high),
                 rolling_scale=epicyclic,
                 error=error,
             )
-            return _stated(table, shape, nodes[middle], scale)
-        cells *= 2 if steep or along > 0.5 * tolerance else 1
-        rows *= 2 if max(across, inside) > max(0.5 * tolerance, along) else 1
-    raise _too_coarse(error, tolerance)
+            return _with_stated_errors(table, features, fit.nodes[_epicyclic_row(rows)], scale)
+        cells *= 2 if is_steep or fit.along > 0.5 * tolerance else 1
+        rows *= 2 if fit.across > max(0.5 * tolerance, fit.along) else 1
+    raise _tolerance_error(error, tolerance)
 
 
-# What is to be kept --------------------------------------------------------------------------------------------------
+@attrs.frozen(eq=False)
+class _MapFit:
+    """Cubics over rolling and sliding speed, and their errors."""
+
+    nodes: Array  # values, slopes along the row, slopes across the rows and mixed derivatives, (M, N, 4)
+    along: float  # relative error at the quarters of the cells on the rows
+    across: float  # relative error midway between the rows
+    has_slope_of_law: bool  # on the epicyclic row
+
+
+def _fit_map(
+    friction: Callable[[float, Array], Array],
+    features: "_Features",
+    mapping: tuple[float, float, float],
+    epicyclic: float,
+    rolling: Array,
+    cells: int,
+) -> _MapFit:
+    """Fit cubics at rolling speeds [m/s], every other one a row, and compare them with the others."""
+    scale, limit, fraction = mapping
+    ratio = scale / epicyclic
+    step = _SLOPE_STEP * features.half / epicyclic
+    x = _symmetric_nodes(limit, 4 * cells)
+    true = np.array([friction(u, _sliding_speed(x, ratio * u)) for u in rolling.tolist()])
+    rise = [
+        ratio * u * _slope_at_zero(partial(friction, u), step * u)[0] for u in rolling[::2].tolist()
+    ]
+    values = true[::2, ::4]
+    slopes = _slopes(limit, values, np.array(rise))
+    row = _epicyclic_row(rolling.size // 2)
+    slopes[row] = _slopes(limit, values[row], rise[row], fraction if features.has_critical else 0.0)
+    across_slopes = _spline(values.T).T
+    mixed = _spline(slopes.T).T
+    midway = _interpolate_cells(values.T, across_slopes.T, 0.5).T
+    midway_slopes = _interpolate_cells(slopes.T, mixed.T, 0.5).T
+    errors = [_relative_error(midway - true[1::2, ::4], true[1::2])]
+    for q in (1, 2, 3):
+        inside = _interpolate_cells(midway, midway_slopes, q / 4)
+        errors.append(_relative_error(inside - true[1::2, q::4], true[1::2]))
+    return _MapFit(
+        nodes=np.stack((values, slopes, across_slopes, mixed), axis=-1),
+        along=_quarter_error(true[::2], slopes),
+        across=max(errors),
+        has_slope_of_law=_has_slope_of_law(limit, slopes[row], rise[row]),
+    )
+
+
+def _epicyclic_row(rows: int) -> int:
+    """Index of the row of the epicyclic rolling speed, of so many intervals between rows."""
+    return _EPICYCLIC_ROW * rows // 8
+
+
+# Features of a law ----------------------------------------------------------------------------------------------------
 
 
 @attrs.frozen
-class _Shape:
-    """Slope at no slip and largest friction of a law.
+class _Features:
+    """Slope at no slip and largest friction of a law."""
 
-    ``half`` is the sliding speed at which friction has risen by half [m/s], ``slope_error`` that of ``slope``, relative
-    to it.
-    """
-
-    half: float
-    slope: float
-    slope_error: float
-    critical: Critical
+    half: float  # sliding speed at which friction has risen by half [m/s]
+    slope: float  # at no slip [s/m]
+    slope_error: float  # relative
+    critical: Critical  # its slip is a sliding speed [m/s]
 
     @property
     def has_critical(self) -> bool:
         return not math.isnan(self.critical.slip)
 
 
-def _shape(friction: Law, rolling: float) -> _Shape:
-    probe = _probe(rolling)
+def _find_features(friction: Law, rolling: float) -> _Features:
+    """Features of a law at a rolling speed [m/s]."""
+    probe = _probe_speeds(rolling)
     values = friction(probe)
     risen = np.abs(values)
     half = float(probe[np.argmax(risen >= 0.5 * risen.max())])
-    end = int(np.searchsorted(probe, 0.5 * _REACH * rolling)) - 1
+    end = int(np.searchsorted(probe, 0.5 * _MAX_SLIDING * rolling)) - 1
     # of maxima of nearly the same height, any may be the largest
-    high = values[1:end] >= (1.0 - _ALIKE) * values[: end + 1].max()
+    high = values[1:end] >= (1.0 - _EQUAL_MAXIMA) * values[: end + 1].max()
     peaks = 1 + np.flatnonzero(
         high & (values[1:end] > values[: end - 1]) & (values[1:end] >= values[2 : end + 1])
     )
@@ -345,101 +417,109 @@ def _shape(friction: Law, rolling: float) -> _Shape:
     maxima = find_critical_slips(
         curves, lambda requested: [*friction(np.concatenate([V for _, V in requested]))[:, None]]
     )
-    found = (one for one in maxima if not math.isnan(one.slip))
-    critical = max(found, key=lambda one: one.friction, default=Critical(math.nan, math.nan, ""))
-    return _Shape(half, *_slope(friction, _NEAR * half), critical)
+    inside = (maximum for maximum in maxima if not math.isnan(maximum.slip))
+    none = Critical(math.nan, math.nan, "")
+    critical = max(inside, key=lambda maximum: maximum.friction, default=none)
+    return _Features(half, *_slope_at_zero(friction, _SLOPE_STEP * half), critical)
 
 
-def _probe(rolling: float) -> Array:
-    return rolling * np.geomspace(1e-7, _REACH, _PROBES)
+def _probe_speeds(rolling: float) -> Array:
+    return rolling * np.geomspace(1e-7, _MAX_SLIDING, _PROBES)
 
 
-def _slope(friction: Law, near: float) -> tuple[float, float]:
-    """Slope at no slip and its relative error: central differences at ``near`` and half of it thrice, extrapolated.
+def _slope_at_zero(friction: Law, step: float) -> tuple[float, float]:
+    """Slope at no slip and its relative error, by Richardson extrapolation of four central differences.
 
-    Friction has terms in V |V|, so that their errors go with all powers of V.
+    Their steps are ``step`` and halvings of it. Friction has terms in V |V|, so that the errors have all powers of V.
     """
-    V = near * 0.5 ** np.arange(4)
+    V = step * 0.5 ** np.arange(4)
     ahead, behind = np.split(friction(np.concatenate((V, -V))), 2)
     difference = (ahead - behind) / (2.0 * V)
-    before = math.nan
+    previous = math.nan
     for power in (2.0, 4.0, 8.0):
-        before = float(difference[-1])
+        previous = float(difference[-1])
         difference = (power * difference[1:] - difference[:-1]) / (power - 1.0)
-    return float(difference[0]), _apart(before, float(difference[0]))
+    return float(difference[0]), _relative_difference(previous, float(difference[0]))
 
 
-def _apart(value: float, true: float) -> float:
+def _relative_difference(value: float, true: float) -> float:
     """Difference relative to the true value."""
     return abs(value - true) / (abs(true) or 1.0)
 
 
-def _stated(table: EffectiveTable, shape: _Shape, nodes: Array, scale: float) -> EffectiveTable:
-    """Return a table with the critical speed and the errors that it leaves of a shape; ``nodes`` (N, 2 or more)."""
+def _with_stated_errors(
+    table: EffectiveTable, features: _Features, nodes: Array, scale: float
+) -> EffectiveTable:
+    """Return a table with the critical speed of a law and the errors of its features, by the nodes of a row, (N, 2)."""
     middle = nodes.shape[0] // 2
     limit = table.limits[1]
     slope = float(nodes[middle, 1]) * middle / (limit * scale)
-    table = attrs.evolve(table, slope_error=shape.slope_error + _apart(slope, shape.slope))
-    if not shape.has_critical:
+    slope_error = features.slope_error + _relative_difference(slope, features.slope)
+    table = attrs.evolve(table, slope_error=slope_error)
+    if not features.has_critical:
         return table
     largest = int(np.argmax(nodes[middle:, 0]))
-    at = float(_speed(np.array(limit * largest / middle), scale))
-    moved = (
-        _apart(at, shape.critical.slip),
-        _apart(float(nodes[middle + largest, 0]), shape.critical.friction),
+    speed = float(_sliding_speed(np.array(limit * largest / middle), scale))
+    height = float(nodes[middle + largest, 0])
+    error = max(
+        _relative_difference(speed, features.critical.slip),
+        _relative_difference(height, features.critical.friction),
     )
     return attrs.evolve(
-        table, critical_speed=shape.critical.slip, critical_error=_PLACE + max(moved)
+        table,
+        critical_speed=features.critical.slip,
+        critical_error=_LOCATION_ROUNDING + error,
     )
 
 
 # The mapping ---------------------------------------------------------------------------------------------------------
 
 
-def _mapping(
-    laws: Sequence[tuple[float, Law]], shape: _Shape, rolling: float
+def _choose_mapping(
+    laws: Sequence[tuple[float, Law]], features: _Features, rolling: float
 ) -> tuple[float, float, float]:
-    """V_s, the limit of V/(V + V_s), and the share of it at which the critical speed, or else the half-way one, is.
+    """V_s [m/s], the limit of V/(V + V_s), and the fraction of it at which a node is.
 
-    ``laws`` are those that the cells are to follow, the first one that of the shape, and by what their V_s is longer.
+    The node is the critical speed, or where there is none the sliding speed at which friction has risen by half.
+    ``laws`` are those which the cells have to follow, that of the features first, and the ratios of their V_s to it.
     """
-    reach = _REACH * rolling
-    node = shape.critical.slip if shape.has_critical else shape.half
-    rises = [_slope(law, _NEAR * shape.half * longer)[0] for longer, law in laws]
-    fractions = [fraction for fraction in _SHARES if fraction * reach > node]
-    for cells in (_FIRST_CELLS, _CLEARER, _CLEAR_CELLS):
-        found = list[tuple[float, float, float, float]]()
+    reach = _MAX_SLIDING * rolling
+    node = features.critical.slip if features.has_critical else features.half
+    rises = [_slope_at_zero(law, _SLOPE_STEP * features.half * ratio)[0] for ratio, law in laws]
+    fractions = [fraction for fraction in _NODE_FRACTIONS if fraction * reach > node]
+    for cells in _TRIAL_CELLS:
+        trials = list[tuple[float, float, float, float]]()
         for fraction in fractions:
             scale = node * reach * (1.0 - fraction) / (fraction * reach - node)
             limit = reach / (reach + scale)
             error = 0.0
-            for (longer, law), rise in zip(laws, rises, strict=True):
-                fine = law(_speed(_halves(limit, 4 * cells), scale * longer))
-                error = max(error, _missed(fine, _slopes(limit, fine[::4], scale * longer * rise)))
-            found.append((error, scale, limit, fraction))
-        found.sort(key=lambda one: one[0])
-        if found[0][0] <= _UNCLEAR:
+            for (ratio, law), rise in zip(laws, rises, strict=True):
+                fine = law(_sliding_speed(_symmetric_nodes(limit, 4 * cells), scale * ratio))
+                slopes = _slopes(limit, fine[::4], scale * ratio * rise)
+                error = max(error, _quarter_error(fine, slopes))
+            trials.append((error, scale, limit, fraction))
+        trials.sort(key=lambda trial: trial[0])
+        if trials[0][0] <= _CLEAR_ERROR:
             break
-        fractions = [
-            fraction for *_, fraction in found[: (len(found) + 1) // 2]
-        ]  # what is worse is not the best with more
-    return found[0][1:]
+        # what is among the worse half is not the best with more cells
+        fractions = [fraction for *_, fraction in trials[: (len(trials) + 1) // 2]]
+    return trials[0][1:]
 
 
-def _first_cells(fraction: float) -> int:
-    """Fewest cells of which a node is at a share of either half."""
+def _min_cells(fraction: float) -> int:
+    """Smallest number of cells of which a node is at a fraction of either half."""
     cells = _FIRST_CELLS
     while fraction * cells % 2.0:
         cells *= 2
     return cells
 
 
-def _speed(x: Array, scale: float) -> Array:
+def _sliding_speed(x: Array, scale: float) -> Array:
     return np.asarray(scale * x / (1.0 - np.abs(x)))
 
 
-def _halves(limit: float, cells: int) -> Array:
-    """Nodes from -limit to limit, with 0 exactly among them."""
+def _symmetric_nodes(limit: float, cells: int) -> Array:
+    """Equidistant nodes from -limit to limit, with 0 exactly among them."""
     half = np.linspace(0.0, limit, cells // 2 + 1)
     return np.concatenate((-half[:0:-1], half))
 
@@ -463,61 +543,67 @@ def _slopes(limit: float, values: Array, rise: Any, fraction: float = 0.0) -> Ar
         slopes[..., middle + critical] = 0.0
         if np.array_equal(values, -values[..., ::-1]):
             slopes[..., middle - critical] = 0.0
-    return np.clip(slopes, *_bounds(values, slopes))
+    return np.clip(slopes, *_slope_bounds(values, slopes))
 
 
 def _spline(values: Array, rise: Array | None = None) -> Array:
-    """Slopes, times the width of a cell, of the cubic spline through equally spaced nodes on the last axis, at least 4.
+    """Slopes, times the width of a cell, of the cubic spline through equidistant nodes on the last axis, at least 4.
 
-    ``rise`` is that of the first node; without it, as at the last node, no knot separates the first two cells. Slopes
-    m obey m_k-1 + 4 m_k + m_k+1 = 3 (y_k+1 - y_k-1), of which [1 4 1] has the inverse z^|k| / (2 sqrt 3) with
-    z = sqrt(3) - 2; to it z^k and z^(n-k) are added so that the ends are right.
+    ``rise`` is the slope at the first node. Without it, as at the last node, no knot separates the first two cells
+    ("not-a-knot"). The slopes m satisfy m_k-1 + 4 m_k + m_k+1 = 3 (y_k+1 - y_k-1). The matrix [1 4 1] has the inverse
+    z^|k| / (2 sqrt 3) with z = sqrt(3) - 2; multiples of z^k and z^(n-k) are added to satisfy the end conditions.
     """
     chord = np.diff(values, axis=-1)
     last = values.shape[-1] - 1
     right = np.zeros(values.shape)
     right[..., 1:-1] = 3.0 * (chord[..., :-1] + chord[..., 1:])
-    inverse = _DECAY ** np.abs(np.arange(-_DECAYED, _DECAYED + 1)) / (2.0 * math.sqrt(3.0))
-    rows = (np.convolve(row, inverse)[_DECAYED:-_DECAYED] for row in right.reshape(-1, last + 1))
+    inverse = _SPLINE_DECAY ** np.abs(np.arange(-_SPLINE_TERMS, _SPLINE_TERMS + 1)) / (
+        2.0 * math.sqrt(3.0)
+    )
+    rows = (
+        np.convolve(row, inverse)[_SPLINE_TERMS:-_SPLINE_TERMS]
+        for row in right.reshape(-1, last + 1)
+    )
     slopes = np.array(list(rows)).reshape(values.shape)
-    ahead = _DECAY ** np.arange(last + 1)
-    behind = ahead[::-1]
-    far = ahead[-1]
-    knotless = 1.0 + 2.0 * _DECAY
-    missed = 2.5 * chord[..., -1] + 0.5 * chord[..., -2] - slopes[..., -1] - 2.0 * slopes[..., -2]
+    from_first = _SPLINE_DECAY ** np.arange(last + 1)
+    from_last = from_first[::-1]
+    far = from_first[-1]
+    # residuals of the end conditions, and what each of both solutions adds to the condition at its own and other end
+    knotless = 1.0 + 2.0 * _SPLINE_DECAY
+    residual = 2.5 * chord[..., -1] + 0.5 * chord[..., -2] - slopes[..., -1] - 2.0 * slopes[..., -2]
     if rise is None:
-        missed_first = (
+        first_residual = (
             2.5 * chord[..., 0] + 0.5 * chord[..., 1] - slopes[..., 0] - 2.0 * slopes[..., 1]
         )
         near = knotless
-        across = far + 2.0 * ahead[-2]
+        across = far + 2.0 * from_first[-2]
     else:
-        missed_first = rise - slopes[..., 0]
+        first_residual = rise - slopes[..., 0]
         near = 1.0
         across = far
-    of_last = (
-        far + 2.0 * ahead[-2]
-    )  # what z^k leaves at the last node, as `across` is what z^(n-k) does at the first
-    both = near * knotless - across * of_last
-    first = missed_first * knotless - across * missed
-    second = near * missed - of_last * missed_first
+    across_last = far + 2.0 * from_first[-2]
+    determinant = near * knotless - across * across_last
+    first = first_residual * knotless - across * residual
+    second = near * residual - across_last * first_residual
     return np.asarray(
-        slopes + (first / both)[..., None] * ahead + (second / both)[..., None] * behind
+        slopes
+        + (first / determinant)[..., None] * from_first
+        + (second / determinant)[..., None] * from_last
     )
 
 
-def _rises(limit: float, slopes: Array, rise: float) -> bool:
-    """Whether the slope in the middle is the law's, and not that of the limits: three times the chord beside it."""
+def _has_slope_of_law(limit: float, slopes: Array, rise: float) -> bool:
+    """Whether the slope at no slip is that of the law, and not its limit, three times the neighbouring chord."""
     middle = slopes.size // 2
-    return _apart(float(slopes[middle]) * middle / limit, rise) <= _SLOPE
+    return _relative_difference(float(slopes[middle]) * middle / limit, rise) <= _SLOPE_TOLERANCE
 
 
-def _bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
-    """Lowest and highest slopes at nodes along the last axis with which no cell has an extremum that these do not show.
+def _slope_bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
+    """Lower and upper bounds of slopes at nodes on the last axis with which no cell has an extremum besides its nodes.
 
-    A cubic is monotone if both its slopes have the sign of the chord and are at most three times as steep. Cells that
-    hold an extremum, since a node turns and its slope points there or since they are flat between a rise and a fall,
-    have a slope of either sign at their ends and with it exactly one.
+    A cubic is monotone if both its slopes have the sign of the chord and are at most three times as steep. A cell
+    contains an extremum where the values turn at one of its nodes and the slope there points into it, or where it is
+    flat between a rise and a fall. Its end slopes may have either sign, with which it has exactly one extremum.
     """
     rise = np.diff(values, axis=-1)
     sign = np.sign(rise)
@@ -525,50 +611,54 @@ def _bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
     after = sign[..., 1:]
     turns = before * after < 0.0
     points = np.sign(slopes[..., 1:-1])
-    holds = np.zeros(rise.shape, dtype=bool)
-    holds[..., 1:] |= turns & (points == before)
-    holds[..., :-1] |= turns & (points == after)
-    holds[..., 1:-1] |= (sign[..., 1:-1] == 0.0) & (sign[..., :-2] * sign[..., 2:] < 0.0)
-    # of each cell for the node before it and for the one after it: one that turns is free in the cell that holds it
+    has_extremum = np.zeros(rise.shape, dtype=bool)
+    has_extremum[..., 1:] |= turns & (points == before)
+    has_extremum[..., :-1] |= turns & (points == after)
+    has_extremum[..., 1:-1] |= (sign[..., 1:-1] == 0.0) & (sign[..., :-2] * sign[..., 2:] < 0.0)
     turning = np.zeros(values.shape, dtype=bool)
     turning[..., 1:-1] = turns
     bounds = []
-    for low in (True, False):
-        least = np.minimum(3.0 * rise, 0.0) if low else np.maximum(3.0 * rise, 0.0)
-        free = np.where(sign * (1.0 if low else -1.0) > 0.0, 0.0, -np.inf if low else np.inf)
-        ends = []
-        for turned in (turning[..., :-1], turning[..., 1:]):
-            wide = np.where(turned | (sign == 0.0), -np.inf if low else np.inf, free)
-            ends.append(np.where(holds, wide, least))
-        at = np.full((2, *values.shape), -np.inf if low else np.inf)
-        at[0, ..., :-1], at[1, ..., 1:] = ends
-        bounds.append(at.max(axis=0) if low else at.min(axis=0))
+    for sense, outer, inner in ((-1.0, np.minimum, np.maximum), (1.0, np.maximum, np.minimum)):
+        unlimited = sense * np.inf
+        monotone = outer(3.0 * rise, 0.0)
+        sign_kept = np.where(sign * sense < 0.0, 0.0, unlimited)
+        at = np.full((2, *values.shape), unlimited)
+        # of each cell for the node before it and for the one after it
+        for k, own in enumerate((slice(None, -1), slice(1, None))):
+            is_free = turning[..., own] | (sign == 0.0)
+            at[k, ..., own] = np.where(
+                has_extremum, np.where(is_free, unlimited, sign_kept), monotone
+            )
+        bounds.append(inner.reduce(at, axis=0))
     return bounds[0], bounds[1]
 
 
-def _between(values: Array, slopes: Array, fraction: float) -> Array:
-    """Hermite's cubics at a share of every cell of the last axis."""
+def _interpolate_cells(values: Array, slopes: Array, fraction: float) -> Array:
+    """Cubic Hermite interpolation at a fraction of every cell of the last axis."""
     x = fraction
     rise = np.diff(values, axis=-1)
-    part = values[..., :-1] + x * x * (3.0 - 2.0 * x) * rise
-    return np.asarray(part + x * (1.0 - x) * ((1.0 - x) * slopes[..., :-1] - x * slopes[..., 1:]))
+    without_slopes = values[..., :-1] + x * x * (3.0 - 2.0 * x) * rise
+    return np.asarray(
+        without_slopes + x * (1.0 - x) * ((1.0 - x) * slopes[..., :-1] - x * slopes[..., 1:])
+    )
 
 
-def _missed(fine: Array, slopes: Array) -> float:
+def _quarter_error(fine: Array, slopes: Array) -> float:
     """Largest relative error of cubics at the quarters of their cells; ``fine`` has these and the nodes."""
     return max(
-        _relative(_between(fine[..., ::4], slopes, q / 4) - fine[..., q::4], fine)
+        _relative_error(_interpolate_cells(fine[..., ::4], slopes, q / 4) - fine[..., q::4], fine)
         for q in (1, 2, 3)
     )
 
 
-def _relative(off: Array, values: Array) -> float:
+def _relative_error(error: Array, values: Array) -> float:
     """Largest error relative to the largest value of its row."""
     largest = np.abs(values).max(axis=-1)
-    return float((np.abs(off).max(axis=-1) / np.where(largest > 0.0, largest, 1.0)).max())
+    return float((np.abs(error).max(axis=-1) / np.where(largest > 0.0, largest, 1.0)).max())
 
 
-def _too_coarse(error: float, tolerance: float) -> ConvergenceError:
+def _tolerance_error(error: float, tolerance: float) -> ConvergenceError:
+    """The exception of a table that misses its tolerance."""
     return ConvergenceError(
         f"the table of effective friction still has a relative error of {error:.1e} with the most nodes, more than the "
         f"{tolerance:.1e} that are left to it; {COARSER_TABLES}"
@@ -578,61 +668,69 @@ def _too_coarse(error: float, tolerance: float) -> ConvergenceError:
 # The law -------------------------------------------------------------------------------------------------------------
 
 
-def _gathered(
+def _group_slices(
     raceway: Raceway, load: Array, times: Array, rolling: Array, tolerance: float
 ) -> tuple[Callable[[float, Array], Array], tuple[float, float, float]]:
-    """Gather slices of ascending load, each so many times there, into as few classes as leave what is to be kept.
+    """Mean friction of slices over rolling and sliding speed, by classes of equal force, and the errors of these.
 
-    Classes are of equal force. Returns mean friction over rolling and sliding speed, and their errors: of friction at
-    any of the rolling speeds, and at the first one of the slope at no slip and of the maximum.
+    The slices have ascending loads, each so many ``times``. There are as few classes as the tolerance allows. The
+    errors are those of friction at any of the rolling speeds, and at the first one of the slope at no slip and of the maximum.
     """
     fraction = load * times / (load * times).sum()
     whole = _mean_friction(raceway, load, fraction)
-    true = [whole(u, _probe(u)) for u in rolling.tolist()]
+    true = [whole(u, _probe_speeds(u)) for u in rolling.tolist()]
+    if load.size <= _FIRST_CLASSES:
+        return whole, (0.0, 0.0, 0.0)
     epicyclic = float(rolling[0])
-    shape = _shape(partial(whole, epicyclic), epicyclic) if load.size > _FIRST_CLASSES else None
+    features = _find_features(partial(whole, epicyclic), epicyclic)
     count = _FIRST_CLASSES
-    while shape is not None and count < min(load.size, _MAX_CLASSES):
+    while count < min(load.size, _MAX_CLASSES):
         number = np.minimum((count * (np.cumsum(fraction) - 0.5 * fraction)).astype(int), count - 1)
         force = np.asarray(np.bincount(number, fraction, count), dtype=float)
         mean = np.bincount(number, fraction * load, count)[force > 0.0] / force[force > 0.0]
         law = _mean_friction(raceway, mean, force[force > 0.0])
-        off = max(
-            _relative(law(u, _probe(u)) - one, one)
-            for u, one in zip(rolling.tolist(), true, strict=True)
+        error = max(
+            _relative_error(law(u, _probe_speeds(u)) - friction, friction)
+            for u, friction in zip(rolling.tolist(), true, strict=True)
         )
-        gathered = _shape(partial(law, epicyclic), epicyclic)
-        slope = _apart(gathered.slope, shape.slope)
-        place = 0.0
-        if shape.has_critical != gathered.has_critical:
-            place = math.inf
-        elif shape.has_critical:
-            place = max(
-                _apart(gathered.critical.slip, shape.critical.slip),
-                _apart(gathered.critical.friction, shape.critical.friction),
-            )
-        if max(off, slope) <= tolerance and place <= max(tolerance, _PLACE):
-            return law, (off, slope, place)
+        reduced = _find_features(partial(law, epicyclic), epicyclic)
+        slope_error = _relative_difference(reduced.slope, features.slope)
+        critical_error = _critical_error(reduced, features)
+        if max(error, slope_error) <= tolerance and critical_error <= max(
+            tolerance, _LOCATION_ROUNDING
+        ):
+            return law, (error, slope_error, critical_error)
         count *= 2
     return whole, (0.0, 0.0, 0.0)
+
+
+def _critical_error(features: _Features, true: _Features) -> float:
+    """Relative error of critical speed or friction, the larger one; infinite where only one law has a maximum."""
+    if features.has_critical != true.has_critical:
+        return math.inf
+    if not true.has_critical:
+        return 0.0
+    return max(
+        _relative_difference(features.critical.slip, true.critical.slip),
+        _relative_difference(features.critical.friction, true.critical.friction),
+    )
 
 
 def _mean_friction(
     raceway: Raceway, load: Array, fraction: Array
 ) -> Callable[[float, Array], Array]:
-    """Mean friction, over rolling and sliding speed, of slices with loads per length and shares of the force."""
-    part = max(_AT_ONCE // max(load.size, 1), 1)
+    """Mean friction, over rolling and sliding speed, of slices with loads per length and fractions of the force."""
+    count = max(_BLOCK_SIZE // max(load.size, 1), 1)
 
     def friction(rolling: float, sliding: Array) -> Array:
         if load.size == 0:
             return np.zeros_like(sliding)
-        parts = []
-        for begin in range(0, sliding.size, part):
-            V = sliding[begin : begin + part]
+        blocks = []
+        for start in range(0, sliding.size, count):
+            V = sliding[start : start + count]
             slices = raceway.evaluate(np.tile(load, V.size), rolling, np.repeat(V, load.size))
-            parts.append(
-                (slices.friction.reshape(V.size, -1) * fraction).sum(axis=1)
-            )  # not by BLAS, whose threads show
-        return np.concatenate(parts)
+            # not by BLAS, whose result depends on the number of threads
+            blocks.append((slices.friction.reshape(V.size, -1) * fraction).sum(axis=1))
+        return np.concatenate(blocks)
 
     return friction

@@ -628,7 +628,7 @@ def effective_curves(assembly: Assembly, n_positions: int) -> tuple[EffectiveCur
 
     def tabulate(raceway: Raceway, load: Array) -> EffectiveCurve:
         table = effective_table(
-            assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False
+            assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, two_speeds=False
         )
         return EffectiveCurve(table.nodes, table.limits, table.sliding_scale)
 
