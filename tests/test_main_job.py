@@ -62,9 +62,9 @@ def test_a_run_computes_nothing_for_readers(nothing_for_readers):
 
 def test_a_run_that_is_made_again_finer_estimates_no_cost(nothing_for_readers, monkeypatch):
     finer = []
-    again = Plan.again
+    again = Plan.refined
     monkeypatch.setattr(
-        Plan, "again", lambda plan, *given: finer.append(given) or again(plan, *given)
+        Plan, "refined", lambda plan, *given: finer.append(given) or again(plan, *given)
     )
 
     def refuse(plan, study):

@@ -264,11 +264,16 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
 @pytest.mark.parametrize(
     ("over", "keep", "options", "said"),
     [
-        (LENGTHS, "half_width == 1 um", {}, "is no limit; write OUTPUT<=VALUE"),
+        (LENGTHS, "half_width == 1 um", {}, "is not a limit; write OUTPUT<=VALUE"),
         (LENGTHS, "half_widht <= 1 um", {}, "did you mean 'half_width'"),
         (LENGTHS, "half_width <= 1 N", {}, "is a force, here a length is expected"),
         (LENGTHS, "critical_status <= 1", {}, "critical_status is a text, so it has no limit"),
-        (LENGTHS, "half_width <= 1 um", {"within": 0.9}, "a fraction from 1e-06 to 0.5 is expected"),
+        (
+            LENGTHS,
+            "half_width <= 1 um",
+            {"within": 0.9},
+            "a fraction from 1e-06 to 0.5 is expected",
+        ),
         ({}, "half_width <= 1 um", {}, "one quantity is searched over, not 0"),
         (
             {"operation.radial_lod": "1:2"},
@@ -280,13 +285,13 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
             {"bearing.rollers": "9:20"},
             "half_width <= 1 um",
             {},
-            "is no quantity that goes from one value to another",
+            "is not a quantity with continuous values",
         ),
         (
             {"operation.radial_load": "2 kN"},
             "half_width <= 1 um",
             {},
-            "is no range; write LOW:HIGH",
+            "is not a range; write LOW:HIGH",
         ),
         (
             {"operation.radial_load": "2 kN:1 kN"},
@@ -298,7 +303,7 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
             {"operation.radial_load": "1 kN:2 kN:2"},
             "half_width <= 1 um",
             {},
-            "is no count of values from 3 to 999",
+            "is not a number of values from 3 to 999",
         ),
         (
             {"operation.radial_load": "1 kN:2 kN"},
@@ -394,7 +399,8 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
     assert 12e6 * 0.99 < passed < 1.03 * kept
     heated = limit("worst <= 1.2 K", "flash-temperature")
     assert re.search(
-        r"worst <= 1.2 K is kept with .*, where the range begins, up to", findings.describe_limit(heated)
+        r"worst <= 1.2 K is kept with .*, where the range begins, up to",
+        findings.describe_limit(heated),
     )
     for models, named in (
         ((), "none"),
@@ -469,7 +475,7 @@ def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, 
     )
     assert found["edges"][0]["kept"] < found["edges"][0]["passed"]
     lone = CliRunner().invoke(cli, [*requested[:5], "operation.radial_load=2 kN", *requested[6:]])
-    assert "operation.radial_load: '2 kN' is no range; write LOW:HIGH" in str(lone.exception)
+    assert "operation.radial_load: '2 kN' is not a range; write LOW:HIGH" in str(lone.exception)
 
 
 # Along histories ------------------------------------------------------------------------------------------------------

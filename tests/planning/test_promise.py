@@ -508,7 +508,7 @@ def test_an_answer_stands_where_the_witness_of_its_error_finds_no_equilibrium():
     )  # 1,376 slices of a tilted roller
     assert 0.0 < float(result.steady_slip[0]) < 0.01
     assert (
-        "could not be judged, as on more slices or positions the bearing found no equil"
+        "the discretisation error is not known, as on more slices or positions the bearing found no equil"
         in result.attrs["warnings"]
     )
     assert str(result.answer).startswith("OK ")

@@ -13,7 +13,7 @@ from rollslip import evolve, load_scene
 from rollslip import plan as planned
 from rollslip.bearing.resolution import Resolution
 from rollslip.planning import execution, lines, verification
-from rollslip.planning.lines import _CHECK, part_as_dict
+from rollslip.planning.lines import _CHECK_FRACTION, _CHECK_TIME, part_as_dict
 from rollslip.planning.verification import accuracy_rows, error_warnings
 from rollslip.scene.reading import from_raw
 from rollslip.studies.answers import Part
@@ -264,14 +264,16 @@ def test_the_check_of_a_result_is_foreseen_and_spent(monkeypatch):
     (check,) = (part for part in made.parts if part.part == "check of the result")
     others = sum(part.seconds for part in made.parts if part.seconds) - check.seconds
     assert check.study == "effective-friction"
-    assert check.seconds == pytest.approx(_CHECK[0] + _CHECK[1] * others)
+    assert check.seconds == pytest.approx(_CHECK_TIME + _CHECK_FRACTION * others)
     cost = json.loads(execution.execute(made, "effective-friction").attrs["cost"])
     assert cost["estimated"] == made.seconds_of("effective-friction")
     assert cost["actual"] > 0.2
     motion, one_load = (settings(SCENE, name)[name] for name in ("dynamics", "raceway-friction"))
     at = made.assembly.at(Resolution(n_positions=4))
-    assert [part.seconds for part in lines.check(motion, at, {"motion": 60.0})] == [_CHECK[0]]
-    assert lines.check(one_load, at, {"run": 60.0}) == lines.check(motion, at, {}) == []
+    assert [part.seconds for part in lines.check_parts(motion, at, {"motion": 60.0})] == [
+        _CHECK_TIME
+    ]
+    assert lines.check_parts(one_load, at, {"run": 60.0}) == lines.check_parts(motion, at, {}) == []
 
 
 def test_twice_as_many_slices_take_twice_the_time_that_was_foreseen(plan):

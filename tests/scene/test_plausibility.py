@@ -17,7 +17,7 @@ from rollslip.datasets import Catalogue
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, Span, parameter
 from rollslip.lubricant.table import OilPoint, OilTable, OverTemperature
-from rollslip.planning.plausibility import implausible, implausible_along
+from rollslip.planning.plausibility import implausible, implausible_in_sweep
 from rollslip.scene.reading import from_raw, parse_scene, shipped_scenes
 from rollslip.scene.relations import RELATIONS
 from rollslip.scene.values import Scene
@@ -397,15 +397,15 @@ def test_what_is_unusual_of_many_values_is_said_once(
     key: str, values: list[object], said: list[str]
 ) -> None:
     assembly = assemble(SCENE)
-    assert implausible_along(SCENE, quantities(assembly, {})[key], values) == said
+    assert implausible_in_sweep(SCENE, quantities(assembly, {})[key], values) == said
 
 
 def test_what_a_scene_says_by_itself_is_not_said_again_of_its_values() -> None:
     few = evolve(SCENE, {"bearing.rollers": 8})
     assert len(implausible(few)) == 1
     known = quantities(assemble(few), {})
-    assert implausible_along(few, known["bearing.roller_length"], ["15 mm", "16 mm"]) == []
-    [told] = implausible_along(few, known["bearing.rollers"], [8, 28])
+    assert implausible_in_sweep(few, known["bearing.roller_length"], ["15 mm", "16 mm"]) == []
+    [told] = implausible_in_sweep(few, known["bearing.rollers"], [8, 28])
     assert told.startswith("bearing.rollers, 1 of 2 values: 8 is 21.2 % of the pitch circle")
 
 
@@ -414,7 +414,7 @@ def test_relations_blame_a_key_of_the_scene_and_say_what_they_rest_on() -> None:
         SCENE, {"bearing.catalogue.minimum_load_factor": 0.1, "lubrication.oil_level": "5 mm"}
     )
     for relation in RELATIONS:
-        assert math.isfinite(relation.of(listed))
+        assert math.isfinite(relation.evaluate(listed))
         assert relation.field in attrs.fields_dict(type(getattr(SCENE, relation.table)))
         assert relation.source
 
@@ -472,7 +472,7 @@ def test_bearings_like_those_of_catalogues_are_usual(
 
 def test_what_values_amount_to_is_that_by_hand():
     def amounts(words):
-        return next(one for one in RELATIONS if words in one.words).of(scene)
+        return next(one for one in RELATIONS if words in one.meaning).evaluate(scene)
 
     made = evolve(load_scene("1032930-70C"), {"operation.outer_speed": "-500 rpm"})
     given = Catalogue(minimum_load_factor=0.2, reference_speed=800.0)

@@ -148,7 +148,7 @@ def test_forces_are_spread_along_tilted_rollers_as_the_motion_has_them():
         for i in range(len(RINGS)):
             ring = now.isel(ring=i)
             stored = float(np.abs(ring["traction_force"] * ring["sliding_speed"]).sum())
-            contacts, _, column = over_motion._contacts(at, ring, i, over_motion._tilted(at, now))
+            contacts, _, column = over_motion._contacts(at, ring, i, over_motion._tilted_loads(at, now))
             assert float((contacts.friction_power * at.widths[column]).sum()) == pytest.approx(
                 stored, rel=1e-3
             )
@@ -158,22 +158,22 @@ def test_the_roller_in_the_line_of_the_load_is_pressed_most_wherever_that_turns(
     tilted = assemble(rollslip.evolve(SCENE, {"operation.misalignment": "1 mrad"}))
     now = motion.isel(time=-1)
     for j in (0, 3, 11):
-        loads = over_motion._tilted(tilted, now.assign(load_direction=float(now["orbit_angle"][j])))
+        loads = over_motion._tilted_loads(tilted, now.assign(load_direction=float(now["orbit_angle"][j])))
         assert (loads @ tilted.widths).argmax(axis=1).tolist() == [j, j]
 
 
 def test_rollers_of_which_no_half_is_like_the_other_tilt(bearing, motion):
     now = motion.isel(time=-1)
     halves = (slice(None, 2), slice(2, None))
-    assert over_motion._tilted(bearing, now) is None
+    assert over_motion._tilted_loads(bearing, now) is None
     lopsided = attrs.evolve(bearing, drop=bearing.drop + np.linspace(0.0, 2e-6, bearing.drop.size))
-    left, right = (over_motion._tilted(lopsided, now)[:, :, half].sum() for half in halves)
+    left, right = (over_motion._tilted_loads(lopsided, now)[:, :, half].sum() for half in halves)
     assert left > 1.01 * right
 
 
 def test_a_force_is_spread_whole_and_in_proportion(bearing):
     along = np.linspace(1.0, 3.0, bearing.widths.size)
-    load = over_motion._spread(bearing, 0, 500.0, along)
+    load = over_motion._distribute(bearing, 0, 500.0, along)
     assert load @ bearing.widths == pytest.approx(500.0, rel=1e-12)
     assert load / along == pytest.approx(np.full(along.size, load[0]), rel=1e-12)
 

@@ -696,7 +696,9 @@ def test_a_limit_is_the_least_or_the_largest_after_the_side_of_its_branch(values
             "radial_load_limit_slip": 0.4,
         }
     )
-    assert findings._describe_limit(dataset, "radial_load").startswith(f"the {which} radial load at which")
+    assert findings._describe_limit(dataset, "radial_load").startswith(
+        f"the {which} radial load at which"
+    )
 
 
 @attrs.frozen
@@ -798,7 +800,8 @@ def test_findings_and_figures_tell_the_same(tmp_path, followed):
     ]
     assert all(b"steady cage slip" in file.lower() for file in first)
     states = [
-        f"{slip}, {held}".encode() for slip, held in zip(slips, ("held", "not held"), strict=True)
+        f"{slip}, {stability}".encode()
+        for slip, stability in zip(slips, ("stable", "unstable"), strict=True)
     ]
     assert any(all(state in file for state in states) for file in first)
     assert f"limit drag torque, {two_digits(float(found.limit_drag))} N m".encode() in first[0]

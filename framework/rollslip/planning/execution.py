@@ -1,4 +1,11 @@
-"""Run a plan: its studies one after the other, each result with its warnings and its origin."""
+"""Run a plan: its studies one after the other, each result with its warnings and its origin.
+
+1. Run the study at the resolution of the plan. Where a bound on a model that was left out is exceeded, reinstate the
+   model and start again.
+2. Estimate the error of the result a posteriori.
+3. Where it exceeds the tolerance, and a finer run is soon done, refine the resolution and repeat.
+4. Add the outputs of laws, the origin, and, if an answer needs them, warnings, validity and errors.
+"""
 
 import importlib
 import json
@@ -11,9 +18,10 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.resolution import BoundBrokenError
 from rollslip.errors import RollslipError
-from rollslip.planning.lines import how_finely
+from rollslip.planning.lines import describe_resolution
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import ProgressReporter, in_notebook, progress_in_notebook
@@ -26,6 +34,7 @@ from rollslip.studies import validity
 from rollslip.studies.answers import RunContext, Store
 from rollslip.studies.error_estimate import ErrorEstimate, estimate_error, refine_resolution
 from rollslip.studies.law_outputs import law_outputs
+from rollslip.studies.study import Study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,21 +52,21 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
     scene : Scene, str or path
         A scene, the name of a shipped one, or a file.
     study : str, optional
-        Only this one, as ``rollslip models study`` lists them.
+        Only this study, one of those that ``rollslip models study`` lists.
 
     Returns
     -------
     Result
-        The `xarray.Dataset` of the first study, see there; its attributes hold scene, versions, warnings and citations.
-        It shows the ``answer`` of all studies, and has their ``notes``, ``warnings`` and ``figures``; ``studies``, an
-        `xarray.DataTree`, holds each of them.
+        The `xarray.Dataset` of the first study. Its attributes have the scene, versions, warnings and citations. It
+        shows the ``answer`` of all studies, and has their ``notes``, ``warnings`` and ``figures``; ``studies`` is an
+        `xarray.DataTree` of all of them.
 
     Raises
     ------
     SceneError, PluginError
         If the scene or a model it names cannot be used.
     DomainError, ConvergenceError
-        If a law is asked where it is not defined, or an iteration does not end.
+        If a law is evaluated outside its domain, or an iteration does not converge.
 
     Examples
     --------
@@ -75,7 +84,7 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
         if executed[name].dataset.attrs.get("outcome") == "interrupted":
             break
     return Result.of(
-        {name: one.dataset for name, one in executed.items()}, partial(_completed, executed)
+        {name: run.dataset for name, run in executed.items()}, partial(_completed, executed)
     )
 
 
@@ -90,22 +99,23 @@ class Executed:
     plan: Plan
     #: The result with its origin.
     dataset: "xr.Dataset"
-    #: What it leaves, estimated a posteriori.
+    #: Its discretisation error, estimated a posteriori.
     error: ErrorEstimate
-    #: Processor time that it took [s].
+    #: Processor time of the run [s].
     processor_time: float
 
     def documented(self) -> "xr.Dataset":
         """Return the result with its models, plan, errors, notes and costs, as attributes."""
-        found, judged = warnings(self.plan, self.study, self.dataset)
+        model_warnings, checks = warnings(self.plan, self.study, self.dataset)
+        numerical = error_warnings(self.plan, self.study, self.error)
         rows = accuracy_rows(self.plan, self.study, self.error.total, "a posteriori")
         cost = {"estimated": self.planned.seconds_of(self.study), "actual": self.processor_time}
         return self.dataset.assign_attrs(
             models_origin(self.plan, self.study),
             plan=json.dumps(self.plan.parts_of(self.study)),
             accuracy=json.dumps(rows),
-            warnings=json.dumps([*error_warnings(self.plan, self.study, self.error), *found]),
-            validity=json.dumps(judged),
+            warnings=json.dumps([*numerical, *model_warnings]),
+            validity=json.dumps(checks),
             cost=json.dumps(cost),
         )
 
@@ -114,13 +124,31 @@ def execute(
     plan: Plan,
     study: str,
     *,
-    kept: Path | None = None,
+    checkpoint_folder: Path | None = None,
     progress: ProgressReporter | None = None,
     fixed_resolution: bool = False,
 ) -> "xr.Dataset":
-    """Return the result of one study of a plan, with all that its answer rests on but bands: see `compute`."""
+    """Return the result of one study of a plan, with all that its answer needs except bands.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan.
+    study : str
+        Name of the study.
+    checkpoint_folder : Path, optional
+        Folder for checkpoints of a long study.
+    progress : ProgressReporter, optional
+        Shows the progress.
+    fixed_resolution : bool
+        Whether the resolution of the plan is kept though the error exceeds the tolerance.
+    """
     return compute(
-        plan, study, kept=kept, progress=progress, fixed_resolution=fixed_resolution
+        plan,
+        study,
+        checkpoint_folder=checkpoint_folder,
+        progress=progress,
+        fixed_resolution=fixed_resolution,
     ).documented()
 
 
@@ -128,51 +156,65 @@ def compute(
     planned: Plan,
     study: str,
     *,
-    kept: Path | None = None,
+    checkpoint_folder: Path | None = None,
     progress: ProgressReporter | None = None,
     fixed_resolution: bool = False,
 ) -> Executed:
-    """Return the result of one study of a plan, with nothing that only a reader of its answer needs.
+    """Return the result of one study of a plan, without what only its answer needs.
 
-    A run is made again on more slices and roller positions where its error is estimated to exceed the tolerance, if it
-    is soon done and would help (`rollslip.studies.error_estimate.refined`); the plan in the result says so.
+    A run is made again on more slices and roller positions where its error is estimated to exceed the tolerance, if
+    that helps and is soon done (`rollslip.studies.error_estimate.refine_resolution`); the plan in the result says so.
+
+    Parameters
+    ----------
+    planned : Plan
+        The plan.
+    study : str
+        Name of the study.
+    checkpoint_folder : Path, optional
+        Folder for checkpoints of a long study.
+    progress : ProgressReporter, optional
+        Shows the progress.
+    fixed_resolution : bool
+        Whether the resolution of the plan is kept though the error exceeds the tolerance.
     """
     plan = planned
     running = plan.studies[study]
-    for library in (
-        "xarray",
-        *running.libraries,
-    ):  # what takes longer than many a study is no cost of the first one
+    # importing them takes longer than many studies, and is not part of the cost of the first one
+    for library in ("xarray", *running.libraries):
         importlib.import_module(library)
-    begin = time.perf_counter()
-    processor = time.process_time()
+    start = time.perf_counter()
+    processor_start = time.process_time()
     first: ErrorEstimate | None = None
     reinstated = list[str]()
     while True:
-        plan, dataset, evaluated = _run(plan, study, kept, progress, reinstated)
-        estimated = plan.choices[study]
-        unwatched = plan.assembly.at(estimated.resolution)
-        error = estimate_error(running, unwatched, estimated, dataset, first)
-        if (
-            fixed_resolution
-            or (finer := refine_resolution(running, unwatched, estimated, error)) is None
-        ):
+        plan, dataset, evaluated = _run(plan, study, checkpoint_folder, progress, reinstated)
+        choice = plan.choices[study]
+        # without the bounds on what is left out, which a reference solution may exceed
+        assembly = plan.assembly.at(choice.resolution)
+        error = estimate_error(running, assembly, choice, dataset, first)
+        if fixed_resolution:
+            break
+        finer = refine_resolution(running, assembly, choice, error)
+        if finer is None:
             break
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)
         first = first or error
-        plan = plan.again(study, finer)
+        plan = plan.refined(study, finer)
         if progress is not None:
-            progress(f"again, on {how_finely(finer.resolution)}", left=plan.seconds_of(study))
-    dataset = dataset.assign(law_outputs(running, unwatched, dataset))
+            progress(
+                f"again, on {describe_resolution(finer.resolution)}", left=plan.seconds_of(study)
+            )
+    dataset = dataset.assign(law_outputs(running, assembly, dataset))
     dataset.attrs |= {
-        f"{part}_error": max(found.values()) for part, found in error.errors.items() if found
+        f"{part}_error": max(errors.values()) for part, errors in error.errors.items() if errors
     }
     dataset.attrs |= {
-        "resolution": json.dumps(attrs.asdict(estimated.resolution)),
+        "resolution": json.dumps(attrs.asdict(choice.resolution)),
         "reinstated": json.dumps(reinstated),
     }
-    processor_time = time.process_time() - processor
-    dataset.attrs |= run_origin(plan, evaluated, time.perf_counter() - begin)
+    processor_time = time.process_time() - processor_start
+    dataset.attrs |= run_origin(plan, evaluated, time.perf_counter() - start)
     return Executed(
         study=study,
         planned=planned,
@@ -186,11 +228,11 @@ def compute(
 def _run(
     plan: Plan,
     study: str,
-    kept: Path | None,
+    checkpoint_folder: Path | None,
     progress: ProgressReporter | None,
     reinstated: list[str],
 ) -> "tuple[Plan, xr.Dataset, int]":
-    """Return a plan, its result, and how many slices were evaluated for it; what is needed after all is taken back."""
+    """Return the plan with what had to be reinstated, its result, and how many slices were evaluated for it."""
     running = plan.studies[study]
     while True:
         assembly = plan.assemblies[study]
@@ -198,8 +240,10 @@ def _run(
         try:
             store = (
                 None
-                if kept is None
-                else Store(kept, scene_hash(plan.scene) + running.digest(assembly), study)
+                if checkpoint_folder is None
+                else Store(
+                    checkpoint_folder, scene_hash(plan.scene) + running.digest(assembly), study
+                )
             )
             dataset = running.run(assembly, RunContext(store=store, progress=progress))
             return plan, dataset, assembly.inner.chain.evaluated - before
@@ -210,14 +254,13 @@ def _run(
 
 
 def _completed(executed: Mapping[str, Executed]) -> dict[str, "xr.Dataset"]:
-    """Return documented results of studies, with the bands of those that an answer takes its slip from."""
-    found = {name: one.documented() for name, one in executed.items()}
-    first = next(iter(found))
-    for name in {first, *studies_of_slip(found.values())}:
-        found[name] = (
-            executed[name].plan.studies[name].with_bands(executed[name].plan.scene, found[name])
-        )
-    return found
+    """Return documented results of studies, with the bands of those from which an answer takes the slip."""
+    results = {name: run.documented() for name, run in executed.items()}
+    first = next(iter(results))
+    for name in {first, *studies_of_slip(results.values())}:
+        plan = executed[name].plan
+        results[name] = plan.studies[name].with_bands(plan.scene, results[name])
+    return results
 
 
 def studies_of_slip(results: "Iterable[xr.Dataset]") -> set[str]:
@@ -226,58 +269,72 @@ def studies_of_slip(results: "Iterable[xr.Dataset]") -> set[str]:
 
 
 def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], dict[str, Any]]:
-    """Return in words where the models were used outside what they were made for and what a reader must know.
+    """Return the warnings about the models of a result, and the record of their validity.
 
-    The second is what models were made for and how far that was left, as plain values (`rollslip.studies.validity`).
+    Parameters
+    ----------
+    plan : Plan
+        The plan by which the result was computed.
+    study : str
+        Name of the study.
+    dataset : xarray.Dataset
+        The result.
+
+    Returns
+    -------
+    list of str, dict
+        Warnings without full stops; the record of `rollslip.studies.validity.validity_record`.
     """
     running = plan.studies[study]
     assembly = plan.assemblies[study]
     accuracy = plan.scene.accuracy
-    said = list[validity.ValidityMessage]()
+    messages = list[validity.ValidityMessage]()
     assembly = assembly.with_resistance() if running.with_cage else assembly
     try:
         contacts = running.validity_slices(assembly, dataset)
-        outside, off = validity.check_validity(contacts, assembly, plan.assembly.traction)
-        said = validity.validity_messages(
-            outside, off, running.validity_state, tolerance=accuracy.tolerance
+        excesses, difference = validity.check_validity(contacts, assembly, plan.assembly.traction)
+        messages = validity.validity_messages(
+            excesses, difference, running.validity_state, tolerance=accuracy.tolerance
         )
-        found = validity.warning_texts(said, accuracy.tolerance)
+        texts = validity.warning_texts(messages, accuracy.tolerance)
     except RollslipError as refusal:  # what was computed stands
-        outside = []
-        off = None
-        found = [
+        excesses = []
+        difference = None
+        texts = [
             f"whether models are within their range of validity could not be checked: {refusal}"
         ]
-    found += implausible(plan.scene)
-    o = plan.scene.operation
-    fraction = assembly.weight_fraction
-    weighed = (
-        running.with_weight
-        or not running.bearing_loads
-        or (o.carrier, o.gravity_direction) != (None, None)
-    )
-    if fraction > accuracy.tolerance and not weighed:
-        found.append(
-            f"the weight of the rollers, {100.0 * fraction:.2g} % of what presses them on average, is left out, as "
-            "its direction is not stated; give operation.gravity_direction, 0 deg where the load is itself a weight"
-        )
-    found += validity.starvation_notes(assembly.film)
+    texts += implausible(plan.scene)
+    texts += _weight_warnings(plan, running, assembly)
+    texts += validity.starvation_notes(assembly.film)
     temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
-    found += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))
-    given: Mapping[str, Any] = plan.scene.study.get(study, {})
-    found += [
-        f"study.{study}.{setting} is {getattr(running, setting)!r}, not {given[setting]!r}, as the scene names it: "
+    texts += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))
+    stated: Mapping[str, Any] = plan.scene.study.get(study, {})
+    texts += [
+        f"study.{study}.{setting} is {getattr(running, setting)!r}, not {stated[setting]!r}, as the scene names it: "
         f"{reason}"
         for setting, reason in plan.choices[study].reasons.items()
-        if setting in given
+        if setting in stated
     ]
-    if (
-        accuracy.slices is not None
-        and (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance
-    ):
-        found.append(
+    error = dataset.attrs.get("slices_error", 0.0)
+    if accuracy.slices is not None and error > accuracy.tolerance:
+        texts.append(
             f"{plan.choices[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; raise accuracy.slices, or let a plan choose by --set "
             "accuracy.slices=auto"
         )
-    return found, validity.validity_record(outside, off, said)
+    return texts, validity.validity_record(excesses, difference, messages)
+
+
+def _weight_warnings(plan: Plan, study: Study, assembly: Assembly) -> list[str]:
+    """Return the warning that the weight of the rollers is left out, where it exceeds the tolerance."""
+    operation = plan.scene.operation
+    has_direction = (operation.carrier, operation.gravity_direction) != (None, None)
+    fraction = assembly.weight_fraction
+    if study.with_weight or not study.bearing_loads or has_direction:
+        return []
+    if not fraction > plan.scene.accuracy.tolerance:
+        return []
+    return [
+        f"the weight of the rollers, {100.0 * fraction:.2g} % of what presses them on average, is left out, as "
+        "its direction is not stated; give operation.gravity_direction, 0 deg where the load is itself a weight"
+    ]

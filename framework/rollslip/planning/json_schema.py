@@ -1,7 +1,7 @@
-"""The schema of a scene as JSON Schema, by which editors complete keys and mark what is wrong.
+"""The JSON Schema of scenes, by which editors complete keys and mark errors.
 
-It is made from the rows that ``rollslip schema`` lists, with the models and studies that are installed. It holds form
-only: that an oil knows a temperature, or that two keys go together, is found when a scene is read.
+It is made from the rows that ``rollslip schema`` lists, with the models and studies that are installed. It checks the
+form only; whether values fit together is checked when a scene is read.
 
 References
 ----------
@@ -18,7 +18,9 @@ from rollslip.scene.values import SEPARATORS, model_kind
 
 __all__ = ["json_schema"]
 
+#: Version of the standard; draft 7 is what editors of TOML understand.
 _DRAFT: Final = "http://json-schema.org/draft-07/schema#"
+#: Type in a row -> its JSON Schema.
 _TYPES: Final[dict[str, dict[str, Any]]] = {
     "quantity": {"type": ["number", "string"]},
     "number": {"type": ["number", "string"]},
@@ -41,37 +43,39 @@ def json_schema() -> dict[str, Any]:
     }
     for row in keys(models=True):
         *tables, name = row.key.split(".")
-        at = root
-        of_law = len(tables) > 1 and tables[0] == "models" and name not in ("model", "*")
-        if of_law and len(tables) > 2:  # of a law in a law
+        node = root
+        is_of_law = len(tables) > 1 and tables[0] == "models" and name not in ("model", "*")
+        if is_of_law and len(tables) > 2:  # parameter of a submodel
             continue
         for table in tables:
-            at = _table(at, table)
+            node = _table(node, table)
         if name == "*":
-            at["additionalProperties"] = True
-        elif of_law:  # laws may give one name to different things
-            at.setdefault("properties", {}).setdefault(name, {"description": row.doc})
+            node["additionalProperties"] = True
+        elif is_of_law:  # laws may give one name to different parameters
+            node.setdefault("properties", {}).setdefault(name, {"description": row.doc})
         else:
-            _put(at, name, row)
+            _add_key(node, name, row)
     return root
 
 
-def _table(at: dict[str, Any], name: str) -> Any:
-    """The table of a name below another, which knows no key that no row has."""
-    of = at.setdefault("properties", {}).setdefault(name, {})
-    if "anyOf" in of:  # a name, or a table
-        return next(one for one in of["anyOf"] if one.get("type") == "object")
-    of.setdefault("type", "object")
-    if of["type"] == "object":
-        of.setdefault("additionalProperties", False)
-    return of
+def _table(node: dict[str, Any], name: str) -> Any:
+    """Return the schema of a table in another table; it allows only keys that have a row."""
+    table = node.setdefault("properties", {}).setdefault(name, {})
+    if "anyOf" in table:  # a name, or a table
+        return next(option for option in table["anyOf"] if option.get("type") == "object")
+    table.setdefault("type", "object")
+    if table["type"] == "object":
+        table.setdefault("additionalProperties", False)
+    return table
 
 
-def _put(at: dict[str, Any], name: str, row: SchemaRow) -> None:
-    """Put a key into its table."""
-    said = {"description": ", ".join(filter(None, (row.doc, row.usual and f"usually {row.usual}")))}
+def _add_key(node: dict[str, Any], name: str, row: SchemaRow) -> None:
+    """Add the schema of a key to that of its table."""
+    description = {
+        "description": ", ".join(filter(None, (row.doc, row.usual and f"usually {row.usual}")))
+    }
     if row.unit not in ("", "1"):
-        said["description"] += f" [{row.unit}]"
+        description["description"] += f" [{row.unit}]"
     kind = re.fullmatch(r"models\.(\w+)(\.model)?", row.key)
     names: dict[str, Any] = {}
     if kind:
@@ -80,20 +84,23 @@ def _put(at: dict[str, Any], name: str, row: SchemaRow) -> None:
         }
     if row.type.startswith("a name, or a table"):
         table = {"type": "object", "properties": {}, "additionalProperties": False}
-        of: dict[str, Any] = {"anyOf": [{"type": "string", **names}, table]}
+        schema: dict[str, Any] = {"anyOf": [{"type": "string", **names}, table]}
         if row.type.endswith("list of them"):
-            of["anyOf"].append({"type": "array"})
+            schema["anyOf"].append({"type": "array"})
+    elif names:
+        schema = {"type": "string", **names}
     else:
-        of = {"type": "string", **names} if names else _type(row.type)
-    at.setdefault("properties", {}).setdefault(name, {}).update(of | said)
+        schema = _type_schema(row.type)
+    node.setdefault("properties", {}).setdefault(name, {}).update(schema | description)
 
 
-def _type(words: str) -> dict[str, Any]:
-    """What a key takes, from the words of its row: one kind, or one of several names."""
-    if words.startswith("list of"):
+def _type_schema(text: str) -> dict[str, Any]:
+    """Return the schema of a value by the type in its row: one type or several, and names."""
+    if text.startswith("list of"):
         return {"type": "array"}
-    kinds = words.split(" or ") if words != "true or false" else [words]
-    known = [_TYPES[one] for one in kinds if one in _TYPES]
-    names = [one for one in kinds if one not in _TYPES]
-    each = [*known, *([{"enum": names}] if names else [])]
-    return each[0] if len(each) == 1 else {"anyOf": each}
+    types = [text] if text in _TYPES else text.split(" or ")
+    options = [_TYPES[name] for name in types if name in _TYPES]
+    names = [name for name in types if name not in _TYPES]
+    if names:
+        options.append({"enum": names})
+    return options[0] if len(options) == 1 else {"anyOf": options}

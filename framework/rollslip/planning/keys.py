@@ -1,6 +1,7 @@
-"""Every key that a scene can have, those of cage, oil, studies and models included, found by any part of it.
+"""All keys that a scene can have, those of cage, oil, studies and models included, and a search among them.
 
-What a table of a scene leaves to plugins stands in `rollslip.scene.schema` as ``*``: here their classes are asked.
+A table whose keys belong to plugins has the key ``*`` in `rollslip.scene.schema`: it is replaced by the fields of the
+classes that are installed.
 """
 
 import re
@@ -17,45 +18,49 @@ from rollslip.units import expectation
 
 __all__ = ["example", "keys", "keys_of"]
 
-#: What people call a table.
+#: Other name of a table -> its key.
 _TABLES: Final = {
     "oil": "lubricant",
     "material": "bearing.material",
     "model": "models",
     "studies": "study",
 }
+#: Kinds of laws whose parameters are keys of a scene.
 _LAWS: Final = ("contact", "film", "pressure", "traction")
 
 
 def keys(*, models: bool = False) -> list[SchemaRow]:
-    """Return all keys in the order of a scene; the parameters of all models, which are many, only where asked for."""
-    found: list[SchemaRow] = []
+    """Return all keys in the order of a scene; the parameters of all models, which are many, only on request."""
+    rows: list[SchemaRow] = []
     for row in schema():
-        found += _behind(row.key, models) or [row]
-    return found
+        rows += _expand(row.key, models) or [row]
+    return rows
 
 
-def _behind(key: str, models: bool) -> list[SchemaRow]:
-    """Return what stands behind a key that ends in a star; nothing where that is free."""
+def _expand(key: str, models: bool) -> list[SchemaRow]:
+    """Return the keys in place of a key that ends in a star; none where users choose them freely."""
     if key == "cage.*":
         return list(rows_of(Cage, "cage."))
     if key == "lubricant.*":
         return [row for row in rows_of(OilTable, "lubricant.") if row.key != "lubricant.name"]
     if key == "study.*":
         return [
-            row for name in available("study") for row in _of_class("study", name, f"study.{name}.")
+            row
+            for name in available("study")
+            for row in _class_rows("study", name, f"study.{name}.")
         ]
     for kind in _LAWS:
         if key == f"models.{kind}.*" and models:
             return [
                 row._replace(doc=f"{row.doc} (of model {name!r})")
                 for name in available(kind)
-                for row in _of_class(kind, name, f"models.{kind}.")
+                for row in _class_rows(kind, name, f"models.{kind}.")
             ]
     return []
 
 
-def _of_class(kind: str, name: str, prefix: str) -> Iterator[SchemaRow]:
+def _class_rows(kind: str, name: str, prefix: str) -> Iterator[SchemaRow]:
+    """Yield the keys of the fields of a plugin's class; none for one that cannot be imported."""
     try:
         cls = get_class(kind, name)
     except PluginError:  # `rollslip plugins list` says so
@@ -64,36 +69,42 @@ def _of_class(kind: str, name: str, prefix: str) -> Iterator[SchemaRow]:
 
 
 def keys_of(what: str) -> list[SchemaRow]:
-    """Return the keys that a word means: a key, a table, a study, or the last part of a key."""
+    """Return the keys that a text means: a key, a table, a study, or a part of a key."""
     word = _TABLES.get(what.strip()) or full_key(what.strip())
     every = keys(models=word.startswith("models"))
-    if found := [row for row in every if row.key == word or row.key.startswith(f"{word}.")]:
-        return found
+    rows = [row for row in every if row.key == word or row.key.startswith(f"{word}.")]
+    if rows:
+        return rows
     every = keys(models=True)
-    if found := [row for row in every if f".{word}." in f".{row.key}."]:
-        return found
+    rows = [row for row in every if f".{word}." in f".{row.key}."]
+    if rows:
+        return rows
     parts = {part: None for row in every for part in (row.key, *row.key.split(".")) if part != "*"}
     hint = did_you_mean(nearest(word, parts, cutoff=0.5), "'rollslip schema' lists all")
     raise SceneError([f"no key of a scene is called {what!r}; {hint}"])
 
 
 def example(row: SchemaRow) -> str:
-    """Return a value of a key as a scene may have it: its default, or one of its kind."""
-    value = row.default if row.default not in ("required", "derived", "") else ""
-    if not value and row.unit:
-        such = re.search(r"such as (.+)$", expectation(row.unit))
-        value = such.group(1).strip("'") if such else ""
-    if not value and row.type == "whole number":
-        least = re.search(r"from (\d+)", row.usual)
-        return least.group(1) if least else "1"
-    if not value:
-        value = (
-            row.type.split(" or ")[0]
-            if row.type not in ("text", "a name, or a table", "table")
-            else "NAME"
-        )
+    """Return a value of a key in TOML: its default, or a value of its type."""
+    value = _example_value(row)
     if row.type.startswith("list"):
         return "[]" if value in ("", "NAME") or value.startswith("list") else f'["{value}"]'
     if value in ("True", "False"):
         return value.lower()
     return value if re.fullmatch(r"[-+0-9.e]+", value) else f'"{value}"'
+
+
+def _example_value(row: SchemaRow) -> str:
+    """Return the default of a key as text, else an example of its unit, else of its type."""
+    if row.default not in ("required", "derived", ""):
+        return row.default
+    if row.unit:
+        match = re.search(r"such as (.+)$", expectation(row.unit))
+        if match:
+            return match.group(1).strip("'")
+    if row.type == "whole number":
+        minimum = re.search(r"from (\d+)", row.usual)
+        return minimum.group(1) if minimum else "1"
+    if row.type in ("text", "a name, or a table", "table"):
+        return "NAME"
+    return row.type.split(" or ")[0]

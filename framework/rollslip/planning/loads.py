@@ -20,15 +20,15 @@ def load_distribution(scene: Scene | str, n_positions: int = 1) -> "xr.Dataset":
     ----------
     scene : Scene, str or path
         A scene, the name of a shipped one, or a file.
-    instants : int
-        Instants spread over one roller pitch; at the first one a roller is in the line of load.
+    n_positions : int
+        Number of roller positions within a pitch; at the first one a roller is in the line of load.
 
     Returns
     -------
     xarray.Dataset
         Dimensions (ring, instant, roller): normal_force; (ring, instant, roller, slice): load_per_length;
-        (instant, direction): displacement; (ring, instant, orbit_angle): raceway_shape, by forms, such as turn
-        as at first, and by how rings yield; (instant,): moment; attributes force_residual and moment_residual,
+        (instant, direction): displacement; (ring, instant, orbit_angle): raceway_shape, from its form, at the
+        first position, and the bending of the ring; (instant,): moment; attributes force_residual and moment_residual,
         relative.
 
     Raises
@@ -43,7 +43,7 @@ def load_distribution(scene: Scene | str, n_positions: int = 1) -> "xr.Dataset":
     assembly = assemble(as_scene(scene))
     loads = assembly.load_distribution(n_positions)
 
-    orbit = np.radians(np.arange(361.0))
+    orbit = np.radians(np.arange(361.0))  # one degree, enough to draw a ring
     rings = assembly.rings
     sense = assembly.kinematics.direction
     psi = sense * loads.psi % (2.0 * np.pi)

@@ -1,7 +1,7 @@
-"""The text of a new scene: complete, commented, each value with where it is from, and known to run.
+"""Write the text of a new scene: complete, with comments on the source of each value, and checked to run.
 
-What is not named is assumed, and the scene says so beside it. Values of a bearing's estimate stand as comments: so they
-scatter in ``rollslip uncertainty`` until somebody knows better and writes them.
+Values that are not given are assumed, and marked so by a comment. Estimated values of a bearing are comments, so that
+they scatter in ``rollslip uncertainty`` until a user replaces them by known ones.
 """
 
 import importlib.metadata
@@ -37,7 +37,8 @@ MEANING: Final = {
     "cage": f"cage: {', '.join(CAGE_DESIGNS)}",
     "supply": f"supply of oil: {', '.join(SUPPLIES)}",
 }
-#: What is taken where nothing is said; of the load see `assumed_load`; a cage is the bearing's own if its name has one.
+#: Option -> its value where it is not given. For the load see `assumed_load`; a cage is the bearing's own if its name
+#: has one.
 ASSUMED: Final = {
     "bearing": "NU2210",
     "oil": "iso-vg-68",
@@ -46,14 +47,15 @@ ASSUMED: Final = {
     "cage": "brass",
     "supply": "bath",
 }
+#: Option that is a quantity -> its SI unit.
 _UNITS: Final = {"speed": "rad/s", "load": "N", "temperature": "K"}
-#: How else people name the makes of cages.
+#: Other name of a make of cages -> its name.
 _CAGES: Final = {
     **dict.fromkeys(("bronze", "machined brass", "machined"), "brass"),
     **dict.fromkeys(("sheet steel", "pressed steel", "pressed"), "steel"),
     **dict.fromkeys(("plastic", "nylon", "pa", "pa66", "pa46"), "polyamide"),
 }
-#: How else people name kinds of supply.
+#: Other name of a kind of supply -> its name.
 _SUPPLIES: Final = {
     **dict.fromkeys(("oil bath", "sump"), "bath"),
     **dict.fromkeys(("splash oil", "oil splash"), "splash"),
@@ -61,35 +63,47 @@ _SUPPLIES: Final = {
     **dict.fromkeys(("oil jet", "injection", "spray"), "jet"),
     **dict.fromkeys(("oil mist", "oil-air", "oil air", "drip"), "mist"),
 }
-#: What is written of a cage, and what stands there where there is none.
+#: The table of the cage in the template.
 _CAGE_TABLE: Final = re.compile(r"\[cage\]\n.*?(?=# What drags)", re.DOTALL)
+#: The table in its place for a full complement bearing.
 _NO_CAGE: Final = """[cage]
 # None: rollers push each other, as the bearing's name says.
 # Their friction coefficient is 0.1 (D); another one stands in [models.separator], as coefficient = 0.05
 """
-#: A decimal comma that is no comma of thousands.
+#: A number with a decimal comma that cannot be a separator of thousands.
 _COMMA: Final = re.compile(r"\s*[+-]?(\d*,(\d{1,2}|\d{4,})|0,\d+)(?![\d,.])")
-#: Option of which there are few -> other names, what there is, and what these are.
-_WORDS: Final[Mapping[str, tuple[Mapping[str, str], Collection[str], str]]] = {
+#: Option with a few choices -> other names, the choices, and what messages call them.
+_CHOICES: Final[Mapping[str, tuple[Mapping[str, str], Collection[str], str]]] = {
     "cage": (_CAGES, CAGE_DESIGNS, "cages of"),
     "supply": (_SUPPLIES, SUPPLIES, "supplies by"),
 }
+#: Option that is a name of data -> the kind of plugin.
 _KINDS: Final = {"bearing": "bearing", "oil": "lubricant"}
 
 
 def checked(option: str, value: str) -> str:
-    """Return what is given for an option as a scene says it; a decimal comma that is clear becomes a point."""
+    """Return the value of an option as a scene has it; an unambiguous decimal comma becomes a point.
+
+    Parameters
+    ----------
+    option : str
+        One of `MEANING`.
+    value : str
+        What the user gave.
+
+    Raises
+    ------
+    RollslipError
+        If there is no such name or choice, or the quantity is wrong.
+    """
     if option in _KINDS:
         offer = find(_KINDS[option], value.strip())
-        as_stamped = (
-            value.strip().upper()
-        )  # what is written of a bearing of a family tells its cage
-        stamped = (
-            option == "bearing"
-            and offer.is_family
-            and find(_KINDS[option], as_stamped).name == offer.name
-        )
-        return as_stamped if stamped else offer.name
+        if option == "bearing" and offer.is_family:
+            # the full designation of a bearing of a family names its cage
+            designation = value.strip().upper()
+            if find(_KINDS[option], designation).name == offer.name:
+                return designation
+        return offer.name
     if option in _UNITS:
         value = value.replace(",", ".") if _COMMA.match(value) else value
         try:
@@ -98,13 +112,13 @@ def checked(option: str, value: str) -> str:
         except UnitError as error:
             raise SceneError([Location({}, (option,)).message(str(error))]) from None
     else:
-        names, kinds, words = _WORDS[option]
+        names, kinds, description = _CHOICES[option]
         spelled = value.strip().casefold()
         spelled = names.get(spelled, spelled)
         if spelled not in kinds:
             raise SceneError(
                 [
-                    f"{option}: there are {words} {', '.join(kinds)}, not {words.split()[-1]} {value!r}"
+                    f"{option}: there are {description} {', '.join(kinds)}, not {description.split()[-1]} {value!r}"
                 ]
             )
         return spelled
@@ -112,25 +126,33 @@ def checked(option: str, value: str) -> str:
 
 
 def assumed_load(bearing: str) -> str:
-    """Return the load that is assumed for a bearing: twice what SKF's rule asks for at least, or 2 kN."""
-    least = skf_minimum_load(load(find("bearing", bearing)).bearing, 0.0)
-    return "2 kN" if math.isnan(least) else format_quantity(float(f"{2.0 * least:.2g}"), "N")
+    """Return the load that is assumed for a bearing: twice the minimum load by SKF's rule, or 2 kN without one."""
+    minimum = skf_minimum_load(load(find("bearing", bearing)).bearing, 0.0)
+    if math.isnan(minimum):
+        return "2 kN"
+    return format_quantity(float(f"{2.0 * minimum:.2g}"), "N")
 
 
 def completed(
     given: Mapping[str, str], ask: Callable[[str, str], str] | None = None
 ) -> tuple[dict[str, str], list[str]]:
-    """Return a value for each option, and the options of which none is given: asked for with what is usual, or that."""
-    values = dict[str, str]()
-    errors = list[RollslipError]()
-    for option, text in given.items():
-        try:
-            values[option] = checked(option, text)
-        except RollslipError as error:
-            errors.append(error)
-    if errors:
-        raise errors[0] if len(errors) == 1 else SceneError([str(error) for error in errors])
-    if (own := own_cage(values.get("bearing"))) and not own.make:
+    """Return a value for each option, and the options that were not given.
+
+    Parameters
+    ----------
+    given : mapping of str to str
+        Option -> value.
+    ask : callable, optional
+        Takes an option and its usual value, and returns the user's; by default the usual value is taken.
+
+    Raises
+    ------
+    RollslipError
+        If a value is wrong; all faults at once.
+    """
+    values = _checked_values(given)
+    own = own_cage(values.get("bearing"))
+    if own and not own.make:
         if "cage" in values:
             raise SceneError(
                 [
@@ -138,24 +160,41 @@ def completed(
                 ]
             )
         values["cage"] = ""
-    if (
-        "cage" not in values
-        and ask is None
-        and (own := own_cage(values.get("bearing")))
-        and own.letters
-    ):
+    elif own and own.letters and ask is None and "cage" not in values:
         values["cage"] = own.make
     missing = [option for option in MEANING if option not in values]
     for option in missing:
-        usual = (
-            assumed_load(values["bearing"])
-            if option == "load"
-            else checked(option, ASSUMED[option])
-        )
-        if option == "cage" and (own := own_cage(values["bearing"])):
-            usual = own.make
+        usual = _usual_value(option, values)
         values[option] = usual if ask is None else ask(option, usual)
     return values, missing
+
+
+def _checked_values(given: Mapping[str, str]) -> dict[str, str]:
+    """Return the checked values of options; an error has all faults at once."""
+    values = dict[str, str]()
+    errors = list[RollslipError]()
+    for option, text in given.items():
+        try:
+            values[option] = checked(option, text)
+        except RollslipError as error:
+            errors.append(error)
+    if len(errors) == 1:
+        raise errors[0]
+    if errors:
+        raise SceneError([str(error) for error in errors])
+    return values
+
+
+def _usual_value(option: str, values: Mapping[str, str]) -> str:
+    """Return the usual value of an option, for the bearing among the values of others."""
+    if option == "load":
+        return assumed_load(values["bearing"])
+    usual = checked(option, ASSUMED[option])
+    if option == "cage":
+        own = own_cage(values["bearing"])
+        if own:
+            usual = own.make
+    return usual
 
 
 def new(bearing: str, **given: str) -> Scene:
@@ -167,7 +206,7 @@ def new(bearing: str, **given: str) -> Scene:
         Its name: "NU 2210", or "NJ 312 ECP/C3".
     **given : str
         oil, speed (of the inner ring), load (radial), temperature, cage (what it is of) and supply (how the oil gets
-        there). What is left out is assumed: iso-vg-68, 1500 rpm, twice the least load of SKF's rule, 70 degC, the
+        there). What is left out is assumed: iso-vg-68, 1500 rpm, twice the minimum load by SKF's rule, 70 degC, the
         bearing's own cage or brass, and a bath. The `text` of the scene marks it.
 
     Raises
@@ -201,16 +240,28 @@ def new(bearing: str, **given: str) -> Scene:
 
 
 def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) -> str:
-    """Return the text of a scene."""
+    """Return the text of a scene.
+
+    Parameters
+    ----------
+    source : str
+        Name of the scene in messages.
+    assumed : frozenset of str
+        Options whose values are marked as assumed.
+    **given : str
+        Option -> value, all of `MEANING`.
+    """
     values = _values(**given) | _marks(assumed)
     file = importlib.resources.files("rollslip.planning") / "new_scene.toml.in"
     template = string.Template(file.read_text(encoding="utf-8"))
-    left = parse_scene(
+    bearing = parse_scene(
         template.substitute(values, clearance="", radial_clearance=""), source
     ).bearing
-    told = {"clearance": left.mounted or "of a bearing without clearance classes"}
-    told["radial_clearance"] = format_quantity(left.radial_clearance, "m", 3)
-    text = _aligned(template.substitute(values | told))
+    clearance = {
+        "clearance": bearing.mounted or "of a bearing without clearance classes",
+        "radial_clearance": format_quantity(bearing.radial_clearance, "m", 3),
+    }
+    text = _aligned(template.substitute(values | clearance))
     if not values["make"]:  # a full complement
         text = _CAGE_TABLE.sub(_NO_CAGE, text)
     assemble(parse_scene(text, source)).load_distribution()
@@ -218,10 +269,10 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
 
 
 def _marks(assumed: frozenset[str]) -> dict[str, str]:
-    """Return what stands behind the value of each option."""
-    bare = ("speed", "load")  # they have no other comment
+    """Return the mark behind the value of each assumed option."""
+    without_comment = ("speed", "load")
     return {
-        f"assumed_{option}": f"{' #' if option in bare else ';'} ASSUMED, write yours"
+        f"assumed_{option}": f"{' #' if option in without_comment else ';'} ASSUMED, write yours"
         if option in assumed
         else ""
         for option in MEANING
@@ -229,16 +280,19 @@ def _marks(assumed: frozenset[str]) -> dict[str, str]:
 
 
 def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, object]:
-    """Return what the template takes."""
+    """Return the values of the template."""
     named: Any = load(find("bearing", bearing))
     b = named.bearing
     own = own_cage(bearing)
     follows = own is not None and own.make == cage
-    of = cage or "brass"  # of a full complement nothing of it is written
-    make = CAGE_DESIGNS[of]
-    guidance = own.guidance if own is not None and follows else CAGE_DESIGNS[of].guidance
-    says = own.letters if own is not None and follows else ""
-    mass, inertia = estimated_inertia(b, of)
+    material = cage or "brass"  # a full complement has no table of the cage
+    make = CAGE_DESIGNS[material]
+    guidance = make.guidance
+    reason = ""
+    if own is not None and follows:
+        guidance = own.guidance
+        reason = f": {own.letters} in the name" if own.letters else ": most makers put it in"
+    mass, inertia = estimated_inertia(b, material)
     lengths = (
         "roller_diameter",
         "roller_length",
@@ -257,7 +311,7 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         **_seats(b),
         "follows": "# " if follows else "",
         "make": cage,
-        "why_make": f"{make.words}{f': {says} in the name' if says else ': most makers put it in' if follows else ''}",
+        "why_make": f"{make.description}{reason}",
         "mass": format_quantity(mass, "kg", 3),
         "inertia": f"{inertia:.3g} kg m2",
         "guidance": guidance,
@@ -270,16 +324,16 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
 
 
 def _seats(b: Bearing) -> dict[str, str]:
-    """Return marks of the lines of fits, which are comments where a raceway has no ring that sits anywhere."""
-    found = {}
+    """Return the marks of the lines of fits, which are comments where a raceway has no ring with a seat."""
+    marks = {}
     for seat, part, raceway in (
         ("on_shaft", "shaft", b.inner_raceway),
         ("in_housing", "housing", b.outer_raceway),
     ):
         bare = raceway is not None and raceway.without_ring
-        found[seat] = "# " if bare or not b.mounting else ""
-        found[f"no_{part}"] = f"; not here: rollers run on the {part} itself" if bare else ""
-    return found
+        marks[seat] = "# " if bare or not b.mounting else ""
+        marks[f"no_{part}"] = f"; not here: rollers run on the {part} itself" if bare else ""
+    return marks
 
 
 def _aligned(text: str) -> str:

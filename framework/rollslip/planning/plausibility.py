@@ -1,9 +1,9 @@
-"""What is unusual in a scene, of all that it holds: its own tables, the oil, the cage, models and studies.
+"""Check a scene for unusual values: in its own tables, the oil, the cage, models and studies.
 
-- A range of a single value stands beside its field (`rollslip.fields.field`), what has to fit another value in
+- The usual range of a value is defined with its field (`rollslip.fields.field`), the relations between values in
   `rollslip.scene.relations`.
-- Only what somebody wrote is judged by its field: named data, defaults and estimates have other authors.
-- Where a key takes many values, as in a sweep, that is said once for all of them.
+- Only values that the scene states are checked by their fields. Named data, defaults and estimates are not.
+- Where a key takes many values, as in a sweep, there is one message for all of them.
 """
 
 import contextlib
@@ -11,7 +11,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from numbers import Real
 from types import UnionType
-from typing import Any, Union, get_args, get_origin
+from typing import Any, Final, Union, get_args, get_origin
 
 import attrs
 import numpy as np
@@ -23,42 +23,53 @@ from rollslip.fields import unusual
 from rollslip.lubricant.base_oil import HIGHEST_INDEX, LOWEST_INDEX
 from rollslip.lubricant.table import OilTable, index_of
 from rollslip.scene.changes import Quantity, evolve
-from rollslip.scene.clearance import unused
+from rollslip.scene.clearance import unused_keys
 from rollslip.scene.relations import RELATIONS
-from rollslip.scene.rings import rings_of, yielding
+from rollslip.scene.rings import ring_flexibility, rings_of
 from rollslip.scene.values import Scene, model_kind
 from rollslip.structure import Location, fields_of, resolved, types_of
 from rollslip.studies.study import study_class
 from rollslip.toml import parse, split_key
 from rollslip.units import UnitError, as_written, quantity, unit_given
 
-__all__ = ["implausible", "implausible_along"]
+__all__ = ["implausible", "implausible_in_sweep"]
 
 
-def implausible(scene: Scene, moved: Collection[str] = ()) -> list[str]:
-    """Return what is unusual in a scene, with place, value and what was likely meant; most scenes have nothing.
+#: Angles at which the form of a ring is sampled, one for half a degree: enough for waves of up to 100 lobes.
+_FORM_ANGLES: Final = 721
 
-    What stands at keys that are ``moved`` is left to `implausible_along`.
+
+def implausible(scene: Scene, varied_keys: Collection[str] = ()) -> list[str]:
+    """Return messages on unusual values of a scene, with key, value and what was likely meant.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    varied_keys : collection of str
+        Keys that a campaign varies; they are left to `implausible_in_sweep`.
     """
     raw = scene.tables
     where = Location(scene.origins)
-    found = [*_unusual_values(Scene, raw, where)]
-    found += _unusual_values(OilTable, raw.get("lubricant"), where.at("lubricant"))
-    found += _oil(scene, raw, where.at("lubricant"))
-    found += _unusual_values(Cage, raw.get("cage"), where.at("cage"))
-    found += _models(raw, where)
+    messages = [*_unusual_values(Scene, raw, where)]
+    messages += _unusual_values(OilTable, raw.get("lubricant"), where.at("lubricant"))
+    messages += _oil(scene, raw, where.at("lubricant"))
+    messages += _unusual_values(Cage, raw.get("cage"), where.at("cage"))
+    messages += _models(raw, where)
     studies = raw.get("study")
     for name, table in studies.items() if isinstance(studies, Mapping) else ():
-        with contextlib.suppress(RollslipError):  # who runs it says so
-            found += _unusual_values(study_class(name, scene), table, where.at("study").at(name))
-    found += _unusual_relations(scene, raw, where)
-    told = {at.path for at, _ in found}
-    if not any(path[0] == "bearing" for path in told):  # of a bearing in doubt none of a cage is
-        found += [(at, text) for at, text in implausible_values(scene) if at.path not in told]
-    found += _clearance(scene, raw, where.at("bearing"))
+        with contextlib.suppress(RollslipError):  # a run of the study reports it
+            messages += _unusual_values(study_class(name, scene), table, where.at("study").at(name))
+    messages += _unusual_relations(scene, raw, where)
+    paths = {at.path for at, _ in messages}
+    if not any(path[0] == "bearing" for path in paths):  # an unusual bearing makes its cage unusual
+        messages += [(at, text) for at, text in implausible_values(scene) if at.path not in paths]
+    messages += _clearance(scene, raw, where.at("bearing"))
     return [
         *dict.fromkeys(
-            at.message(told) for at, told in found if ".".join(map(str, at.path)) not in moved
+            at.message(text)
+            for at, text in messages
+            if ".".join(map(str, at.path)) not in varied_keys
         )
     ]
 
@@ -66,58 +77,60 @@ def implausible(scene: Scene, moved: Collection[str] = ()) -> list[str]:
 def _unusual_relations(
     scene: Scene, raw: Mapping[str, object], where: Location
 ) -> Iterator[tuple[Location, str]]:
-    """Yield place and sentence for each relation that is not usual, but of values that are not by themselves."""
+    """Yield location and text for each unusual relation between values which are usual by themselves."""
     for relation in RELATIONS:
-        at = relation.at(where)
-        told = relation.fault(scene, raw, "usual")
-        if told and not any(_unusual(relation.attribute(scene), relation.written(raw), at)):
-            yield at, told
+        at = relation.location(where)
+        text = relation.describe_violation(scene, raw, "usual")
+        if text and not any(_unusual(relation.attribute(scene), relation.written_value(raw), at)):
+            yield at, text
 
 
 def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
-    """Say what viscosities no oil has, and what a name in place of another keeps and leaves of the table as written."""
-    now = raw.get("lubricant")
-    now = {"name": now} if isinstance(now, str) else now if isinstance(now, Mapping) else {}
-    index = index_of(now)
+    """Yield location and text for viscosities that no oil has, and for the effect of a name on the table as written."""
+    present: Mapping[str, Any] = {}
+    match raw.get("lubricant"):
+        case str(name):
+            present = {"name": name}
+        case Mapping() as table:
+            present = table
+    index = index_of(present)
     if not (math.isnan(index) or LOWEST_INDEX <= index <= HIGHEST_INDEX):
         yield (
             where.at("points"),
             f"the viscosities make a viscosity index of {index:.0f}, oils have -50 to 300; check them",
         )
     try:
-        before = parse(scene.text, "")[0].get("lubricant")
+        written = parse(scene.text, "")[0].get("lubricant")
     except (RollslipError, ValueError):  # the text of another program
         return
-    if not isinstance(before, Mapping) or now.get("name") in (None, before.get("name")):
+    if not isinstance(written, Mapping) or present.get("name") in (None, written.get("name")):
         return
-    own = {key: as_written(value) for key, value in before.items() if key != "name"}
-    kept = [
-        f"{key} = {value}" for key, value in own.items() if key in now and now[key] == before[key]
+    own = {key: as_written(value) for key, value in written.items() if key != "name"}
+    retained = [
+        f"{key} = {value}"
+        for key, value in own.items()
+        if key in present and present[key] == written[key]
     ]
-    left = [f"{key} = {value}" for key, value in own.items() if key not in now]
-    name = now["name"]
-    if kept:
+    dropped = [f"{key} = {value}" for key, value in own.items() if key not in present]
+    name = present["name"]
+    if retained:
         yield (
             where,
-            f"{name!r} keeps what the scene states: {', '.join(kept)}; lubricant={name} alone leaves it out",
+            f"{name!r} keeps what the scene states: {', '.join(retained)}; lubricant={name} alone leaves it out",
         )
-    if left:
+    if dropped:
         yield (
             where,
-            f"{name!r} leaves out what the scene states: {', '.join(left)}; lubricant.name={name} keeps it",
+            f"{name!r} leaves out what the scene states: {', '.join(dropped)}; lubricant.name={name} keeps it",
         )
 
 
 def _clearance(
     scene: Scene, raw: Mapping[str, Any], where: Location
 ) -> Iterator[tuple[Location, str]]:
-    """Yield what is stated beside a clearance in operation and not used, and that seats leave a preload."""
-    for key in unused(raw.get("bearing", {})):
+    """Yield location and text for what is stated besides a clearance in operation, and for a preload of rigid rings."""
+    for key in unused_keys(raw.get("bearing", {})):
         yield where.at(key), "is not used: bearing.radial_clearance is stated, that in operation"
-    b = scene.bearing
-    mounted = scene.bearing.mounted
-    at = where.at("mounting" if mounted else "radial_clearance")
-    uniform = -b.radial_clearance
     rings = rings_of(
         scene,
         lambda choice, at: structure_model(
@@ -126,55 +139,71 @@ def _clearance(
         [],
     )
     stated = {} if rings is None else rings.yielding
+    mounted = scene.bearing.mounted
     for ring, shapes in stated.items() if mounted else ():
         for key in shapes.departs:
-            told = "is not as in bearing.mounting, from which the clearance in operation follows; state it there alone"
-            yield Location(scene.origins).at("models").at(f"{ring}_ring").at(key), told
-    if len(stated) == 2:
-        return
-    parts = [(uniform, 0, "")] if uniform > 0.0 else []
-    if rings is not None and (rings.waves or rings.tables):  # all parts together
-        formed = next(
-            ring
-            for ring in ("outer", "inner")
-            if getattr(getattr(b, f"{ring}_raceway"), "form", ())
-        )
-        by_form = 2.0 * float(rings.form(np.linspace(0.0, 2.0 * np.pi, 721)).max()) + min(
-            uniform, 0.0
-        )
-        lobes = max(rings.waves, key=lambda wave: wave[1], default=(2, 0.0, 0.0))[
-            0
-        ]  # a table is taken for an oval
+            text = "is not as in bearing.mounting, from which the clearance in operation follows; state it there alone"
+            yield Location(scene.origins).at("models").at(f"{ring}_ring").at(key), text
+    if len(stated) < 2:
+        yield from _preload(scene, rings, stated, where)
+
+
+def _preload(
+    scene: Scene, rings: Any, stated: Mapping[str, Any], where: Location
+) -> Iterator[tuple[Location, str]]:
+    """Yield location and text for a preload by interference or form where a ring is rigid, which makes it too large."""
+    mounted = scene.bearing.mounted
+    interference = -scene.bearing.radial_clearance
+    at = where.at("mounting" if mounted else "radial_clearance")
+    parts = [(interference, 0, "")] if interference > 0.0 else []
+    if rings is not None and (rings.waves or rings.tables):
+        by_form, lobes, ring = _form_preload(scene, rings, interference)
         if by_form > 0.0:
-            at = at if parts else where.at(f"{formed}_raceway")
+            at = at if parts else where.at(f"{ring}_raceway")
             parts.append((by_form, lobes, " by the form" if parts else ""))
     if not parts:
         return
     rigid = [ring for ring in ("outer", "inner") if ring not in stated]
-    here = "rings are" if len(rigid) == 2 else f"the {rigid[0]} ring is"
+    subject = "rings are" if len(rigid) == 2 else f"the {rigid[0]} ring is"
     keys = " and ".join(f"models.{ring}_ring" for ring in rigid)
-    how = f": {mounted}" if mounted and uniform > 0.0 else ""
-    told = "too large"
-    seated = " (with the housing and shaft of bearing.mounting, or thick ones)"
+    reason = f": {mounted}" if mounted and interference > 0.0 else ""
+    excess = "too large"
+    note = " (with the housing and shaft of bearing.mounting, or thick ones)"
     with contextlib.suppress(RollslipError):
         fractions = []
-        for preload, lobes, what in parts:
-            bare, held = (
-                100 * one.fraction(lobes) for one in yielding(b, lobes=lobes, stated=stated)
+        for preload, lobes, part in parts:
+            bare, seated = (
+                100 * flexibility.fraction(lobes)
+                for flexibility in ring_flexibility(scene.bearing, lobes=lobes, stated=stated)
             )
             fractions.append(
-                f"of {preload * 1e6:.3g} um{what} about {bare:.0f} % (bare rings) to {held:.0f} %{seated}"
+                f"of {preload * 1e6:.3g} um{part} about {bare:.0f} % (bare rings) to {seated:.0f} %{note}"
             )
-            seated = ""
-        told = f"too large: {' and '.join(fractions)} reach the rollers"
+            note = ""
+        excess = f"too large: {' and '.join(fractions)} reach the rollers"
     yield (
         at,
-        f"the bearing runs preloaded{how}; {here} rigid here, so that forces of rollers are {told}; give {keys}, or "
-        "take a looser fit or class",
+        f"the bearing runs preloaded{reason}; {subject} rigid here, so that forces of rollers are {excess}; give "
+        f"{keys}, or take a looser fit or class",
     )
 
 
+def _form_preload(scene: Scene, rings: Any, interference: float) -> tuple[float, int, str]:
+    """Return the largest preload by the forms of both raceways together [m], its lobes, and a ring that has a form."""
+    ring = next(
+        ring
+        for ring in ("outer", "inner")
+        if getattr(getattr(scene.bearing, f"{ring}_raceway"), "form", ())
+    )
+    angles = np.linspace(0.0, 2.0 * np.pi, _FORM_ANGLES)
+    largest = 2.0 * float(rings.form(angles).max()) + min(interference, 0.0)
+    # a table is taken for an oval
+    lobes, *_ = max(rings.waves, key=lambda wave: wave[1], default=(2, 0.0, 0.0))
+    return largest, lobes, ring
+
+
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield location and text for each unusual parameter of models and drags."""
     models = raw.get("models")
     cage = raw.get("cage")
     for kind, model in models.items() if isinstance(models, Mapping) else ():
@@ -184,59 +213,79 @@ def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location,
         yield from _unusual_model("drag", drag, where.at("cage").at("drag").at(k))
 
 
-def implausible_along(
-    scene: Scene, of: Quantity, values: Sequence[object], which: str = "values"
+def implausible_in_sweep(
+    scene: Scene, varied: Quantity, values: Sequence[object], which: str = "values"
 ) -> list[str]:
-    """Return what is unusual of values that a key of a scene takes, each kind once, with the first value that is.
+    """Return messages on unusual values of a key that is varied, one of each kind, with the first unusual value.
 
-    What is unusual in the scene by itself is left to `implausible`.
+    What is unusual in the scene without the variation is left to `implausible`.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    varied : Quantity
+        The key that is varied.
+    values : sequence
+        Its values, as written in a scene.
+    which : str
+        What the values are, in messages: "values tried".
     """
-    told_by_itself = {
+    known_paths = {
         at.path
-        for at, _ in (*_unusual_relations(scene, resolved(scene), Location({})), *implausible_values(scene))
+        for at, _ in (
+            *_unusual_relations(scene, resolved(scene), Location({})),
+            *implausible_values(scene),
+        )
     }
     first = dict[str, str]()
     counts = dict[str, int]()
     for value in values:
-        for key, told in _unusual_at(scene, of, value, told_by_itself):
-            first.setdefault(key, told)
+        for key, text in _unusual_at(scene, varied, value, known_paths):
+            first.setdefault(key, text)
             counts[key] = counts.get(key, 0) + 1
-    found = []
-    for key, told in first.items():
-        among = f"{counts[key]} of {len(values)} {which}"
-        at = f"{key}, {among}" if key.startswith(of.key) else f"{key}, at {among} of {of.key}"
-        found.append(
-            f"{at}{', the first' if counts[key] > 1 else ''}: {told}"
-            if len(values) > 1
-            else f"{key}: {told}"
-        )
-    return found
+    messages = []
+    for key, text in first.items():
+        if len(values) == 1:
+            messages.append(f"{key}: {text}")
+            continue
+        count = f"{counts[key]} of {len(values)} {which}"
+        subject = f"{key}, at {count} of {varied.key}"
+        if key.startswith(varied.key):
+            subject = f"{key}, {count}"
+        if counts[key] > 1:
+            subject += ", the first"
+        messages.append(f"{subject}: {text}")
+    return messages
 
 
 def _unusual_at(
-    scene: Scene, of: Quantity, value: object, told_by_itself: set[Any]
+    scene: Scene, varied: Quantity, value: object, known_paths: set[Any]
 ) -> Iterator[tuple[str, str]]:
-    """Yield each key that is unusual where a key takes a value, and what is."""
-    if of.model:
-        for at, told in _unusual_model(of.model, value, Location({}, split_key(of.key))):
-            yield at.message(""), told
-    elif of.unit is not None or of.whole:
-        number: Any = of.read(value)
-        if told := unusual(
-            of.attribute, number, None if of.unit is None else unit_given(value, of.unit)
-        ):
-            yield of.key, told
-    changed = evolve(scene, {of.key: value})
-    for at, told in (*_unusual_relations(changed, changed.tables, Location({})), *implausible_values(changed)):
-        if at.path not in told_by_itself or at.message("") == of.key:
-            yield at.message(""), told
+    """Yield each key that is unusual where the varied key has a value, and a text on it."""
+    if varied.model:
+        for at, text in _unusual_model(varied.model, value, Location({}, split_key(varied.key))):
+            yield at.message(""), text
+    elif varied.unit is not None or varied.whole:
+        number: Any = varied.read(value)
+        unit = None if varied.unit is None else unit_given(value, varied.unit)
+        text = unusual(varied.attribute, number, unit)
+        if text:
+            yield varied.key, text
+    changed = evolve(scene, {varied.key: value})
+    for at, text in (
+        *_unusual_relations(changed, changed.tables, Location({})),
+        *implausible_values(changed),
+    ):
+        if at.path not in known_paths or at.message("") == varied.key:
+            yield at.message(""), text
 
 
 # Values by their fields ----------------------------------------------------------------------------------------------
 
 
 def _unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Location, str]]:
-    """Yield place and sentence for each value of a raw table that its field does not call usual."""
+    """Yield location and text for each value of a table that is outside the usual range of its field."""
     if not isinstance(raw, Mapping):
         return
     kinds = types_of(cls)
@@ -248,22 +297,21 @@ def _unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Lo
         if (kind := attribute.metadata.get("kind")) is not None:
             yield from _unusual_model(kind, value, at)
             continue
-        for inner, table, place in _tables(kinds[attribute.name], value, at):
-            yield from _unusual_values(inner, table, place)
-            for a in attrs.fields(inner):
-                if a.metadata.get(
-                    "own_unit"
-                ):  # a property over temperature: its values are those of the property
-                    yield from _unusual(attribute, table.get(a.name), place.at(a.name))
+        for inner, table, location in _tables(kinds[attribute.name], value, at):
+            yield from _unusual_values(inner, table, location)
+            for field in attrs.fields(inner):
+                # values of a property over temperature have the usual range of the property
+                if field.metadata.get("own_unit"):
+                    yield from _unusual(attribute, table.get(field.name), location.at(field.name))
         yield from _unusual(attribute, value, at)
 
 
 def _unusual_model(kind: str, raw: object, where: Location) -> Iterator[tuple[Location, str]]:
-    """Yield place and sentence for each parameter of a model that its field does not call usual."""
+    """Yield location and text for each parameter of a model that is outside the usual range of its field."""
     if isinstance(raw, Mapping) and isinstance(name := raw.get("model"), str):
         try:
             cls = get_class(kind, name)
-        except PluginError:  # who makes the model says so
+        except PluginError:  # the constructor of the model reports it
             return
         if attrs.has(cls):
             yield from _unusual_values(cls, raw, where)
@@ -272,25 +320,26 @@ def _unusual_model(kind: str, raw: object, where: Location) -> Iterator[tuple[Lo
 def _tables(
     kind: Any, raw: object, where: Location
 ) -> Iterator[tuple[Any, Mapping[str, object], Location]]:
-    """Yield the attrs classes that a value is read as, its tables and their places."""
-    for one in get_args(kind) if get_origin(kind) in (Union, UnionType, tuple) else (kind,):
-        if attrs.has(one) and isinstance(raw, Mapping):
-            yield one, raw, where
-        elif attrs.has(one) and isinstance(raw, list | tuple):
-            yield from (
-                (one, table, where.at(k))
-                for k, table in enumerate(raw)
-                if isinstance(table, Mapping)
-            )
+    """Yield the attrs classes that a value is read as, its tables and their locations."""
+    is_composed = get_origin(kind) in (Union, UnionType, tuple)
+    for cls in get_args(kind) if is_composed else (kind,):
+        if not attrs.has(cls):
+            continue
+        if isinstance(raw, Mapping):
+            yield cls, raw, where
+        elif isinstance(raw, list | tuple):
+            for k, table in enumerate(raw):
+                if isinstance(table, Mapping):
+                    yield cls, table, where.at(k)
 
 
 def _unusual(
     attribute: "attrs.Attribute[Any]", raw: object, where: Location
 ) -> Iterator[tuple[Location, str]]:
-    """Yield place and sentence for a number, or for each of a list, that its field does not call usual."""
+    """Yield location and text for a number, or each of a list, that is outside the usual range of its field."""
     if isinstance(raw, list | tuple):
-        for k, one in enumerate(raw):
-            yield from _unusual(attribute, one, where.at(k))
+        for k, item in enumerate(raw):
+            yield from _unusual(attribute, item, where.at(k))
         return
     if (
         isinstance(raw, bool)
@@ -303,5 +352,6 @@ def _unusual(
         value = quantity(raw, unit or "1")
     except UnitError:  # a text in place of a table
         return
-    if told := unusual(attribute, value, None if unit is None else unit_given(raw, unit)):
-        yield where, told
+    text = unusual(attribute, value, None if unit is None else unit_given(raw, unit))
+    if text:
+        yield where, text

@@ -1,8 +1,7 @@
-"""Where a result comes from: the attributes of origin of every dataset, of studies and of campaigns alike.
+"""Provenance of results: the attributes of every dataset by which a run can be reproduced.
 
-They make a result reproducible: the scene verbatim and resolved, its hash, the packages and models used, numbers of
-evaluations, wall time, warnings and citations. What is a structure is JSON text, because netCDF has no other form that
-every reader keeps.
+They are the scene verbatim and resolved, its hash, the packages and models used, numbers of evaluations, wall time,
+warnings and citations. Structures are JSON text, because netCDF has no other form that every reader preserves.
 """
 
 import datetime
@@ -23,7 +22,7 @@ from rollslip.catalogue.registry import Offer, find, get_class
 from rollslip.datasets import SURFACES
 from rollslip.fields import submodels
 from rollslip.models import SliceModel
-from rollslip.planning.lines import own_cage
+from rollslip.planning.lines import describe_own_cage
 from rollslip.planning.plan import Plan
 from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
 from rollslip.results.dataset import CITED
@@ -38,7 +37,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "citations",
-    "cited",
+    "collect_citations",
+    "combine_origins",
     "data_references",
     "describe_citations",
     "describe_lubricant",
@@ -49,12 +49,11 @@ __all__ = [
     "packages_of",
     "references_of",
     "run_origin",
-    "together",
 ]
 
 
 def origin(**facts: Any) -> dict[str, Any]:
-    """Return facts as attributes of a dataset, and when it was made."""
+    """Return facts as attributes of a dataset, with the time of its creation."""
     return as_attributes(**facts) | {
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     }
@@ -69,7 +68,17 @@ def as_attributes(**facts: Any) -> dict[str, Any]:
 
 
 def run_origin(plan: Plan, evaluations: int, wall_time: float) -> dict[str, Any]:
-    """Return the attributes by which a result can be made again: its scene, the packages, and what it took."""
+    """Return the attributes by which a result can be computed again: its scene, the packages, and the effort.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan by which the result was computed.
+    evaluations : int
+        Number of evaluated slices.
+    wall_time : float
+        Time of the run [s].
+    """
     scene = plan.scene
     return origin(
         **describe_scene(scene),
@@ -82,13 +91,21 @@ def run_origin(plan: Plan, evaluations: int, wall_time: float) -> dict[str, Any]
 
 
 def models_origin(plan: Plan, study: str) -> dict[str, Any]:
-    """Return the attributes that describe the models and data of a result of a study, and what to cite for them."""
+    """Return the attributes that describe the models and data of a result, and what to cite for them.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan by which the result was computed.
+    study : str
+        Name of the study.
+    """
     scene = plan.scene
     assembly = plan.assemblies[study]
     models = [pair for kind, model in plan.models for pair in ((kind, model), *submodels(model))]
     raw: Mapping[str, Any] = scene.raw or {}
     offers = [*(find(kind, model.name) for kind, model in models), *named_data(raw)]
-    own = own_cage(scene, plan.studies)
+    own = describe_own_cage(scene, plan.studies)
     return as_attributes(
         packages=packages_of(offers),
         models=describe_models(plan.models),
@@ -109,23 +126,38 @@ def models_origin(plan: Plan, study: str) -> dict[str, Any]:
     )
 
 
-def together(origins: Collection[Mapping[str, Any]], *lists: str) -> dict[str, Any]:
-    """Return the packages of several origins, and the items of their models, citations and other lists, each once."""
-    found = dict[str, Any](packages={})
-    for one in origins:
-        found["packages"] |= json.loads(one["packages"])
+def combine_origins(origins: Collection[Mapping[str, Any]], *lists: str) -> dict[str, Any]:
+    """Return the packages of several results, and the items of their models, citations and other lists, each once.
+
+    Parameters
+    ----------
+    origins : collection of mappings
+        Attributes of the results.
+    *lists : str
+        Names of further attributes that are lists in JSON.
+    """
+    combined = dict[str, Any](packages={})
+    for attributes in origins:
+        combined["packages"] |= json.loads(attributes["packages"])
     for key in ("models", *lists, *CITED):
-        found[key] = list(
-            {json.dumps(item): item for one in origins for item in json.loads(one[key])}.values()
-        )
-    return found
+        items = (item for attributes in origins for item in json.loads(attributes[key]))
+        combined[key] = list({json.dumps(item): item for item in items}.values())
+    return combined
 
 
-# What it is made of -------------------------------------------------------------------------------------------------
+# Descriptions of scene, models and data ------------------------------------------------------------------------------
 
 
 def describe_scene(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
-    """Return title, text and hash of a scene; `given` is the scene as it was written, where a campaign changes it."""
+    """Return title, text and hash of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene that was run.
+    given : Scene, optional
+        The scene as it was written, where a campaign changes it.
+    """
     given = given or scene
     mounted = scene.bearing.mounted
     return {
@@ -142,7 +174,7 @@ def describe_scene(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
 
 
 def _title(scene: Scene) -> str:
-    """Title of a scene, and what was changed of what it was written for."""
+    """Return the title of a scene, with the values that were changed since it was written."""
     paths = [
         path
         for path, place in scene.origins.items()
@@ -151,9 +183,13 @@ def _title(scene: Scene) -> str:
     last = [
         path for path in paths if not any(path == other[: len(path)] != other for other in paths)
     ]
-    told = (f"{'.'.join(map(str, path))} = {reduce(getitem, path, scene.raw)}" for path in last)  # type: ignore[arg-type]
-    speaks = scene.title and last and scene.origins.get(("title",)) != CHANGES
-    return f"{scene.title}; changed: {', '.join(told)}" if speaks else scene.title
+    if not (scene.title and last) or scene.origins.get(("title",)) == CHANGES:
+        return scene.title
+    changes = (
+        f"{'.'.join(map(str, path))} = {reduce(getitem, path, scene.raw)}"  # type: ignore[arg-type]
+        for path in last
+    )
+    return f"{scene.title}; changed: {', '.join(changes)}"
 
 
 #: Version of an installed package; reading its metadata takes a millisecond, and it does not change while we run.
@@ -168,7 +204,7 @@ def packages_of(offers: Iterable[Offer]) -> dict[str, str]:
 
 
 def describe_models(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
-    """Return what is kept of models, given with their kinds."""
+    """Return descriptions of models, given with their kinds, for JSON."""
     return [
         {
             "kind": kind,
@@ -179,24 +215,33 @@ def describe_models(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
             "references": list(map(str, references_of(model))),
             "parameters": repr(model),
             "submodels": [
-                {"kind": of, "name": child.name, "package": whose.package, "version": whose.version}
-                for of, child in submodels(model)
-                for whose in (find(of, child.name),)
+                _describe_submodel(child_kind, child) for child_kind, child in submodels(model)
             ],
         }
         for kind, model, offer in ((kind, model, find(kind, model.name)) for kind, model in models)
     ]
 
 
+def _describe_submodel(kind: str, model: SliceModel) -> dict[str, Any]:
+    """Return the description of a model within another."""
+    offer = find(kind, model.name)
+    return {
+        "kind": kind,
+        "name": model.name,
+        "package": offer.package,
+        "version": offer.version,
+    }
+
+
 def describe_film_limits(assembly: "Assembly") -> dict[str, float]:
-    """Return the film parameters up to which a film is mixed, and boundary, as far as the scene's traction has any."""
+    """Return the film parameters up to which a film is mixed or boundary, if the traction of the scene has them."""
     traction = assembly.at(attrs.evolve(assembly.resolution, boundary=True)).traction
     limits = {"mixed": traction.full_film_from or 0.0, "boundary": traction.boundary_up_to}
     return {film: limit for film, limit in limits.items() if 0.0 < limit < math.inf}
 
 
 def describe_lubricant(oil: "Lubricant") -> dict[str, Any]:
-    """Return what is kept of an oil."""
+    """Return the description of an oil, for JSON."""
     return {
         "name": oil.name,
         "source": oil.source,
@@ -207,7 +252,7 @@ def describe_lubricant(oil: "Lubricant") -> dict[str, Any]:
 
 
 def describe_data(offer: Offer) -> dict[str, Any]:
-    """Return what is kept of a bearing that a scene takes by a name."""
+    """Return the description of data that a scene takes by a name, for JSON."""
     named = load(offer)
     return {
         "kind": offer.kind,
@@ -219,17 +264,17 @@ def describe_data(offer: Offer) -> dict[str, Any]:
 
 
 def describe_surfaces(raw: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return what is kept of the surfaces that a scene takes by a name, if it does."""
+    """Return the description of surfaces that a scene takes by a name, for JSON; empty if it does not."""
     table = raw.get("surface", {})
     if "name" not in table:
         return []
     name = surface_name(table["name"])
-    told = "Ra as recalled of measured cylindrical roller bearings (C)"
+    origin = "Ra as recalled of measured cylindrical roller bearings (C)"
     return [
         {
             "kind": "surface",
             "name": name,
-            "source": f"{told}: {SURFACES[name][1]}. Makers print none; measure yours.",
+            "source": f"{origin}: {SURFACES[name][1]}. Makers print none; measure yours.",
             "validity": "New, run-in raceways; the roughness that counts lies along the rolling direction.",
             "grades": {},
         }
@@ -238,34 +283,44 @@ def describe_surfaces(raw: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def citations(plan: Plan) -> list[Citation]:
     """Return what to cite for the models, studies and data of a plan, the paper that rollslip follows first."""
-    studies = (one for study in plan.studies.values() for one in study.references)
-    return cited([model for _, model in plan.models], [*studies, *data_references(plan.assembly)])
+    studies = (citation for study in plan.studies.values() for citation in study.references)
+    return collect_citations(
+        [model for _, model in plan.models], [*studies, *data_references(plan.assembly)]
+    )
 
 
-def cited(models: Iterable[SliceModel], others: Iterable[Citation]) -> list[Citation]:
-    """Return what to cite for models, and others, each once: the paper that rollslip follows and rollslip first."""
-    used = (one for model in models for one in references_of(model))
+def collect_citations(models: Iterable[SliceModel], others: Iterable[Citation]) -> list[Citation]:
+    """Return what to cite, each once: the paper that rollslip follows and rollslip first.
+
+    Parameters
+    ----------
+    models : iterable of SliceModel
+        Models that were used.
+    others : iterable of Citation
+        Citations of studies and data.
+    """
+    used = (citation for model in models for citation in references_of(model))
     return once([KLEBANOV, rollslip_itself(), *used, *others])
 
 
 def data_references(assembly: "Assembly") -> list[Citation]:
-    """Citations of the oil and of all else that the scene takes by its name."""
+    """Return the citations of the oil and of all other data that a scene takes by a name."""
     oil = assembly.lubricant
     offers = named_data(assembly.scene.raw or {})
-    used = (one for offer in offers for one in get_class(offer.kind, offer.name).references)
+    used = (
+        citation for offer in offers for citation in get_class(offer.kind, offer.name).references
+    )
     return [*used, *oil.references, *oil.pressure_viscosity_law.references]
 
 
 def describe_citations(found: Iterable[Citation]) -> dict[str, list[Any]]:
-    """Return the attributes `CITED` of a dataset."""
+    """Return citations as the attributes `CITED` of a dataset."""
     found = list(found)
-    return dict(zip(CITED, (list(map(str, found)), list(map(as_dict, found))), strict=True))
+    values = [str(citation) for citation in found], [as_dict(citation) for citation in found]
+    return dict(zip(CITED, values, strict=True))
 
 
 def references_of(model: SliceModel) -> list[Citation]:
-    """Citations of a model and of the models it is composed of."""
-    return list(
-        dict.fromkeys(
-            [*model.references, *(one for _, child in submodels(model) for one in child.references)]
-        )
-    )
+    """Return the citations of a model and of its submodels, each once."""
+    inner = (citation for _, child in submodels(model) for citation in child.references)
+    return list(dict.fromkeys([*model.references, *inner]))

@@ -1,9 +1,9 @@
-"""What is reported of the error of a run: its a posteriori estimate, and on request its difference to a finer run."""
+"""Report the discretisation error of a run: by its a posteriori estimate, and with ``--verify`` by a finer run."""
 
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import reference_resolution
@@ -22,19 +22,37 @@ from rollslip.studies.error_estimate import (
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Ratio of error and tolerance that is taken at least when a smaller tolerance is proposed: a smaller one may change no
+#: number of the plan. Chosen.
+_MIN_RATIO: Final = 2.0
+#: Ratio that is taken where the error is not known. Chosen.
+_UNKNOWN_RATIO: Final = 10.0
+#: Fraction of the tolerance by which the proposed one keeps a distance. With 1 the next run may just exceed it again.
+_PROPOSED_FRACTION: Final = 0.5
+
 
 def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
-    """Return where the error of a run exceeds its tolerance, or is not known to keep it, with what to type."""
+    """Return the warnings on errors that exceed their tolerances, or are not known, with what to type.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan by which the result was computed.
+    study : str
+        Name of the study.
+    error : ErrorEstimate
+        The estimated error of the result.
+    """
     accuracy = plan.scene.accuracy
-    of_slices = error.errors.get("slices", {}) if accuracy.slices is not None else {}
+    slice_errors = error.errors.get("slices", {}) if accuracy.slices is not None else {}
     warnings = list[str]()
     if error.refusal:
         warnings.append(
-            f"how far this is off could not be judged, as on more slices or positions {error.refusal}"
+            f"the discretisation error is not known, as on more slices or positions {error.refusal}"
         )
     for result, size in exceeding(error.total, accuracy).items():
         # "exact" is the finest, whatever it leaves; slices that the scene fixes have a warning of their own
-        if accuracy.of(result) == EXACT or of_slices.get(result, 0.0) > accuracy.of(result):
+        if accuracy.of(result) == EXACT or slice_errors.get(result, 0.0) > accuracy.of(result):
             continue
         if result in plan.studies[study].irreducible_errors:
             warnings.append(
@@ -48,42 +66,47 @@ def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
 
 
 def _excess(result: str, size: float, accuracy: Accuracy, error: ErrorEstimate) -> str:
-    """Say by how much a result is off, and how that falls with the positions where it is known."""
+    """Return the clause on the error of a result, and on its order of convergence where that is known."""
     name = result.replace("_", " ")
     if not math.isfinite(size):
         return f"how far {name} is off cannot be determined: on other positions or slices there is none"
-    falls = ""
+    convergence = ""
     if result in error.orders:
-        falls = f"; it falls with the order {error.orders[result]:.1f} of the positions"
+        convergence = f"; it falls with the order {error.orders[result]:.1f} of the positions"
         if error.orders[result] < MIN_ORDER:
-            falls = "; it does not fall with the positions"
+            convergence = "; it does not fall with the positions"
     return (
         f"{name} is off by about {size:.1e}, more than the tolerance of {accuracy.of(result):g}, as positions and "
-        f"slices other than those of the run show{falls}"
+        f"slices other than those of the run show{convergence}"
     )
 
 
 def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstimate) -> str:
-    """Say what to type so that a result keeps its tolerance."""
+    """Return the clause on what to type so that a result keeps its tolerance.
+
+    A tolerance is proposed from the observed order p of the positions. The numbers of a plan follow its tolerance with
+    the second order, while the error falls with order p: to lower the error by a ratio r, the tolerance has to fall by
+    r^(2/p).
+    """
     accuracy = plan.scene.accuracy
     running = plan.studies[study]
     tolerance = accuracy.of(result)
     key = result if hasattr(accuracy, result) else "tolerance"
     numbers = resolution_numbers(plan.choices[study].resolution)
-    most = resolution_numbers(reference_resolution(plan.scene))
+    limits = resolution_numbers(reference_resolution(plan.scene))
     if accuracy.slices is not None and result in error.joint_errors:  # which slices may leave, too
         remedy = "raise accuracy.slices, or let a plan choose by --set accuracy.slices=auto"
-    elif all(numbers[part] >= most[part] for part in error.errors):
+    elif all(numbers[part] >= limits[part] for part in error.errors):
         remedy = f"raise accuracy.{key}; this is the finest that a plan takes"
     else:
         order = min(max(error.orders.get(result, MAX_ORDER), MIN_ORDER), MAX_ORDER)
-        ratio = max(size / tolerance, 2.0) if math.isfinite(size) else 10.0
-        finer = 0.5 * tolerance * ratio ** (-2.0 / order)
-        remedy = (
-            f"type --set accuracy.{key}={finer:.0e}"
-            if finer > EXACT
-            else "type --set accuracy.tolerance=exact"
-        )
+        ratio = _UNKNOWN_RATIO
+        if math.isfinite(size):
+            ratio = max(size / tolerance, _MIN_RATIO)
+        finer = _PROPOSED_FRACTION * tolerance * ratio ** (-2.0 / order)
+        remedy = "type --set accuracy.tolerance=exact"
+        if finer > EXACT:
+            remedy = f"type --set accuracy.{key}={finer:.0e}"
     if (
         result == "critical_slip"
         and running.uses_continuation
@@ -94,39 +117,64 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
 
 
 def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
-    """Return a result that says what it is off from the same at the finest resolution, which is run for that.
+    """Return a result with its actual errors, by a run at the finest resolution.
 
-    A study whose finest would take days is held against one four times as fine, whose error is a sixteenth. Attribute
-    ``accuracy`` then holds actual errors, and a warning tells of a tolerance not kept.
+    A study whose finest run would take days is compared with one four times as fine, whose error is a sixteenth.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan by which the result was computed.
+    study : str
+        Name of the study.
+    dataset : xarray.Dataset
+        The result.
+
+    Returns
+    -------
+    xarray.Dataset
+        The result, with actual errors in the attribute ``accuracy``, and a warning for each tolerance that is exceeded.
     """
     running = plan.studies[study]
     running = running.without_outputs(
         frozenset(running.outputs.keys() - set(running.controlled_outputs.values()))
     )
-    resolution, how = running.verification_resolution(plan.scene, plan.choices[study].resolution)
+    resolution, method = running.verification_resolution(plan.scene, plan.choices[study].resolution)
     fine = running.with_resolution(resolution).run(assemble(plan.scene, resolution))
-    found = errors_between(running.controlled_outputs, dataset, fine)
-    rows = accuracy_rows(plan, study, found, how)
-    broken = [
+    errors = errors_between(running.controlled_outputs, dataset, fine)
+    rows = accuracy_rows(plan, study, errors, method)
+    exceeded = [
         f"{row['result'].replace('_', ' ')} is off by {row['found']:.1e} of the finest result, more than the "
         f"tolerance of {row['tolerance']:g}; run with a smaller accuracy.{row['result']}"
         for row in rows
         if row["found"] is not None and row["found"] > row["tolerance"]
     ]
-    broken += [
+    exceeded += [
         f"{result.replace('_', ' ')} has a value either here or in the finest result, but not in both; run with a "
         f"smaller accuracy.{result}"
-        for result, error in found.items()
+        for result, error in errors.items()
         if error == math.inf
     ]
-    told = json.dumps([*broken, *json.loads(dataset.attrs["warnings"])])
-    return dataset.assign_attrs(accuracy=json.dumps(rows), warnings=told)
+    warnings = json.dumps([*exceeded, *json.loads(dataset.attrs["warnings"])])
+    return dataset.assign_attrs(accuracy=json.dumps(rows), warnings=warnings)
 
 
 def accuracy_rows(
-    plan: Plan, study: str, found: Mapping[str, float], how: str
+    plan: Plan, study: str, actual: Mapping[str, float], method: str
 ) -> list[dict[str, Any]]:
-    """Return rows of result, tolerance, estimated error and the error that was found."""
+    """Return rows of result, tolerance, estimated error and actual error; an error that is not finite is None.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan by which the result was computed.
+    study : str
+        Name of the study.
+    actual : mapping of str to float
+        Errors that were found after the run.
+    method : str
+        How these were found.
+    """
     estimated = plan.choices[study].total
 
     def number(errors: Mapping[str, float], result: str) -> float | None:
@@ -137,8 +185,8 @@ def accuracy_rows(
             "result": result,
             "tolerance": plan.scene.accuracy.of(result),
             "estimated": number(estimated, result),
-            "found": number(found, result),
-            "how": how,
+            "found": number(actual, result),
+            "how": method,
         }
-        for result in dict.fromkeys((*estimated, *found))
+        for result in dict.fromkeys((*estimated, *actual))
     ]

@@ -22,7 +22,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
 from rollslip.planning.execution import run
-from rollslip.planning.provenance import origin, together
+from rollslip.planning.provenance import combine_origins, origin
 from rollslip.results.accounts import answer
 from rollslip.results.answer import Answer
 from rollslip.results.dataset import about
@@ -194,7 +194,7 @@ def run_alternatives(plan: Alternatives, show: "ProgressReporter") -> "xr.Datase
             rows={label: {row.key: row.text for row in answers[label].rows} for label in order},
             scene_resolved=resolved(plan.scene),
             scene_hash=scene_hash(plan.scene),
-            **together(runs),
+            **combine_origins(runs),
             warnings=[],
             evaluations=sum(int(attributes["evaluations"]) for attributes in runs),
             wall_time=time.perf_counter() - start,

@@ -30,7 +30,7 @@ class ExplorerSettings(OfPoints):
     Raises
     ------
     SceneError, PluginError
-        If anything is wrong with the scene, or plotly is not installed.
+        If the scene or the settings are wrong, or plotly is not installed.
     ConvergenceError
         If a point of the grid fails.
     OutputError

@@ -33,7 +33,7 @@ def _explore(
         raise OutputError(f"{target}: exists; name another --out, or --overwrite it")
     if target.exists() and not is_report(target):
         raise OutputError(
-            f"{target}: is no page of rollslip, so it is not replaced; name another --out"
+            f"{target}: is not a page of rollslip and is not replaced; name another --out"
         )
     library()  # a missing library is reported before anything else
     requested = attrs.evolve(requested, out=target)

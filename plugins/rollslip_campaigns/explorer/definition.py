@@ -105,12 +105,12 @@ def _read_dial(quantity: Quantity, text: str) -> Dial:
     """The dial of a quantity and a range, LOW:HIGH or LOW:HIGH:NODES; ValueError or UnitError if it is wrong."""
     parts = [part.strip() for part in text.split(":")]
     if len(parts) not in (2, 3) or not all(parts):
-        raise ValueError(f"{text!r} is no range; write LOW:HIGH or LOW:HIGH:NODES, with units")
+        raise ValueError(f"{text!r} is not a range; write LOW:HIGH or LOW:HIGH:NODES, with units")
     count = _DEFAULT_NODES if len(parts) == 2 else 0
     if len(parts) == 3 and parts[2].isdecimal():
         count = int(parts[2])
     if not 2 <= count <= 33:
-        raise ValueError(f"{text!r}: {parts[-1]!r} is no number of nodes from 2 to 33")
+        raise ValueError(f"{text!r}: {parts[-1]!r} is not a number of nodes from 2 to 33")
     unit = str(quantity.unit)
     check_typed(text, parts[:2], unit)
     low, high = evenly(parts[0], parts[1], 2, unit)

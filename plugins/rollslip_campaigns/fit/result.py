@@ -20,7 +20,7 @@ from rollslip.catalogue.registry import find
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel, TractionModel
 from rollslip.planning.provenance import (
-    cited,
+    collect_citations,
     describe_citations,
     describe_lubricant,
     describe_models,
@@ -555,7 +555,7 @@ def _provenance(fit: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
         packages=packages_of(offers),
         models=described,
         lubricant=describe_lubricant(oil),
-        **describe_citations(cited([*models.values(), oil.pressure_viscosity_law], oil.references)),
+        **describe_citations(collect_citations([*models.values(), oil.pressure_viscosity_law], oil.references)),
         evaluations=problem.evaluated,
         **_tables(fit, dataset),
     )

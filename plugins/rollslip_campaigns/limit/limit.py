@@ -245,7 +245,7 @@ def _searched_quantity(known: Mapping[str, Quantity], key: str) -> Quantity:
     if quantity.unit is None:
         raise SceneError(
             [
-                f"{quantity.key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"
+                f"{quantity.key}: is not a quantity with continuous values; sweep it with rollslip sweep run"
             ]
         )
     return quantity
@@ -254,10 +254,10 @@ def _searched_quantity(known: Mapping[str, Quantity], key: str) -> Quantity:
 def _range(quantity: Quantity, text: str) -> tuple[str, int, bool]:
     """Bounds as they are written, number of first values, and whether the grid is even in the logarithm."""
     if ":" not in text:
-        raise SceneError([f"{text!r} is no range; write LOW:HIGH or LOW:HIGH:COUNT, with units"])
+        raise SceneError([f"{text!r} is not a range; write LOW:HIGH or LOW:HIGH:COUNT, with units"])
     ends, count, logarithmic = range_parts(quantity.key, text)
     if count and not (count.isascii() and count.isdecimal() and 3 <= int(count) <= 999):
-        raise SceneError([f"{text!r}: {count!r} is no count of values from 3 to 999"])
+        raise SceneError([f"{text!r}: {count!r} is not a number of values from 3 to 999"])
     try:
         check_typed(text, ends, str(quantity.unit))
         low, high = evenly(*ends, 2, str(quantity.unit))

@@ -28,7 +28,7 @@ class SweepSettings(OfPoints):
     Raises
     ------
     SceneError, PluginError
-        If anything is wrong with the scene or the sweep; before anything runs.
+        If the scene or the settings are wrong; raised before anything runs.
     EngineError, OutputError
         If the engine or the folder cannot be used.
 

@@ -280,7 +280,8 @@ class Sweep(SweepWork):
             lines.append(f"{n} samples, {self.table.sampling}, seed {self.table.seed}{balance}")
         elif self.given.uncertainty:
             lines.append(
-                "the table [uncertainty] of the scene is not used: no samples are asked for; --samples N does"
+                "the table [uncertainty] of the scene is not used: no samples are requested; request them by "
+                "--samples N"
             )
         for name, resolution in self.resolutions.chosen.items():
             laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""

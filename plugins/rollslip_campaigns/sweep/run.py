@@ -223,7 +223,7 @@ def run_sweep(
         run = _Run(sweep, len(numbers), done_before, report)
         _log.info("%d of %d points are in %s already", done_before.total(), len(numbers), folder)
         chosen = engine if engine is not None else requested_engine(sweep)
-        why = "asked for"
+        why = "requested"
         if not pending:
             print_line("all points are done")
             return SweepOutcome(run.progress(), "", "all points are done", False)

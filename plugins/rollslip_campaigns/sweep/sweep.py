@@ -258,7 +258,7 @@ def _read_table(
     if table.samples is None and "sampling" in table_values:
         problems.append(
             place.at("sampling").message(
-                "says how samples are drawn, but none are asked for; give samples"
+                "selects how samples are drawn, but no samples are requested; give samples"
             )
         )
     return table, place

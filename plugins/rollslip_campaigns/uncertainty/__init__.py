@@ -35,7 +35,7 @@ class UncertaintySettings(OfPoints):
     Raises
     ------
     SceneError, PluginError
-        If anything is wrong with the scene or what is asked for; before anything runs.
+        If the scene or the settings are wrong; raised before anything runs.
     EngineError, OutputError
         If the engine or the folder cannot be used.
 

@@ -27,7 +27,7 @@ from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
 from rollslip.planning.campaign import listed
-from rollslip.planning.provenance import cited, describe_citations, origin, packages_of
+from rollslip.planning.provenance import collect_citations, describe_citations, origin, packages_of
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
@@ -126,7 +126,7 @@ class Validation:
             source=", ".join(measurement.name for measurement in self.sets),
             packages=packages_of(offers),
             **describe_citations(
-                cited(
+                collect_citations(
                     models, [cite for measurement in self.sets for cite in measurement.references]
                 )
             ),

@@ -160,10 +160,12 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "rolling_speed": Output(_CURVE, "m/s", "rolling speed, mean over them"),
         "film_parameter": Output(_CURVE, "1", "smallest film parameter Lambda"),
         **REGIMES,
-        "normal_force": Output("ring roller", "N", "normal force at the first instant"),
-        "angle": Output("roller", "rad", "position from the line of load, first instant"),
+        "normal_force": Output("ring roller", "N", "normal force at the first roller position"),
+        "angle": Output("roller", "rad", "position from the line of load, first roller position"),
         "roller_friction": Output(
-            "ring roller cage_slip", "1", "friction coefficient of each roller, first instant"
+            "ring roller cage_slip",
+            "1",
+            "friction coefficient of each roller, first roller position",
         ),
         "friction_map": Output(
             "ring map_cage_slip map_roller_slip", "1", "effective friction coefficient"
@@ -205,7 +207,7 @@ class EffectiveFriction(Study):
     cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
             "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest",
-            "film regimes": "told of every loaded slice, over the slips of the curve",
+            "film regimes": "evaluated for every loaded slice, over the slips of the curve",
             "skidding": "the balance of torques of freely spinning rollers, about its maximum and at the drags",
             "map": "the study asks for friction over cage slip and roller slip|over few loads that stand for all "
             "slices",
@@ -231,7 +233,7 @@ class EffectiveFriction(Study):
     skidding_range: float = parameter(
         default=0.95,
         unit="1",
-        doc="largest cage slip up to which skidding is looked for, whatever the curve's; 0 for not",
+        doc="largest cage slip up to which skidding is searched, whatever the curve's; 0 for no search",
         validator=in_range(0.0, 0.99),
     )
     points: int = parameter(
@@ -243,7 +245,7 @@ class EffectiveFriction(Study):
         validator=at_least(0),
     )
     per_roller: bool = parameter(
-        default=False, doc="store the friction of every roller at the first instant"
+        default=False, doc="store the friction of every roller at the first roller position"
     )
 
     def with_bands(self, scene: "Scene", dataset: "xr.Dataset") -> "xr.Dataset":

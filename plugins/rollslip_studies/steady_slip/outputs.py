@@ -114,7 +114,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "", "1", "what was found of the reserve: found, at least, or why there is none"
         ),
         "largest_torque": Output(
-            "", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"
+            "",
+            "N m",
+            "largest torque of the rollers on the loading branch, of a reserve where the slip does not jump",
         ),
         "largest_torque_slip": Output("", "1", "cage slip there"),
         "largest_torque_error": Output("", "1", "relative error left of it"),
@@ -127,7 +129,11 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "first_maximum_slip": Output("", "1", "cage slip there", status="skidding_status"),
         "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
         "torque": Output(
-            "steady", "N m", "drag torque that is carried", status="status", aliases=("steady_drag",)
+            "steady",
+            "N m",
+            "drag torque that is carried",
+            status="status",
+            aliases=("steady_drag",),
         ),
         "stable": Output("steady", "1", "held"),
         "stability": Output("steady", "1", "stability in words"),

@@ -140,7 +140,7 @@ class SteadySlip(Study):
     )
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {"orbits": "a steady motion of the rollers for every slip that is asked for"}
+        {"orbits": "a steady motion of the rollers for every slip"}
     )
     with_cage: ClassVar[bool] = True
     measured: ClassVar[Mapping[str, Measurable]] = MEASURED
@@ -154,7 +154,7 @@ class SteadySlip(Study):
     )
     points: int = parameter(
         default=25,
-        doc="slips of the slip-drag curve, at least; the way up has its own",
+        doc="slips of the slip-drag curve, at least; the loading branch has its own",
         validator=at_least(6),
     )
     inertia: bool = parameter(
