@@ -21,7 +21,8 @@ from rollslip_plugins.bibliography import (
 )
 from rollslip_plugins.symbols import explained
 
-MPA = 1e6  # Pa, the unit of the published coefficients, N/mm2
+#: Pa in N/mm2, the unit of the published coefficients.
+MPA = 1e6
 
 
 @attrs.frozen

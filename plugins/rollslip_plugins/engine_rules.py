@@ -9,7 +9,7 @@ from rollslip.testing.rules import Inapplicable, refuse_unless, rule
 
 
 def _outcomes(engine: Engine, tasks: Sequence[tuple[Any, ...]]) -> list[Any]:
-    """Return what becomes of tasks, each a function and its arguments: a result, or the error."""
+    """Return the result or the error of each task, which is a function and its arguments."""
     try:
         executor = engine.executor()
     except EngineError as error:
@@ -19,13 +19,13 @@ def _outcomes(engine: Engine, tasks: Sequence[tuple[Any, ...]]) -> list[Any]:
             engine.workers(executor) >= 1,
             f"it says that {engine.workers(executor)} tasks run at once",
         )
-        found: list[Any] = []
+        outcomes: list[Any] = []
         for future in [executor.submit(*task) for task in tasks]:
             try:
-                found.append(future.result(timeout=120.0))
+                outcomes.append(future.result(timeout=120.0))
             except Exception as error:
-                found.append(error)
-        return found
+                outcomes.append(error)
+        return outcomes
     finally:
         engine.end(executor, at_once=False)
 

@@ -1,10 +1,10 @@
-"""Engines of sweeps: this process, processes beside it, and the workers of a dask scheduler.
+"""Engines of sweeps: this process, its threads, other processes, and the workers of a dask scheduler.
 
-- Processes are spawned, not forked: a fork takes over locks and threads of numerical libraries in any state.
-- A worker ignores Ctrl-C, which reaches the whole group: the sweep decides what it means. It is started with Ctrl-C
-  held back, which would else kill it before it can ignore it. It ends itself when the sweep's process is gone, because
-  the pool's queues never tell it.
-- Workers have one thread for linear algebra each; as many threads as cores in each only wait for each other.
+- Processes are spawned, not forked: a fork inherits locks and threads of numerical libraries in any state.
+- A worker ignores Ctrl-C, which reaches the whole group: the sweep handles it. It is started with that signal blocked,
+  because the signal would kill it before it can ignore it. It ends itself when the process of the sweep is gone,
+  because the queues of the pool do not report that.
+- Each worker has one thread for linear algebra; with as many threads as cores in each, threads would wait.
 - dask.distributed is imported when its engine is used; ``pip install rollslip[cluster]`` brings it.
 """
 
@@ -30,7 +30,7 @@ from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError
 from rollslip.fields import at_least, parameter, positive
 
-#: The kind of engines. It stands with them, since the core sweeps nothing.
+#: The kind of engines. The framework does not have it, since it has no sweeps.
 ENGINE: Final = Kind(
     name="engine",
     hook="engines",
@@ -40,13 +40,14 @@ ENGINE: Final = Kind(
 
 
 def _count() -> Any:
+    """Return the parameter for the number of workers."""
     return parameter(
         default=0, doc="points at a time; 0 for as many as there are cores", validator=at_least(0)
     )
 
 
 class _Immediate(Executor):
-    """Computes a task when it is handed in, in the thread that does."""
+    """An executor that computes a task when it is submitted, in the same thread."""
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":
         future: Future[Any] = Future()
@@ -59,13 +60,13 @@ class _Immediate(Executor):
 
 @attrs.frozen(kw_only=True)
 class Serial(Engine):
-    """One point after the other, in this process."""
+    """Serial computation in this process."""
 
     name: ClassVar[str] = "serial"
     separate: ClassVar[bool] = False
 
     def executor(self) -> Executor:
-        """Return an executor that computes at once."""
+        """Return an executor that computes immediately."""
         return _Immediate()
 
     def workers(self, executor: Executor) -> int:
@@ -91,23 +92,22 @@ class Threads(Engine):
 
 
 class _Pool(ProcessPoolExecutor):
-    """A pool of processes, which it starts as tasks are handed in."""
+    """A pool of processes, which are started as tasks are submitted."""
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":
         if not hasattr(signal, "pthread_sigmask"):
             return super().submit(fn, *args, **kwargs)
-        before = signal.pthread_sigmask(
-            signal.SIG_BLOCK, {signal.SIGINT}
-        )  # a new process takes it over
+        # a new process inherits the blocked signal; this process receives it when it is unblocked
+        previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             return super().submit(fn, *args, **kwargs)
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)  # what came meanwhile comes now
+            signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
 
 @attrs.frozen(kw_only=True)
 class Processes(Engine):
-    """Processes of this computer, of which one that dies loses only the point that killed it."""
+    """Processes of this computer: if one dies, only its own point is lost."""
 
     name: ClassVar[str] = "processes"
     count: int = _count()
@@ -130,7 +130,7 @@ class Processes(Engine):
         return self.count or cores()
 
     def end(self, executor: Executor, *, at_once: bool) -> None:
-        """Close the pool; at once means that its processes are killed."""
+        """Close the pool; ``at_once`` kills its processes."""
         if at_once:
             for process in list((getattr(executor, "_processes", None) or {}).values()):
                 process.kill()
@@ -138,20 +138,21 @@ class Processes(Engine):
 
 
 def _prepare_worker() -> None:
+    """Set signals, threads and the watch of the parent in a new process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     for number in (getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP", "SIGQUIT")):
         if number is not None:
             signal.signal(number, signal.SIG_DFL)
     if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(
-            signal.SIG_UNBLOCK, {signal.SIGINT}
-        )  # ignored from here on; children have it as usual
+        # it is ignored from here on, and its own children receive it as usual
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
 def _end_with_parent() -> None:
+    """Wait for the end of the parent process, and end this one."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
@@ -186,7 +187,7 @@ class Dask(Engine):
                 f"the dask scheduler {self.scheduler} has had no worker for {self.patience:g} s; start some: "
                 f"dask worker {self.scheduler}"
             ) from error
-        return _OfClient(client)
+        return _ClientExecutor(client)
 
     def _client(self) -> Any:
         try:
@@ -201,16 +202,12 @@ class Dask(Engine):
             "distributed.comm",
             "tornado.application",
         ):
-            logging.getLogger(logger).setLevel(
-                logging.CRITICAL
-            )  # a lost connection is told by the sweep
-        place = (
-            {"scheduler_file": self.scheduler}
-            if self.scheduler.endswith(".json")
-            else {"address": self.scheduler}
-        )
+            # the sweep reports a lost connection
+            logging.getLogger(logger).setLevel(logging.CRITICAL)
+        key = "scheduler_file" if self.scheduler.endswith(".json") else "address"
+        address = {key: self.scheduler}
         try:
-            return distributed.Client(**place, timeout=self.patience, set_as_default=False)
+            return distributed.Client(**address, timeout=self.patience, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
             raise EngineError(
                 f"the dask scheduler {self.scheduler} cannot be reached ({error or 'no answer'}); start one: "
@@ -218,25 +215,25 @@ class Dask(Engine):
             ) from error
 
     def workers(self, executor: Executor) -> int:
-        """Return the number of threads of all workers, at this time; the last known one while none can be told."""
-        return executor.threads() if isinstance(executor, _OfClient) else 1
+        """Return the current number of threads of all workers; the last known one if the connection is lost."""
+        return executor.threads() if isinstance(executor, _ClientExecutor) else 1
 
     def killed(self, error: BaseException) -> bool:
-        """Return whether the scheduler gave a task up because workers died with it."""
+        """Return whether the scheduler abandoned a task because workers died while computing it."""
         import distributed
 
         return isinstance(error, distributed.KilledWorker | BrokenExecutor)
 
     def end(self, executor: Executor, *, at_once: bool) -> None:
-        """Leave the scheduler; tasks that have not begun are taken back."""
+        """Disconnect from the scheduler; tasks that have not started are cancelled."""
         executor.shutdown(wait=not at_once)
 
 
-class _OfClient(Executor):
-    """Tasks of a client, which is closed with it.
+class _ClientExecutor(Executor):
+    """Tasks of a client of dask.distributed, which is closed with this executor.
 
-    The executor that dask.distributed has leaves a future open for ever where the connection breaks while its result
-    is fetched.
+    The executor of dask.distributed itself never completes a future if the connection breaks while its result is
+    fetched.
     """
 
     def __init__(self, client: Any) -> None:
@@ -245,7 +242,7 @@ class _OfClient(Executor):
 
     def threads(self) -> int:
         """Return the number of threads of all workers."""
-        with suppress(OSError, RuntimeError, ValueError):  # a lost connection is told by the tasks
+        with suppress(OSError, RuntimeError, ValueError):  # the tasks report a lost connection
             self._threads = max(1, sum(self.client.nthreads().values()))
         return self._threads
 

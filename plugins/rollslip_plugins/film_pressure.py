@@ -1,4 +1,4 @@
-"""Mean pressure in the film of a contact, Hertz's or that of a light contact: what viscosity and traction read."""
+"""Mean pressure in the film of a contact, by Hertz or for a light contact; viscosity and traction depend on it."""
 
 from types import MappingProxyType
 from typing import ClassVar, Final
@@ -20,13 +20,16 @@ from rollslip_plugins.bibliography import (
 )
 from rollslip_plugins.symbols import explained
 
-#: i = POWER[0] + POWER[1] L + POWER[2] L^2, up to L = FITTED_TO.
+#: Coefficients of i = POWER[0] + POWER[1] L + POWER[2] L^2, fitted to numerical solutions up to L = MAX_FITTED_L.
 POWER: Final = (0.651, -0.02, -0.0027)
-FITTED_TO: Final = 10.0
-#: r beyond: for each of LUBRICANTS a row, at LOADS, of numerical solutions. Values above 1 are of Barus's spike and
-#: cut; those at M = 2 beyond L = 15, where no solution was found, only continue them: r is 1 there.
+#: Largest L of that fit; from the first of `LUBRICANTS` on r is tabulated.
+MAX_FITTED_L: Final = 10.0
+#: M of the columns of the table.
 LOADS: Final = (0.3, 0.5, 0.6, 0.7, 0.85, 1.0, 1.25, 1.5, 2.0)
+#: L of the rows of the table.
 LUBRICANTS: Final = (12.0, 15.0, 18.0, 21.0, 25.0)
+#: r of numerical solutions. Values above 1 are those of the spike of Barus's law and are cut. Those at M = 2 beyond
+#: L = 15, where no solution was found, continue the row: r is 1 there.
 SOLVED: Final = (
     (0.151, 0.250, 0.300, 0.350, 0.429, 0.514, 0.683, 0.857, 1.00),
     (0.152, 0.254, 0.308, 0.365, 0.461, 0.589, 0.883, 1.03, 1.13),
@@ -34,13 +37,15 @@ SOLVED: Final = (
     (0.154, 0.265, 0.331, 0.414, 0.682, 0.975, 1.21, 1.30, 1.36),
     (0.155, 0.275, 0.357, 0.519, 0.927, 1.19, 1.38, 1.44, 1.46),
 )
-#: How many times the film the gap has grown by where it carries nothing more. A choice (D): 3 sqrt(2 R h) is 2.3 times
-#: the half width 1.3 sqrt(2 R h) of a rigid contact under its own film, 3 R sqrt(2 U)/M, so that none of these is cut.
+#: Growth of the gap, in film thicknesses, at which the film carries no more load. Chosen (D): 3 sqrt(2 R h) is 2.3
+#: times the half width 1.3 sqrt(2 R h) of a rigid contact under its own film, 3 R sqrt(2 U)/M, so that none of these is
+#: cut.
 GAP: Final = 9.0
-#: Load from which down the contact is rigid: r = M/2.
+#: Largest M of a rigid contact: r = M/2.
 RIGID: Final = 0.1
-#: log2(M/2), and there log2(2 r/M).
+#: log2(M/2) of the nodes of the interpolation.
 KNOTS: Final = np.log2(0.5 * np.array((RIGID, *LOADS)))
+#: log2(2 r/M) at these nodes, a row for each of `LUBRICANTS`.
 RISE: Final = np.column_stack((np.zeros(len(LUBRICANTS)), np.log2(SOLVED) - KNOTS[1:]))
 #: M is taken between this and its inverse, so that no logarithm is infinite.
 _SMALLEST_M: Final = 1e-250
@@ -177,22 +182,28 @@ class LightContact(PressureModel):
         Hertz().evaluate(slices)
         M, L = moes_groups(slices)
         r = pressure_ratio(M, np.asarray(L))
-        most = slices.half_width + np.sqrt(
+        limit = slices.half_width + np.sqrt(
             2 * GAP * slices.conditions.radius * slices.film_thickness
         )
-        wide = slices.half_width / r >= most
-        slices.half_width[...] = np.where(wide, most, slices.half_width / r)
-        slices.pressure[...] = np.where(wide, slices.load / (2 * most), slices.pressure * r)
+        is_wide = slices.half_width / r >= limit
+        slices.half_width[...] = np.where(is_wide, limit, slices.half_width / r)
+        slices.pressure[...] = np.where(is_wide, slices.load / (2 * limit), slices.pressure * r)
 
     def kernel(self) -> object:
         """Return the compiled form."""
-        return compiled.light_contact(POWER, FITTED_TO, KNOTS, LUBRICANTS, RISE)
+        return compiled.light_contact(POWER, MAX_FITTED_L, KNOTS, LUBRICANTS, RISE)
 
 
 def pressure_ratio(M: Array, L: Array) -> Array:
-    """Return the mean pressure in the film over Hertz's, r(M, L), of arrays of one shape."""
+    """Return the mean pressure in the film relative to Hertz's.
+
+    Parameters
+    ----------
+    M, L : ndarray
+        Moes's load and lubricant parameters [1], of one shape.
+    """
     x = np.log2(0.5 * np.clip(M, _SMALLEST_M, 1 / _SMALLEST_M))
-    of_fit = np.minimum(L, FITTED_TO)
+    of_fit = np.minimum(L, MAX_FITTED_L)
     i = POWER[0] + of_fit * (POWER[1] + of_fit * POWER[2])
     fitted = np.minimum(x, 0.0) - i * np.log1p(np.exp2(-np.abs(x) / i)) / np.log(2)
     uncut = np.array([x + np.interp(x, KNOTS, row) for row in RISE])
@@ -202,5 +213,5 @@ def pressure_ratio(M: Array, L: Array) -> Array:
     part = np.clip((L - low) / (high - low), 0.0, 1.0)
     below, above = (np.take_along_axis(uncut, at[None], axis=0)[0] for at in (k, k + 1))
     tabled = np.minimum(below + part * (above - below), 0.0)
-    fraction = np.clip((L - FITTED_TO) / (LUBRICANTS[0] - FITTED_TO), 0.0, 1.0)
+    fraction = np.clip((L - MAX_FITTED_L) / (LUBRICANTS[0] - MAX_FITTED_L), 0.0, 1.0)
     return np.asarray(np.exp2(fitted + fraction * (tabled - fitted)))

@@ -23,13 +23,14 @@ from rollslip.units import format_quantity
 from rollslip_kernels.slices import Conditions
 from rollslip_kernels.stages import viscosity as compiled
 
-#: Where all isotherms, and all isobars, of Roelands's law meet: 6.315e-5 Pa s is exp(-9.67).
+#: Viscosity at which all isotherms of Roelands's law meet [Pa s]: 6.315e-5 (Roelands 1966).
 POLE_VISCOSITY: Final = math.exp(-9.67)
+#: Negative of the pressure at which they meet [Pa] (Roelands 1966).
 POLE_PRESSURE: Final = 1 / 5.1e-9
 
 
 def _above_roelands(pressure: float) -> float:
-    """Per cent by which Barus is above Roelands, for MIL-L-7808 at 50 degC: 8.58 mPa s and alpha = 10.74 /GPa."""
+    """Return the excess of Barus's viscosity over Roelands's [%], for MIL-L-7808 at 50 degC: 8.58 mPa s, 10.74 /GPa."""
     k = math.log(8.58e-3 / POLE_VISCOSITY)
     rise = 10.74e-9 * pressure
     roelands = k * math.expm1(10.74e-9 * POLE_PRESSURE / k * math.log1p(pressure / POLE_PRESSURE))
@@ -103,9 +104,10 @@ class Barus(PressureViscosity):
 
 
 def _gamma(s: Array, k: Array) -> tuple[Array, Array]:
-    """G(s, k) = exp(k) k^-s Gamma(s, k) and its slope over s.
+    """Return G(s, k) = exp(k) k^-s Gamma(s, k), with the incomplete gamma function, and its slope over s.
 
-    Legendre's continued fraction for s in (0, 1], from its end forwards, then G(s + 1) = (s G(s) + 1)/k.
+    Legendre's continued fraction of 400 terms for s in (0, 1], from its end forwards, then the recurrence
+    G(s + 1) = (s G(s) + 1)/k.
     """
     whole = np.ceil(s) - 1.0
     part = s - whole

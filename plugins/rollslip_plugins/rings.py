@@ -1,9 +1,9 @@
-"""Rings that yield: an annulus with its housing or shaft, a thin ring in its seat, and any by a compliance matrix.
+"""Flexible rings: an annulus with its housing or shaft, a thin ring in its seat, and any ring by a compliance matrix.
 
-- Shapes are Fourier terms of the raceway's radial displacement; n = 1 is where a ring stands, and is none of them
-  unless a seat holds it.
-- Masses are those of the static displacement (Rayleigh): they count in plane motion alone.
-- Beyond some n a shape counts again what the law of contact holds: that begins where lobes are as short as the pitch.
+- Shapes are Fourier terms of the radial displacement of the raceway. The term n = 1 is the position of a ring, which is
+  not a shape unless a seat holds the ring.
+- Masses are those of the static displacement (Rayleigh's method): they count in plane motion alone.
+- From some n on a shape repeats the deflection of the contact law: where its lobes are as short as the roller pitch.
 """
 
 import functools
@@ -23,23 +23,32 @@ from rollslip_plugins.bibliography import BARBER_1978, TIMOSHENKO_1956, TIMOSHEN
 
 Floats = NDArray[np.float64]
 
-#: Where a shaft is solid or a housing thick: radius over that of the seat beyond which nothing changes.
-_FAR: Final = 1e3
-#: Radius over that of the raceway beyond which a housing's mass is not counted, see `mass_of_annulus`.
-_HEAVY: Final = 2.0
-#: Shear: 1/(5/6) of a rectangular section.
-_SHEAR: Final = 1.2
-#: Stops round a seat with clearance.
+#: Ratio of radii that stands for a solid shaft or an unbounded housing: the compliance changes by 1e-6 at most with a
+#: larger one.
+_UNBOUNDED_RATIO: Final = 1e3
+#: Ratio of a radius to that of the raceway beyond which mass does not count, see `mass_of_annulus`. Doubling it adds
+#: mass of a thick housing that is not accelerated at the frequencies of interest (D).
+_MASS_RATIO: Final = 2.0
+#: Shear factor of a rectangular section: 1/(5/6) (Timoshenko).
+_SHEAR_FACTOR: Final = 1.2
+#: Number of springs round a seat with clearance. Halving it makes the support uneven between shapes of high n. Chosen.
 _STOPS: Final = 72
-#: Compliance, of the largest, below which a shape of a matrix is left out, or not positive where it is negative.
-_STIFF: Final = 1e-6
+#: Compliance of a shape, relative to the largest, below which the shape of a matrix is omitted; a negative compliance
+#: beyond it is refused. Chosen: above the rounding of printed matrices.
+_MIN_COMPLIANCE: Final = 1e-6
+#: Number of Gauss-Legendre nodes of the mass of an annulus: powers up to n = 50 are integrated to 1e-10.
+_GAUSS_NODES: Final = 48
+#: Minimum number of rows of a compliance matrix: with fewer, n = 2 has hardly four points for a wave. Chosen.
+_MIN_ROWS: Final = 8
+#: Largest asymmetry of a compliance matrix, relative to its largest entry. Chosen: four printed digits.
+_MAX_ASYMMETRY: Final = 1e-3
 
-
+#: Near radius [m], far radius [m], Young's modulus [Pa] and Poisson's ratio of each layer of an annulus.
 Layers = tuple[tuple[float, float, float, float], ...]
 
 
 def _rows(n: int, r: Any, modulus: float, nu: float) -> tuple[list[list[Any]], list[list[Any]]]:
-    """Stresses and displacements on circles, radial and along them, of each power."""
+    """Return stresses and displacements on a circle of radius r, radial and tangential, for each power of r."""
     if n == 0:  # s = A + B/r^2, E u = (1 - nu) A r - (1 + nu) B/r
         return [[1.0, r**-2]], [[(1.0 - nu) * r / modulus, -(1.0 + nu) / r / modulus]]
     powers = (n, n + 2, -n, 2 - n)
@@ -48,46 +57,58 @@ def _rows(n: int, r: Any, modulus: float, nu: float) -> tuple[list[list[Any]], l
         [n * (p - 1) * r ** (p - 2) for p in powers],
     ]
     radial = [((p - n * n) / (p - 1) - nu * p) * r ** (p - 1) / modulus for p in powers]
-    along = [
+    tangential = [
         (p * (p - 1) + nu * n * n - (p - n * n) / (p - 1)) * r ** (p - 1) / (n * modulus)
         for p in powers
     ]
-    return stress, [radial, along]
+    return stress, [radial, tangential]
 
 
 def _annulus(n: int, layers: Layers) -> Floats:
-    """Coefficients of the powers in each layer under a unit load, lengths in the first radius, moduli in the first."""
+    """Return the coefficients of the powers in each layer under a unit load, (layers, powers).
+
+    Lengths are relative to the loaded radius, moduli to that of the first layer. The linear system has the boundary
+    conditions on both free faces, and equal stresses and displacements of both layers on each face between them.
+    """
     R = layers[0][0]
     E0 = layers[0][2]
-    many = 2 if n == 0 else 4
-    each = 1 if n == 0 else 2
+    powers = 2 if n == 0 else 4
+    conditions = 1 if n == 0 else 2
     faces = len(layers)
-    A = np.zeros((many * faces, many * faces))
-    load = np.zeros(many * faces)
-    at = 0
+    A = np.zeros((powers * faces, powers * faces))
+    load = np.zeros(powers * faces)
+    row = 0
     for k, (near, far, modulus, nu) in enumerate(layers):
-        own = slice(many * k, many * (k + 1))
+        columns = slice(powers * k, powers * (k + 1))
         for r, first, last in ((near / R, k == 0, False), (far / R, False, k == faces - 1)):
-            stress, moved = _rows(n, r, modulus / E0, nu)
+            stress, displacement = _rows(n, r, modulus / E0, nu)
             if first or last:
-                A[at : at + each, own] = stress
-                load[at] = -1.0 if first else 0.0
-                at += each
-            else:  # what leaves a layer enters the next
-                A[at : at + 2 * each, own] = np.array(stress + moved) * (
-                    1.0 if r == far / R else -1.0
-                )
-                at += 2 * each * (r == near / R)
+                A[row : row + conditions, columns] = stress
+                load[row] = -1.0 if first else 0.0
+                row += conditions
+            else:
+                sign = 1.0 if r == far / R else -1.0
+                A[row : row + 2 * conditions, columns] = np.array(stress + displacement) * sign
+                row += 2 * conditions * (r == near / R)
     scale = np.abs(A).max(axis=0)
-    return np.asarray((np.linalg.solve(A / scale, load) / scale).reshape(faces, many))
+    return np.asarray((np.linalg.solve(A / scale, load) / scale).reshape(faces, powers))
 
 
 def compliance_of_annulus(n: int, layers: Layers, width: float) -> float:
-    """Return radial displacement [m2/N] of an annulus per load of the arc, both cos(n psi) on one face.
+    """Return the radial displacement of an annulus per load of the arc [m2/N], both cos(n psi) on one face.
 
-    Layers (near radius, far radius, E, nu) do not part; the first is loaded at its near one
-    radius, and others follow outwards or inwards. Plane stress; n = 0 is Lame's, others Michell's
-    (Airy's function r^p cos(n psi), p = n, n + 2, -n, 2 - n).
+    Plane stress: n = 0 is Lame's solution, others are Michell's (Airy's function r^p cos(n psi), p = n, n + 2, -n,
+    2 - n).
+
+    Parameters
+    ----------
+    n : int
+        Number of waves.
+    layers : tuple of tuples
+        Near radius [m], far radius [m], Young's modulus [Pa] and Poisson's ratio of each layer. The first one is loaded
+        at its near radius; others follow outwards or inwards without a gap.
+    width : float
+        Width of the annulus [m].
     """
     radial = np.array(_rows(n, 1.0, 1.0, layers[0][3])[1][0]) @ _annulus(n, layers)[0]
     outward = 1.0 if layers[0][1] > layers[0][0] else -1.0
@@ -96,39 +117,57 @@ def compliance_of_annulus(n: int, layers: Layers, width: float) -> float:
 
 @functools.cache
 def _gauss() -> tuple[Floats, Floats]:
-    return np.polynomial.legendre.leggauss(48)
+    """Return nodes and weights of Gauss-Legendre quadrature from -1 to 1."""
+    return np.polynomial.legendre.leggauss(_GAUSS_NODES)
 
 
-@functools.lru_cache(
-    maxsize=1024
-)  # ten times the compliance's time, and asked for at every point of a sweep
+# cached, since it takes ten times as long as the compliance and is needed at every point of a sweep
+@functools.lru_cache(maxsize=1024)
 def mass_of_annulus(n: int, layers: Layers, width: float, densities: tuple[float, ...]) -> float:
-    """Return what an annulus weighs [kg] in its displacement under a load cos(n psi), 1 on the loaded face.
+    """Return the mass of an annulus in its displacement under a load cos(n psi) [kg], 1 on the loaded face.
 
-    int rho (u^2 + v^2) dV over u^2 there. Nothing counts beyond twice the loaded radius: a thick housing yields with
-    1/r for n = 0 and 2, by which its mass would have no bound, while waves leave with what is stored so far out (D).
+    It is int rho (u^2 + v^2) dV over u^2 on that face. Mass beyond twice the loaded radius does not count: the
+    displacement of a thick housing decreases as 1/r for n = 0 and 2, so that its mass would have no bound, while waves
+    carry away the energy so far out (D).
+
+    Parameters
+    ----------
+    n, layers, width
+        As in `compliance_of_annulus`.
+    densities : tuple of float
+        Density of each layer [kg/m3].
     """
     R = layers[0][0]
     E0 = layers[0][2]
-    found = 0.0
+    integral = 0.0
     node, weight = _gauss()
     coefficients = _annulus(n, layers)
-    for (near, far, modulus, nu), density, own in zip(layers, densities, coefficients, strict=True):
-        low = np.log(min(near / R, _HEAVY))
-        high = np.log(min(far / R, _HEAVY))
+    for (near, far, modulus, nu), density, row in zip(layers, densities, coefficients, strict=True):
+        low = np.log(min(near / R, _MASS_RATIO))
+        high = np.log(min(far / R, _MASS_RATIO))
         r = np.exp(0.5 * (low + high) + 0.5 * (high - low) * node)
-        squares = sum((own @ np.array(row)) ** 2 for row in _rows(n, r, modulus / E0, nu)[1])
-        found += density * 0.5 * abs(high - low) * float(weight @ (r * r * squares))
+        displacements = _rows(n, r, modulus / E0, nu)[1]
+        squares = sum((row @ np.array(displacement)) ** 2 for displacement in displacements)
+        integral += density * 0.5 * abs(high - low) * float(weight @ (r * r * squares))
     face = np.array(_rows(n, 1.0, 1.0, layers[0][3])[1][0]) @ coefficients[0]
-    return (math.pi if n else 2.0 * math.pi) * width * R * R * found / float(face) ** 2
+    return (math.pi if n else 2.0 * math.pi) * width * R * R * integral / float(face) ** 2
 
 
 def modal(
     radius: float, stiffness: dict[int, float], mass: dict[int, float] | None = None, **more: Any
 ) -> RingShapes:
-    """Return shapes cos n psi and sin n psi of a load per arc and displacement k_n [N/m2], and their masses [kg].
+    """Return the shapes cos n psi and sin n psi of a ring, with the stiffnesses K_0 = 2 pi R k_0, K_n = pi R k_n.
 
-    K_0 = 2 pi R k_0, K_n = pi R k_n.
+    Parameters
+    ----------
+    radius : float
+        Radius R of the raceway or the middle of the ring [m].
+    stiffness : dict
+        Load of the arc per displacement k_n [N/m2] by n.
+    mass : dict, optional
+        Mass of each shape [kg] by n; without it there is no plane motion.
+    **more
+        Other fields of `RingShapes`.
     """
     rows = list[list[complex]]()
     modal_stiffness = list[float]()
@@ -141,13 +180,19 @@ def modal(
     return RingShapes(np.array(rows, complex), np.array(modal_stiffness), **more)
 
 
-def numbers(bearing: Bearing, highest: int | None) -> list[int]:
-    """Return n of the shapes but 1: up to that which is asked for, or half the rollers."""
-    return [
-        n
-        for n in range((max(2, bearing.rollers // 2) if highest is None else highest) + 1)
-        if n != 1
-    ]
+def wave_numbers(bearing: Bearing, highest: int | None) -> list[int]:
+    """Return the numbers n of the shapes, without 1.
+
+    Parameters
+    ----------
+    bearing : Bearing
+        The bearing.
+    highest : int or None
+        Highest number; None for half the rollers.
+    """
+    if highest is None:
+        highest = max(2, bearing.rollers // 2)
+    return [n for n in range(highest + 1) if n != 1]
 
 
 def _size(doc: str, **more: Any) -> Any:
@@ -264,7 +309,15 @@ class Annulus(RingModel):
     harmonics: int | None = _highest()
 
     def layers(self, bearing: Bearing, ring: str) -> tuple[tuple[float, float, float, float], ...]:
-        """Return near and far radius [m], E [Pa] and nu of the ring and of what it sits on, if that is anything."""
+        """Return near and far radius [m], E [Pa] and nu of the ring and of its housing or shaft, if there is one.
+
+        Parameters
+        ----------
+        bearing : Bearing
+            The bearing.
+        ring : str
+            "inner" or "outer".
+        """
         steel = bearing.material_of(ring)
         mounting = bearing.mounting or Mounting()
         d, D = bearing.boundaries
@@ -276,7 +329,7 @@ class Annulus(RingModel):
             raceway = bearing.outer_raceway_diameter
             seat = D
             other = mounting.housing_material or steel
-            beyond = self.outside or mounting.housing_outside_diameter or _FAR * D
+            beyond = self.outside or mounting.housing_outside_diameter or _UNBOUNDED_RATIO * D
             if beyond < D * (1.0 - 1e-9):
                 raise FieldError(
                     "outside", f"must be at least the ring's own, {D:.4g} m, not {beyond:.4g} m"
@@ -294,7 +347,7 @@ class Annulus(RingModel):
                 raise FieldError(
                     "bore", f"must be at most the ring's own, {d:.4g} m, not {beyond:.4g} m"
                 )
-            beyond = max(beyond, d / _FAR)
+            beyond = max(beyond, d / _UNBOUNDED_RATIO)
         own = (raceway / 2.0, seat / 2.0, steel.elastic_modulus, steel.poisson_ratio)
         if abs(beyond - seat) <= 1e-9 * seat:
             return (own,)
@@ -302,7 +355,7 @@ class Annulus(RingModel):
         return own, (seat / 2.0, beyond / 2.0, self.modulus or other.elastic_modulus, nu)
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
-        """Return cosines and sines of the numbers n."""
+        """Return a cosine and a sine for each number n; see `RingModel.shapes`."""
         layers = self.layers(bearing, ring)
         width = self.width or bearing.width
         m = bearing.mounting or Mounting()
@@ -311,7 +364,7 @@ class Annulus(RingModel):
         densities = (own.density, self.density or other.density)[: len(layers)]
         k = {
             n: 1.0 / compliance_of_annulus(n, layers, width)
-            for n in numbers(bearing, self.harmonics)
+            for n in wave_numbers(bearing, self.harmonics)
         }
         mass = {n: mass_of_annulus(n, layers, width, densities) for n in k}
         seat = {"outside": m.housing_outside_diameter, "bore": m.shaft_bore,
@@ -333,10 +386,22 @@ class ToothForce:
 def beam_stiffness(
     n: int, radius: float, area: float, inertia: float, modulus: float, nu: float
 ) -> float:
-    """Return load of the arc per radial displacement of a thin free ring [N/m2], n = 0 or from 2 on."""
+    """Return the load of the arc per radial displacement of a thin free ring [N/m2].
+
+    Parameters
+    ----------
+    n : int
+        Number of waves, 0 or from 2 on.
+    radius : float
+        Radius of the middle of the section [m].
+    area, inertia : float
+        Area [m2] and moment of inertia [m4] of the section.
+    modulus, nu : float
+        Young's modulus [Pa] and Poisson's ratio.
+    """
     if n == 0:
         return modulus * area / radius**2
-    soft = inertia / (area * radius**2) * (2.0 * (1.0 + nu) * _SHEAR * n * n - 1.0)
+    soft = inertia / (area * radius**2) * (2.0 * (1.0 + nu) * _SHEAR_FACTOR * n * n - 1.0)
     return modulus * inertia * (n * n - 1) ** 2 / radius**4 / (1.0 + soft)
 
 
@@ -393,31 +458,14 @@ class Thin(RingModel):
     harmonics: int | None = _highest()
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
-        """Return cosines and sines of the numbers n; with a seat n = 1 is among them."""
-        d, D = bearing.boundaries
-        raceway, seat = (
-            (bearing.outer_raceway_diameter, D)
-            if ring == "outer"
-            else (bearing.inner_raceway_diameter, d)
-        )
-        h = self.thickness or abs(raceway - seat) / 2.0
-        width = self.width or bearing.width
-        R = raceway / 2.0 + (0.5 if ring == "outer" else -0.5) * h
-        if h / 2.0 >= R:
-            raise FieldError(
-                "thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m"
-            )
+        """Return a cosine and a sine for each number n, with a seat also n = 1; see `RingModel.shapes`."""
+        R, width, h = self._section(bearing, ring)
         area = width * h
         inertia = self.section_inertia or width * h**3 / 12.0
         steel = bearing.material_of(ring)
-        loose = self.fit_clearance is not None
-        if loose and not self.seat_stiffness > 0.0:
-            raise FieldError(
-                "seat_stiffness",
-                "must be above 0 with a fit_clearance: nothing else stops the ring",
-            )
-        support = 0.0 if loose else self.seat_stiffness
-        chosen = numbers(bearing, self.harmonics)
+        stops = self._stops(R)
+        support = self.seat_stiffness if stops is None else 0.0
+        chosen = wave_numbers(bearing, self.harmonics)
         k = {
             n: support
             + beam_stiffness(n, R, area, inertia, steel.elastic_modulus, steel.poisson_ratio)
@@ -426,23 +474,47 @@ class Thin(RingModel):
         if self.seat_stiffness > 0.0:
             k = {n: k[n] if n != 1 else support for n in sorted((*k, 1))}
         pushes = sum(
-            (self._push(list(k), one, R, ring) for one in self.forces),
+            (self._push(list(k), force, R, ring) for force in self.forces),
             np.zeros(sum(2 if n else 1 for n in k)),
         )
-        stops = None
-        if self.fit_clearance is not None:
-            angles = 2.0 * math.pi / _STOPS * np.arange(_STOPS, dtype=float)
-            stops = Stops(
-                angles, self.seat_stiffness * R * 2.0 * math.pi / _STOPS, 0.5 * self.fit_clearance
-            )
-        around = math.pi * steel.density * area * R
-        mass = {n: around * (1.0 + 1.0 / (n * n) if n else 2.0) for n in k}
+        half_mass = math.pi * steel.density * area * R
+        mass = {n: half_mass * (1.0 + 1.0 / (n * n) if n else 2.0) for n in k}
         return modal(R, k, mass, pushes=pushes, stops=stops, damping_ratio=self.damping_ratio)
+
+    def _section(self, bearing: Bearing, ring: str) -> tuple[float, float, float]:
+        """Return the radius of the middle, the width and the thickness of the section [m]."""
+        d, D = bearing.boundaries
+        if ring == "outer":
+            raceway = bearing.outer_raceway_diameter
+            h = self.thickness or abs(raceway - D) / 2.0
+            R = raceway / 2.0 + 0.5 * h
+        else:
+            raceway = bearing.inner_raceway_diameter
+            h = self.thickness or abs(raceway - d) / 2.0
+            R = raceway / 2.0 - 0.5 * h
+        if h / 2.0 >= R:
+            raise FieldError(
+                "thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m"
+            )
+        return R, self.width or bearing.width, h
+
+    def _stops(self, radius: float) -> Stops | None:
+        """Return the springs of a seat with clearance; None for a seat without one."""
+        if self.fit_clearance is None:
+            return None
+        if not self.seat_stiffness > 0.0:
+            raise FieldError(
+                "seat_stiffness",
+                "must be above 0 with a fit_clearance: nothing else stops the ring",
+            )
+        angles = 2.0 * math.pi / _STOPS * np.arange(_STOPS, dtype=float)
+        stiffness = self.seat_stiffness * radius * 2.0 * math.pi / _STOPS
+        return Stops(angles, stiffness, 0.5 * self.fit_clearance)
 
     @staticmethod
     def _push(numbers: list[int], force: ToothForce, radius: float, ring: str) -> Floats:
-        """Work of a force on each shape; v' = -w, and a section turns by (v - w')/R."""
-        found = list[float]()
+        """Return the generalised force on each shape; v' = -w, and a section turns by (v - w')/R."""
+        generalised = list[float]()
         W = force.radial * (1.0 if ring == "outer" else -1.0)
         T = force.tangential
         arm = force.arm
@@ -452,8 +524,8 @@ class Thin(RingModel):
             for w, v, slope in (
                 ((c, -s / n, -n * s), (s, c / n, n * c)) if n else ((1.0, 0.0, 0.0),)
             ):
-                found.append(W * w + T * (v + arm * (v - slope) / radius))
-        return np.array(found)
+                generalised.append(W * w + T * (v + arm * (v - slope) / radius))
+        return np.array(generalised)
 
 
 @attrs.frozen(kw_only=True)
@@ -496,7 +568,7 @@ class Compliance(RingModel):
     damping_ratio: float = _damping()
 
     def matrix(self) -> Floats:
-        """Return the matrix, made symmetric."""
+        """Return the symmetric part of the matrix of the file [m/N], (N, N)."""
         rows = [
             line.split(",")
             for line in named_text(self.file).splitlines()
@@ -508,12 +580,12 @@ class Compliance(RingModel):
             raise FieldError(
                 "file", f"{self.file}: rows of N numbers are expected, N times: {error}"
             ) from None
-        if C.ndim != 2 or C.shape[0] != C.shape[1] or len(C) < 8:
+        if C.ndim != 2 or C.shape[0] != C.shape[1] or len(C) < _MIN_ROWS:
             raise FieldError(
                 "file", f"{self.file}: a square matrix of 8 rows or more is expected, not {C.shape}"
             )
         largest = np.abs(C).max()
-        if not 0.0 < largest < math.inf or np.abs(C - C.T).max() > 1e-3 * largest:
+        if not 0.0 < largest < math.inf or np.abs(C - C.T).max() > _MAX_ASYMMETRY * largest:
             raise FieldError(
                 "file",
                 f"{self.file}: must be finite and symmetric, for work to be the same both ways (Maxwell)",
@@ -521,7 +593,7 @@ class Compliance(RingModel):
         return np.asarray(0.5 * (C + C.T))
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
-        """Return the eigenvectors of what Fourier terms leave of the matrix."""
+        """Return the eigenvectors of the matrix in a basis of Fourier terms; see `RingModel.shapes`."""
         if turns:
             raise FieldError(
                 "model",
@@ -530,7 +602,7 @@ class Compliance(RingModel):
         C = self.matrix()
         N = len(C)
         values = np.linalg.eigvalsh(C)
-        if values[0] < -_STIFF * values[-1]:
+        if values[0] < -_MIN_COMPLIANCE * values[-1]:
             raise FieldError(
                 "file",
                 f"{self.file}: is not positive: forces would draw work from the ring (eigenvalue {values[0]:.3g} of "
@@ -543,19 +615,19 @@ class Compliance(RingModel):
         ]
         basis = np.array([np.real(phase * np.exp(1j * n * angles)) for n, phase in waves]).T
         size = np.sqrt((basis**2).sum(axis=0))
-        weight = size  # by what shapes are orthogonal: each other, or their masses
+        weight = size  # shapes are orthogonal with respect to these weights, or to their masses
         if self.mass is not None:
             weight = np.sqrt([self.mass * (0.5 + 0.5 / n**2 if n else 1.0) for n, _ in waves])
         part = basis * (weight / size**2)
         values, vectors = np.linalg.eigh(part.T @ C @ part)
-        kept = values > _STIFF * values[-1]
-        harmonics = np.zeros((kept.sum(), highest + 1), complex)
-        for (n, phase), row, norm in zip(waves, vectors[:, kept], weight, strict=True):
+        flexible = values > _MIN_COMPLIANCE * values[-1]
+        harmonics = np.zeros((flexible.sum(), highest + 1), complex)
+        for (n, phase), row, norm in zip(waves, vectors[:, flexible], weight, strict=True):
             harmonics[:, n] += phase * row / norm
         if self.mass is None:
-            return RingShapes(harmonics, 1.0 / values[kept])
+            return RingShapes(harmonics, 1.0 / values[flexible])
         largest = np.abs(harmonics).max(axis=1)  # an amplitude of 1 m, not of 1 m kg^0.5
         return RingShapes(
-            harmonics / largest[:, None], 1.0 / (values[kept] * largest**2), mass=largest**-2,
+            harmonics / largest[:, None], 1.0 / (values[flexible] * largest**2), mass=largest**-2,
             damping_ratio=self.damping_ratio,
         )  # fmt: skip

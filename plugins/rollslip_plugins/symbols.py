@@ -1,4 +1,4 @@
-"""Symbols that many laws share, each written once: what a docstring lists by its name alone is put in here."""
+"""Symbols that many laws share, each explained once; `explained` inserts them where a docstring lists a name alone."""
 
 import re
 import textwrap
@@ -8,9 +8,10 @@ __all__ = ["explained"]
 
 _T = TypeVar("_T", bound=type)
 
+#: First symbol of an entry -> the entry.
 _SHARED: Final = {
-    re.split("[:,]", one, maxsplit=1)[0]: one
-    for one in (
+    re.split("[:,]", entry, maxsplit=1)[0]: entry
+    for entry in (
         "alpha: pressure-viscosity coefficient [1/Pa]",
         "b: half width of the contact [m]",
         "beta: its fall with temperature -dln(eta)/dT [1/K]",
@@ -48,7 +49,7 @@ _SHARED: Final = {
 
 
 def explained(cls: _T) -> _T:
-    """Put meaning and unit to the symbols that the docstring of a class lists by name: "- R, U" among others."""
+    """Return a class whose docstring has symbols with meaning and unit in place of lists of names such as "- R, U"."""
     if cls.__doc__:
         cls.__doc__ = re.sub(
             r"^( *)- ([^:\n]+(?:\n\1  [^:\n]+)*)$", _items, cls.__doc__, flags=re.MULTILINE
@@ -56,7 +57,8 @@ def explained(cls: _T) -> _T:
     return cls
 
 
-def _items(found: re.Match[str]) -> str:
-    names = " ".join(found[2].split()).split(", ")
+def _items(match: re.Match[str]) -> str:
+    """Return a list of symbols with meaning and unit in place of their names."""
+    names = " ".join(match[2].split()).split(", ")
     items = (textwrap.wrap(f"- {_SHARED[name]}", 116, subsequent_indent="  ") for name in names)
-    return "\n".join(f"{found[1]}{line}" for item in items for line in item)
+    return "\n".join(f"{match[1]}{line}" for item in items for line in item)

@@ -1,4 +1,4 @@
-"""Bulk temperatures of a bearing: as they are given, or from a network of a few nodes."""
+"""Bulk temperatures of a bearing: as they are given, or by a lumped-parameter network of up to six nodes."""
 
 import math
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ import numpy as np
 from rollslip.errors import SceneError
 from rollslip.fields import in_range, non_negative, parameter, positive
 from rollslip.references import Reference
-from rollslip.scene.clearance import operating
+from rollslip.scene.clearance import operating_clearance
 from rollslip.scene.supply import DENSITY
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
@@ -20,27 +20,39 @@ from rollslip_plugins.bibliography import HARRIS_2007, ISO_15312, PALMGREN_1959
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
 
-#: Heat that leaves the seats at the reference conditions of ISO 15312 [W/m2], and its excess of temperature [K].
+#: Heat flux through the seats at the reference conditions of ISO 15312 [W/m2]; estimated conductances between rings and
+#: surroundings are proportional to it.
 _REFERENCE_FLUX = 1.6e4
+#: Temperature of the bearing above the surroundings at the reference conditions of ISO 15312 [K].
 _REFERENCE_EXCESS = 50.0
-#: Area of the seats up to which that flux holds, and the exponent beyond.
+#: Area of the seats up to which that flux holds [m2], by ISO 15312.
 _REFERENCE_AREA = 0.05
-_LESS = -0.34
-#: Temperature of the surroundings there [K].
+#: Exponent of the flux over the area of larger seats, of ISO 15312 (recalled, C).
+_FLUX_EXPONENT = -0.34
+#: Temperature of the surroundings at the reference conditions of ISO 15312 [K].
 _AMBIENT: Final = 293.15
-#: Conductance of a seat with an interference or transition fit [W/(m2 K)] (D).
-_SEAT: Final = 2000.0
+#: Conductance of a seat with an interference or transition fit [W/(m2 K)] (D). Doubling it hardly changes temperatures:
+#: shaft and housing resist more.
+_SEAT_CONDUCTANCE: Final = 2000.0
 #: Width of a bearing over the length of its rollers (D): 1.87 of the 1032930.
 _WIDTH: Final = 1.8
-#: Masses of housing and shaft over that of the rings (D), and of the oil in the bearing over its free volume (D).
+#: Mass of the housing over that of the rings (D). It sets how fast temperatures change, not the balance.
 _HOUSING = 5.0
+#: Mass of the shaft over that of the rings (D), as for the housing.
 _SHAFT = 3.0
-_FILLED = 0.1
+#: Fraction of the free volume of the bearing that oil fills (D), as for the housing.
+_OIL_FRACTION = 0.1
 #: Specific heat of an oil where none is given [J/(kg K)] (B).
 _OIL_HEAT: Final = 2000.0
 
+#: Names of the nodes, the leading one first.
 _NODES: Final = ("oil", "inner ring", "rollers", "outer ring", "housing", "shaft")
-_OIL, _INNER, _ROLLERS, _OUTER, _HOUSE, _AXLE = range(len(_NODES))
+_OIL = 0  # index of the oil in `_NODES`
+_INNER = 1  # of the inner ring
+_ROLLERS = 2  # of the rollers
+_OUTER = 3  # of the outer ring
+_HOUSE = 4  # of the housing
+_AXLE = 5  # of the shaft
 #: Conductance -> the two nodes that it connects; one alone is connected to the surroundings.
 _LINKS: Final[Mapping[str, tuple[int, ...]]] = {
     "oil_inner_ring": (_OIL, _INNER),
@@ -81,27 +93,27 @@ class Given(ThermalModel):
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """None."""
+        """No nodes."""
         return ()
 
     def start(self, scene: Scene) -> Array:
-        """Return nothing."""
+        """Return an empty array: there are no nodes."""
         return np.zeros(0)
 
     def capacities(self) -> Array:
-        """Return nothing."""
+        """Return an empty array: there are no nodes."""
         return np.zeros(0)
 
     def inflows(self, temperatures: Array, losses: Mapping[str, float]) -> Array:
-        """Return nothing."""
+        """Return an empty array: there are no nodes."""
         return np.zeros(0)
 
     def carried_away(self, temperatures: Array) -> dict[str, float]:
-        """Return nothing."""
+        """Return an empty dict."""
         return {}
 
     def changes(self, temperatures: Array, scene: Scene) -> dict[str, float]:
-        """Return nothing."""
+        """Return an empty dict."""
         return {}
 
 
@@ -182,9 +194,9 @@ class Network(ThermalModel):
     ``oil_factor``, ``contact_factor`` and ``surroundings_factor`` multiply what is estimated, so that it can scatter.
 
     A bearing with ``bearing.mounting`` has the clearance that its seats leave at the temperatures of the nodes, as in
-    every study (`rollslip.scene.clearance.operating`). Where ``bearing.radial_clearance`` is stated, or follows
-    from the diameters alone, ``expansion`` a lets it change with the temperatures of the parts: it holds at those of
-    the scene, and changes by a (E_o dT_o - E_i dT_i - 2 D dT_r). 0 leaves it as it is.
+    every study (`rollslip.scene.clearance.operating_clearance`). Where ``bearing.radial_clearance`` is stated, or
+    follows from the diameters alone, ``expansion`` a lets it change with the temperatures of the parts: it holds at
+    those of the scene, and changes by a (E_o dT_o - E_i dT_i - 2 D dT_r). 0 leaves it as it is.
 
     Range: one temperature for each part, which is what lumped nodes can say; no radiation by itself, no boiling oil.
 
@@ -266,11 +278,11 @@ class Network(ThermalModel):
     housing_capacity: float | None = _capacity("the housing")
     shaft_capacity: float | None = _capacity("the shaft")
 
-    # Which nodes there are ------------------------------------------------------------------------------------------
+    # Nodes ---------------------------------------------------------------------------------------------------------
 
     @property
-    def _places(self) -> list[int]:
-        """Numbers of the nodes that anything connects; the oil is always there."""
+    def _present(self) -> list[int]:
+        """Indices of the nodes with a conductance, and of the oil."""
         linked = {
             node for name, ends in _LINKS.items() if getattr(self, name) != 0.0 for node in ends
         }
@@ -278,11 +290,11 @@ class Network(ThermalModel):
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """The oil, and every part that a conductance connects to another."""
-        return tuple(_NODES[k] for k in self._places)
+        """The oil, and every part with a conductance."""
+        return tuple(_NODES[k] for k in self._present)
 
     def of(self, assembly: "Assembly") -> Self:
-        """Return the network with what is not given estimated from the bearing."""
+        """Return the network with estimates from the bearing for all parameters that are not given."""
         estimates: dict[str, Any] = _estimates(self, assembly)
         model = attrs.evolve(
             self, **{k: v for k, v in estimates.items() if getattr(self, k) is None}
@@ -303,13 +315,13 @@ class Network(ThermalModel):
             for name, ends in _LINKS.items():
                 if len(ends) == 2 and getattr(model, name) and reached & set(ends):
                     reached |= set(ends)
-        if cut := [_NODES[k] for k in (_OIL, _INNER, _ROLLERS, _OUTER) if k not in reached]:
+        if isolated := [_NODES[k] for k in (_OIL, _INNER, _ROLLERS, _OUTER) if k not in reached]:
             where = Location(assembly.scene.origins, ("models", "thermal"))
             raise SceneError(
                 [
                     where.message(
-                        f"no heat leaves {', '.join(cut)}, where losses make some: temperatures rise without end; give "
-                        "a flow of oil, or conductances above 0 that lead to the surroundings"
+                        f"no heat leaves {', '.join(isolated)}, where losses make some: temperatures rise without end; "
+                        "give a flow of oil, or conductances above 0 that lead to the surroundings"
                     )
                 ]
             )
@@ -324,20 +336,21 @@ class Network(ThermalModel):
             o.temperature, o.inner_ring_temperature, o.roller_temperature, o.outer_ring_temperature,
             self.ambient_temperature, self.ambient_temperature,
         ]  # fmt: skip
-        return np.array(every)[self._places]
+        return np.array(every)[self._present]
 
     def capacities(self) -> Array:
         """Return the heat capacities."""
         every = [getattr(self, f"{name.replace(' ', '_')}_capacity") for name in _NODES]
-        return np.array(every, dtype=float)[self._places]
+        return np.array(every, dtype=float)[self._present]
 
     def _all(self, temperatures: Array) -> Array:
+        """Return the temperatures of all six nodes [K]; those without a conductance are at ambient temperature."""
         every = np.full(len(_NODES), self.ambient_temperature)
-        every[self._places] = temperatures
+        every[self._present] = temperatures
         return every
 
     def inflows(self, temperatures: Array, losses: Mapping[str, float]) -> Array:
-        """Return the heat that flows into each node."""
+        """Return the heat that flows into each node; see `ThermalModel.inflows`."""
         T = self._all(temperatures)
         flow = np.zeros(len(_NODES))
         fraction = self.contact_fraction
@@ -361,7 +374,7 @@ class Network(ThermalModel):
                 flow[ends[1]] -= heat
         if self.inlet is not None:
             flow[_OIL] -= self.inlet[1] * (T[_OIL] - self.inlet[0])
-        return flow[self._places]
+        return flow[self._present]
 
     def carried_away(self, temperatures: Array) -> dict[str, float]:
         """Return the heat that oil, housing and shaft carry away."""
@@ -382,34 +395,34 @@ class Network(ThermalModel):
         inner, rollers, outer = (
             known.get(part, oil) for part in ("inner ring", "rollers", "outer ring")
         )
-        found = {
+        changes = {
             "operation.temperature": oil,
             "operation.inner_ring_temperature": inner,
             "operation.roller_temperature": rollers,
             "operation.outer_ring_temperature": outer,
         }
         if b.mounted is not None:
-            found["bearing.radial_clearance"] = operating(
+            changes["bearing.radial_clearance"] = operating_clearance(
                 b, (o.inner_speed, o.outer_speed), (inner, rollers, outer), rigid=b.mounted.rigid
             ).clearance
         elif self.expansion > 0.0:
-            found["bearing.radial_clearance"] = b.radial_clearance + self.expansion * (
+            changes["bearing.radial_clearance"] = b.radial_clearance + self.expansion * (
                 b.outer_raceway_diameter * (outer - o.outer_ring_temperature)
                 - b.inner_raceway_diameter * (inner - o.inner_ring_temperature)
                 - 2.0 * b.roller_diameter * (rollers - o.roller_temperature)
             )
-        return found
+        return changes
 
     @property
     def inlet(self) -> tuple[float, float] | None:
-        """Temperature of the oil at its inlet, and heat for each kelvin."""
+        """Temperature of the oil at its inlet [K] and its heat capacity flow [W/K]; None without a flow."""
         if self.oil_flow == 0.0 or self.oil_inlet_temperature is None:
             return None
         return self.oil_inlet_temperature, self.oil_flow * self.oil_specific_heat
 
 
 def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
-    """What a bearing's size and speed say of conductances and capacities; see `Network`."""
+    """Return estimates of conductances and capacities by size and speed of a bearing, by parameter; see `Network`."""
     b = assembly.scene.bearing
     k = assembly.kinematics
     scene = assembly.scene
@@ -418,16 +431,16 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     bore, outside = b.boundaries
     seats = {"shaft": math.pi * bore * width, "housing": math.pi * outside * width}
     area = sum(seats.values())
-    flux = _REFERENCE_FLUX * max(area / _REFERENCE_AREA, 1.0) ** _LESS
-    found: dict[str, float] = {}
+    flux = _REFERENCE_FLUX * max(area / _REFERENCE_AREA, 1.0) ** _FLUX_EXPONENT
+    estimates: dict[str, float] = {}
     for ring, part in (("inner_ring", "shaft"), ("outer_ring", "housing")):
         whole = flux * seats[part] / _REFERENCE_EXCESS
-        seat = _SEAT * seats[part]
-        found[f"{ring}_{part}"] = model.surroundings_factor * seat
-        found[f"{part}_ambient"] = model.surroundings_factor / (1.0 / whole - 1.0 / seat)
-    density = DENSITY if assembly.lubricant.density is None else assembly.lubricant.density(
-        scene.operation.temperature
-    )  # fmt: skip
+        seat = _SEAT_CONDUCTANCE * seats[part]
+        estimates[f"{ring}_{part}"] = model.surroundings_factor * seat
+        estimates[f"{part}_ambient"] = model.surroundings_factor / (1.0 / whole - 1.0 / seat)
+    density = DENSITY
+    if assembly.lubricant.density is not None:
+        density = assembly.lubricant.density(scene.operation.temperature)
     nu = oil.viscosity / density
     diffusivity = oil.conductivity / (density * model.oil_specific_heat)
     pitch = 2.0 * k.orbit_radius
@@ -444,7 +457,9 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
         "rollers": b.rollers * math.pi * b.roller_diameter * b.roller_length,
         "outer_ring": math.pi * b.outer_raceway_diameter * width,
     }
-    found |= {f"oil_{part}": model.oil_factor * plate * surface for part, surface in wetted.items()}
+    estimates |= {
+        f"oil_{part}": model.oil_factor * plate * surface for part, surface in wetted.items()
+    }
     rolling = k.roller_radius * k.epicyclic_roller_speed
     mean = (2.0 * scene.operation.radial_load / b.rollers + 1.0) / b.roller_length
     for raceway in assembly.raceways:
@@ -453,7 +468,7 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
         film = float(slices.film_thickness[0])
         flash = math.sqrt(math.pi * across / rolling) / raceway.conditions.effusivity
         area = b.rollers * b.roller_length * across
-        found[f"{raceway.ring}_ring_rollers"] = (
+        estimates[f"{raceway.ring}_ring_rollers"] = (
             model.contact_factor * area / (film / oil.conductivity + flash)
         )
     materials = {
@@ -474,7 +489,9 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     )
     both = sum(rings.values())
     volumes = rings | {"rollers": rollers, "housing": _HOUSING * both, "shaft": _SHAFT * both}
-    found |= {f"{part}_capacity": heat[part] * volume for part, volume in volumes.items()}
-    found["oil_capacity"] = density * model.oil_specific_heat * _FILLED * max(free, 0.1 * rollers)
-    found["oil_inlet_temperature"] = scene.operation.temperature
-    return found
+    estimates |= {f"{part}_capacity": heat[part] * volume for part, volume in volumes.items()}
+    estimates["oil_capacity"] = (
+        density * model.oil_specific_heat * _OIL_FRACTION * max(free, 0.1 * rollers)
+    )
+    estimates["oil_inlet_temperature"] = scene.operation.temperature
+    return estimates

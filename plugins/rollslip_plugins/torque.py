@@ -1,4 +1,4 @@
-"""Friction torque of a cylindrical roller bearing as makers' catalogues and Palmgren give it."""
+"""Friction torque of a cylindrical roller bearing by the formulas of manufacturers' catalogues and of Palmgren."""
 
 import math
 from collections.abc import Mapping
@@ -23,22 +23,27 @@ _SKF_LATER: Final = Reference(
     title="SKF. Rolling bearings, catalogues from 2012 on: drag losses of the model of the friction torque, recalled "
     "(C) and found alike in two open programs, but for the diagram of the losses by the level of oil.",
 )
-#: Series of bearings with a cage -> R1 of table 3c.
+#: Dimension series of bearings with a cage -> R1 of table 3c of the catalogue.
 _ROLLING: Final[Mapping[str, float]] = MappingProxyType(
     {
         "2": 1.09e-6, "3": 1.09e-6, "4": 1.00e-6, "10": 1.12e-6, "12": 1.23e-6, "20": 1.23e-6, "22": 1.40e-6,
         "23": 1.48e-6,
     }
 )  # fmt: skip
-#: S2 of table 3c, K_Z of table 5, K_L of a bearing with a cage, and the friction of sliding in mixed and full film.
-_SLIDING = 0.0015
-_CROWDED = 5.1
-_CAGED = 0.65
-_MIXED = 0.15
-_FULL = 0.02
-#: Largest level of oil over d_m up to which V_M is known to rise in proportion, and its slope (C).
-_DEEPEST = 0.3
-_BY_LEVEL = 7.3e-4
+#: S2 of table 3c: sliding friction is proportional to it.
+_S2 = 0.0015
+#: K_Z of table 5, of cylindrical roller bearings with a cage: starvation and drag of the oil depend on it.
+_K_Z = 5.1
+#: K_L of table 5, of cylindrical roller bearings with a cage: drag of the oil depends on it.
+_K_L = 0.65
+#: Coefficient of sliding friction of mixed lubrication, by the catalogue.
+_MIXED_FRICTION = 0.15
+#: Coefficient of sliding friction of a full film, by the catalogue for cylindrical roller bearings.
+_FULL_FILM_FRICTION = 0.02
+#: Largest level of oil over d_m up to which V_M is known to rise in proportion (C).
+_MAX_OIL_LEVEL = 0.3
+#: Slope of V_M over the level of oil over d_m (C).
+_V_M_SLOPE = 7.3e-4
 #: Dimension series -> f_0r and f_1r of ISO 15312, of a bath to the middle of the lowest roller.
 _ISO: Final[Mapping[str, tuple[float, float]]] = MappingProxyType(
     {
@@ -54,23 +59,31 @@ _ISO: Final[Mapping[str, tuple[float, float]]] = MappingProxyType(
 _BY_SUPPLY: Final[Mapping[str, float]] = MappingProxyType(
     {"bath": 1.0, "splash": 1.0, "circulating": 1.0, "jet": 1.0, "mist": 0.7, "grease": 0.26}
 )
+#: K_rs of a bath below the middle of the lowest roller, by SKF: starvation increases with it.
+_K_RS_OF_LOW_BATH: Final = 3e-8
 #: Kinds of supply that leave a roller less oil than a bath to its middle -> SKF's K_rs.
-_REPLENISHED: Final[Mapping[str, float]] = MappingProxyType(
+_K_RS: Final[Mapping[str, float]] = MappingProxyType(
     {"splash": 3e-8, "circulating": 3e-8, "jet": 3e-8, "mist": 6e-8, "grease": 6e-8}
 )
-#: (D - d)/d^0.9 [mm] from which a diameter series begins, and B over half of D - d from which a bearing is a wide one.
-_BEGINS = (("4", 2.15), ("3", 1.62), ("2", 1.03), ("10", 0.0))
-_WIDE = 1.03
-#: Of catalogues' formulas, in mm, N mm, mm2/s.
+#: Diameter series and the smallest (D - d)/d^0.9 [mm^0.1] of its bearings; fitted to the catalogue, see
+#: `dimension_series`.
+_SMALLEST_OF_SERIES = (("4", 2.15), ("3", 1.62), ("2", 1.03), ("10", 0.0))
+#: Smallest ratio of B to half of D - d of wide bearings; fitted to the catalogue, see `dimension_series`.
+_WIDE_RATIO = 1.03
+#: Millimetres in a metre: the formulas of catalogues are in mm, N mm and mm2/s.
 _MM: Final = 1e3
+#: Newton metres in a newton millimetre.
 _PER_NMM: Final = 1e-3
+#: Square millimetres per second in a square metre per second.
 _CST: Final = 1e6
+#: Smallest nu n [mm2/s/min] of Palmgren's term of oil; below it the term is constant (Palmgren).
+_MIN_NU_N: Final = 2000.0
 
 
 def dimension_series(duty: Duty) -> str:
-    """Return the dimension series of a bearing, by its boundary dimensions where its designation does not say it.
+    """Return the dimension series of a bearing, estimated from its boundary dimensions if its designation has none.
 
-    Held against the 185 sizes of the catalogue, estimated from their rollers: narrow and wide ones are told apart
+    Compared with the 185 sizes of the catalogue, estimated from their rollers: narrow and wide ones are distinguished
     without an error, five of six get their own diameter series, the others the next one.
     """
     if duty.series:
@@ -78,15 +91,18 @@ def dimension_series(duty: Duty) -> str:
     d = _MM * duty.bore
     D = _MM * duty.outside_diameter
     B = _MM * (duty.width or 0.0)
-    series = next(name for name, least in _BEGINS if (D - d) / d**0.9 >= least)
-    wide = series != "10" and 2.0 * B / (D - d) > _WIDE
-    return ("22" if series == "2" else "23") if wide else series
+    ratio = (D - d) / d**0.9
+    series = next(name for name, smallest in _SMALLEST_OF_SERIES if ratio >= smallest)
+    if series == "10" or 2.0 * B / (D - d) <= _WIDE_RATIO:
+        return series
+    return "22" if series == "2" else "23"
 
 
-def _of_series(table: Mapping[str, Any], series: str, whose: str) -> Any:
+def _of_series(table: Mapping[str, Any], series: str, source: str) -> Any:
+    """Return the factors of a dimension series; `DomainError` if the source has none."""
     if series not in table:
         raise DomainError(
-            f"has no factors of dimension series {series!r} by {whose}: there are {', '.join(table)}"
+            f"has no factors of dimension series {series!r} by {source}: there are {', '.join(table)}"
         )
     return table[series]
 
@@ -172,76 +188,76 @@ class Skf(TorqueFormula):
         n = duty.revolutions
         load = duty.radial_load
         constant = _of_series(_ROLLING, self.series or dimension_series(duty), "SKF")
-        heated = 1.0 / (1.0 + 1.84e-9 * (n * d_m) ** 1.28 * nu**0.64)
-        starved = math.exp(
-            -_replenishment(duty) * nu * n * (d + D) * math.sqrt(_CROWDED / (2.0 * (D - d)))
+        phi_ish = 1.0 / (1.0 + 1.84e-9 * (n * d_m) ** 1.28 * nu**0.64)
+        phi_rs = math.exp(
+            -_replenishment(duty) * nu * n * (d + D) * math.sqrt(_K_Z / (2.0 * (D - d)))
         )
-        rolling = heated * starved * constant * d_m**2.41 * load**0.31 * (nu * n) ** 0.6
-        mixed = math.exp(-2.6e-8 * (n * nu) ** 1.4 * d_m)
-        sliding = _SLIDING * d_m * load * (mixed * _MIXED + (1.0 - mixed) * _FULL)
-        found = {"rolling": rolling, "sliding": sliding}
+        rolling = phi_ish * phi_rs * constant * d_m**2.41 * load**0.31 * (nu * n) ** 0.6
+        phi_bl = math.exp(-2.6e-8 * (n * nu) ** 1.4 * d_m)
+        mu_sl = phi_bl * _MIXED_FRICTION + (1.0 - phi_bl) * _FULL_FILM_FRICTION
+        terms = {"rolling": rolling, "sliding": _S2 * d_m * load * mu_sl}
         if self.drag != "none":
-            found["oil drag"] = self._drag(duty, nu, n)
-        return {term: _PER_NMM * torque for term, torque in found.items()}
+            terms["oil drag"] = self._drag(duty, nu, n)
+        return {term: _PER_NMM * torque for term, torque in terms.items()}
 
     def _drag(self, duty: Duty, nu: float, n: float) -> float:
-        """Return what the oil resists [N mm]."""
+        """Return the torque M_drag of the oil [N mm]."""
         if duty.supply in ("mist", "grease"):
             return 0.0
         if duty.width is None:
             raise DomainError(
                 "needs the width of the bearing: give bearing.catalogue, such as { width = '20 mm' }"
             )
-        d, D, d_m, B = (
-            _MM * x for x in (duty.bore, duty.outside_diameter, duty.mean_diameter, duty.width)
-        )
+        d = _MM * duty.bore
+        D = _MM * duty.outside_diameter
+        d_m = _MM * duty.mean_diameter
+        B = _MM * duty.width
         flows = duty.supply in ("circulating", "jet")
         middle = _MM * _lowest_middle(duty)
         level = middle if flows or duty.oil_level is None else _MM * duty.oil_level
         if duty.supply == "splash" and duty.oil_level is None:
             level *= 0.5
-        if level > _DEEPEST * d_m:
-            most, came = (format_quantity(H / _MM, "m", 4) for H in (_DEEPEST * d_m, level))
+        if level > _MAX_OIL_LEVEL * d_m:
+            largest = format_quantity(_MAX_OIL_LEVEL * d_m / _MM, "m", 4)
             raise DomainError(
-                f"knows the drag of a bath up to {_DEEPEST:g} of the mean diameter, {most} above the lowest point of "
-                f"the outer raceway, not {came}; its parameter drag = 'none' leaves the drag out"
+                f"knows the drag of a bath up to {_MAX_OIL_LEVEL:g} of the mean diameter, {largest} above the lowest "
+                f"point of the outer raceway, not {format_quantity(level / _MM, 'm', 4)}; its parameter drag = 'none' "
+                "leaves the drag out"
             )
-        crowd = _CROWDED * (d + D) / (D - d)
-        ploughed = _BY_LEVEL * level / d_m * _CAGED * crowd * 1e-12 * B * d_m**4 * n**2
+        z = _K_Z * (d + D) / (D - d)
+        churning = _V_M_SLOPE * level / d_m * _K_L * z * 1e-12 * B * d_m**4 * n**2
         if self.drag == "2006":
-            return 10.0 * ploughed * (2.0 if flows else 1.0)
-        a = 5.0 * _CAGED * B / d_m
-        whole = 4.0 * ploughed * (((2.789e-10 * a - 2.786e-4) * a + 0.0195) * a + 0.6439)
+            return 10.0 * churning * (2.0 if flows else 1.0)
+        a = 5.0 * _K_L * B / d_m
+        drag = 4.0 * churning * (((2.789e-10 * a - 2.786e-4) * a + 0.0195) * a + 0.6439)
         t = 2.0 * math.acos(1.0 - level / (0.6 * d_m))
         if level > 0.0 < n:
-            wet = 0.36 * d_m**2 * (t - math.sin(t)) * 0.05 * crowd
-            whole += (
-                1.093e-7 * n**2 * d_m**3 * (n * d_m**2 * math.sin(0.5 * t) / nu) ** -1.379 * wet
-            )
-        return whole * (2.0 if flows else 1.0)
+            R_s = 0.36 * d_m**2 * (t - math.sin(t)) * 0.05 * z
+            f_t = math.sin(0.5 * t)
+            drag += 1.093e-7 * n**2 * d_m**3 * (n * d_m**2 * f_t / nu) ** -1.379 * R_s
+        return drag * (2.0 if flows else 1.0)
 
 
 def _lowest_middle(duty: Duty) -> float:
     """Return the level of a bath to the middle of the lowest roller [m]."""
-    return (
-        0.125 * (duty.outside_diameter - duty.bore)
-        if duty.roller_diameter is None
-        else 0.5 * duty.roller_diameter
-    )
+    if duty.roller_diameter is None:
+        return 0.125 * (duty.outside_diameter - duty.bore)
+    return 0.5 * duty.roller_diameter
 
 
 def _replenishment(duty: Duty) -> float:
-    """Return K_rs."""
+    """Return K_rs of the supply [1]."""
     if duty.supply == "bath":
         low = duty.oil_level is not None and duty.oil_level < _lowest_middle(duty)
-        return 3e-8 if low else 0.0
-    return _of_kind(_REPLENISHED, duty)
+        return _K_RS_OF_LOW_BATH if low else 0.0
+    return _of_kind(_K_RS, duty)
 
 
 def _of_kind(table: Mapping[str, float], duty: Duty) -> float:
+    """Return the factor of the kind of supply; `DomainError` if the table has none."""
     if duty.supply not in table:
         raise DomainError(
-            f"has nothing for a supply of {duty.supply!r}: there are bath, {', '.join(_REPLENISHED)}"
+            f"has nothing for a supply of {duty.supply!r}: there are bath, {', '.join(_K_RS)}"
         )
     return table[duty.supply]
 
@@ -312,14 +328,14 @@ class Palmgren(TorqueFormula):
     def terms(self, duty: Duty) -> dict[str, float]:
         """Return the torque of the oil and that of the load [N m]."""
         d_m = _MM * duty.mean_diameter
-        turned = max(_CST * duty.kinematic_viscosity * duty.revolutions, 2000.0)
+        nu_n = max(_CST * duty.kinematic_viscosity * duty.revolutions, _MIN_NU_N)
         f0 = self.oil_factor
         f1 = self.load_factor
         if f0 is None or f1 is None:
             of_oil, of_load = _of_series(_ISO, dimension_series(duty), "ISO 15312")
             f0 = _of_kind(_BY_SUPPLY, duty) * of_oil if f0 is None else f0
             f1 = of_load if f1 is None else f1
-        oil = f0 * 1e-7 * turned ** (2.0 / 3.0) * d_m**3
+        oil = f0 * 1e-7 * nu_n ** (2.0 / 3.0) * d_m**3
         return {"oil": _PER_NMM * oil, "load": _PER_NMM * f1 * duty.radial_load * d_m}
 
 

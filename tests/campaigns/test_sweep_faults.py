@@ -384,6 +384,6 @@ def test_a_task_of_dask_ends_whatever_becomes_of_its_result(fetched, ended):
                 raise fetched
             return 7
 
-    future = engines._OfClient(Client()).submit(len, "")
+    future = engines._ClientExecutor(Client()).submit(len, "")
     assert future.done()
     assert str(future.exception() or future.result()) == ended

@@ -17,8 +17,8 @@ from rollslip.datasets import Material, Mounting, Raceway
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops, _lattice
-from rollslip.scene.clearance import fraction
-from rollslip.scene.rings import yielding
+from rollslip.scene.clearance import transmitted_fraction
+from rollslip.scene.rings import ring_flexibility
 from rollslip.structure import SceneHashes, scene_hash
 from rollslip_plugins.rings import (
     Annulus,
@@ -29,7 +29,7 @@ from rollslip_plugins.rings import (
     compliance_of_annulus,
     mass_of_annulus,
     modal,
-    numbers,
+    wave_numbers,
 )
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.figures import figures
@@ -277,7 +277,7 @@ def test_what_a_fit_leaves_of_the_clearance_agrees_with_the_annulus(raceway, sea
     ring_at_seat = (own[1], own[0], *own[2:])
     taken = of(own[0], own) - of(own[0], own, outside)
     both = of(own[1], ring_at_seat) + of(outside[0], outside)
-    through = fraction(bearing.material, raceway, seat, beyond, other)
+    through = transmitted_fraction(bearing.material, raceway, seat, beyond, other)
     assert taken == pytest.approx(through**2 * both, rel=1e-5)
 
 
@@ -304,7 +304,10 @@ def test_an_outer_ring_widens_by_the_centrifugal_force_of_its_rollers():
 
 def test_shapes_go_to_half_the_rollers_and_forces_and_play_are_those_of_the_ring():
     few = SimpleNamespace(rollers=10, inner_raceway=None, outer_raceway=None)
-    assert (numbers(few, None), numbers(few, 7)) == ([0, 2, 3, 4, 5], [0, 2, 3, 4, 5, 6, 7])
+    assert (wave_numbers(few, None), wave_numbers(few, 7)) == (
+        [0, 2, 3, 4, 5],
+        [0, 2, 3, 4, 5, 6, 7],
+    )
     bearing = scene().bearing
     tooth = ToothForce(angle=0.0, radial=2.0)
     pushes = {
@@ -921,7 +924,7 @@ def test_a_plan_says_how_much_of_a_preload_reaches_the_rollers(thick, lobes):
         for more in ({"operation.radial_load": "0 N"}, held)
     )
     found = soft.inner_force.max() / rigid.inner_force.max()
-    expected = yielding(scene().bearing, lobes=lobes)[thick > 0].fraction(lobes)
+    expected = ring_flexibility(scene().bearing, lobes=lobes)[thick > 0].fraction(lobes)
     assert expected == pytest.approx(found, rel=0.15, abs=0.003)
     if lobes == 0 and thick == 0:
         (said,) = implausible(scene(**tight))
@@ -1001,7 +1004,7 @@ def test_a_uniform_preload_and_one_by_a_form_are_told_together_each_with_its_sha
     tight = {"bearing.radial_clearance": "-20 um"}
     form = {"bearing.outer_raceway.form": [WAVE]}
     (said,), (alone,) = (implausible(scene(**tight, **more)) for more in (form, {}))
-    bare, held = (100.0 * one.fraction(2) for one in yielding(scene().bearing))
+    bare, held = (100.0 * one.fraction(2) for one in ring_flexibility(scene().bearing))
     assert "of 20 um about" in said
     assert f"and of 12 um by the form about {bare:.0f} % (bare rings) to {held:.0f} %" in said
     assert said.partition(" and of ")[0] == alone.partition(" reach the rollers")[0]
@@ -1013,7 +1016,7 @@ def test_a_preload_with_one_rigid_ring_is_told_with_what_the_other_leaves():
         "models.outer_ring": {"model": "annulus", "outside": "0.23 m"},
     }
     (said,) = implausible(scene(**tight))
-    bare, held = yielding(
+    bare, held = ring_flexibility(
         scene().bearing,
         stated={"outer": Annulus(outside=0.23).shapes(scene().bearing, "outer", False)},
     )
@@ -1037,7 +1040,7 @@ def test_a_plan_tells_by_how_much_loads_of_round_rings_change(outside, clearance
     )
     bearing = scene().bearing
     shapes = {"outer": Annulus(outside=outside).shapes(bearing, "outer", False)}
-    told = yielding(bearing, 1037.0 if force == "1037 N" else 20e3, stated=shapes)[1]
+    told = ring_flexibility(bearing, 1037.0 if force == "1037 N" else 20e3, stated=shapes)[1]
     found = np.sqrt(((other - one) ** 2).sum() / (one**2).sum())
     assert 0.4 < told.change / found < 2.4
     # on the rings alone: 0.42 F/K of an oval, over Palmgren's approach of the most loaded roller of 28
@@ -1108,7 +1111,7 @@ def test_rings_that_yield_by_less_than_the_tolerance_stay_rigid():
 def test_a_plan_tells_what_rings_count_for():
     named = {part.part: part for part in plan(scene(), "effective-friction").parts}
     out = named["rings that yield"]
-    bare, held = yielding(scene().bearing, 1037.0)
+    bare, held = ring_flexibility(scene().bearing, 1037.0)
     assert not out.included
     assert (
         f"{100 * held.change:.2g} % of the loads of rollers in their seats ({held})" in out.reason

@@ -941,7 +941,7 @@ class FixedStep(Explicit):
     solver_name = "FixedStep"
 
 
-@breaks("check_says_when_it_fails")
+@breaks("check_reports_a_failure")
 class Hides(Explicit):
     """It says that it has finished where it has failed."""
 

@@ -206,7 +206,7 @@ def test_an_expected_failure_has_to_happen_and_a_reason():
 @pytest.mark.quick
 def test_a_failure_that_the_class_declares_is_expected():
     """LSODA stands on the spot before a singularity."""
-    finding = by_check(conformance(get_model("integrator", "lsoda")))["check_says_when_it_fails"]
+    finding = by_check(conformance(get_model("integrator", "lsoda")))["check_reports_a_failure"]
     assert finding.status == "expected"
     assert "LSODA" in finding.message
 

@@ -1,4 +1,4 @@
-"""Temperatures in a contact that slides: how far friction heats the surfaces above the bulk, and what that comes to."""
+"""Temperatures in a sliding contact: the flash temperature of the surfaces above the bulk, and the sum of both."""
 
 import math
 from typing import Any, ClassVar, Final
@@ -15,11 +15,12 @@ from rollslip_plugins.damage.moving_source import FAST, largest_rise, rise
 
 __all__ = ["BulkAndFlash", "ContactTemperature", "FlashTemperature"]
 
-#: Flux in the middle of the contact over the mean, times b over the width 2 b.
+#: Flux in the middle of the contact relative to the mean, times b over the width 2 b.
 _MIDDLE: Final = 2.0 / math.pi
-#: Peclet numbers that stand for a fast surface, and for one that all but stands still.
+#: Peclet number that stands for a fast surface: a larger one changes the rise by less than 1e-6.
 _FAST = 1e6
-_STILL = 1e-300
+#: Peclet number that replaces smaller ones, so that a surface at rest has a finite rise.
+_AT_REST = 1e-300
 
 
 def _material(
@@ -106,27 +107,37 @@ class FlashTemperature(DamageModel):
 
     def evaluate(self, contacts: Contacts) -> Array:
         """Return the largest rise in every contact [K]."""
-        one, other = self._conductances(contacts)
-        return np.asarray(_MIDDLE * contacts.friction_power / (one + other))
+        ring, roller = self._conductances(contacts)
+        return np.asarray(_MIDDLE * contacts.friction_power / (ring + roller))
 
     def across(self, contacts: Contacts, places: Array) -> Array:
-        """Return the rise of the hotter surface across the contacts [K], with the heat parted by the largest rises."""
-        one, other = self._conductances(contacts)
+        """Return the rise of the hotter surface across the contacts [K], (n, m).
+
+        The heat is divided between the surfaces by their largest rises.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            The n contacts.
+        places : ndarray, shape (m,)
+            Positions x/b across a contact, -1 to 1.
+        """
+        ring, roller = self._conductances(contacts)
         hotter = np.zeros((len(contacts.slices), np.size(places)))
         with np.errstate(
             divide="ignore", invalid="ignore"
         ):  # a surface that stands still takes nothing
             for own, there in zip(
-                (one, other), self._conductances(contacts, np.asarray(places)), strict=True
+                (ring, roller), self._conductances(contacts, np.asarray(places)), strict=True
             ):
                 hotter = np.fmax(hotter, own[:, None] / there)
         return np.asarray(self.evaluate(contacts)[:, None] * hotter)
 
     def _conductances(self, contacts: Contacts, places: Array | None = None) -> tuple[Array, Array]:
-        """K/theta [W/(m K)] of ring and roller: at the places of their largest rises, (n,), or at some, (n, m)."""
+        """Return K/theta of ring and roller [W/(m K)]: where their rises are largest, (n,), or at places, (n, m)."""
         b = contacts.slices.half_width
         fast = self.conduction == "fast"
-        found = []
+        conductances = []
         for conductivity, capacity, speed in self.conductors(contacts):
             peclet = 0.5 * speed * b * capacity / conductivity
             with np.errstate(divide="ignore"):  # a surface that stands still takes nothing
@@ -135,14 +146,14 @@ class FlashTemperature(DamageModel):
                 elif fast:
                     theta = rise(_FAST, places) * np.sqrt(_FAST / peclet)[:, None]
                 else:
-                    theta = rise(np.maximum(peclet, _STILL)[:, None], places)
-                found.append(conductivity / theta)
-        return found[0], found[1]
+                    theta = rise(np.maximum(peclet, _AT_REST)[:, None], places)
+                conductances.append(conductivity / theta)
+        return conductances[0], conductances[1]
 
 
 @attrs.frozen(kw_only=True)
 class BulkAndFlash(DamageModel):
-    """What measures of the contact temperature share: the bulk that two surfaces come to, and the flash over it.
+    """Base of measures of the contact temperature: the common bulk temperature of two surfaces plus the flash.
 
     Raises
     ------
@@ -159,6 +170,7 @@ class BulkAndFlash(DamageModel):
             raise FieldError("flash", f"must be model 'flash-temperature', not {self.flash.name!r}")
 
     def _bulk(self, contacts: Contacts) -> Array:
+        """Return the common bulk temperature of both surfaces [K], (n,)."""
         ring, roller = (
             np.sqrt(K * capacity * speed) for K, capacity, speed in self.flash.conductors(contacts)
         )
@@ -172,7 +184,15 @@ class BulkAndFlash(DamageModel):
         return np.asarray(self._bulk(contacts) + self.flash.evaluate(contacts))
 
     def across(self, contacts: Contacts, places: Array) -> Array:
-        """Return the temperature across the contacts [K]."""
+        """Return the temperature across the contacts [K], (n, m).
+
+        Parameters
+        ----------
+        contacts : Contacts
+            The n contacts.
+        places : ndarray, shape (m,)
+            Positions x/b across a contact, -1 to 1.
+        """
         return np.asarray(self._bulk(contacts)[:, None] + self.flash.across(contacts, places))
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ScuffingAgma", "ScuffingIso"]
 
+#: 0 degC in K.
 _CELSIUS: Final = 273.15
 #: Kind of oil -> its factor in X_L, equation 27 (B).
 _KINDS: Final = {
@@ -27,10 +28,12 @@ _KINDS: Final = {
 }  # fmt: skip
 #: Kind of base oil of a data set -> kind of the standard; it has no esters of engines.
 _OF_BASE: Final = {"mineral": "mineral", "pao": "polyalphaolefin", "pag": "polyglycol"}
+#: Advice for an oil of which a standard has no kind.
 _NO_KIND: Final = "name one of its kinds as the model's oil to judge by it all the same"
-#: Mineral oil -> addend of its mean scuffing temperature [degC], and the factor of the viscosity's logarithm (C).
+#: Mineral oil -> addend of its mean scuffing temperature [degC] (C).
 _MINERAL: Final = {"mineral": 63.0, "mineral, antiscuff additives": 118.0}
-_BY_VISCOSITY: Final = 33.0
+#: Factor of the logarithm of the viscosity in the mean scuffing temperature of mineral oils [degC] (C).
+_VISCOSITY_FACTOR: Final = 33.0
 #: Specification of an oil of aircraft -> mean scuffing temperature on steel AISI 9310 [degC] (C).
 _AIRCRAFT: Final = {"MIL-PRF-7808": 205.0, "MIL-PRF-23699": 220.0}
 #: Standard deviation of scuffing temperatures over their mean, both in degC (C).
@@ -208,14 +211,9 @@ class ScuffingAgma(BulkAndFlash):
         oil = assembly.lubricant
         T = _CELSIUS + 40.0
         if not self.oil and not self.taken:
-            named = oil.name.upper()
-            kind = (
-                named
-                if named in _AIRCRAFT
-                else "mineral"
-                if oil.base_oil in (None, "mineral")
-                else ""
-            )
+            kind = oil.name.upper()
+            if kind not in _AIRCRAFT:
+                kind = "mineral" if oil.base_oil in (None, "mineral") else ""
             return attrs.evolve(self, oil=kind, taken=_taken(oil)).of(assembly)
         if self.viscosity_40 is not None or self.oil not in _MINERAL:
             return self
@@ -246,7 +244,7 @@ class ScuffingAgma(BulkAndFlash):
         elif self.viscosity_40 is None:
             return None
         else:
-            mean = _MINERAL[self.oil or "mineral"] + _BY_VISCOSITY * math.log(
+            mean = _MINERAL[self.oil or "mineral"] + _VISCOSITY_FACTOR * math.log(
                 1e6 * self.viscosity_40
             )
         source = f"AGMA 925, {100 * self.risk:.3g} % of gears scuff with oil {self.oil or 'mineral'!r}, recalled (C)"
@@ -256,7 +254,7 @@ class ScuffingAgma(BulkAndFlash):
 
 
 def _taken(oil: "Lubricant") -> str:
-    """Say what is known of the kind of a scene's oil."""
+    """Return what is known of the kind of an oil, in words."""
     if oil.base_oil is None:
         return f"mineral as ASSUMED: {oil.name!r} does not say its base oil; give the model's oil"
     return f"{oil.base_oil} as {oil.name!r} is"

@@ -14,19 +14,30 @@ from rollslip_plugins.bibliography import HAMROCK_ANDERSON_1983, MATVEEVSKY_1965
 
 __all__ = ["FilmParameter", "PassEnergy", "PowerDensity", "allowed"]
 
-#: Largest over mean of Hertz's pressure of a line contact.
+#: Ratio of the largest to the mean pressure of Hertz's line contact.
 _PEAK: Final = 4.0 / math.pi
-#: Film parameter below which surfaces were seen to smear (B).
-_SMEARS: Final = 1.0
+#: Film parameter below which smearing was observed (B).
+_MIN_FILM_PARAMETER: Final = 1.0
 
 
 def allowed(unit: str, doc: str, default: float | None = None, **ranges: Any) -> Any:
-    """Declare the value of a measure that is allowed: none until somebody gives it, or one that was published."""
+    """Declare the largest allowed value of a measure.
+
+    Parameters
+    ----------
+    unit, doc : str
+        Unit and description of the parameter.
+    default : float, optional
+        A published value; None if there is none.
+    **ranges
+        Usual and possible ranges.
+    """
     optional = attrs.validators.optional(positive)
     return parameter(default=default, unit=unit, doc=doc, validator=optional, **ranges)
 
 
 def _given(value: float | None) -> tuple[float, str] | None:
+    """Return a limit of the scene with its source; None without one."""
     return None if value is None else (value, "given in the scene")
 
 
@@ -79,7 +90,15 @@ class PowerDensity(DamageModel):
         return np.asarray(factor * contacts.friction_power / (2.0 * contacts.slices.half_width))
 
     def across(self, contacts: Contacts, places: Array) -> Array:
-        """Return the power density with Hertz's pressure and one traction coefficient across the contact."""
+        """Return the power density with Hertz's pressure and one traction coefficient [W/m2], (n, m).
+
+        Parameters
+        ----------
+        contacts : Contacts
+            The n contacts.
+        places : ndarray, shape (m,)
+            Positions x/b across a contact, -1 to 1.
+        """
         mean = contacts.friction_power / (2.0 * contacts.slices.half_width)
         return np.asarray(_PEAK * mean[:, None] * np.sqrt(np.maximum(1.0 - places * places, 0.0)))
 
@@ -145,7 +164,15 @@ class PassEnergy(DamageModel):
         return np.asarray(contacts.friction_power / speed)
 
     def across(self, contacts: Contacts, places: Array) -> Array:
-        """Return the energy that a point of the surface has met up to each place of its pass."""
+        """Return the energy that a point of the surface has received up to each position of its pass [J/m2], (n, m).
+
+        Parameters
+        ----------
+        contacts : Contacts
+            The n contacts.
+        places : ndarray, shape (m,)
+            Positions x/b across a contact, -1 to 1.
+        """
         x = np.clip(places, -1.0, 1.0)
         fraction = 0.5 + (x * np.sqrt(1.0 - x * x) + np.arcsin(x)) / math.pi
         return np.asarray(self.evaluate(contacts)[:, None] * fraction)
@@ -185,7 +212,7 @@ class FilmParameter(DamageModel):
     allowed: float | None = allowed(
         "1",
         "least film parameter that is allowed",
-        default=_SMEARS,
+        default=_MIN_FILM_PARAMETER,
         usual=(0.05, 10),
         possible=(1e-9, 1e9),
     )
@@ -197,6 +224,9 @@ class FilmParameter(DamageModel):
     @property
     def limit(self) -> tuple[float, str] | None:
         """The least film parameter that is allowed."""
-        if self.allowed == _SMEARS:
-            return _SMEARS, "Hamrock and Anderson (1983), smearing of rolling bearings below it (B)"
+        if self.allowed == _MIN_FILM_PARAMETER:
+            return (
+                _MIN_FILM_PARAMETER,
+                "Hamrock and Anderson (1983), smearing of rolling bearings below it (B)",
+            )
         return _given(self.allowed)

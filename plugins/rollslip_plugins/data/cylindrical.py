@@ -82,11 +82,9 @@ class Rule(NamedTuple):
     #: Relative standard deviation of rollers times length, about zero, of the bearings that the rule was read off.
     scatter: float
     bores: tuple[float, float]  # from which to which bore [mm] makers list them
-    minimum_load: float  # k_r of SKF's least load
-    large: tuple[float, float] = (
-        math.inf,
-        0.0,
-    )  # from which bore [mm] on rollers are what over Da - d
+    minimum_load: float  # k_r of the minimum load of SKF
+    #: Bore [mm] of large bearings, and the diameter of their rollers over Da - d.
+    large: tuple[float, float] = (math.inf, 0.0)
 
 
 #: Series of widths and diameters, E for the reinforced type -> rule.
@@ -101,8 +99,8 @@ RULES: Final[Mapping[str, Rule]] = {
     "4": Rule(0.240, 0.997, 1.28, 1.7, 0.675, 3.6, 0.055, (25, 150), 0.15),
     "10": Rule(0.242, 1.000, 1.19, 1.8, math.nan, 0.0, 0.035, (25, 480), 0.10, (280, 0.25)),
 }
-#: Series of which a name without a letter means what it says, and not type E.
-_AS_SAID: Final = ("10", "4")
+#: Series of which a name without a letter does not mean type E.
+_LITERAL_SERIES: Final = ("10", "4")
 #: Diameters of standard rollers [mm]; above 50 mm none are standard, and steps like those below are taken.
 _ROLLERS: Final = (
     *(5.5, 6, 6.5, 7, 7.5, *range(8, 27), 28, 30, 32, 34, 36, 38, 40, 42, 45, 48, 50),
@@ -134,15 +132,17 @@ _CLEARANCES: Final = (
     (450, (110, 210), (210, 310), (310, 410), (410, 510), (565, 665)),
     (500, (110, 220), (220, 330), (330, 440), (440, 550), (625, 735)),
 )
+#: Groups of clearance, in the order of the columns of `_CLEARANCES`.
 _GROUPS: Final = ("C2", "CN", "C3", "C4", "C5")
-#: What part of a group a letter behind it leaves: its lower half, its middle, its upper half (SKF; C).
+#: Letter after a group -> first and last fraction of its range: lower half, middle, upper half (SKF; C).
 _PARTS: Final = {"": (0.0, 1.0), "L": (0.0, 0.5), "M": (0.25, 0.75), "H": (0.5, 1.0)}
-#: Types that are offered of series 22 and 23; of all others there is N too.
+#: Types of series 22 and 23.
 _TYPES: Final = dict.fromkeys(("22E", "23E"), ("NU", "NJ", "NUP"))
+#: Types of all other series.
 _ALL: Final = ("NU", "NJ", "NUP", "N")
-#: What a cage is of where no letter says so: up to this bore [mm] a maker's designations of type E say polyamide on the
-#: rollers (TVP3), above it brass on them (M6); brass on them in series 4 (M), brass on the outer ring in 10 (MPA);
-#: NKE, general catalogue (A). Others do likewise, up to 100 to 130 mm.
+#: Bore [mm] up to which a cage without letters is of polyamide: up to it a maker's designations of type E say polyamide
+#: on the rollers (TVP3), above it brass on them (M6); brass on them in series 4 (M), brass on the outer ring in 10
+#: (MPA); NKE, general catalogue (A). Others do likewise, up to 100 to 130 mm.
 _POLYAMIDE: Final = 130
 
 
@@ -157,7 +157,7 @@ class Inside(NamedTuple):
 
 def nearest_roller(diameter: float) -> float:
     """Return the diameter of the standard roller that is nearest [mm]."""
-    return float(min(_ROLLERS, key=lambda one: abs(one - diameter)))
+    return float(min(_ROLLERS, key=lambda standard: abs(standard - diameter)))
 
 
 def boundaries(series: str) -> list[tuple[int, int, int]]:
@@ -168,13 +168,21 @@ def boundaries(series: str) -> list[tuple[int, int, int]]:
 
 
 def estimated(series: str, bore: float, outside: float, width: float) -> Inside:
-    """Return the inside of a bearing by the rule of its series."""
+    """Return the inside of a bearing by the rule of its series.
+
+    Parameters
+    ----------
+    series : str
+        A key of `RULES`.
+    bore, outside, width : float
+        Boundary dimensions [mm].
+    """
     rule = RULES[series]
     fraction = rule.large[1] if bore >= rule.large[0] else rule.diameter
     diameter = nearest_roller(fraction * (outside - bore))
     pitch = round(rule.pitch * (bore + outside)) / 2
     rollers = math.floor(math.pi * pitch / (rule.spacing * diameter + rule.bar) + 0.5)
-    chamfers = next(both for least, both in _CHAMFERS if diameter >= least)
+    chamfers = next(both for smallest, both in _CHAMFERS if diameter >= smallest)
     length = diameter - chamfers if math.isnan(rule.length) else rule.length * width - rule.ends
     return Inside(rollers, diameter, round(length, 1), pitch)
 
@@ -187,27 +195,33 @@ class _Size(NamedTuple):
 
 
 def clearance(bore: float, group: str) -> tuple[float, float]:
-    """Return from what to what radial clearance before mounting goes [um], ISO 5753-1."""
-    low, high = next(spans for most, *spans in _CLEARANCES if bore <= most)[
-        _GROUPS.index(group[:2])
-    ]
+    """Return the bounds of the radial clearance before mounting [um], ISO 5753-1.
+
+    Parameters
+    ----------
+    bore : float
+        Bore [mm].
+    group : str
+        Group of clearance, "CN" or "C3L" for example.
+    """
+    ranges = next(ranges for largest, *ranges in _CLEARANCES if bore <= largest)
+    low, high = ranges[_GROUPS.index(group[:2])]
     first, last = _PARTS[group[2:]]
     return low + first * (high - low), low + last * (high - low)
 
 
 def _sizes() -> dict[tuple[str, str], _Size]:
-    """Return series and code of the bore of all sizes whose rule is known, and what they are."""
-    found = {}
+    """Return the boundary dimensions of all sizes with a rule, by series and code of the bore."""
+    sizes = {}
     for widths, text in _SIZES.values():
         for line in text.split(","):
             bore, outside, *each = map(int, line.split())
             for name, width in zip(widths, each, strict=True):
                 for series in (f"{name}E", name):
                     if series in RULES and RULES[series].bores[0] <= bore <= RULES[series].bores[1]:
-                        found[series, {15: "02", 17: "03"}.get(bore, f"{bore // 5:02}")] = _Size(
-                            series, bore, outside, width
-                        )
-    return found
+                        code = {15: "02", 17: "03"}.get(bore, f"{bore // 5:02}")
+                        sizes[series, code] = _Size(series, bore, outside, width)
+    return sizes
 
 
 class CylindricalRollerBearings(Family):
@@ -232,13 +246,15 @@ class CylindricalRollerBearings(Family):
         )
 
     def called(self, written: str) -> str | None:
-        """Return the designation behind one that is written in another way: "NU 2210 ECP/C3" is "NU2210E-C3"."""
+        """Return the designation of the catalogue for another spelling: "NU2210E-C3" for "NU 2210 ECP/C3"."""
         read = read_designation(written)
         if read is None:
             return None
-        plain = read.old or (read.series in _AS_SAID and not read.reinforced)
+        plain = read.old or (read.series in _LITERAL_SERIES and not read.reinforced)
         series = read.series if plain else f"{read.series}E"
-        sized = (series, read.code) in self._sizes and not (read.old and read.series in _AS_SAID)
+        sized = (series, read.code) in self._sizes and not (
+            read.old and read.series in _LITERAL_SERIES
+        )
         if not sized or read.type not in _TYPES.get(series, _ALL):
             return None
         return _name(read.type, series, read.code, read.group or "CN")
@@ -284,8 +300,11 @@ class CylindricalRollerBearings(Family):
 
 
 def _name(kind: str, series: str, code: str, group: str) -> str:
+    """Return the designation of a bearing."""
     number = series.removesuffix("E")
-    design = "E" if series != number else "" if number in _AS_SAID else "-old"
+    design = "" if number in _LITERAL_SERIES else "-old"
+    if series != number:
+        design = "E"
     return f"{kind}{number}{code}{design}{'' if group == 'CN' else f'-{group}'}"
 
 

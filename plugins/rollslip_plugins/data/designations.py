@@ -1,4 +1,4 @@
-"""Designations of bearings as people write them: what of a cylindrical roller bearing they say, and what else is meant.
+"""Designations of bearings in any spelling: type, size, cage and clearance of cylindrical roller bearings, and others.
 
 A designation is read from the left: a maker or none, the type, series and code of the bore, then what stands behind
 them, in any spelling: "SKF NU 205 ECP/C3", "nu205-e-xl-tvp2-c3", "NU205.E.M1.C3", "NU205ETVP2C3". What is not known
@@ -21,17 +21,19 @@ from rollslip.datasets import OwnCage
 
 __all__ = ["Designation", "other_bearing", "packed", "read_designation"]
 
-#: Makers and words that stand beside a designation.
-_BESIDE: Final = (
+#: Makers and words before and after a designation.
+_SURROUNDINGS: Final = (
     "SKF|FAG|INA|SCHAEFFLER|NSK|NTN|SNR|KOYO|JTEKT|NACHI|NKE|TIMKEN|FAFNIR|TORRINGTON|URB|ZKL|ZVL|KINEX|RHP|STEYR|"
     "FERSA|ISB|FBJ|KBC|LYC|ZWZ|HRB|CRAFT|MPZ|EPK|GPZ|PSL|MRC|IBC|FKL|NBS|CX|CODEX|ROLLWAY|NRB|SLF|EXPLORER|"
     "CYLINDRICAL|ROLLER|BALL|BEARINGS?|ZYLINDERROLLENLAGER|W(?:AE|Ä)LZLAGER|DIN ?5412(?:-1)?|TYPE|SINGLE|ROW|CRB"
 )
-_FRAMED: Final = re.compile(
-    rf"^(?:[\s\-:,./]*(?:{_BESIDE})\b)*(?:[\s\-:,./]*(?:{_BESIDE})(?=[A-Z]*\d))?[\s\-:,./]*"
+#: Makers and words before a designation.
+_BEFORE_DESIGNATION: Final = re.compile(
+    rf"^(?:[\s\-:,./]*(?:{_SURROUNDINGS})\b)*(?:[\s\-:,./]*(?:{_SURROUNDINGS})(?=[A-Z]*\d))?[\s\-:,./]*"
 )
-_BEHIND: Final = re.compile(rf"(?:[\s\-:,./(\[]+(?:{_BESIDE})[\s)\]]*)+$")
-#: Letters -> what the cage is of, and what guides it; "ribs" is the ring that has them.
+#: Makers and words after a designation.
+_AFTER_DESIGNATION: Final = re.compile(rf"(?:[\s\-:,./(\[]+(?:{_SURROUNDINGS})[\s)\]]*)+$")
+#: Letters -> material of the cage, and what guides it; "ribs" is the ring that has them.
 _CAGES: Final[Mapping[str, tuple[str, str]]] = {
     **dict.fromkeys(
         ("P", "TVP", "TVP2", "TVP3", "TVPX", "TN", "TN9", "TNG", "T", "T2", "T2X", "G15", "G"),
@@ -45,17 +47,19 @@ _CAGES: Final[Mapping[str, tuple[str, str]]] = {
     **dict.fromkeys(("MB", "M1B", "MB6", "MPB", "MP1B"), ("brass", "inner")),
     **dict.fromkeys(("ML", "MP"), ("brass", "ribs")),
 }
-#: What says nothing of what is modelled: PEEK, precision, heat treatment, insulation, special versions, interchange.
+#: Letters without effect on the model: PEEK, precision, heat treatment, insulation, special versions, interchange.
 _SILENT: Final = (
     "PHA?S?|P[0456]|P63|S[0-4]|SN|NA|R\\d{2,3}|W\\d{2,3}|L4B|L5B|"
     "V[ACEQL]\\d{3,4}|J20[A-Z]{0,2}|F1|FV|AH|XL|W33|Q"
 )
+#: Letters of cages, the longest first.
 _CAGE: Final = "|".join(sorted(_CAGES, key=len, reverse=True))
 #: A class of clearance stands behind the cage or, with some, before it; SNR's J30 is C3.
 _TAIL: Final = re.compile(
     rf"(?P<design>OLD|EC|EA|EXL|E|R)?(?:XL)?(?P<first>C[2345N][LMH]?)?(?:(?P<cage>{_CAGE})|PHA?S?)?(?:{_SILENT})*?"
     rf"(?P<group>C[2345N][LMH]?|J[34]0)?(?:{_SILENT})*"
 )
+#: Type, series and code of a cylindrical roller bearing.
 _NUMBER: Final = re.compile(
     r"(?P<type>NUP|NU|NJ|N)(?P<series>10|22|23|2|3|4)(?P<code>\d\d)(?!\d)(?P<tail>.*)"
 )
@@ -68,16 +72,19 @@ class Designation(NamedTuple):
     type: str
     series: str
     code: str
-    #: reinforced, old: Whether it is said to be of the reinforced type E, or of the one before it.
-    reinforced: bool
-    old: bool
-    cage: OwnCage | None  # what its letters say of the cage
-    group: str | None  # group of clearance, as "C3" or "CNL", where one is said
+    reinforced: bool  # whether it names the reinforced type E
+    old: bool  # whether it names the type before that
+    cage: OwnCage | None  # cage by its letters
+    group: str | None  # group of clearance, "C3" or "CNL" for example; None without one
 
 
 def _bare(written: str) -> str:
     """Return a designation in capitals, without makers around it and the angle ring that may come with it."""
-    return re.sub(r"\s*\+\s*HJ.*", "", _BEHIND.sub("", _FRAMED.sub("", written.upper().strip())))
+    return re.sub(
+        r"\s*\+\s*HJ.*",
+        "",
+        _AFTER_DESIGNATION.sub("", _BEFORE_DESIGNATION.sub("", written.upper().strip())),
+    )
 
 
 def packed(written: str) -> str:
@@ -117,7 +124,7 @@ def read_designation(written: str) -> Designation | None:
     )
 
 
-#: Series of others -> what they are of: what stands before the code of the bore.
+#: Series of other bearings, the digits before the code of the bore -> kind of bearing.
 _SERIES: Final[Mapping[str, str]] = {
     series: what
     for what, every in {
@@ -136,10 +143,10 @@ _SERIES: Final[Mapping[str, str]] = {
     }.items()
     for series in every.split()
 }
-#: How lettered ones begin -> what they are; the first that fits counts.
+#: Pattern of the start of other designations with letters, and kind of bearing; the first that matches counts.
 _LETTERED: Final = tuple(
-    (re.compile(rf"(?:{begins})"), what)
-    for begins, what in (
+    (re.compile(rf"(?:{start})"), what)
+    for start, what in (
         (r"NN[UC]?\d|NNU\d", "double row cylindrical roller bearing"),
         (
             r"NCF|NJG|NNC|NNF|SL0?\d|RSL|NUPV?\d+V|N[UJ]\d+V",
@@ -170,10 +177,11 @@ _LETTERED: Final = tuple(
         (r"LM\d+UU|LME?\d|LB[BCE]R?\d|KH\d", "linear ball bearing"),
     )
 )
-#: Letters before a number that change nothing of what it is: hybrid, stainless, coated, for spindles.
+#: Letters before a number that do not change the kind of bearing: hybrid, stainless, coated, for spindles.
 _BEFORE: Final = re.compile(
     r"(?:E2|BB1|HCB|HCS|XCB|HSS|HC|HS|SS|S|W|B|4T|ET|HR|TR)[\s.\-]*(?=\d{3})"
 )
+#: Series and code of a number.
 _CORE: Final = re.compile(
     r"(?P<series>\d+?)(?P<code>\d\d|/\d+)(?=[^\d/]|/(?!\d{1,3}\b)|2(?:RS|Z|RZ|LS)|$)"
 )
@@ -199,7 +207,7 @@ def other_bearing(written: str) -> str | None:
     what = None if core is None else _SERIES.get(core["series"])
     if re.match(r"\d{4,6}[A-Z]?[/-]\d{4,6}", plain):
         what = "taper roller bearing"  # cone and cup of inch sizes, 15101/15245
-    what = what or next((what for begins, what in _LETTERED if begins.match(solid)), None)
+    what = what or next((what for start, what in _LETTERED if start.match(solid)), None)
     if what is None and re.match(r"N(?:UP?|JP?|F|P)?\d", solid):
         what = "cylindrical roller bearing of a size or a series that is not in the catalogue"
     return what and f"a{'n' * (what[0] in 'aeiou')} {what}"

@@ -47,12 +47,15 @@ _SERIES: Final = {
     "22": ("NCF", "V", (20, 200), RULES["22E"].diameter, RULES["22E"].pitch),
     "23": ("NJG", "VH", (25, 130), RULES["23E"].diameter, RULES["23E"].pitch),
 }
-#: Length of a roller: that share of the width, less these ends [mm]; gap between rollers over their diameter;
-#: standard deviation of rollers times length (D).
+#: Length of a roller over the width of the bearing, before `_ENDS`; from two recalled static ratings (D).
 _LENGTH = 0.6
+#: Length that ribs and snap ring take from it [mm] (D), as `_LENGTH`.
 _ENDS = 1.6
+#: Gap between two rollers over their diameter, as for needles without a cage (C).
 _GAP = 0.002
+#: Relative standard deviation of rollers times length (D).
 _SCATTER = 0.15
+#: Pattern of a packed designation.
 _WRITTEN: Final = re.compile(
     r"(?:NCF(?P<ncf>29|30|22)(?P<ncf_code>\d\d)C?V|NJG(?P<njg>23)(?P<njg_code>\d\d)C?VH|SL18(?P<sl>29|30|22)"
     r"(?P<sl_code>\d\d)|SL19(?P<sh>23)(?P<sh_code>\d\d))(?:XL|[ABE])?(?:BR)?(?P<group>C[2345N])?(?:BR)?"
@@ -72,7 +75,7 @@ class FullComplementBearings(Family):
     def _sizes(self) -> dict[tuple[str, str], tuple[int, int, int]]:
         """Series and code of the bore of every size, and what it is [mm]."""
         listed = {
-            series: [[int(mm) for mm in one.split()] for one in text.split(",")]
+            series: [[int(mm) for mm in row.split()] for row in text.split(",")]
             for series, text in _SIZES.items()
         }
         listed |= {series: [list(size) for size in boundaries(series)] for series in ("22", "23")}
@@ -89,16 +92,17 @@ class FullComplementBearings(Family):
         return tuple(_name(series, code, "CN") for series, code in self._sizes)
 
     def _read(self, written: str) -> tuple[str, str, str | None] | None:
-        """Return series, code of the bore and the group of clearance that is said."""
-        found = _WRITTEN.fullmatch(packed(written))
-        if found is None:
+        """Return series, code of the bore and, if it is given, the group of clearance."""
+        match = _WRITTEN.fullmatch(packed(written))
+        if match is None:
             return None
-        series, code = (next(filter(None, (found[f"{of}{what}"] for of in ("ncf", "njg", "sl", "sh"))))
-                        for what in ("", "_code"))  # fmt: skip
-        return (series, code, found["group"]) if (series, code) in self._sizes else None
+        prefix = next(name for name in ("ncf", "njg", "sl", "sh") if match[name])
+        series = match[prefix]
+        code = match[f"{prefix}_code"]
+        return (series, code, match["group"]) if (series, code) in self._sizes else None
 
     def called(self, written: str) -> str | None:
-        """Return the designation behind one that is written in another way: "SL182210-C3" is "NCF2210V-C3"."""
+        """Return the designation of the catalogue for another spelling: "NCF2210V-C3" for "SL182210-C3"."""
         read = self._read(written)
         return read and _name(read[0], read[1], read[2] or "CN")
 
@@ -107,7 +111,7 @@ class FullComplementBearings(Family):
         return None if self._read(written) is None else OwnCage("", "roller", "V")
 
     def clearance_class(self, written: str) -> str | None:
-        """Return the group of clearance that a designation says."""
+        """Return the group of clearance of a designation; None without one."""
         read = self._read(written)
         return read and read[2]
 

@@ -21,6 +21,7 @@ from rollslip_plugins.data.lubricants import scatter_of
 from rollslip_plugins.pressure_viscosity import Roelands
 
 _RANGE = "Range 0 to 120 degC (D), 40 K below and 20 K above the points of the viscosity."
+#: Relative scatter of the viscosity of a grade, its grade, and the source.
 _GRADE_SCATTER = (0.1, "(B)", "ISO 3448 allows a grade 10 % either way")
 _SHEAR = (
     "Eyring stress 5 MPa: 3 to 8 MPa are recalled of mineral oils, 2 to 6 of others (C); shear modulus 0.3 GPa (C), "
@@ -40,13 +41,13 @@ def _correlated(
     references: tuple[Reference, ...],
     synonyms: tuple[str, ...] = (),
 ) -> Lubricant:
-    """An oil of two kinematic viscosities [mm2/s] at temperatures [degC], and densities at 15 and 100 degC [kg/m3]."""
+    """Return an oil by kinematic viscosities [mm2/s] at temperatures [degC], and densities at 15 and 100 degC."""
     kinematic = fit_walther(
         [T + 273.15 for T in points], [1e-6 * nu for nu in points.values()], density=1.0
     )
     rho = falling_density(*density)
-    of = BASE_OILS[kind]
-    properties, told = estimated(kind, kinematic, {"density": rho})
+    base_oil = BASE_OILS[kind]
+    properties, text = estimated(kind, kinematic, {"density": rho})
     eta = kinematic(333.15) * rho(333.15)
     alpha = properties["pressure_viscosity"](333.15)
     return Lubricant(
@@ -61,16 +62,16 @@ def _correlated(
         source=(
             f"{source} Between and beyond Walther's law. Pressure-viscosity coefficient: formula of Wu, Klaus and Duda "
             "on this viscosity (B), taken as the slope at no pressure (C: it lies between that and the film's); it "
-            f"scatters by {of.alpha_scatter:.0%}. {told} {_RANGE}"
+            f"scatters by {base_oil.alpha_scatter:.0%}. {text} {_RANGE}"
         ),
         references=(*references, ASTM_D341, WU_1989),
         scatter=scatter_of(
-            exponent_factor(Roelands(), of.exponent, eta, alpha),
+            exponent_factor(Roelands(), base_oil.exponent, eta, alpha),
             *_GRADE_SCATTER,
-            of.alpha_scatter,
-            of.alpha_source,
+            base_oil.alpha_scatter,
+            base_oil.alpha_source,
         ),
-        grades={**of.grades, **grades},
+        grades={**base_oil.grades, **grades},
         synonyms=synonyms,
     )
 
@@ -130,8 +131,9 @@ tp_22s = _correlated(
 
 # eta = eta0(T) exp(p/(a1 + a2 T + (b1 + b2 T) p)), p in bar, T in degC, a1 = 327.7918, a2 = 2.9862: at no pressure the
 # slope of ln(eta) is 1/(a1 + a2 T), a hyperbola without a limit.
-# Pa, Pa/K
+#: a1 of this law at 0 degC [Pa].
 _A1 = 327.7918e5
+#: a2 of this law [Pa/K].
 _A2 = 2.9862e5
 
 fva_3 = Lubricant(

@@ -1,4 +1,4 @@
-"""The oils in the box.
+"""The built-in oils.
 
 The temperature laws are published fits; what stands beside them in scenes of slip, Eyring stress and shear modulus, is
 rarely measured for a named oil. Each ``source`` says so, and each datum has a grade of `rollslip.lubricant.GRADES`: no
@@ -23,8 +23,10 @@ from rollslip.lubricant import (
 from rollslip.lubricant.base_oil import falling_density
 from rollslip_plugins.bibliography import GUPTA_1984
 
-_EYRING_STRESS = 4e6  # Pa
-_SHEAR_MODULUS = 0.3e9  # Pa
+#: Eyring stress of the turbine oils [Pa] (D), see `_SHEAR_SOURCE`.
+_EYRING_STRESS = 4e6
+#: Shear modulus of the turbine oils [Pa] (C), see `_SHEAR_SOURCE`.
+_SHEAR_MODULUS = 0.3e9
 _SHEAR_SOURCE = (
     "Eyring stress 4 MPa (D), published traction curves give 1 to 10 MPa; shear "
     "modulus 0.3 GPa (C), 0.05 to 1 GPa."
@@ -41,8 +43,9 @@ def _grades(**own: str) -> dict[str, str]:
     return own | {"eyring_stress": "D", "shear_modulus": "C", "pressure_viscosity_kind": "C"}
 
 
-# K
+#: Lowest temperature of the turbine oils [K] (D), see `_RANGE_SOURCE`.
 _LOWEST = 273.15
+#: Highest temperature of the turbine oils [K] (D), see `_RANGE_SOURCE`.
 _HIGHEST = 473.15
 _RANGE_SOURCE = (
     "Range 0 to 200 degC (D): the service range of such oils; over it the laws are finite and fall, but the "

@@ -51,6 +51,8 @@ _NEEDLES: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0)
 
 
 class _Rule(NamedTuple):
+    """How the inside of a bearing follows from its boundary dimensions."""
+
     needle: (
         float  # diameter of a needle over half of outside diameter less circle under the rollers
     )
@@ -59,12 +61,14 @@ class _Rule(NamedTuple):
     grade: int  # of the circle under the rollers, a tolerance F
 
 
+#: Kind of bearing -> rule (D), from recalled static ratings.
 _RULES: Final = {"NK": _Rule(0.62, 1.35, 0.75, 6), "HK": _Rule(0.67, 1.45, 0.68, 7)}
-#: Least deviation F and tolerances IT5, IT6, IT7 [um] up to a diameter [mm], ISO 286-1.
+#: Fundamental deviation F and tolerances IT5, IT6, IT7 [um] up to a diameter [mm], ISO 286-1.
 _LIMITS: Final = (
     (10, 13, 6, 9, 15), (18, 16, 8, 11, 18), (30, 20, 9, 13, 21), (50, 25, 11, 16, 25), (80, 30, 13, 19, 30),
     (120, 36, 15, 22, 35),
 )  # fmt: skip
+#: Relative standard deviation of rollers times length (D).
 _SCATTER: Final = 0.15
 
 
@@ -85,13 +89,14 @@ class NeedleBearings(Family):
 
     @cached_property
     def _sizes(self) -> dict[str, _Size]:
-        found = dict[str, _Size]()
+        """Designation -> boundary dimensions."""
+        sizes = dict[str, _Size]()
         for kind, text in _SIZES.items():
             for bore, outside, *widths in (map(int, line.split()) for line in text.split(",")):
                 for width in widths:
                     name = f"HK{bore:02}{width:02}" if kind == "HK" else f"{kind}{bore}/{width}"
-                    found[name] = _Size(kind, bore, outside, width)
-        return found
+                    sizes[name] = _Size(kind, bore, outside, width)
+        return sizes
 
     @cached_property
     def _packed(self) -> dict[str, str]:
@@ -103,7 +108,7 @@ class NeedleBearings(Family):
         return tuple(self._sizes)
 
     def called(self, written: str) -> str | None:
-        """Return the designation behind one that is written in another way: "INA NK20/16-XL" is "NK20/16"."""
+        """Return the designation of the catalogue for another spelling: "NK20/16" for "INA NK20/16-XL"."""
         return self._packed.get(re.sub(r"(XL|B|TV|TN)$", "", packed(written)))
 
     def cage(self, written: str) -> OwnCage | None:
@@ -119,17 +124,17 @@ def _bearing(name: str, size: _Size) -> BearingData:
     kind, bore, outside, width = size
     under = bore if kind != "NKI" else NKI_CIRCLES[bore]
     rule = _RULES["HK" if kind == "HK" else "NK"]
-    diameter = min(_NEEDLES, key=lambda one: abs(one - rule.needle * (outside - under) / 2.0))
+    estimate = rule.needle * (outside - under) / 2.0
+    diameter = min(_NEEDLES, key=lambda standard: abs(standard - estimate))
     rollers = math.floor(math.pi * (under + diameter) / (rule.spacing * diameter))
     length = round(rule.length * width, 1)
     if kind == "NKI":
         low, high = clearance(bore, "CN")
-        told = f"clearance: middle of group CN of ISO 5753-1, {low:g} to {high:g} um"
+        source = f"clearance: middle of group CN of ISO 5753-1, {low:g} to {high:g} um"
     else:
-        _, least, h5, *circle = next(row for row in _LIMITS if under <= row[0])
-        low = least
-        high = least + circle[rule.grade - 6] + h5
-        told = (
+        _, low, h5, *circle = next(row for row in _LIMITS if under <= row[0])
+        high = low + circle[rule.grade - 6] + h5
+        source = (
             f"clearance: circle under the rollers F{rule.grade}, shaft h5, {low:g} to {high:g} um"
         )
     of = "" if kind == "NKI" else ", on the shaft"
@@ -142,7 +147,7 @@ def _bearing(name: str, size: _Size) -> BearingData:
         source=(
             "Boundary dimensions: makers' lists (C). Inner geometry: estimated (D), needles by shares of section and "
             f"width that give three recalled static ratings; rollers times length are known to about {_SCATTER:.0%}; "
-            f"{told}. Profile: that of ISO/TS 16281 for rollers of unknown profile (D)."
+            f"{source}. Profile: that of ISO/TS 16281 for rollers of unknown profile (D)."
         ),
         validity="Before mounting: a scene says what fits, speed and temperature leave of the clearance.",
         references=(ISO_3245, ISO_3096, ISO_5753, ISO_286, ISO_76),

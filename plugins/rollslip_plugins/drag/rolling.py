@@ -20,12 +20,19 @@ from rollslip_plugins.bibliography import (
     MURCH_1975,
 )
 from rollslip_plugins.drag.factor import scattering_factor
-from rollslip_plugins.film.corrections import LAWS, heated_inlet, in_full, starved, thermal_load
+from rollslip_plugins.film.corrections import (
+    LAWS,
+    heated_inlet,
+    starvation_factor,
+    starved,
+    thermal_load,
+)
 from rollslip_plugins.symbols import explained
 
-#: F = RIGID sqrt(eta u w): int h dp/2 of the half-open parabolic gap that Reynolds's condition ends.
+#: Factor of F = RIGID sqrt(eta u w): int h dp/2 of a parabolic gap that is open to the inlet, with Reynolds's condition
+#: at the exit.
 RIGID: Final = 2.0796226511
-#: F = ELASTIC (R/alpha) (G U)^0.658 W^0.0126
+#: Factor of F = ELASTIC (R/alpha) (G U)^0.658 W^0.0126 (Goksem and Hargreaves).
 ELASTIC: Final = 4.318
 
 
@@ -34,12 +41,12 @@ _DOMAIN: Final[Domain] = MappingProxyType(
     {**dict.fromkeys(_OIL, POSITIVE), "pressure_viscosity": NON_NEGATIVE}
 )
 _HEATED: Final[Domain] = MappingProxyType({**LAWS["murch-wilson"], **_DOMAIN})
-#: (WHOLE[0] L - WHOLE[1]) M^2/(1 + M^2): what the film behind the inlet adds, over what the inlet resists with.
+#: Coefficients of (WHOLE[0] L - WHOLE[1]) M^2/(1 + M^2): resistance of the film after the inlet over that of the inlet.
 WHOLE: Final = (0.049, 0.16)
 
 
 def _compared(quantity: str, low: float, high: float) -> Validity:
-    """Return the range in which the law was held against a numerical solution."""
+    """Return the range in which the law was compared with a numerical solution."""
     return Validity(
         code="W22",
         quantity=quantity,
@@ -166,7 +173,7 @@ class RollingResistance(ResistanceModel):
         )
         large = np.maximum(x, 1.0)
         small = np.minimum(x, 1.0 / large)
-        factor = np.asarray(self.factor * in_full(self.starvation))
+        factor = np.asarray(self.factor * starvation_factor(self.starvation))
         if self.inlet_heating != "none":
             factor = factor * heated_inlet(thermal_load(s))
         if self.extent == "film":
@@ -181,7 +188,7 @@ class RollingResistance(ResistanceModel):
         heated = self.inlet_heating != "none"
         whole = self.extent == "film"
         return compiled.rolling_resistance(
-            RIGID, ELASTIC, self.factor * in_full(self.starvation), heated, whole
+            RIGID, ELASTIC, self.factor * starvation_factor(self.starvation), heated, whole
         )
 
 

@@ -43,12 +43,12 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 
-#: Factor of a starved inlet from which on it is as good as full.
-_NEARLY_FULL: Final = 0.9
-#: Share of the thinner of film and layer in the other, below which the other does not matter to the last bit.
+#: Factor of a starved inlet above which the starvation is not reported. Chosen: a tenth is below other errors of films.
+_REPORTED_STARVATION: Final = 0.9
+#: Ratio of the thinner of film and layer to the thicker one, below which the thicker one has no effect on the last bit.
 _MIN_FRACTION: Final = 1e-30
 
-#: What each law reads, in the kernel's order of the laws.
+#: Members that each law reads, in the order of the laws in the kernel.
 LAWS: Final[dict[str, Domain]] = {
     "none": {},
     "murch-wilson": {
@@ -78,8 +78,8 @@ LAWS["gupta"] = {
 starved: Final = attrs.validators.and_(positive, within_possible)
 
 
-def in_full(starvation: float) -> float:
-    """Return a factor of starved inlets, 1 where neither a scene nor anybody else gives one."""
+def starvation_factor(starvation: float) -> float:
+    """Return a factor of starved inlets, 1 where it is not given (NaN)."""
     return 1.0 if math.isnan(starvation) else starvation
 
 
@@ -255,27 +255,26 @@ class InletCorrection(FilmModel):
     @property
     def isothermal(self) -> FilmModel:
         """The film of a cold inlet, which is starved as much."""
-        return (
-            attrs.evolve(self, thermal="none")
-            if self.starvation != 1.0 or self.oil_layer is not None
-            else self.film
-        )
+        if self.starvation == 1.0 and self.oil_layer is None:
+            return self.film
+        return attrs.evolve(self, thermal="none")
 
     @property
     def inlet_starvation(self) -> str:
-        """Factor and layer of the starved inlet, in words; of a factor near one nobody has to know."""
-        told = [f"a factor of {self.starvation:.3g}"] if self.starvation < _NEARLY_FULL else []
-        told += (
-            [f"an oil layer of {format_quantity(self.oil_layer, 'm', 3)}"]
-            if self.oil_layer is not None
-            else []
-        )
-        return " and ".join(told)
+        """Factor and layer of the starved inlet, in words; empty for a factor near 1 without a layer."""
+        texts = []
+        if self.starvation < _REPORTED_STARVATION:
+            texts.append(f"a factor of {self.starvation:.3g}")
+        if self.oil_layer is not None:
+            texts.append(f"an oil layer of {format_quantity(self.oil_layer, 'm', 3)}")
+        return " and ".join(texts)
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the film thickness, and what else the film fills."""
         self.film.evaluate(slices)
-        slices.film_thickness[...] *= in_full(self.starvation) * self._thermal_factor(slices)
+        slices.film_thickness[...] *= starvation_factor(self.starvation) * self._thermal_factor(
+            slices
+        )
         if self.oil_layer is not None:
             film = slices.film_thickness
             oil = self.oil_layer
@@ -285,6 +284,7 @@ class InletCorrection(FilmModel):
             slices.film_thickness[...] = thin * (1.0 + fraction**g) ** (-1.0 / g)
 
     def _thermal_factor(self, s: Slices) -> Array:
+        """Return the reduction C_T of slices by shear heating."""
         if self.thermal == "none":
             return np.ones(())
         c = s.conditions
@@ -344,5 +344,5 @@ class InletCorrection(FilmModel):
         law = list(LAWS).index(self.thermal)
         layer = self.oil_layer or 0.0
         return compiled.inlet(
-            stage(self.film), law, in_full(self.starvation), layer, self.layer_exponent
+            stage(self.film), law, starvation_factor(self.starvation), layer, self.layer_exponent
         )

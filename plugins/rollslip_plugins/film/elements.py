@@ -1,8 +1,8 @@
 """Piecewise polynomials over the inlet of a line contact, and the deformation that a pressure of theirs causes.
 
 - Polynomials of degree 4, collocated at Radau points; deformation, load and slope of a polynomial are exact.
-- The distance counts from the exit upstream, for a film that is stiff (f -> 0, H = Hm) takes its pressure from behind:
-  the same points in the direction of the flow give a pressure that oscillates.
+- The distance counts from the exit upstream, because a stiff film (f -> 0, H = Hm) takes its pressure from downstream:
+  the same points in the direction of the flow give an oscillating pressure.
 """
 
 import math
@@ -13,7 +13,11 @@ from numpy.polynomial import legendre
 
 from rollslip.search import Array
 
+#: Degree of the polynomials. A higher one resolves smooth pressures with fewer elements, and spikes with more. Chosen.
 DEGREE: Final = 4
+#: Distance from the middle of an element, in halves of it, from which on its integrals are computed by quadrature. At 4
+#: the error of that is below 1e-14.
+_FAR_DISTANCE: Final = 4.0
 
 
 def _radau() -> Array:
@@ -27,12 +31,14 @@ def _radau() -> Array:
 
 _POINTS: Final = _radau()
 _NODES: Final = np.append(-1.0, _POINTS)
-#: Values at the nodes of an element -> coefficients of Legendre polynomials -> those of the slope.
+#: Matrix from values at the nodes of an element to coefficients of Legendre polynomials.
 _COEFFICIENTS: Final = np.linalg.inv(legendre.legvander(_NODES, DEGREE))
+#: Matrix from values at the nodes to coefficients of the slope.
 _SLOPE: Final = legendre.legder(np.eye(DEGREE + 1)) @ _COEFFICIENTS
-#: A rule for the kernel far from its singularity.
-_GAUSS, _WEIGHTS = legendre.leggauss(8)
-_FAR: Final = legendre.legvander(_GAUSS, DEGREE) * _WEIGHTS[:, None]
+#: Nodes of Gauss-Legendre quadrature of the kernel far from its singularity.
+_GAUSS: Final = legendre.leggauss(8)[0]
+#: Weights of the integrals of Legendre polynomials at these nodes.
+_FAR_WEIGHTS: Final = legendre.legvander(_GAUSS, DEGREE) * legendre.leggauss(8)[1][:, None]
 
 
 def _moments(z: Array) -> Array:
@@ -42,8 +48,8 @@ def _moments(z: Array) -> Array:
     to cancellation away from the element; there Gauss's rule has an error below 1e-14.
     """
     moments = np.empty((*z.shape, DEGREE + 1))
-    far = np.abs(z) > 4.0
-    moments[far] = np.log(np.abs(z[far][:, None] - _GAUSS)) @ _FAR
+    far = np.abs(z) > _FAR_DISTANCE
+    moments[far] = np.log(np.abs(z[far][:, None] - _GAUSS)) @ _FAR_WEIGHTS
     z = z[~far]
     P = legendre.legvander(z, DEGREE + 1)
     W = np.zeros_like(P)  # Q_l = P_l ln|(1 + z)/(1 - z)|/2 - W_l

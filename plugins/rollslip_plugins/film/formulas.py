@@ -40,12 +40,12 @@ from rollslip_plugins.bibliography import (
 )
 from rollslip_plugins.symbols import explained
 
-#: Where the piezoviscous fits are defined: without pressure viscosity they would give no film at all.
+#: Domain of the piezoviscous fits: without pressure viscosity they would give no film.
 PIEZOVISCOUS = MappingProxyType({**FilmModel.domain, "pressure_viscosity": POSITIVE})
 
 
 def _mapped(off: str) -> tuple[Validity, ...]:
-    """Return the ranges of M and L over which a film of all regimes was held against ``reynolds-line``."""
+    """Return the ranges of M and L over which a film of all regimes was compared with ``reynolds-line``."""
     return tuple(
         Validity(
             code=code,

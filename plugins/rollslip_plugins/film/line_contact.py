@@ -39,22 +39,37 @@ Law = Callable[[Array], Array]
 
 #: The films of a solution, by the name that a model's ``location`` has for them.
 LOCATIONS: Final = ("minimum", "central", "dp/dx = 0")
-#: Load parameter M that is tried; beyond, the path along the load ends too often before its goal.
+#: Range of the load parameter M; beyond it the continuation in the load often does not reach its goal.
 LOADS: Final = (1e-6, 200.0)
-#: Relative error of a film that may be asked for.
+#: Range of the relative error of a film that may be requested. Below it rounding counts.
 ACCURACIES: Final = (1e-6, 1e-2)
 
-#: Elements to try on the way to a contact, and how many they may become by halving.
+#: Numbers of elements with which the continuation to a contact is tried, one after the other. Chosen: more elements
+#: take longer and fail less often.
 _ELEMENTS = (24, 40, 64)
+#: Maximum number of elements after halving. It bounds the time of a solution at some seconds. Chosen.
 _MAX_ELEMENTS = 400
-#: The inlet starts so many film lengths sqrt(2 H) and Hertz widths before the exit, behind a tail of P = 8/X^3.
-_REACH: Final = 80.0
-#: Floor of the fluidity on the way, and at the goal as a share of the accuracy.
+#: Number of film lengths sqrt(2 H) and Hertz widths before the exit at which the inlet starts, behind a tail of
+#: P = 8/X^3. Doubling it changes films by less than 1e-6. Chosen.
+_INLET_LENGTHS: Final = 80.0
+#: Floor of the fluidity during the continuation. Halving it makes the pressure spike of a Barus oil sharper, and the
+#: continuation fail more often. Chosen.
 _EARLY_FLOOR = 1e-2
-_FLOOR = 0.05
+#: Floor of the fluidity at the goal, as a fraction of the accuracy. Its effect is removed to first order. Chosen.
+_FLOOR_FRACTION = 0.05
+#: Maximum number of Newton steps. Chosen: converging ones take 3 to 8.
 _NEWTON_STEPS = 20
-_HALVINGS = 6
-#: Where a solution is sampled to place new elements.
+#: Number of step lengths of a line search, each half the one before; beyond them Newton's method fails. Chosen.
+_STEP_LENGTHS = 6
+#: Tolerance of Newton's method during the continuation, relative.
+_PATH_TOLERANCE = 1e-5
+#: Tolerance of Newton's method for the predicted step of the continuation, before the elements are adapted, relative.
+_PREDICTOR_TOLERANCE = 1e-3
+#: Tolerance of Newton's method at the goal, relative: below the smallest accuracy.
+_GOAL_TOLERANCE = 1e-8
+#: Smallest step of a continuation, relative to the whole path. Chosen: 1/500; a path that ends is found by then.
+_MIN_CONTINUATION_STEP = 2e-3
+#: Points of an element at which a solution is sampled to place new elements.
 _SAMPLES: Final = np.linspace(-1.0, 1.0, 9)[:-1]
 
 
@@ -77,9 +92,9 @@ class LineContact:
     error: Mapping[str, float]
     #: Largest residual of the Reynolds equation at the nodes, relative to 6 H, or of the load, relative to M.
     residual: float
-    #: Least value of eta0/eta that the solution knows.
+    #: Smallest value of eta0/eta in the solution.
     fluidity_floor: float
-    #: Linear systems solved on the way.
+    #: Number of linear systems that were solved.
     iterations: int
 
     @property
@@ -152,7 +167,7 @@ def solve_line_contact(
         def log_viscosity(pressure: Array) -> Array:
             return L * pressure
 
-    floor = _FLOOR * accuracy
+    floor = _FLOOR_FRACTION * accuracy
     state = _Problem(M, log_viscosity, density, fraction=1.0, floor=floor)
     try:
         for elements in _ELEMENTS:
@@ -188,6 +203,7 @@ def solve_line_contact(
 
 
 def _fixed(values: Array) -> Array:
+    """Return an array after making it read-only."""
     values.flags.writeable = False
     return values
 
@@ -197,7 +213,7 @@ def _fixed(values: Array) -> Array:
 
 @attrs.frozen
 class _Problem:
-    """A contact on the way to the one that is asked: its load, share of the oil's laws, and floor of the fluidity."""
+    """A contact of the continuation: its load, fraction of the laws of the oil, and floor of the fluidity."""
 
     M: float
     log_viscosity: Law | None
@@ -207,10 +223,10 @@ class _Problem:
 
     def oil(self, pressure: Array) -> tuple[Array, Array, Array, Array]:
         """Return fluidity and density, each with its derivative."""
-        one = np.ones_like(pressure)
+        unity = np.ones_like(pressure)
         zero = np.zeros_like(pressure)
         if self.log_viscosity is None:
-            return one, zero, one, zero
+            return unity, zero, unity, zero
         pressure = np.maximum(pressure, 0.0)
         step = 1e-5 * np.max(pressure)
         above = pressure + step
@@ -221,7 +237,7 @@ class _Problem:
 
         rise, slope = with_slope(self.log_viscosity)
         fluidity = (1 - self.floor) * np.exp(-self.fraction * rise)
-        density = (one, zero)
+        density = (unity, zero)
         if self.density is not None:
             rho, gradient = with_slope(self.density)
             density = (1 + self.fraction * (rho - 1), self.fraction * gradient)
@@ -274,7 +290,7 @@ def _jacobian(grid: Elements, unknowns: Array, problem: _Problem) -> Array:
 
 
 class _Stuck(Exception):  # noqa: N818 - becomes a ConvergenceError that names the contact
-    """A solution is not found; says where it ended."""
+    """A search for a solution failed; the message says where."""
 
     def __init__(
         self, message: str, at: "_State | None" = None, residual: float = math.nan
@@ -335,14 +351,14 @@ def _solved(state: _State, problem: _Problem, tolerance: float) -> _State:
     """Return the solution on the same grid, by Newton's method until a step changes less than the tolerance."""
     grid = state.grid
     unknowns = state.unknowns
-    with np.errstate(all="ignore"):  # a step that leads out of the numbers is halved
+    with np.errstate(all="ignore"):  # a step to infinite values is halved
         residual, H = _residual(grid, unknowns, problem)
         norm = math.sqrt(np.mean(residual**2))
         for iteration in range(state.iterations + 1, state.iterations + _NEWTON_STEPS + 1):
             if not (norm < math.inf and np.min(H) > 0):
                 break
             step = _linear(_jacobian(grid, unknowns, problem), -residual)
-            for part in 0.5 ** np.arange(_HALVINGS):
+            for part in 0.5 ** np.arange(_STEP_LENGTHS):
                 tried = unknowns + part * step
                 residual, H = _residual(grid, tried, problem)
                 reached = math.sqrt(np.mean(residual**2))
@@ -362,10 +378,10 @@ def _solved(state: _State, problem: _Problem, tolerance: float) -> _State:
 
 
 def _along_the_path(goal: _Problem, elements: int) -> _State:
-    """Return the solution on adapted elements, from that of a light, isoviscous contact, at the goal."""
+    """Return the solution at the goal on adapted elements, by continuation from a light, isoviscous contact."""
     first = min(goal.M, 0.3)
     light = attrs.evolve(goal, M=first, fraction=0.0, floor=0.0)
-    state = _solved(_rigid(first, goal.M, elements), light, 1e-5)
+    state = _solved(_rigid(first, goal.M, elements), light, _PATH_TOLERANCE)
     if first < goal.M:
         state = _followed(
             "load",
@@ -407,7 +423,7 @@ def _rigid(M: float, heaviest: float, elements: int) -> _State:
 
     exit_at = k * math.sqrt(tan2)
     near = elements * 2 // 3
-    reach = _REACH * (k + math.sqrt(8 * heaviest / math.pi))
+    reach = _INLET_LENGTHS * (k + math.sqrt(8 * heaviest / math.pi))
     grid = Elements(
         np.append(
             np.linspace(0.0, 4 * k, near + 1), np.geomspace(4 * k, reach, elements - near + 1)[1:]
@@ -425,7 +441,11 @@ def _rigid(M: float, heaviest: float, elements: int) -> _State:
 def _followed(
     what: str, state: _State, problem: Callable[[float], _Problem], elements: int, step: float
 ) -> _State:
-    """Return the solution of problem(1) from that of problem(0), by predicted steps on elements that follow it."""
+    """Return the solution of problem(1) from that of problem(0), by continuation with a tangent predictor.
+
+    The elements are adapted at every step. ``what`` names the parameter, and ``step`` is the first step, relative to
+    the whole path.
+    """
     done = 0.0
     while done < 1.0:
         aim = min(1.0, done + step)
@@ -433,33 +453,30 @@ def _followed(
             ahead = attrs.evolve(
                 state, unknowns=state.unknowns + (aim - done) * _tangent(state, problem, done)
             )
-            found = _solved(
-                _solved(ahead, problem(aim), 1e-3).adapted(problem(aim), elements),
-                problem(aim),
-                1e-5,
+            predicted = _solved(ahead, problem(aim), _PREDICTOR_TOLERANCE)
+            solution = _solved(
+                predicted.adapted(problem(aim), elements), problem(aim), _PATH_TOLERANCE
             )
         except _Stuck as stuck:
             step = (aim - done) / 2
-            if step < 2e-3:
+            if step < _MIN_CONTINUATION_STEP:
                 raise _Stuck(
                     f"following the {what}, {stuck} beyond {100 * done:.1f} % of the way",
                     residual=stuck.residual,
                 ) from None
             continue
-        step *= (
-            1.7
-            if (count := found.iterations - state.iterations) <= 8
-            else 1.2
-            if count <= 10
-            else 0.8
-        )
-        state = found
+        count = solution.iterations - state.iterations
+        if count > 10:
+            step *= 0.8
+        else:
+            step *= 1.7 if count <= 8 else 1.2
+        state = solution
         done = aim
     return state
 
 
 def _tangent(state: _State, problem: Callable[[float], _Problem], at: float) -> Array:
-    """Return the change of the unknowns with the part of the way that is done."""
+    """Return the derivative of the unknowns with respect to the parameter of a continuation."""
     step = 1e-6 if at < 0.5 else -1e-6
     with np.errstate(all="ignore"):
         change = _residual(state.grid, state.unknowns, problem(at + step))[0]
@@ -468,6 +485,7 @@ def _tangent(state: _State, problem: Callable[[float], _Problem], at: float) -> 
 
 
 def _linear(matrix: Array, right: Array) -> Array:
+    """Return the solution of a linear system; `_Stuck` if it is singular."""
     try:
         return np.asarray(np.linalg.solve(matrix, right), dtype=float)
     except np.linalg.LinAlgError:
@@ -480,7 +498,7 @@ def _to_accuracy(
     """Return the solution on elements halved as often as the accuracy needs, its films and their errors."""
     floored = _films(state)
     while True:
-        state = _solved(state.bisected(), problem, 1e-8)
+        state = _solved(state.bisected(), problem, _GOAL_TOLERANCE)
         before = floored
         floored = _films(state)
         thickness = _films(_without_floor(state, problem))
@@ -505,13 +523,15 @@ def _films(state: _State) -> dict[str, float]:
     y = np.append(0.0, state.grid.y)
     k = int(np.argmin(film)) + 1
     near = np.linspace(y[k - 1], y[min(k + 1, len(y) - 1)], 41)
-    least = -vertex(near, -state.grid.film(state.unknowns, near))[1]
+    minimum = -vertex(near, -state.grid.film(state.unknowns, near))[1]
     central = state.grid.film(state.unknowns, state.unknowns[-1:])
-    return dict(zip(LOCATIONS, (least, float(central[0]), float(state.unknowns[-2])), strict=True))
+    return dict(
+        zip(LOCATIONS, (minimum, float(central[0]), float(state.unknowns[-2])), strict=True)
+    )
 
 
 def _without_floor(state: _State, problem: _Problem) -> _State:
-    """Return the state with the effect of the floor of the fluidity taken out, to first order."""
+    """Return the state without the effect of the floor of the fluidity, to first order."""
     if problem.log_viscosity is None:
         return state
     effect = _tangent(

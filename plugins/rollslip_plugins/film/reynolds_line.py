@@ -19,7 +19,8 @@ from rollslip_plugins.bibliography import DOWSON_HIGGINSON_1966, HAIRER_1996, MO
 from rollslip_plugins.film.line_contact import ACCURACIES, LOCATIONS, solve_line_contact
 from rollslip_plugins.symbols import explained
 
-#: The law's fall of viscosity with temperature is not asked for, and its pressure is the local one.
+#: Members that the law of the oil reads and the film does not: viscosity does not fall with temperature here, and the
+#: pressure is the local one.
 _UNUSED: Final = frozenset({"pressure", "thermoviscosity", "pressure_thermoviscosity"})
 
 
@@ -131,7 +132,7 @@ def _film_thickness(
     names: tuple[str, ...],
     state: tuple[float, ...],
 ) -> float | str:
-    """Return the film of a state [m]; why there is none, in words, so that this is kept too."""
+    """Return the film of a state [m], or the reason why there is none, so that this is cached too."""
     members: dict[str, Any] = dict(zip(names, np.array(state), strict=True))  # whose zeros divide
     conditions = Conditions(**{name: members.pop(name) for name in names if name in CONDITIONS})
     refusals: list[str] = []

@@ -1,4 +1,4 @@
-"""The kind of integrators. It stands with them, since the core moves nothing in time."""
+"""The kind of integrators. The framework does not have it, since it integrates nothing over time."""
 
 from typing import Final
 

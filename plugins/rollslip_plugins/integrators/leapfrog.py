@@ -1,4 +1,4 @@
-"""Our own integrator for what swings and is hardly damped, compiled: see rollslip_kernels.motion.leapfrog."""
+"""Leapfrog integrator for oscillations with hardly any damping, compiled: see rollslip_kernels.motion.leapfrog."""
 
 from typing import Any, ClassVar
 

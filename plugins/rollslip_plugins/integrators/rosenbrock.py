@@ -1,4 +1,4 @@
-"""Our own integrator for stiff problems, compiled: see rollslip_kernels.motion.rosenbrock."""
+"""Rosenbrock integrator for stiff problems, compiled: see rollslip_kernels.motion.rosenbrock."""
 
 from collections.abc import Mapping
 from types import MappingProxyType

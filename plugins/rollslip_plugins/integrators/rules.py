@@ -1,4 +1,4 @@
-"""The rules of integrators: order, accuracy, direction and what they say, on problems whose solution is known."""
+"""The rules of integrators: order, accuracy, direction and report of failures, on problems with known solutions."""
 
 import inspect
 import math
@@ -13,18 +13,21 @@ from rollslip.testing.rules import Inapplicable, refuse_unless, rule
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
+#: Matrix of a rotation that decays with exp(-t/2).
 _ROTATION = np.array([[-0.5, 1.0], [-1.0, -0.5]])
-_CALLS = 100_000
+#: Maximum number of evaluations before a solver counts as hanging. Chosen: some seconds; solvers need some thousands.
+_MAX_CALLS = 100_000
+#: Right side of a problem, and its solution as a function of time.
 _Problem = tuple[Callable[[float, Array], Array], Callable[[Any], Array]]
 
 
 def _decay() -> _Problem:
-    """A decaying rotation: linear, so that the iterations of implicit methods are exact and only their order shows."""
+    """Return a decaying rotation: it is linear, so that iterations of implicit methods are exact."""
     return lambda t, y: _ROTATION @ y, lambda t: np.exp(-t / 2) * np.array([np.cos(t), -np.sin(t)])
 
 
 def _smooth() -> _Problem:
-    """exp(sin t) and 1/(1 + t^2): time in the right side, and a nonlinear one."""
+    """Return a problem with the solutions exp(sin t) and 1/(1 + t^2): time in the right side, and a nonlinear one."""
     return (
         lambda t, y: np.array([y[0] * np.cos(t), -2 * y[1] ** 2 * t]),
         lambda t: np.array([np.exp(np.sin(t)), 1 / (1 + t * t)]),
@@ -34,6 +37,7 @@ def _smooth() -> _Problem:
 def _solved(
     model: IntegratorModel, problem: _Problem, start: float, end: float, rtol: float
 ) -> Any:
+    """Return the solution of a problem between two times; refuse a solver that fails."""
     from scipy.integrate import solve_ivp
 
     right, exact = problem
@@ -54,7 +58,7 @@ def _solved(
 
 
 def _error_at_most(error: float, rtol: float, what: str) -> None:
-    # the tolerance is one of a step; a thousand leaves room for the sum of steps and for interpolation
+    """Refuse an error above a thousand tolerances: these are of a step, and errors of steps add up."""
     refuse_unless(
         error <= 1e3 * rtol, f"{what}: the error is {error:.2g} at rtol = atol = {rtol:g}"
     )
@@ -109,7 +113,7 @@ def check_converges_with_its_order(model: IntegratorModel) -> None:
 
 @rule(IntegratorModel)
 def check_error_falls_with_the_tolerance(model: IntegratorModel) -> None:
-    """What is asked for is what is got, forwards in time, at the steps."""
+    """The error at the steps is within the tolerance, forwards in time."""
     errors = []
     for rtol in (1e-4, 1e-6, 1e-8):
         solution = _solved(model, _smooth(), 0.0, 2.0, rtol)
@@ -123,7 +127,7 @@ def check_error_falls_with_the_tolerance(model: IntegratorModel) -> None:
 
 @rule(IntegratorModel)
 def check_is_as_accurate_between_its_steps(model: IntegratorModel) -> None:
-    """Dense output is what events and figures are made of."""
+    """The error of the dense output is within the tolerance; events and figures use it."""
     t = np.linspace(0.0, 2.0, 201)
     for rtol in (1e-4, 1e-8):
         solution = _solved(model, _smooth(), 0.0, 2.0, rtol)
@@ -156,7 +160,7 @@ def check_adapts_its_steps(model: IntegratorModel) -> None:
 
 
 @rule(IntegratorModel)
-def check_says_when_it_fails(model: IntegratorModel) -> None:
+def check_reports_a_failure(model: IntegratorModel) -> None:
     """With y' = y^2 from 1, infinite at t = 1, the solver ends there with the status "failed" and says why."""
     calls = 0
 
@@ -170,7 +174,7 @@ def check_says_when_it_fails(model: IntegratorModel) -> None:
     message = None
     steps = 0
     with np.errstate(all="ignore"):
-        while solver.status == "running" and steps < _CALLS // 5 and calls < _CALLS:
+        while solver.status == "running" and steps < _MAX_CALLS // 5 and calls < _MAX_CALLS:
             message = solver.step()
             steps += 1
     refuse_unless(

@@ -177,7 +177,7 @@ class Lsoda(_SciPy):
     solver_name: ClassVar[str] = "LSODA"
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
-            "check_says_when_it_fails": "SciPy's LSODA steps on the spot before a singularity and reports no failure"
+            "check_reports_a_failure": "SciPy's LSODA steps on the spot before a singularity and reports no failure"
         }
     )
     equation: ClassVar[str] = "dy/dt = f(t, y); Adams where it is not stiff, BDF where it is"

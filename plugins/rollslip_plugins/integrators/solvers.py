@@ -1,9 +1,9 @@
 """Solvers of SciPy's kind, for ``solve_ivp``: our Rosenbrock method, our leapfrog and CVODE.
 
-- They stand apart from the models that offer them since a base class of SciPy's has to be imported to be one.
-- Given a `rollslip_kernels.motion.system.System` ours solves with the arrow shape, in work proportional to the number
-  of rollers; given any other function, with a dense Jacobian, yours (``jac``) or one by differences.
-- Stepped through here every step is a call from Python; a study lets the kernel itself take many.
+- They are separate from the models that offer them, because a base class of SciPy has to be imported.
+- For a `rollslip_kernels.motion.system.System` our methods solve linear systems of arrow shape, in work proportional to
+  the number of rollers. For any other function they use a dense Jacobian: yours (``jac``) or one by differences.
+- Here every step is a call from Python; a study lets the kernel itself take many.
 """
 
 from collections.abc import Callable
@@ -17,12 +17,12 @@ from rollslip_kernels.motion.leapfrog import Leapfrog
 from rollslip_kernels.motion.rosenbrock import Rosenbrock, Stepper
 from rollslip_kernels.motion.system import System, python_system
 
-#: Places in a step at which CVODE's own polynomial, of degree 5 at most, is read off: nothing is lost.
-_PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(6) / 5)
+#: Positions in a step at which the polynomial of CVODE is sampled: six Chebyshev points are exact up to degree 5.
+_SAMPLES = 0.5 - 0.5 * np.cos(np.pi * np.arange(6) / 5)
 
 
 class _Ours(OdeSolver):
-    """A kernel of ours, for ``scipy.integrate.solve_ivp``.
+    """A compiled method of `rollslip_kernels`, for ``scipy.integrate.solve_ivp``.
 
     Parameters
     ----------
@@ -64,6 +64,7 @@ class _Ours(OdeSolver):
         self._inner = self.kernel(capsule, t0, self.y, t_bound, rtol, atol, max_step, first_step)
 
     def _scale(self, rtol: float | Array, atol: float | Array) -> Array:
+        """Return the typical magnitudes of the unknowns of a function: atol/rtol, or the largest initial value."""
         magnitude = np.broadcast_to(np.divide(atol, rtol), (self.n,))
         return np.where(magnitude > 0, magnitude, np.max(np.abs(self.y), initial=0.0) or 1.0)
 
@@ -88,7 +89,7 @@ class Rodas5pSolver(_Ours):
 
 
 class LeapfrogSolver(_Ours):
-    """Leapfrog with extrapolated speeds: of a system that tells its places and frequencies, else of any function."""
+    """Leapfrog with extrapolated speeds, of a system that gives its positions and frequencies, or of any function."""
 
     kernel = Leapfrog
 
@@ -146,17 +147,17 @@ class CvodeSolver(OdeSolver):
         return True, None
 
     def _dense_output_impl(self) -> "_Polynomial":
-        # the last place is where CVODE stands: read in this order it goes on from there
-        times = self.t_old + _PLACES * (self.t - self.t_old)
+        # the last one is the current time of CVODE, from which it continues
+        times = self.t_old + _SAMPLES * (self.t - self.t_old)
         times[-1] = self.t
         values = [self._inner.step(t).y for t in times]
-        places = (times - self.t_old) / (self.t - self.t_old)
-        coefficients = np.linalg.solve(np.vander(places, increasing=True), np.array(values))
+        fractions = (times - self.t_old) / (self.t - self.t_old)
+        coefficients = np.linalg.solve(np.vander(fractions, increasing=True), np.array(values))
         return _Polynomial(self.t_old, self.t, self.t_old, self.t - self.t_old, coefficients)
 
 
 class _Polynomial(DenseOutput):
-    """Coefficients of the powers of (t - start)/size."""
+    """A polynomial by the coefficients of the powers of (t - start)/size."""
 
     def __init__(
         self, t_old: float, t: float, start: float, size: float, coefficients: Array
@@ -173,7 +174,7 @@ class _Polynomial(DenseOutput):
 
 
 def _function(jac: Any) -> Callable[[float, Array], Any] | None:
-    """Return a given Jacobian, None excepted, as a function that gives a dense array."""
+    """Return a Jacobian as a function that returns a dense array; None for None."""
     if jac is None:
         return None
 
@@ -185,12 +186,12 @@ def _function(jac: Any) -> Callable[[float, Array], Any] | None:
 
 
 def _filling(jac: Any) -> Callable[[float, Array, Array, Array], None] | None:
-    """Return the same as a function that fills an array, as CVODE asks for it."""
-    given = _function(jac)
-    if given is None:
+    """Return a Jacobian as a function that fills an array, as CVODE calls it; None for None."""
+    dense = _function(jac)
+    if dense is None:
         return None
 
     def fill(t: float, y: Array, rates: Array, into: Array) -> None:
-        into[:] = given(t, y.copy())
+        into[:] = dense(t, y.copy())
 
     return fill

@@ -1,4 +1,4 @@
-"""CVODE of SUNDIALS through scikit-sundae: an extra, imported when its solver is asked for."""
+"""CVODE of SUNDIALS through scikit-sundae: an extra, which is imported when its solver is requested."""
 
 from typing import Any, ClassVar
 

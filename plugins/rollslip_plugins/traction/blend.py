@@ -351,7 +351,7 @@ class ZhouHoeprich(_Blend):
         )
 
 
-#: Location F_5/2 is 2^-53 of its value at zero.
+#: Separation at which F_5/2 is 2^-53 of its value at zero.
 REACH: Final = 7.7723104337051744
 #: Chebyshev coefficients of ln[F_5/2(x) exp(x^2/2)] in 2 x/REACH - 1, after tools/references/greenwood_tripp.py.
 SERIES: Final = (
@@ -475,10 +475,10 @@ class GreenwoodTripp(_Blend):
 
 
 def _where(model: TractionModel, slices: Slices, needed: NDArray[np.bool_]) -> Array:
-    """Friction of the needed slices after a model, 0 elsewhere."""
+    """Return the friction of the needed slices by a model, 0 elsewhere."""
     result = np.zeros(needed.shape)
     if np.any(needed):
-        # a view on a user's arrays has no more columns than it was given
+        # a view of a user's arrays may lack columns
         columns = {name: getattr(slices, name)[needed] for name in COLUMNS if hasattr(slices, name)}
         part = Slices.of_columns(slices.conditions, columns)
         model.evaluate(part)

@@ -15,13 +15,16 @@ from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import KRAGELSKII_1965
 
-#: What is usual, and what is possible, of constants of curves over the slide-roll ratio; steel in oil has friction of
-#: 0.05 to 0.2, and published curves have passed their maximum at slips of some per cent.
+#: Ranges of friction coefficients; steel in oil has 0.05 to 0.2.
 COEFFICIENT: Final[Ranges] = {"usual": (1e-3, 0.5), "possible": (0, 10)}
+#: Ranges of the rise of friction over the slide-roll ratio; published curves have their maximum at some per cent.
 RISE: Final[Ranges] = {"usual": (0.1, 1e3), "possible": (0, 1e9)}
+#: Ranges of its decay over the slide-roll ratio.
 DECAY: Final[Ranges] = {"usual": (1, 1e4), "possible": (0, 1e9)}
+#: Ranges of the slide-roll ratio at which friction is fully developed.
 TRANSITION: Final[Ranges] = {"usual": (1e-6, 0.1), "possible": (0, 10)}
 
+#: Domain of laws of the slide-roll ratio.
 SLIDE_ROLL: Domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
 
 

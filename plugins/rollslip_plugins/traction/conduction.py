@@ -1,4 +1,4 @@
-"""Temperatures of film and surfaces along a contact: linear in the heat that is released in a cell of the grid.
+"""Temperatures of film and surfaces along a contact, as linear functions of the heat release in a cell of the grid.
 
 - The cells are even in phi, x = -b cos(phi), where the surfaces' temperature is smooth.
 - The film's temperature has an exact solution in a cell, in the modes of conduction, so that no film is too thin.
@@ -30,14 +30,13 @@ def even_cells(n: int) -> Cells:
     edge = np.pi * np.arange(n + 1) / n
     middle = (edge[1:] + edge[:-1]) / 2
 
-    def apart(a: Array, b: Array) -> Array:
-        return (
-            2 * np.sin((a + b) / 2) * np.sin((a - b) / 2)
-        )  # cos(b) - cos(a), without cancellation
+    def difference(a: Array, b: Array) -> Array:
+        """Return cos(b) - cos(a) without cancellation."""
+        return 2 * np.sin((a + b) / 2) * np.sin((a - b) / 2)
 
-    width = apart(edge[1:], edge[:-1])
-    gap = apart(middle[1:], middle[:-1])
-    root = np.sqrt(np.maximum(apart(edge[:, None], edge), 0))
+    width = difference(edge[1:], edge[:-1])
+    gap = difference(middle[1:], middle[:-1])
+    root = np.sqrt(np.maximum(difference(edge[:, None], edge), 0))
     behind = np.tri(n + 1, n, -1, dtype=bool)
     rise = np.where(behind, width / np.where(behind, root[:, :-1] + root[:, 1:], 1), 0)
     flash = 2 * rise
@@ -76,9 +75,9 @@ def conduction_modes(m: int) -> Modes:
 class Heat(abc.ABC):
     """Temperatures of a cell as offset + response @ release, in units of tau0 V h/K_f; release in those of tau0 V/h."""
 
-    #: weights of the mean over the places at which there is a temperature
+    #: Weights of the mean over the nodes across the film.
     weight: Array
-    #: does stored elastic energy count as heat
+    #: Whether stored elastic energy counts as heat.
     of_all_work: bool = True
 
     @abc.abstractmethod
@@ -138,14 +137,13 @@ class ConductedHeat(Heat):
         storage = self._capacity / grid.width[i]
         decay = m.rate / storage
         gone = -np.expm1(-decay)
-        kept = gone / decay
+        mean_decay = gone / decay
         self._gone = gone
         self._storage = storage
-        self._end = (
-            gone / m.rate
-        )  # response of a mode at the end of the cell, and its mean over the cell:
-        mean = (1 - kept) / m.rate
-        # The heat that has not stayed in the film flows into the surfaces: this fixes how far their temperature rises.
+        # response of a mode at the end of the cell, and its mean over the cell
+        self._end = gone / m.rate
+        mean = (1 - mean_decay) / m.rate
+        # the heat that does not remain in the film flows into the surfaces, which determines their temperature
         stored = m.mean * self._end * storage
         into = self._flash * grid.flash[i + 1, i] / 4
         fraction = 1 + into * storage[:, 0] * (1 - stored @ m.mean)
@@ -154,7 +152,7 @@ class ConductedHeat(Heat):
         self._rise = (known + into * given_back) / fraction
         self._rise_of_release = (into / fraction)[:, None] * (m.weight - stored @ self._project)
         offset = (self.surface[:, i] + self._rise / 2)[:, None] + (
-            kept * self._amplitude - mean * storage * self._rise[:, None] * m.mean
+            mean_decay * self._amplitude - mean * storage * self._rise[:, None] * m.mean
         ) @ m.shape.T
         response = (m.shape * mean[:, None, :]) @ self._project
         response += (0.5 - (mean * storage * m.mean) @ m.shape.T)[

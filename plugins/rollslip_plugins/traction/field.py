@@ -7,15 +7,20 @@ The equations, with x along the contact from -b to b and z across the film, tran
 - film: rho_f c_f u dtheta/dx = K_f d2theta/dz2 + tau (tau0/eta) sinh(tau/tau0). Stored elastic energy is no heat;
 - both surfaces: theta_s(x) = 1/(E sqrt(pi u)) integral of q(x')/sqrt(x - x') dx', q = K_f dtheta/dz at the wall.
 
-How they are solved, and why:
+The method is a march along the contact (an exponential integrator) with Newton's method in each cell, and Richardson
+extrapolation:
 
-- In a cell of the grid viscosity and heat release are frozen. Stress (`relaxation`) and temperatures (`conduction`)
-  then have exact solutions, so that no stress relaxes too fast for the grid and no film is too thin. Temperatures are
-  linear in the heat released, so that one Newton iteration serves the field and its simplified variants.
-- The cells are even in phi, x = -b cos(phi), where Hertz's pressure and the surfaces' temperature are smooth. The
-  scheme is of second order and regular; two grids are extrapolated, and three extrapolations tell the error.
-- The conduction of the film must have a memory. Without it (rho_f c_f = 0) an elastic film has no solution beyond the
-  stress at which conduction cannot carry the heat of its shear.
+1. Divide the contact into cells that are even in phi, x = -b cos(phi): Hertz's pressure and the temperature of the
+   surfaces are smooth in phi.
+2. In a cell, freeze viscosity and heat release. Stress (`relaxation`) and temperatures (`conduction`) then have exact
+   solutions, so that no stress relaxes too fast for the grid and no film is too thin.
+3. Find the release at which both agree by Newton's method. Temperatures are linear in the release, so that one
+   iteration serves the field and its simplified variants.
+4. Double the cells, and extrapolate two grids: the scheme is of second order. The change of three extrapolations is the
+   estimated error.
+
+The conduction of the film must have a memory. Without it (rho_f c_f = 0) an elastic film has no solution beyond the
+stress at which conduction cannot carry the heat of its shear.
 """
 
 from collections.abc import Callable
@@ -52,21 +57,30 @@ from rollslip_plugins.traction.stress import LINEAR
 
 #: Pressure over the contact: Hertz's, its mean, or the user's as (x/b rising from -1 to 1, p over the mean pressure).
 Pressure: TypeAlias = Literal["hertz", "mean"] | tuple[ArrayLike, ArrayLike]
-#: Heating: of the field above; uniform across the film and along the contact but for the local stress; uniform after
-#: the mean stress, as in the closed forms; none.
+#: Heating: of the field above; uniform across the film, by the local stress; uniform, by the mean stress as in the
+#: closed forms; none.
 Heating: TypeAlias = Literal["field", "local-stress", "mean-stress", "none"]
 
 #: Heat capacity of an oil by volume [J/(m3 K)], 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K) (C).
 OIL_HEAT_CAPACITY: Final = 1.8e6
 #: Cells along the contact and modes across half the film, from one refinement to the next.
 GRIDS: Final = ((8, 3), (16, 4), (32, 6), (64, 10), (128, 16), (256, 24), (512, 32))
-MAX_STEPS = 30  # of Newton's method in a cell; three or four are usual
-BOLD = 3.0  # largest change of beta theta in one of them
-NEAR = 0.3  # largest change of ln(kappa) over which a secant stands for the slope of the heat
-MAX_SECANTS = 60  # for the mean stress; a dozen are usual
-SETTLED = 1e-9  # change of beta theta that ends them
-COARSE = 64  # cells, below which no solution is no verdict
-BATCH = 256  # slices marched at a time, for the sake of the cache
+#: Maximum number of Newton steps in a cell; three or four are usual.
+MAX_STEPS = 30
+#: Largest change of beta theta in a Newton step. Doubling it lets more slices diverge; halving it costs steps. Chosen.
+MAX_NEWTON_CHANGE = 3.0
+#: Largest change of ln(kappa) over which a secant replaces the slope of the heat. Chosen.
+MAX_SECANT_CHANGE = 0.3
+#: Smallest change of ln(kappa) over which a secant is used: below it rounding counts.
+MIN_SECANT_CHANGE = 1e-7
+#: Maximum number of secant steps for the mean stress; a dozen are usual.
+MAX_SECANTS = 60
+#: Change of beta theta that ends Newton's method: below the smallest error that is requested.
+NEWTON_TOLERANCE = 1e-9
+#: Number of cells below which a slice without a solution is tried on a finer grid. Chosen: real ones fail on all grids.
+MIN_DECISIVE_CELLS = 64
+#: Number of slices that are marched together: their arrays fit into the cache of a processor. Chosen.
+BATCH = 256
 
 
 # March ---------------------------------------------------------------------------------------------------------------
@@ -94,14 +108,14 @@ class _Oil(NamedTuple):
 
 
 class _Marched(NamedTuple):
-    """What a march along the contact leaves, (s, cells) and (s, cells, places)."""
+    """Result of a march along the contact: stress (s, cells), temperature (s, cells, nodes across the film)."""
 
     stress: Array
     temperature: Array
 
 
 def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
-    """Integrate stress and temperature cell by cell; NaN where Newton's method does not settle."""
+    """Integrate stress and temperature cell by cell; NaN where Newton's method does not converge."""
     s, n = oil.thinning.shape
     weight = heat.weight
     identity = np.eye(heat.weight.size)
@@ -144,9 +158,11 @@ def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
             p = np.minimum(kappa * np.cosh(np.minimum(mean, 300.0)) / deborah, 1e30)
             fall = -np.tanh(mean) * -np.expm1(-p)
             slope = -np.tanh(mean) - fall / p - spring * last * fall
-            apart = log - log_before[todo]
-            secant = (heated - heated_before[todo]) / apart
-            slope = np.where((np.abs(apart) > 1e-7) & (np.abs(apart) < NEAR), secant, slope)
+            difference = log - log_before[todo]
+            secant = (heated - heated_before[todo]) / difference
+            size = np.abs(difference)
+            use_secant = (size > MIN_SECANT_CHANGE) & (size < MAX_SECANT_CHANGE)
+            slope = np.where(use_secant, secant, slope)
             log_before[todo] = log
             heated_before[todo] = heated
             released = heated[:, None] * fraction
@@ -158,12 +174,14 @@ def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
             step = _solved(jacobian, residual)
             size = np.max(np.abs(beta * step), axis=1)
             good = np.isfinite(size)
-            temperature[todo, i] = t - step * (BOLD / np.maximum(size, BOLD))[:, None]
+            temperature[todo, i] = (
+                t - step * (MAX_NEWTON_CHANGE / np.maximum(size, MAX_NEWTON_CHANGE))[:, None]
+            )
             stress[todo, i] = mean
             end[todo] = last
             release[todo] = released
             alive[todo[~good]] = False
-            todo = todo[good & (size > SETTLED)]
+            todo = todo[good & (size > NEWTON_TOLERANCE)]
             if not todo.size:
                 break
         alive[todo] = False
@@ -188,6 +206,7 @@ def _solved(matrix: Array, vector: Array) -> Array:
 
 
 def _times(matrix: Array, vector: Array) -> Array:
+    """Return the products of many matrices and vectors."""
     return (matrix @ vector[:, :, None])[:, :, 0]
 
 
@@ -216,7 +235,7 @@ def _solve(
         heat = GivenHeat(zeta * np.exp(log))
         marched = _march(groups, oil, grid, heat)
         residual = log - np.log(_mean(marched, grid))
-        if not np.any(np.abs(residual) > SETTLED / 10):
+        if not np.any(np.abs(residual) > NEWTON_TOLERANCE / 10):
             break
         slope = (residual - residual_old) / (log - old)
         slope = np.where(slope >= 1, slope, np.maximum(1e3 * residual, 1))
@@ -227,6 +246,7 @@ def _solve(
 
 
 def _mean(marched: _Marched, grid: Cells) -> Array:
+    """Return the mean stress along the contact, (s,)."""
     return np.asarray(marched.stress @ grid.width / 2)
 
 
@@ -244,6 +264,7 @@ def _profile(pressure: Pressure) -> Callable[[Array], Array]:
 
 
 def _groups(slices: Slices, law: PressureViscosity, heat_capacity: float) -> _Groups:
+    """Return the dimensionless groups of slices."""
     c = slices.conditions
     s = slices
     eta = law.at(c, s.pressure)[0]
@@ -268,13 +289,13 @@ def _oil(
     p = slices.pressure[:, None]
     eta, softening = law.at(c, p * profile(grid.middle))
     at_edges = np.log(law.at(c, p * profile(grid.edge))[0])
-    softening = np.where(
-        softening >= 0, softening, np.nan
-    )  # an oil that thickens with heat is none
+    # an oil that thickens with heat has no solution
+    softening = np.where(softening >= 0, softening, np.nan)
     return _Oil(law.at(c, p)[0] / eta, at_edges[:, :-1] - at_edges[:, 1:], softening)
 
 
 def _picked(slices: Slices, part: NDArray[np.intp]) -> Slices:
+    """Return some of the slices, by index."""
     columns = {name: getattr(slices, name)[part] for name in COLUMNS if hasattr(slices, name)}
     return Slices.of_columns(slices.conditions, columns)
 
@@ -371,19 +392,19 @@ def solve_field(
     DomainError
         If the field has no solution, or not of that accuracy.
     """
-    one = _picked(slices, np.array([k]))
+    single = _picked(slices, np.array([k]))
     law = law or Barus()
     profile = _profile(pressure)
-    friction, error, level = _refined(one, law, pressure, heating, heat_capacity, accuracy)
-    _refuse_unsettled("traction field", error, accuracy, k)
+    friction, error, level = _refined(single, law, pressure, heating, heat_capacity, accuracy)
+    _refuse_inaccurate("traction field", error, accuracy, k)
     n, m = GRIDS[level[0]]
     grid = even_cells(n)
     modes = conduction_modes(m)
-    c = one.conditions
-    V = one.sliding_speed[0]
-    h = one.film_thickness[0]
-    groups = _groups(one, law, heat_capacity)
-    marched, heat = _solve(groups, _oil(one, law, profile, grid), grid, modes, heating)
+    c = single.conditions
+    V = single.sliding_speed[0]
+    h = single.film_thickness[0]
+    groups = _groups(single, law, heat_capacity)
+    marched, heat = _solve(groups, _oil(single, law, profile, grid), grid, modes, heating)
     kelvin = c.eyring_stress * abs(V) * h / c.conductivity
     film = kelvin * marched.temperature[0]
     height = np.array([0.5])
@@ -393,9 +414,9 @@ def solve_field(
         film = np.concatenate([film[:, ::-1], film], axis=1)
         surface = kelvin * (heat.surface[0, :-1] + heat.surface[0, 1:]) / 2
     return TractionField(
-        position=one.half_width[0] * grid.middle,
-        pressure=one.pressure[0] * profile(grid.middle),
-        stress=one.pressure[0] * groups.scale[0] * marched.stress[0],
+        position=single.half_width[0] * grid.middle,
+        pressure=single.pressure[0] * profile(grid.middle),
+        stress=single.pressure[0] * groups.scale[0] * marched.stress[0],
         height=height,
         film_temperature=film,
         surface_temperature=surface,
@@ -414,7 +435,17 @@ def stress_on_grid(
     heating: Heating = "field",
     heat_capacity: float = OIL_HEAT_CAPACITY,
 ) -> Array:
-    """Return the mean shear stress over the Eyring stress that one grid gives, NaN where it gives none."""
+    """Return the mean shear stress over the Eyring stress by one grid, (slices,); NaN where it has no solution.
+
+    Parameters
+    ----------
+    slices, law, pressure, heating, heat_capacity
+        As in `solve_friction`.
+    cells : int
+        Number of cells along the contact.
+    modes : int
+        Number of modes of conduction across half the film.
+    """
     law = law or Barus()
     profile = _profile(pressure)
     grid = even_cells(cells)
@@ -437,7 +468,7 @@ def _refined(
     heat_capacity: float,
     accuracy: float,
 ) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Return friction, error and the number of the grid at which a slice ended, of all slices."""
+    """Return friction, error, and the index of the finest grid of each slice."""
     s = slices.pressure.size
     stress = np.full(s, np.nan)
     error = np.full(s, np.inf)
@@ -451,13 +482,15 @@ def _refined(
         )
         better = mean + (mean - coarse) / 3
         change = np.abs(better - guess) / better
-        # one change alone may be small by chance; a quarter is left of it by a grid where all is smooth, or less
-        off = np.maximum(change, last / 4)
+        # one change alone may be small by chance; where all is smooth, a finer grid divides it by four or more
+        estimate = np.maximum(change, last / 4)
         level[todo] = at
         stress[todo] = better
-        error[todo] = np.where(np.isnan(off), np.inf, off)
-        # what two grids in a row cannot solve has no solution; the first are coarse
-        on = ~(off <= accuracy) & (np.isfinite(mean) | np.isfinite(coarse) | (n < COARSE))
+        error[todo] = np.where(np.isnan(estimate), np.inf, estimate)
+        # a slice that two grids in a row cannot solve has no solution, unless they are coarse
+        on = ~(estimate <= accuracy) & (
+            np.isfinite(mean) | np.isfinite(coarse) | (n < MIN_DECISIVE_CELLS)
+        )
         todo = todo[on]
         coarse = mean[on]
         guess = better[on]
@@ -471,16 +504,16 @@ def _refined(
     return friction, error, level
 
 
-def _refuse_unsettled(name: str, error: Array, accuracy: float, first: int = 0) -> None:
-    """Raise the error of the first slice that is not as accurate as asked."""
+def _refuse_inaccurate(name: str, error: Array, accuracy: float, first: int = 0) -> None:
+    """Raise the error of the first slice that does not have the requested accuracy."""
     bad = np.flatnonzero(~(error <= accuracy))
     if not bad.size:
         return
     k = int(bad[0])
-    off = float(error[bad[0]])
-    if np.isfinite(off):
+    estimate = float(error[bad[0]])
+    if np.isfinite(estimate):
         raise DomainError(
-            f"{name}: slice {first + k} did not settle: the error of its friction is {off:.1e} at "
+            f"{name}: slice {first + k} did not settle: the error of its friction is {estimate:.1e} at "
             f"{GRIDS[-1][0]} cells, {accuracy:g} is asked; ask for less accuracy, or take maxwell-eyring"
         )
     raise DomainError(
@@ -561,7 +594,7 @@ class MaxwellEyringField(TractionModel):
         CARSLAW_1959.at("section 2.9"),
         KLEBANOV,
     )
-    #: what is left when Newton's method ends in other company
+    #: Relative difference of a slice that is solved together with others: Newton's method ends with the slowest one.
     tolerance: ClassVar[float] = 1e-7
     validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, SLOW_SLIDING)
 
@@ -601,7 +634,7 @@ class MaxwellEyringField(TractionModel):
         slices.friction[...], error = solve_friction(
             slices, law=self.law, heat_capacity=self.heat_capacity, accuracy=self.accuracy
         )
-        _refuse_unsettled(self.name, error, self.accuracy)
+        _refuse_inaccurate(self.name, error, self.accuracy)
 
 
 _DOMAIN: Final[Domain] = MappingProxyType(

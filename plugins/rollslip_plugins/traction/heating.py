@@ -1,4 +1,4 @@
-"""Films that soften in the heat of their own shear, whatever their flow law: what they read, and the stress they keep.
+"""Films that soften by the heat of their own shear, for any flow law: their members, groups and solution.
 
 - A flow law is written as the share t = tau/(eta V/h) of the stress of a cold Newtonian film that it keeps: t is 1 for
   slow sliding, is an even function of V, and none of its groups contains the stress looked for.
@@ -21,12 +21,14 @@ from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, Tabled, Trac
 from rollslip.search import Array
 from rollslip_kernels.slices import Slices
 
-MAX_STEPS: Final = 60  # never reached: some eight are enough
-#: Below, a group has no effect on the last bit; in its place it keeps quotients of it from 0/0.
+#: Maximum number of Newton steps; it is never reached, some eight are enough.
+MAX_STEPS: Final = 60
+#: Value below which a group has no effect on the last bit; it replaces smaller ones, so that quotients are not 0/0.
 NO_EFFECT: Final = 1e-17
 #: Factor of the flash temperature for the elliptic heat flux of Hertz's contact.
 FLASH: Final = 0.97
 
+#: Members that heated films read, and their domain.
 HEATED: Final[Domain] = MappingProxyType(
     {
         "pressure": POSITIVE,
@@ -42,9 +44,9 @@ HEATED: Final[Domain] = MappingProxyType(
 )
 
 
-def _apart(ratio: float) -> float:
-    """Per cent by which surfaces at u + V/2 and u - V/2 are hotter than at u; from V/u = 1.9 on what it is there."""
-    x = 0.5 * min(ratio, 1.9)  # at 2 one surface stands still, and the theory ends
+def _flash_excess(ratio: float) -> float:
+    """Return by how much surfaces at u + V/2 and u - V/2 are hotter than at u [%], from V/u = 1.9 on as there."""
+    x = 0.5 * min(ratio, 1.9)  # at 2 one surface is at rest, and the theory ends
     return 100.0 * (0.5 / math.sqrt(1.0 + x) + 0.5 / math.sqrt(1.0 - x) - 1.0)
 
 
@@ -76,7 +78,7 @@ SLOW_SLIDING: Final = Validity(
     quantity="slide_roll_ratio",
     high=1.0 / 3.0,
     consequence="surfaces at u + V/2 and u - V/2 have a mean flash temperature {error} higher than at u",
-    error=_apart,
+    error=_flash_excess,
     remedy="none in the box; the film's own share of the heating is not concerned",
     source="flash temperature in proportion to 1/sqrt(speed), half of the heat into each surface (Jaeger 1942)",
 )
@@ -143,7 +145,15 @@ def mean_softening(surfaces: Array, across: Array) -> Array:
 
 
 def softened(law: Callable[[Array], tuple[Array, Array]], fraction: Array) -> Array:
-    """Solve t = F(t) from an upper bound; law(t) returns F, which falls, and -dlnF/dln t."""
+    """Return the solution of t = F(t) by Newton's method in log t.
+
+    Parameters
+    ----------
+    law : callable
+        Function of t that returns F, which falls, and -dlnF/dln t.
+    fraction : ndarray
+        Upper bound of the solution.
+    """
     for _ in range(MAX_STEPS):
         value, fall = law(fraction)
         step = np.log(fraction / value) / (1 + fall)

@@ -7,7 +7,7 @@
 """
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from importlib.resources import files
 from types import MappingProxyType
@@ -168,10 +168,10 @@ class TableRow:
     )
 
 
-#: Column -> member of the slices that it is the value of, and factor to it, where that is not the column itself.
+#: Column -> member of the slices that it gives, and factor to that, where the column is not itself a member.
 _MEMBERS: Final = {"mean_pressure": ("pressure", 1.0), "max_pressure": ("pressure", math.pi / 4)}
 _UNITS: Final = {a.name: a.metadata["unit"] for a in attrs.fields(TableRow)} | {"pressure": "Pa"}
-#: The table in the box.
+#: Name of the built-in table.
 KRAGELSKY: Final = "kragelsky"
 
 
@@ -249,10 +249,10 @@ class Tabulated(TractionModel):
         )  # takes longer than a module of models may
 
         axes, friction = read_table(self.file)
-        few = [name for name, axis in axes.items() if len(axis) < 4]
-        if self.interpolation == "pchip" and few:
+        short = [name for name, axis in axes.items() if len(axis) < 4]
+        if self.interpolation == "pchip" and short:
             raise FieldError(
-                "interpolation", f"'pchip' needs four values of {', '.join(few)}; choose 'linear'"
+                "interpolation", f"'pchip' needs four values of {', '.join(short)}; choose 'linear'"
             )
         return axes, RegularGridInterpolator(
             tuple(axes.values()),
@@ -287,15 +287,16 @@ class Tabulated(TractionModel):
             outside = ~((values >= axis[0]) & (values <= axis[-1]))
             if np.any(outside):
                 raise DomainError(
-                    f"{self.name}: {name} = {_shown(name, float(np.extract(outside, values)[0]))} is outside the "
-                    f"table {self.file!r}, which holds {_shown(name, axis[0])} to {_shown(name, axis[-1])}; measure "
+                    f"{self.name}: {name} = {_format(name, float(np.extract(outside, values)[0]))} is outside the "
+                    f"table {self.file!r}, which holds {_format(name, axis[0])} to {_format(name, axis[-1])}; measure "
                     "there or choose a flow law"
                 )
         points = np.stack(np.broadcast_arrays(*given), axis=-1)
         slices.friction[...] = np.copysign(interpolator(points), ratio)
 
 
-def _shown(name: str, value: float) -> str:
+def _format(name: str, value: float) -> str:
+    """Return a value of a column as text with its unit."""
     return format_quantity(value, _UNITS[name])
 
 
@@ -314,21 +315,34 @@ def read_table(file: str) -> tuple[dict[str, Array], Array]:
             file, lines[at], f"friction {friction[at]:g} at zero slip; there it is 0, or left out"
         )
     axes = {}
-    places = []
+    indices = []
     for name in [name for name in _UNITS if name in columns]:
         member, factor = _MEMBERS.get(name, (name, 1.0))
-        values, place = np.unique(columns[name], return_inverse=True)
+        values, index = np.unique(columns[name], return_inverse=True)
         if len(values) < 2 and (name != SLIP or values[0] == 0):
             raise _fault(
                 file, None, f"{name} has one value only; leave out a column that is not varied"
             )
         axes[member] = values * factor
-        places.append(place)
+        indices.append(index.tolist())
+    grid = _filled_grid(file, axes, list(zip(*indices, strict=True)), friction, lines)
+    if axes[SLIP][0] > 0:
+        axes[SLIP] = np.concatenate([[0.0], axes[SLIP]])
+        grid = np.concatenate([np.zeros((1, *grid.shape[1:])), grid])
+    return axes, grid
+
+
+def _filled_grid(
+    file: str,
+    axes: Mapping[str, Array],
+    cells: list[tuple[int, ...]],
+    friction: Array,
+    lines: Sequence[int],
+) -> Array:
+    """Return the friction on a grid by the cell of each row; refuse duplicate rows and points without a row."""
     grid = np.full([len(axis) for axis in axes.values()], np.nan)
     first: dict[tuple[int, ...], int] = {}
-    for cell, value, line in zip(
-        zip(*(place.tolist() for place in places), strict=True), friction, lines, strict=True
-    ):
+    for cell, value, line in zip(cells, friction, lines, strict=True):
         if cell in first:
             raise _fault(
                 file, line, f"the same point as in line {first[cell]}; a table holds each once"
@@ -336,30 +350,30 @@ def read_table(file: str) -> tuple[dict[str, Array], Array]:
         first[cell] = line
         grid[cell] = value
     if np.any(np.isnan(grid)):
-        cell = np.unravel_index(np.argmax(np.isnan(grid)), grid.shape)
+        missing = np.unravel_index(np.argmax(np.isnan(grid)), grid.shape)
         where = " and ".join(
-            f"{name} = {_shown(name, axis[k])}"
-            for (name, axis), k in zip(axes.items(), cell, strict=True)
+            f"{name} = {_format(name, axis[k])}"
+            for (name, axis), k in zip(axes.items(), missing, strict=True)
         )
         raise _fault(
             file, None, f"no row for {where}; a table is a full grid, here of {grid.size} rows"
         )
-    if axes[SLIP][0] > 0:
-        axes[SLIP] = np.concatenate([[0.0], axes[SLIP]])
-        grid = np.concatenate([np.zeros((1, *grid.shape[1:])), grid])
-    return axes, grid
+    return grid
 
 
 def _fault(file: str, line: int | None, reason: str) -> FieldError:
+    """Return the error of a line of a file."""
     return FieldError("file", f"{file}{'' if line is None else f':{line}'}: {reason}")
 
 
 def _text(file: str) -> str:
+    """Return the text of a file or of the built-in table."""
     if file == KRAGELSKY:
         return (files("rollslip_plugins.traction") / f"{KRAGELSKY}.csv").read_text(encoding="utf-8")
     return named_text(file)
 
 
 def _check_pressures(names: Collection[str]) -> str:
+    """Return what is wrong with columns of pressure; empty if nothing is."""
     both = {"mean_pressure", "max_pressure"} <= set(names)
     return "mean_pressure and max_pressure say the same; give one of them" if both else ""

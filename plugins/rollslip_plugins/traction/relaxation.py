@@ -11,8 +11,13 @@ from numpy.polynomial.legendre import leggauss
 from rollslip.search import Array
 from rollslip_plugins.traction.stress import dilogarithm
 
-RAMP, FRACTION = (values / 2 for values in leggauss(4))
-RAMP = RAMP + 0.5
+#: Nodes on (0, 1) of Gauss-Legendre quadrature of the mean stress where relaxation is slow.
+RAMP_NODES = leggauss(4)[0] / 2 + 0.5
+#: Weights of these nodes.
+RAMP_WEIGHTS = leggauss(4)[1] / 2
+#: Ratio of the length of a cell to that of relaxation below which this quadrature replaces the closed form, which
+#: cancels there; its error is below 1e-13.
+_MAX_RAMP = 0.25
 
 
 def relaxed(start: Array, kappa: Array, sigma: Array, deborah: Array) -> tuple[Array, Array]:
@@ -44,10 +49,10 @@ def relaxed(start: Array, kappa: Array, sigma: Array, deborah: Array) -> tuple[A
         np.stack([inner * q, inner, x * q, x])
     )
     mean = _stress(steady, fading) + (plus - minus + other_plus - other_minus) / p
-    ramp = p < 0.25  # there the bracket cancels, while S is smooth
+    ramp = p < _MAX_RAMP  # there the bracket cancels, while S is smooth
     if np.any(ramp):
         part = (values[ramp, None] for values in (steady, fading, z, y))
-        mean[ramp] = after(p[ramp, None] * RAMP, *part) @ FRACTION
+        mean[ramp] = after(p[ramp, None] * RAMP_NODES, *part) @ RAMP_WEIGHTS
     return mean, after(p, steady, fading, z, y)
 
 

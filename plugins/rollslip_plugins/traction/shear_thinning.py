@@ -26,10 +26,10 @@ from rollslip_plugins.traction.heating import (
 )
 
 EULER = np.euler_gamma
-ROOTS, WEIGHTS = np.polynomial.legendre.leggauss(12)
-# of Gauss's rule from 0 to 1
-PLACE = (1 + ROOTS) / 2
-WEIGHT = WEIGHTS / 2
+#: Nodes on (0, 1) of Gauss-Legendre quadrature.
+NODES = (1 + np.polynomial.legendre.leggauss(12)[0]) / 2
+#: Weights of these nodes.
+WEIGHTS = np.polynomial.legendre.leggauss(12)[1] / 2
 
 
 @attrs.frozen(kw_only=True)
@@ -222,13 +222,13 @@ def _early(eps: Array, p: Array) -> tuple[Array, Array]:
     """Return mean and end of S by Gauss's rule in v."""
     v = p
     for _ in range(MAX_STEPS):
-        step = v * (np.exp(eps[..., None] * np.expm1(-v[..., None] * PLACE)) @ WEIGHT) - p
+        step = v * (np.exp(eps[..., None] * np.expm1(-v[..., None] * NODES)) @ WEIGHTS) - p
         step /= np.exp(eps * np.expm1(-v))
         v = v - step
         if not np.any(np.abs(step) > 1e-9 * v):  # quadratic
             break
-    stress = -np.expm1(eps[..., None] * np.expm1(-v[..., None] * PLACE))
-    return v * ((stress * (1 - stress)) @ WEIGHT) / p, -np.expm1(eps * np.expm1(-v))
+    stress = -np.expm1(eps[..., None] * np.expm1(-v[..., None] * NODES))
+    return v * ((stress * (1 - stress)) @ WEIGHTS) / p, -np.expm1(eps * np.expm1(-v))
 
 
 def _late(eps: Array, p: Array) -> tuple[Array, Array]:
@@ -238,7 +238,7 @@ def _late(eps: Array, p: Array) -> tuple[Array, Array]:
     rising = gap > 2 * decay
     distance = np.empty(eps.shape)  # eps - r
     distance[rising] = _rising(eps[rising], gap[rising])
-    distance[~rising] = _settling(eps[~rising], gap[~rising])
+    distance[~rising] = _from_logarithm(eps[~rising], gap[~rising])
     r = eps - distance
     near = np.exp(-distance)
     missing = (
@@ -261,7 +261,7 @@ def _rising(eps: Array, gap: Array) -> Array:
     return distance
 
 
-def _settling(eps: Array, gap: Array) -> Array:
+def _from_logarithm(eps: Array, gap: Array) -> Array:
     """Return eps - r from exp(-eps) Ei(r) = gap, r <= 1, by v of r = eps exp(-v): v - N(r) = T, concave."""
     target = EULER + np.log(eps) - gap * np.exp(np.minimum(eps, 600.0))
     v = np.maximum(target, np.log(eps))

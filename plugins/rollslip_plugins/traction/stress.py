@@ -15,9 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
 
-MAX_STEPS = 60  # never reached: a dozen are enough over the range above
-LINEAR = 1e-150  # below, every law is linear in sigma to the last bit, and is scaled: its products would be denormal
-ROOTS, WEIGHTS = np.polynomial.legendre.leggauss(14)
+#: Maximum number of Newton steps; it is never reached, a dozen are enough over the range above.
+MAX_STEPS = 60
+#: Value of sigma below which every law is linear in it to the last bit, and is scaled: products would be denormal.
+LINEAR = 1e-150
+#: Nodes on (-1, 1) of Gauss-Legendre quadrature of the mean stress where the closed form cancels.
+ROOTS = np.polynomial.legendre.leggauss(14)[0]
+#: Weights of these nodes.
+WEIGHTS = np.polynomial.legendre.leggauss(14)[1]
 
 
 def muraki_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Floats:
@@ -212,10 +217,10 @@ def _layer_mean(eps: Floats, c: Floats, p: Floats) -> tuple[Floats, Floats]:
     inner, inner_q = (dilogarithm(-np.minimum(x, 1 / np.maximum(x, 1))) for x in (b, bq))
     bracket = dilogarithm(a) - dilogarithm(a * q)
     outer = np.where(b > 1, np.pi**2 / 6 + np.log(np.maximum(b, 1)) ** 2 / 2 + inner, -inner)
-    one = steady - (bracket + outer + inner_q) / p
-    # With both inverted, the squared logarithms would leave only their difference, taken here by hand.
+    outer_inverted = steady - (bracket + outer + inner_q) / p
+    # with both inverted only the difference of the squared logarithms is left, which is formed here analytically
     both = p / 2 - np.log(np.maximum(tanh_half, 0.25)) - (bracket + inner - inner_q) / p
-    value = np.where(bq > 1, both, one)
+    value = np.where(bq > 1, both, outer_inverted)
     gains = (1 - eps) * (np.log1p(-a * q) - np.log1p(-a)) + (1 + eps) * (np.log1p(b) - np.log1p(bq))
     fall = (eps - (steady - value) / c - gains / p + (np.log1p(bq) - np.log1p(-a * q)) / c) / c
     return value, fall
