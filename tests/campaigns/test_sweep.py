@@ -211,8 +211,8 @@ def test_more_samples_of_a_sobol_sequence_begin_with_the_first_ones(sampling):
         ({"operation.radial_load": ["500", "1 kN"]}, {}, "value 1 of 2: '500' has no unit"),
         ({"operation.radial_load": "5000:500:3"}, {}, "the first end must be below the second"),
         ({"operation.radial_load": "0:500:3:log"}, {}, "a logarithmic range must begin above 0"),
-        ({"operation.radial_load": "1:2:3:4"}, {}, "is no range; write LOW:HIGH:COUNT"),
-        ({"operation.radial_load": "1:2:0"}, {}, "'0' is no count of values"),
+        ({"operation.radial_load": "1:2:3:4"}, {}, "is not a range; write LOW:HIGH:COUNT"),
+        ({"operation.radial_load": "1:2:0"}, {}, "'0' is not a number of values"),
         ({"operation.radial_load": "1:2"}, {}, "has no count; write LOW:HIGH:COUNT, or ask for samples"),
         ({"operation.radial_load": [5, 5.0]}, {}, "'5.0' stands twice"),
         ({"operation.radial_load": []}, {}, "the list is empty"),
@@ -222,7 +222,7 @@ def test_more_samples_of_a_sobol_sequence_begin_with_the_first_ones(sampling):
         ({"bearing.rollers": "10:20"}, {"samples": 4}, "whole numbers are not sampled; give a count or a list"),
         ({}, {}, "there is nothing to sweep"),
         (OVER, {"samples": 8}, "there is nothing to sample"),
-        (OVER, {"sampling": "sobol"}, "says how samples are drawn, but none are asked for"),
+        (OVER, {"sampling": "sobol"}, "selects how samples are drawn, but no samples are requested"),
         (OVER, {"sampling": "sobel", "samples": 4}, "must be one of 'sobol', 'replicated-sobol', 'latin-hypercube', "
          "'saltelli', not"),
         (OVER, {"output": ["critical_slop"]},
@@ -888,7 +888,7 @@ def test_the_pace_of_points_is_looked_at_as_long_as_processes_take_to_start(
     monkeypatch.setattr(sweep_run, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     run = sweep_run._Run(sweep, 400, sweep_run.Counter(), lambda progress: None)
     monkeypatch.setattr(run, "_commit", lambda done: None)
-    chosen, _ = run.measured(
+    chosen, _ = run.choose_engine(
         sweep_run._Pending(range(400), bytearray(400), {0}), sweep_run._Interrupts()
     )
     assert (chosen.name, len(taken)) == (engine, lots)

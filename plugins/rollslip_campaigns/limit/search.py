@@ -102,7 +102,7 @@ def read_requirement(
     if match is None:
         raise SceneError(
             [
-                f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"
+                f"keep: {text!r} is not a limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"
             ]
         )
     requested, sense, value = match.groups()

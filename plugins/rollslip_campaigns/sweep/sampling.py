@@ -298,7 +298,7 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
     if not count.isascii() or not count.isdecimal() or not 2 <= int(count) <= _MAX_COUNT:
         raise FieldError(
             key,
-            f"{as_written(text)}: {as_written(count)} is no count of values from 2 to {_MAX_COUNT}",
+            f"{as_written(text)}: {as_written(count)} is not a number of values from 2 to {_MAX_COUNT}",
         )
     n = int(count)
     if logarithmic:
@@ -325,7 +325,7 @@ def range_parts(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
     numbers = parts[:-1] if logarithmic else parts
     if len(numbers) not in (2, 3) or not all(parts):
         raise FieldError(
-            key, f"{as_written(text)} is no range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log"
+            key, f"{as_written(text)} is not a range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log"
         )
     if "," in text:
         raise FieldError(

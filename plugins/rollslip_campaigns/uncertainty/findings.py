@@ -37,9 +37,10 @@ _ANSWER_RANK: Final = 3
 _CAVEAT_CORRELATION: Final = -0.3
 
 
+#: Sentence where Sobol indices were requested and no result has any.
 _NO_INDICES = (
-    "no Sobol indices: what was asked for varies in no sample, as where all lie beyond the range, or fewer than four "
-    "rows of the design have all their points"
+    "no Sobol indices: the result varies in no sample, for example because all lie beyond the range, or fewer than "
+    "four rows of the design have all their points"
 )
 
 
