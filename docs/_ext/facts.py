@@ -50,7 +50,7 @@ def relations():
     rows = [
         (
             f"``{one.table}.{one.field}``",
-            one.words,
+            one.meaning,
             one.format_range(one.usual) if any(map(math.isfinite, one.usual)) else "",
             one.format_range(one.possible) if any(map(math.isfinite, one.possible)) else "",
             one.source,

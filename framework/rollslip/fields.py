@@ -86,7 +86,7 @@ def field(
     key: str | None = None,
     bare: bool = False,
     rest: bool = False,
-    words: Mapping[str, object] | None = None,
+    keywords: Mapping[str, object] | None = None,
     usual: Span | None = None,
     possible: Span | None = None,
     scatter: object | None = None,
@@ -109,7 +109,7 @@ def field(
         A string in place of the table fills this field: ``film = "moes"`` for ``film = { model = "moes" }``.
     rest
         The field collects all keys that have no field of their own, unread.
-    words
+    keywords
         Texts that a scene may say in place of a value -> the value.
     usual
         Least and largest value that is met in practice, in `unit`; outside of it a warning. Of each value of a list.
@@ -123,7 +123,7 @@ def field(
         "unit": None if unit is None else check_unit(unit),
         "bare": bare,
         "rest": rest,
-        "words": words or {},
+        "keywords": keywords or {},
         "usual": usual,
         "possible": possible,
         "scatter": scatter,

@@ -224,16 +224,16 @@ def _checked(
     own: str,
 ) -> object:
     """Convert and validate one field on its own, so that the faults of the other fields are found as well."""
-    words = attribute.metadata.get("words", {})
-    if isinstance(raw, str) and raw in words:
-        return words[raw]
+    keywords = attribute.metadata.get("keywords", {})
+    if isinstance(raw, str) and raw in keywords:
+        return keywords[raw]
     before = len(faults)
     unit = own if attribute.metadata.get("own_unit") else attribute.metadata.get("unit") or "1"
     value = _converted(kind, raw, unit, where, faults)
     faults[before:] = [_such_as(fault, attribute) for fault in faults[before:]]
-    if words and isinstance(raw, str):
+    if keywords and isinstance(raw, str):
         faults[before:] = [
-            f"{fault}; or write {' or '.join(map(repr, words))}" for fault in faults[before:]
+            f"{fault}; or write {' or '.join(map(repr, keywords))}" for fault in faults[before:]
         ]
     if value is not MISSING and attribute.validator is not None:
         try:

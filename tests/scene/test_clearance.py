@@ -14,7 +14,12 @@ from rollslip.datasets import Bearing, Catalogue, Material, Mounting, Raceway
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
 from rollslip.planning.plausibility import implausible
-from rollslip.scene.clearance import fraction, operating, spun, usual_fit
+from rollslip.scene.clearance import (
+    centrifugal_growth,
+    operating_clearance,
+    transmitted_fraction,
+    usual_fit,
+)
 from rollslip.scene.reading import from_raw, parse_scene
 from rollslip.structure import resolved, scene_hash
 from rollslip_plugins.data.cylindrical import CATALOGUE
@@ -50,7 +55,7 @@ def mounted(speeds=(0.0, 0.0), temperatures=None, bore=None, **mounting):
         if key.replace("interference", "fit") not in mounting
     }
     ring = attrs.evolve(ring, mounting=Mounting(**given | mounting))
-    return operating(ring, speeds, temperatures, rigid=False).clearance
+    return operating_clearance(ring, speeds, temperatures, rigid=False).clearance
 
 
 # Elasticity ----------------------------------------------------------------------------------------------------------
@@ -108,7 +113,7 @@ ALUMINIUM = Material(elastic_modulus=70e9, poisson_ratio=0.33, density=2700.0)
 def test_a_shaft_widens_the_raceway_as_elasticity_says(shaft_bore, shaft):
     edges, pressure = solved([(shaft, shaft_bore, 0.15), (STEEL, 0.15, 0.165)], 5e-5)
     assert pressure > 0.0
-    assert 5e-5 * fraction(STEEL, 0.165, 0.15, shaft_bore, shaft) == pytest.approx(
+    assert 5e-5 * transmitted_fraction(STEEL, 0.165, 0.15, shaft_bore, shaft) == pytest.approx(
         edges[3], rel=1e-9
     )
 
@@ -118,11 +123,11 @@ def test_a_shaft_widens_the_raceway_as_elasticity_says(shaft_bore, shaft):
 def test_a_housing_narrows_the_raceway_as_elasticity_says(around, housing):
     edges, pressure = solved([(STEEL, 0.195, 0.21), (housing, 0.21, around)], 5e-5)
     assert pressure > 0.0
-    assert 5e-5 * fraction(STEEL, 0.195, 0.21, around, housing) == pytest.approx(
+    assert 5e-5 * transmitted_fraction(STEEL, 0.195, 0.21, around, housing) == pytest.approx(
         -edges[0], rel=1e-9
     )
     if around > 1.0:
-        assert 5e-5 * fraction(STEEL, 0.195, 0.21, math.inf, housing) == pytest.approx(
+        assert 5e-5 * transmitted_fraction(STEEL, 0.195, 0.21, math.inf, housing) == pytest.approx(
             -edges[0], rel=1e-4
         )
 
@@ -170,7 +175,7 @@ def test_a_scene_has_its_housing_at_its_temperature():
     alone = (
         0.8
         * 5e-5
-        * fraction(
+        * transmitted_fraction(
             STEEL, cold.outer_raceway_diameter, 0.14, math.inf, Material(elastic_modulus=70e9)
         )
     )
@@ -188,19 +193,19 @@ def test_thin_rings_share_an_interference_by_their_walls():
     # a ring of 1 um on a tube of 3 um, both of 100 mm: each yields by what the other one's wall is of both
     ring = 1e-6
     tube = 3e-6
-    found = fraction(STEEL, 0.1 + 2 * ring, 0.1, 0.1 - 2 * tube)
+    found = transmitted_fraction(STEEL, 0.1 + 2 * ring, 0.1, 0.1 - 2 * tube)
     assert found == pytest.approx(tube / (ring + tube), rel=1e-4)
     # a thin ring follows a solid shaft, and a thin one in a thick housing yields all of it
-    assert fraction(STEEL, 0.1 + 2 * ring, 0.1, 0.0) == pytest.approx(1.0, rel=1e-4)
-    assert fraction(STEEL, 0.1, 0.1 + 2 * ring, math.inf) == pytest.approx(1.0, rel=1e-4)
+    assert transmitted_fraction(STEEL, 0.1 + 2 * ring, 0.1, 0.0) == pytest.approx(1.0, rel=1e-4)
+    assert transmitted_fraction(STEEL, 0.1, 0.1 + 2 * ring, math.inf) == pytest.approx(1.0, rel=1e-4)
 
 
 def test_a_thin_hoop_and_a_solid_disc_grow_as_the_books_say():
     force = STEEL.density * 1000.0**2 / STEEL.elastic_modulus
-    assert spun(STEEL, 1000.0, 0.2 - 1e-7, 0.2) == pytest.approx(
+    assert centrifugal_growth(STEEL, 1000.0, 0.2 - 1e-7, 0.2) == pytest.approx(
         (2 * force * 0.1**3,) * 2, rel=1e-5
     )
-    assert spun(STEEL, 1000.0, 0.0, 0.2)[1] == pytest.approx(
+    assert centrifugal_growth(STEEL, 1000.0, 0.0, 0.2)[1] == pytest.approx(
         2 * 0.7 * force * 0.1**3 / 4, rel=1e-12
     )
 
@@ -223,7 +228,7 @@ def test_a_fit_and_speed_change_the_clearance_as_elasticity_says(rpm, interferen
 
 
 def test_a_turning_outer_ring_widens_and_a_ring_in_play_is_not_pressed():
-    assert mounted((0.0, -900.0)) == pytest.approx(spun(STEEL, 900.0, 0.195, 0.21)[0], abs=1e-12)
+    assert mounted((0.0, -900.0)) == pytest.approx(centrifugal_growth(STEEL, 900.0, 0.195, 0.21)[0], abs=1e-12)
     assert mounted((0.0, -900.0), growth=False) == 0.0
     assert mounted(shaft_interference=-1e-5, housing_interference=-2e-5) == 0.0
     assert mounted(housing_interference=4e-5) == pytest.approx(-4e-5 * 0.195 / 0.21, abs=1e-12)
@@ -269,7 +274,7 @@ def test_a_ring_in_play_widens_freely_until_its_seat_holds_it():
             PLAIN,
             mounting=Mounting(housing_interference=-play, housing_outside_diameter=0.4, **more),
         )
-        one, other = (operating(b, (1000.0, 0.0), rigid=rigid).clearance for rigid in (True, False))
+        one, other = (operating_clearance(b, (1000.0, 0.0), rigid=rigid).clearance for rigid in (True, False))
         return one - other
 
     # Lame, a bare ring of 27 mm (D): rollers of the whole orbit, each of 20.7 g at 0.09 m and 458 rad/s
@@ -314,25 +319,25 @@ def test_a_housing_of_a_ring_that_the_clearance_does_not_know_is_told():
 def test_on_a_shaft_without_a_ring_no_fit_is_felt_and_the_shaft_grows_as_a_disc():
     bare = attrs.evolve(PLAIN, inner_raceway=Raceway(without_ring=True), mounting=Mounting(
         initial_clearance=5e-5, housing_interference=0.0, temperature_difference=0.0))  # fmt: skip
-    assert operating(bare, (0.0, 0.0), rigid=False).clearance == pytest.approx(5e-5, abs=1e-12)
+    assert operating_clearance(bare, (0.0, 0.0), rigid=False).clearance == pytest.approx(5e-5, abs=1e-12)
     # (1 - nu) rho w^2 r^3/(4 E) of a solid disc, of radii
     grown = 2.0 * (1 - 0.3) * STEEL.density * 1000.0**2 * 0.0825**3 / (4.0 * STEEL.elastic_modulus)
-    assert operating(bare, (1000.0, 0.0), rigid=False).clearance == pytest.approx(
+    assert operating_clearance(bare, (1000.0, 0.0), rigid=False).clearance == pytest.approx(
         5e-5 - grown, abs=1e-12
     )
-    assert operating(bare, (0.0, 0.0)).assumed == ()
+    assert operating_clearance(bare, (0.0, 0.0)).assumed == ()
     hollow = attrs.evolve(
         bare, mounting=attrs.evolve(bare.mounting, shaft_bore=PLAIN.boundaries[0])
     )  # a ring would sit there
-    assert operating(hollow, (0.0, 0.0)).clearance == pytest.approx(5e-5, abs=1e-12)
+    assert operating_clearance(hollow, (0.0, 0.0)).clearance == pytest.approx(5e-5, abs=1e-12)
     for key, value in (("shaft_fit", "k5"), ("shaft_interference", 1e-5)):
         with pytest.raises(FieldError, match="rollers run on the shaft itself"):
-            operating(attrs.evolve(bare, mounting=Mounting(**{key: value})), (0.0, 0.0))
+            operating_clearance(attrs.evolve(bare, mounting=Mounting(**{key: value})), (0.0, 0.0))
     cup = attrs.evolve(
         bare, outer_raceway=Raceway(without_ring=True), mounting=Mounting(housing_fit="N6")
     )
     with pytest.raises(FieldError, match="rollers run on the housing itself"):
-        operating(cup, (0.0, 0.0))
+        operating_clearance(cup, (0.0, 0.0))
 
 
 def test_the_sum_is_that_by_hand():
@@ -402,7 +407,7 @@ def test_more_interference_and_more_heat_leave_less_clearance(
         given = attrs.evolve(
             b.mounting, initial_clearance=b.radial_clearance, smoothing=smoothing, **mounting
         )
-        return operating(attrs.evolve(b, mounting=given), (0.0, 0.0)).clearance
+        return operating_clearance(attrs.evolve(b, mounting=given), (0.0, 0.0)).clearance
 
     base = left(shaft_interference=shaft, housing_interference=housing, temperature_difference=warm)
     for key, value, step in (
@@ -648,7 +653,7 @@ def test_temperatures_of_a_motion_change_the_clearance_once():
         name: float(found["course_temperature"].sel(node=name)[-1])
         for name in ("inner ring", "rollers", "outer ring")
     }
-    ends = operating(one.bearing, (one.operation.inner_speed, 0.0), tuple(o.values())).clearance
+    ends = operating_clearance(one.bearing, (one.operation.inner_speed, 0.0), tuple(o.values())).clearance
     assert ends != begins
     assert float(found.radial_clearance[-1]) == pytest.approx(ends, abs=1e-8)
 
@@ -705,7 +710,7 @@ def test_a_raceway_without_ring_widens_with_the_expansion_of_what_it_is_on(ring,
     bearing = attrs.evolve(PLAIN, **{f"{ring}_raceway": Raceway(without_ring=True)})
     of = {name: attrs.evolve(Mounting(temperature_difference=0.0), **given) for name, given in
           (("steel", {}), ("alloy", {f"{part}_expansion": 24e-6}))}  # fmt: skip
-    steel, alloy = (operating(attrs.evolve(bearing, mounting=m), (0.0, 0.0), None, 353.15).clearance
+    steel, alloy = (operating_clearance(attrs.evolve(bearing, mounting=m), (0.0, 0.0), None, 353.15).clearance
                     for m in of.values())  # fmt: skip
     diameter = getattr(bearing, f"{ring}_raceway_diameter")
     assert alloy - steel == pytest.approx(sense * 12e-6 * 60.0 * diameter, rel=1e-9)
@@ -720,4 +725,4 @@ def test_the_material_of_a_seat_that_there_is_not_is_refused():
     with pytest.raises(
         FieldError, match=r"rollers run on the shaft itself.*is that of bearing.inner_raceway"
     ):
-        operating(bare, (100.0, 0.0))
+        operating_clearance(bare, (100.0, 0.0))

@@ -175,6 +175,6 @@ def _critical_slip(curve: Curve, maxima: Sequence[tuple[float, float]]) -> Criti
         return Critical(top, height, "found", *first)
     rises = friction[-1] - friction[-2] > _ROUNDING * height
     what = "still rises at the end of" if rises else "stays at its largest value up to the end of"
-    further = search_range_hint(curve.allow, float(slip[-1]), curve.max_slip)
+    further = search_range_hint(curve.range_key, float(slip[-1]), curve.max_slip)
     status = f"no slip at largest traction: friction {what} the range, {slip[-1]:.4g}{further}"
     return Critical(np.nan, np.nan, status, *first)

@@ -1,4 +1,4 @@
-"""Changes of scenes: what can vary, and values by dotted key, from Python or ``key=value`` of the command line."""
+"""Change values of scenes by dotted key, from Python or from ``key=value`` on the command line."""
 
 from collections.abc import Mapping
 from os import PathLike
@@ -21,29 +21,30 @@ __all__ = [
     "CHANGES",
     "NOTED",
     "SHORT",
-    "Known",
+    "KnownQuantities",
     "Quantity",
+    "describe_unknown_key",
     "evolve",
     "full_key",
     "parse_set",
-    "unknown",
 ]
 
-#: A person's word for a key -> the key.
+#: Short name of a key -> the key.
 SHORT: Final[Mapping[str, str]] = MappingProxyType({
     "speed": "operation.inner_speed", "load": "operation.radial_load", "temperature": "operation.temperature",
     "clearance": "bearing.radial_clearance", "oil": "lubricant.name",
 })  # fmt: skip
-#: What a name may be meant for, where a person's word or a table is given one.
-_NAMED: Final = {
+#: Short name or table that is given a name in place of a value -> the key which takes that name.
+_NAME_KEYS: Final = {
     "bearing": "bearing.name",
     "cage": "cage.make",
     "clearance": "bearing.clearance_class",
 }
+#: Origin of values that were changed, in place of file and line.
 CHANGES: Final = "changes"
-#: What the table of an oil may have, which is read where its laws are known.
-_OF_OIL: Final = frozenset(attrs.fields_dict(OilTable))
-#: Tables of what a scene's note speaks of.
+#: Keys of the table of an oil, which is read later than the scene, where its laws are known.
+_OIL_KEYS: Final = frozenset(attrs.fields_dict(OilTable))
+#: Tables that a scene's note describes: a change of one makes the note invalid.
 NOTED: Final = frozenset(
     {"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"}
 )
@@ -51,18 +52,38 @@ NOTED: Final = frozenset(
 
 @attrs.frozen(eq=False)
 class Quantity:
-    """One value of a scene."""
+    """One value of a scene that can be varied."""
 
-    key: str  # its dotted key
-    unit: str | None  # SI unit of a number; None for whole numbers, texts, choices and models
-    doc: str  # what it means
-    value: object  # what it is in the scene; None if the scene gives none
-    whole: bool  # whether it is a whole number
-    attribute: "attrs.Attribute[Any]"  # its field, with the validator
-    model: str = ""  # kind of model that it names, empty if it is none
+    #: Dotted key.
+    key: str
+    #: SI unit of a number; None for whole numbers, texts, choices and models.
+    unit: str | None
+    #: Meaning, in one line.
+    doc: str
+    #: Value in the scene; None if the scene has none.
+    value: object
+    #: Whether it is a whole number.
+    whole: bool
+    #: Its field, with the validator.
+    attribute: "attrs.Attribute[Any]"
+    #: Kind of the model that it names; empty if it names none.
+    model: str = ""
 
     def read(self, raw: object, given: str | None = None) -> object:
-        """Return a value as the scene takes it, checked as far as one value on its own can be."""
+        """Return a new value as the scene takes it, checked as far as a single value can be.
+
+        Parameters
+        ----------
+        raw : object
+            The value as it is written: a number in SI units, a text with a unit, a choice, a name.
+        given : str, optional
+            Unit in which messages show the value; by default that of ``raw``.
+
+        Raises
+        ------
+        ValueError
+            If the value is not possible.
+        """
         value = raw
         attribute = self.attribute
         if self.unit is not None:
@@ -80,8 +101,8 @@ class Quantity:
         return value
 
 
-class Known(dict[str, Quantity]):
-    """Quantities of a scene by key, found by a person's word for it too."""
+class KnownQuantities(dict[str, Quantity]):
+    """Quantities of a scene by key or by the short name of a key (`SHORT`)."""
 
     def __contains__(self, key: object) -> bool:
         return super().__contains__(full_key(str(key)))
@@ -90,44 +111,52 @@ class Known(dict[str, Quantity]):
         return super().__getitem__(full_key(key))
 
     def get(self, key: str, default: Any = None) -> Any:
-        """Return the quantity of a key, or the default."""
+        """Return the quantity of a `key`, or the `default`."""
         return super().get(full_key(key), default)
 
 
 def full_key(key: str) -> str:
-    """Return the key that a person's word stands for; any other as it is."""
+    """Return the key that a short name stands for, and any other key as it is."""
     return SHORT.get(key.strip(), key)
 
 
-def unknown(key: str, known: dict[str, Quantity]) -> str:
-    """Say that there is no such key, and which there are like it; of another study, how that is computed."""
-    of, name, *_ = [*key.split("."), "", ""]
-    if of == "study" and name and not any(one.startswith(f"study.{name}.") for one in known):
+def describe_unknown_key(key: str, known: dict[str, Quantity]) -> str:
+    """Return a message on a key that does not exist, with similar ones, or with the command that computes its study.
+
+    Parameters
+    ----------
+    key : str
+        The key that was given.
+    known : dict of str to Quantity
+        Quantities of the scene by key.
+    """
+    table, name, *_ = [*key.split("."), "", ""]
+    if table == "study" and name and not any(k.startswith(f"study.{name}.") for k in known):
         return (
             f"is of study {name!r}, which is not computed here; sweep that by: rollslip sweep run SCENE --study "
             f"{name}, where values are uncertain with --samples N"
         )
-    tail = {one.rpartition(".")[2]: one for one in reversed(known)}
+    by_name = {k.rpartition(".")[2]: k for k in reversed(known)}
     near = nearest(key, known, count=1) or [
-        tail[name] for name in nearest(key.rpartition(".")[2], tail, count=1)
+        by_name[name] for name in nearest(key.rpartition(".")[2], by_name, count=1)
     ]
     hint = did_you_mean(near, "'rollslip schema' and 'rollslip models NAME' list the keys")
     table = key.rpartition(".")[0]
-    if table.count(".") > 1 and not any(one.startswith(f"{table}.") for one in known):
+    if table.count(".") > 1 and not any(k.startswith(f"{table}.") for k in known):
         return f"the scene has nothing in {table}, so there is no value of it to vary; add that table to the scene"
     return f"there is no single value of this key to vary; {hint}"
 
 
 def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) -> Scene:
-    """Return a scene with some values changed; the tables that they stand in are checked anew, as is the whole.
+    """Return a scene with some values changed; their tables, and the relations of all values, are checked again.
 
     Parameters
     ----------
     scene
-        The scene to start from, which stays as it is; the name of a shipped one, or a file.
+        The scene to start from, which is not modified; the name of a shipped one, or a file.
     changes
-        New values by dotted key: ``{"lubricant.eyring_stress": "4 MPa", "models.film": "dowson-1968"}``. Values are
-        what a scene may hold. A table that is not in the scene yet starts from its defaults.
+        New values by dotted key: ``{"lubricant.eyring_stress": "4 MPa", "models.film": "dowson-1968"}``, as a scene
+        may have them. A table that is not in the scene yet starts from its defaults.
 
     Returns
     -------
@@ -139,7 +168,7 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
     SceneError
         With every fault, those of the new values marked with "changes" in place of file and line.
     PluginError
-        If a bearing or surface that it names is not there.
+        If a bearing or surface that it names does not exist.
     """
     scene = as_scene(scene)
     if not (isinstance(changes, Mapping) and all(isinstance(key, str) for key in changes)):
@@ -155,93 +184,116 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
     changed = set[str]()
     for key, value in changes.items():
         try:
-            requested = split_key(full_key(key).strip())
-            if key.strip() in _NAMED and str(value)[:1].isalpha() and isinstance(value, str):
-                raise ValueError(f"takes no name; write {_NAMED[key.strip()]}={value}")
-            if requested[0] == "lubricant" and len(requested) > 1 and requested[1] not in _OF_OIL:
-                near = nearest(requested[1], _OF_OIL, count=1)
-                raise ValueError(f"is no key{f', did you mean {near[0]!r}?' if near else ''}")
+            requested = _requested_path(key, value)
             if requested[0] not in changed and requested[0] in raw:
                 raw[requested[0]] = thawed(raw[requested[0]])
             changed.add(requested[0])
-            before, path = _set(raw, requested, thawed(value))
+            old_value, path = _set(raw, requested, thawed(value))
         except (ValueError, RecursionError) as error:
             reason = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
             problems.append(f"{CHANGES}: {as_written(key)} {reason}")
             continue
-        if isinstance(before, dict | list):
-            for below in [known for known in origins if known[: len(path)] == path]:
-                del origins[below]
-        for opened in range(1, min(len(path), DEEPEST)):
-            origins.setdefault(path[:opened], CHANGES)
-        origins[path] = CHANGES
+        _mark_changed(origins, path, old_value)
     if problems:
         raise SceneError(problems)
-    if changed & NOTED and "note" not in changed:  # what it says of the scene holds no more
+    if changed & NOTED and "note" not in changed:  # the note may not apply to the changed scene
         raw.pop("note", None)
         origins.pop(("note",), None)
-    follows = (
-        {"cage", "models"} if "bearing" in changed else set()
-    )  # a cage, or none, is what the bearing's name says
-    kept = {key: getattr(scene, key) for key in raw.keys() - changed - follows}
-    return checked_scene(raw, origins, scene.source, scene.text, kept)
+    unchanged = raw.keys() - changed
+    if "bearing" in changed:  # cage and separator follow from the name of a bearing
+        unchanged -= {"cage", "models"}
+    known_tables = {key: getattr(scene, key) for key in unchanged}
+    return checked_scene(raw, origins, scene.source, scene.text, known_tables)
+
+
+def _mark_changed(origins: dict[KeyPath, str], path: KeyPath, old_value: object) -> None:
+    """Make "changes" the origin of a path and of new tables above it; forget origins inside the value before."""
+    if isinstance(old_value, dict | list):
+        for below in [known for known in origins if known[: len(path)] == path]:
+            del origins[below]
+    for depth in range(1, min(len(path), DEEPEST)):
+        origins.setdefault(path[:depth], CHANGES)
+    origins[path] = CHANGES
+
+
+def _requested_path(key: str, value: object) -> tuple[str, ...]:
+    """Return the path of a key that is to be changed; raise ValueError where it cannot take the value."""
+    path = split_key(full_key(key).strip())
+    if key.strip() in _NAME_KEYS and str(value)[:1].isalpha() and isinstance(value, str):
+        raise ValueError(f"takes no name; write {_NAME_KEYS[key.strip()]}={value}")
+    if path[0] == "lubricant" and len(path) > 1 and path[1] not in _OIL_KEYS:
+        near = nearest(path[1], _OIL_KEYS, count=1)
+        raise ValueError(f"is no key{f', did you mean {near[0]!r}?' if near else ''}")
+    return path
 
 
 def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyPath]:
-    """Set a value deep in a raw scene; return the one before, and where it stands.
+    """Set a value deep in a raw scene; return the value before, and its path with indices into lists.
 
-    A table left out or a bare name is written out. In a list of models one is found by its name.
+    A table that is left out, or is a bare name, becomes a table. An entry of a list of models is found by its name.
     """
     kind: Any = Scene
     where = list[str | int]()
     for part in path[:-1]:
         if isinstance(table, list):
-            name = where[-1]
-            bare = str(bare_key(kind))
-            entries = [one if isinstance(one, dict) else {bare: one} for one in table]
-            names = [str(one.get(bare)) for one in entries]
-            if part not in names:
-                raise ValueError(
-                    f"leads nowhere: {name!r} names {', '.join(names) or 'nothing'}, not {part!r}"
-                )
-            where.append(names.index(str(part)))
-            table[:] = entries
+            where.append(_named_entry(table, str(bare_key(kind)), str(part), where[-1]))
             table = table[int(where[-1])]
             continue
         attribute = dict(fields_of(kind)).get(str(part)) if attrs.has(kind) else None
         kind = types_of(kind)[attribute.name] if attribute is not None else None
         if type(None) in get_args(kind):
-            kind = next((one for one in get_args(kind) if attrs.has(one)), kind)
+            kind = next((member for member in get_args(kind) if attrs.has(member)), kind)
         below = table.get(part)
-        several = get_args(kind)[0] if get_origin(kind) is tuple else None
-        if kind is None and isinstance(below, list) and all(map(_names_a_model, below)):
-            several = ModelChoice  # in a table that is read with its own class
-        if several is not None and attrs.has(several) and bare_key(several) is not None:
-            kind = several
-            below = [below] if isinstance(below, str | dict) else list(below or ())
-            table[part] = below
+        element = _element_type(kind, below)
+        if element is not None:
+            kind = element
+            table[part] = [below] if isinstance(below, str | dict) else list(below or ())
         elif not isinstance(below, dict):
-            bare_of = bare_key(kind) if attrs.has(kind) else None
-            if isinstance(below, str) and bare_of is not None:
-                below = {bare_of: below}
-            elif below is not None:
-                raise ValueError(f"leads nowhere: {part!r} is not a table")
-            else:
-                default = attribute.default if attribute is not None else None
-                choice = attrs.has(type(default)) and bare_key(type(default)) is not None
-                below = (
-                    resolved(default) if choice else {}
-                )  # of other tables, defaults come when they are read
-            table[part] = below
+            table[part] = _opened_table(below, kind, attribute, str(part))
         where.append(part)
-        table = below
+        table = table[part]
     if isinstance(table, list):
         raise ValueError(
             f"leads nowhere: {path[-2]!r} is a list; add a parameter of one, or set all of the list"
         )
-    before = table.get(path[-1])
+    old_value = table.get(path[-1])
     table[path[-1]] = value
-    return before, (*where, path[-1])
+    return old_value, (*where, path[-1])
+
+
+def _named_entry(entries: list[Any], bare: str, name: str, key: object) -> int:
+    """Return the index of the entry with a name in a list of models, whose bare names become tables."""
+    tables = [entry if isinstance(entry, dict) else {bare: entry} for entry in entries]
+    names = [str(table.get(bare)) for table in tables]
+    if name not in names:
+        raise ValueError(
+            f"leads nowhere: {key!r} names {', '.join(names) or 'nothing'}, not {name!r}"
+        )
+    entries[:] = tables
+    return names.index(name)
+
+
+def _element_type(kind: Any, value: object) -> Any:
+    """Return the class of the entries of a list of models; None where a key takes no such list."""
+    element = get_args(kind)[0] if get_origin(kind) is tuple else None
+    if kind is None and isinstance(value, list) and all(map(_names_a_model, value)):
+        element = ModelChoice  # in a table that is read later, with its own class
+    return element if attrs.has(element) and bare_key(element) is not None else None
+
+
+def _opened_table(
+    value: object, kind: Any, attribute: "attrs.Attribute[Any] | None", key: str
+) -> dict[str, Any]:
+    """Return the table that a bare name, or a missing value with the default of its field, stands for."""
+    bare = bare_key(kind) if attrs.has(kind) else None
+    if isinstance(value, str) and bare is not None:
+        return {bare: value}
+    if value is not None:
+        raise ValueError(f"leads nowhere: {key!r} is not a table")
+    default = attribute.default if attribute is not None else None
+    if attrs.has(type(default)) and bare_key(type(default)) is not None:
+        return dict(resolved(default))
+    return {}  # defaults of other tables are added when these are read
 
 
 def _names_a_model(raw: object) -> bool:
@@ -251,8 +303,8 @@ def _names_a_model(raw: object) -> bool:
 def parse_set(text: str) -> tuple[str, object]:
     """Split ``key=value`` of the command line into key and value.
 
-    The value is read as TOML where it is a number, true, false, a list, a table or a quoted text; anything else is a
-    text as it stands, so that ``operation.radial_load=500 N`` and ``models.film=moes`` need no quotes. Where a quantity
+    The value is read as TOML where it is a number, true, false, a list, a table or a quoted text; anything else is
+    taken as a text, so that ``operation.radial_load=500 N`` and ``models.film=moes`` need no quotes. Where a quantity
     has a unit, a number without one is refused (`rollslip.units.typed`).
 
     Examples

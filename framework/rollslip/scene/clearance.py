@@ -1,17 +1,19 @@
-"""The clearance of a bearing in operation: what seats, temperatures and speed leave of that before mounting.
+"""Compute the radial clearance of a bearing in operation from fits, temperatures and speeds.
 
 G = G_0 - k I_s W_s - k I_h W_h - a (E_i dT_i + 2 D dT_r) + growth by speed + deviation.
 
-- G_0 is the clearance before mounting, I_s and I_h are the interferences of the seats, k is what smoothing leaves of
-  them, 0 where a seat is loose. W_s and W_h are the shares that come through a ring to its raceway (Lame, `fraction`):
-  d/E_i of a solid shaft and E_o/D_o of a thick housing of the rings' steel. Seats are fitted at 20 degC: a shaft or
-  housing of another material tightens or loosens by what it expands more than its ring.
-- Growth is that of turning rings (`spun`), and of an outer ring by the rollers' centrifugal force (`_pushed`) if it is
-  rigid in the equilibrium. One that yields there widens by that force itself.
+- G_0 is the clearance before mounting, I_s and I_h are the interferences of the seats on shaft and in housing. k is the
+  fraction of an interference that remains after the asperities were smoothed, 0 where a seat is loose. W_s and W_h are
+  the fractions of an interference by which a raceway changes its diameter (Lame, `transmitted_fraction`): d/E_i with a
+  solid shaft and E_o/D_o with a thick housing of the rings' steel. Seats are fitted at 20 degC: the interference
+  changes by the difference of the thermal expansions of ring and shaft, or housing.
+- The growth by speed is that of turning rings (`centrifugal_growth`), and that of a rigid outer ring under the
+  centrifugal force of the rollers (`_widening_by_rollers`). A flexible ring is widened by that force in the equilibrium
+  of the rollers.
 - dT_i and dT_r are the temperatures of inner ring and rollers above that of the outer ring.
-- It is computed once, when a scene is read, and stands in ``bearing.radial_clearance``: every study reads it there. A
-  thermal model asks `operating` for other temperatures, and gets the same answer for the same ones.
-- Seats that are out of round are not in it, nor what rings yield under load (`rollslip.rings`).
+- The clearance is computed once, when a scene is read, and is the value of ``bearing.radial_clearance`` for all
+  studies. A thermal model calls `operating_clearance` for other temperatures.
+- Seats that are out of round, and deformations of rings under load (`rollslip.rings`), are not included.
 """
 
 import contextlib
@@ -32,30 +34,31 @@ from rollslip.units import as_written, format_quantity
 
 __all__ = [
     "FOLLOWS",
-    "before_mounting",
+    "bearing_in_class",
+    "centrifugal_growth",
     "clearance_scatter",
-    "fraction",
-    "in_operation",
     "interference",
-    "listed",
-    "operating",
-    "spun",
-    "unused",
+    "operating_clearance",
+    "set_initial_clearance",
+    "transmitted_fraction",
+    "unused_keys",
     "usual_fit",
+    "with_operating_clearance",
 ]
 
 #: Keys of a bearing from which its clearance in operation follows.
 FOLLOWS = ("clearance_class", "mounting")
-#: Up to which bore [m] which fit of a shaft is usual; the outer ring stands still in H7.
-_USUAL = ((0.05, "k5"), (0.1, "m5"), (math.inf, "m6"))
+#: Largest bore [m], and the usual fit of a shaft up to it under a rotating inner ring (catalogues of makers).
+_USUAL_SHAFTS = ((0.05, "k5"), (0.1, "m5"), (math.inf, "m6"))
+#: Usual fit of a housing around a stationary outer ring.
 _USUAL_HOUSING = "H7"
-#: Temperature at which seats are fitted [K].
-_FITTED: Final = 293.15
+#: Temperature at which seats are measured and fitted [K]: the reference temperature of ISO 1, 20 degC.
+_FITTING_TEMPERATURE: Final = 293.15
 
 
 def usual_fit(bore: float) -> str:
-    """Return the fit that is assumed of a shaft under a ring that turns; ``bore`` in m."""
-    return next(fit for up_to, fit in _USUAL if bore <= up_to)
+    """Return the fit that is assumed for a shaft under a rotating ring, by the bore of the ring [m]."""
+    return next(fit for up_to, fit in _USUAL_SHAFTS if bore <= up_to)
 
 
 @cache
@@ -67,7 +70,7 @@ def tolerance_classes() -> dict[str, dict[str, str]]:
 
 
 def interference(fit: str, diameter: float) -> tuple[float, float]:
-    """Return mean and standard deviation of the interference of a fit [m], seat and ring even over their tolerances.
+    """Return mean and standard deviation of the interference of a fit [m], uniform within the tolerances of both.
 
     Parameters
     ----------
@@ -87,40 +90,65 @@ def interference(fit: str, diameter: float) -> tuple[float, float]:
     for up_to, limits in seats.items():
         if diameter <= 1e-3 * float(up_to):
             low, high, ring_low = (
-                round(1e-6 * float(one), 12) for one in (*limits.split(), ring[up_to])
+                round(1e-6 * float(limit), 12) for limit in (*limits.split(), ring[up_to])
             )
             mean = 0.5 * (low + high - ring_low)
             return mean if fit.islower() else -mean, math.hypot(high - low, ring_low) / 12**0.5
-    most = format_quantity(1e-3 * max(map(float, seats)), "m")
-    raise ValueError(f"{fit} is known up to {most}, not for {format_quantity(diameter, 'm')}")
+    largest = format_quantity(1e-3 * max(map(float, seats)), "m")
+    raise ValueError(f"{fit} is known up to {largest}, not for {format_quantity(diameter, 'm')}")
 
 
-def fraction(
+def transmitted_fraction(
     ring: Material, raceway: float, seat: float, beyond: float, other: Material | None = None
 ) -> float:
-    """Return the share of an interference that comes through a ring to its raceway, of diameters, in plane stress.
+    """Return the fraction of an interference by which the raceway changes its diameter, in plane stress (Lame).
 
-    2 s r/(E |r^2 - s^2| (w + w')), with w = ((x^2 + s^2)/|x^2 - s^2| +- nu)/E of ring and seat (Lame).
+    2 s r/(E |r^2 - s^2| (w + w')), with w = ((x^2 + s^2)/|x^2 - s^2| +- nu)/E of ring and of shaft or housing.
+
+    Parameters
+    ----------
+    ring : Material
+        Material of the ring.
+    raceway : float
+        Diameter of the raceway r [m].
+    seat : float
+        Diameter of the seat s [m].
+    beyond : float
+        Other diameter of shaft or housing [m]: 0 for a solid shaft, infinite for a thick housing.
+    other : Material, optional
+        Material of shaft or housing; by default that of the ring.
 
     Examples
     --------
     A solid shaft of the ring's steel: d/E_i.
 
-    >>> round(share(Material(), 0.1, 0.08, 0.0), 12)
+    >>> round(transmitted_fraction(Material(), 0.1, 0.08, 0.0), 12)
     0.8
     """
     outward = 1 if raceway > seat else -1
 
-    def yields(material: Material, far: float, sign: int) -> float:
+    def compliance(material: Material, far: float, sign: int) -> float:
         thick = 1.0 if math.isinf(far) else (far**2 + seat**2) / abs(far**2 - seat**2)
         return (thick + sign * material.poisson_ratio) / material.elastic_modulus
 
-    both = yields(ring, raceway, outward) + yields(other or ring, beyond, -outward)
+    both = compliance(ring, raceway, outward) + compliance(other or ring, beyond, -outward)
     return 2.0 * seat * raceway / (ring.elastic_modulus * abs(raceway**2 - seat**2) * both)
 
 
-def spun(material: Material, speed: float, inside: float, outside: float) -> tuple[float, float]:
-    """Return by how much the diameters [m] of a free annulus widen at a speed [rad/s], in plane stress."""
+def centrifugal_growth(
+    material: Material, speed: float, inside: float, outside: float
+) -> tuple[float, float]:
+    """Return the growth of inner and outer diameter [m] of a rotating annulus, in plane stress.
+
+    Parameters
+    ----------
+    material : Material
+        Material of the annulus.
+    speed : float
+        Angular speed [rad/s].
+    inside, outside : float
+        Inner and outer diameter [m].
+    """
     nu = material.poisson_ratio
     force = material.density * speed**2 / (16.0 * material.elastic_modulus)
     return (
@@ -129,12 +157,13 @@ def spun(material: Material, speed: float, inside: float, outside: float) -> tup
     )
 
 
-def _pushed(
-    bearing: Bearing, speeds: tuple[float, float], outside: float, held: float, gap: float
+def _widening_by_rollers(
+    bearing: Bearing, speeds: tuple[float, float], outside: float, seat_fraction: float, gap: float
 ) -> float:
-    """Return by how much rollers widen the outer raceway [m] by their centrifugal force at the epicyclic cage speed.
+    """Return the widening of the outer raceway [m] by the centrifugal force of the rollers at the epicyclic cage speed.
 
-    p of Z m R_m w_c^2 all round an annulus (Lame), of whose seat the share ``held`` acts once it has closed a gap.
+    The force Z m R_m w_c^2 is taken as a uniform pressure in an annulus (Lame). Once the seat has closed its gap [m],
+    the housing takes the ``seat_fraction`` of the widening there.
     """
     inner = bearing.inner_raceway_diameter
     outer = bearing.outer_raceway_diameter
@@ -156,101 +185,110 @@ def _pushed(
     if math.isinf(outside):
         return strain * outer * (1.0 + steel.poisson_ratio)
     wall = outside**2 - outer**2
-    seat = 2.0 * strain * outside * outer**2 / wall  # of a ring that nothing holds
+    seat = 2.0 * strain * outside * outer**2 / wall  # widening of the seat of a free ring
     free = (outside**2 + outer**2) / wall + steel.poisson_ratio
-    return strain * outer * free - held * max(seat - gap, 0.0)
+    return strain * outer * free - seat_fraction * max(seat - gap, 0.0)
 
 
-def operating(
+@attrs.frozen
+class _Seat:
+    """The seat of a ring on its shaft or in its housing; without a ring, the raceway on shaft or housing itself."""
+
+    #: Name of the fit, for texts.
+    name: str
+    #: Mean interference before mounting [m].
+    interference: float
+    #: Standard deviation of the interference [m].
+    deviation: float
+    #: Whether rollers run on the shaft or the housing itself.
+    is_bare: bool
+    #: Fraction of the interference by which the raceway changes its diameter [1].
+    fraction: float
+    #: Thermal expansion of shaft or housing minus that of the ring [1/K].
+    excess_expansion: float
+    #: Other diameter of the annulus on which the raceway is [m]: of the ring, or of shaft or housing itself.
+    beyond: float
+    #: Whether the mounting states neither a fit nor an interference, so that the usual fit is assumed.
+    is_assumed: bool
+
+
+def operating_clearance(
     bearing: Bearing,
     speeds: tuple[float, float],
     temperatures: tuple[float, float, float] | None = None,
-    temperature: float = _FITTED,
+    temperature: float = _FITTING_TEMPERATURE,
     rigid: bool = True,
 ) -> MountedClearance:
-    """Return the clearance in operation at speeds of inner and outer ring [rad/s].
+    """Return the radial clearance of a mounted bearing in operation, with the terms that it is the sum of.
 
-    ``temperatures`` are those of inner ring, rollers and outer ring [K]; by default they differ as the mounting says,
-    from ``temperature`` of the outer ring. An outer ring that is not ``rigid`` in the equilibrium widens there.
+    Parameters
+    ----------
+    bearing : Bearing
+        The bearing with its mounting.
+    speeds : (float, float)
+        Speeds of inner and outer ring [rad/s].
+    temperatures : (float, float, float), optional
+        Temperatures of inner ring, rollers and outer ring [K]; by default inner ring and rollers are warmer than the
+        outer ring by the temperature difference of the mounting.
+    temperature : float
+        Temperature of the outer ring [K], where ``temperatures`` are not given.
+    rigid : bool
+        Whether the outer ring is rigid in the equilibrium of the rollers. A flexible ring widens there by the
+        centrifugal force of the rollers.
+
+    Raises
+    ------
+    FieldError
+        If a diameter, a fit or a material of the mounting is not possible.
     """
     m = bearing.mounting or Mounting()
-    (of_inner, of_outer) = map(bearing.material_of, ("inner", "outer"))
-    shaft_steel = m.shaft_material or of_inner
-    housing_steel = m.housing_material or of_outer
-    bare = {
-        part: raceway is not None and raceway.without_ring
-        for part, raceway in (("shaft", bearing.inner_raceway), ("housing", bearing.outer_raceway))
-    }
     inner = bearing.inner_raceway_diameter
     outer = bearing.outer_raceway_diameter
     bore, outside = bearing.boundaries
     around = math.inf if m.housing_outside_diameter is None else m.housing_outside_diameter
-    for name, size, low, high in (
-        ("shaft_bore", m.shaft_bore, -1.0, inner if bare["shaft"] else bore),
-        ("housing_outside_diameter", around, outer if bare["housing"] else outside, math.inf),
-    ):
-        if not low < size < high and not math.isinf(size):
-            bound = (
-                f"less than {format_quantity(high, 'm')}"
-                if size >= high
-                else f"more than {format_quantity(low, 'm')}"
-            )
-            raise FieldError(name, f"must be {bound}, not {format_quantity(size, 'm')}")
-    shaft, pressed, of_shaft = _seat(m, "shaft", usual_fit(bore), bore, bare["shaft"])
-    housing, tight, of_housing = _seat(m, "housing", _USUAL_HOUSING, outside, bare["housing"])
-    through = (
-        0.0 if bare["shaft"] else fraction(of_inner, inner, bore, m.shaft_bore, shaft_steel),
-        0.0 if bare["housing"] else fraction(of_outer, outer, outside, around, housing_steel),
-    )
-    beyond = around if bare["housing"] and not math.isinf(around) else outside
-    warm = rollers = m.temperature_difference
-    if temperatures is not None:
-        warm, rollers = (one - temperatures[2] for one in temperatures[:2])
-        temperature = temperatures[2]
-    more = [
-        0.0 if of is None else of - m.expansion for of in (m.shaft_expansion, m.housing_expansion)
-    ]
+    _check_diameters(bearing, m.shaft_bore, around)
+    shaft = _seat(bearing, m, "shaft", bore, m.shaft_bore)
+    housing = _seat(bearing, m, "housing", outside, around)
+    warm, rollers, temperature = _temperature_differences(m, temperatures, temperature)
     shrunk = (
-        more[0] * (temperature + warm - _FITTED) * bore,
-        -more[1] * (temperature - _FITTED) * outside,
+        shaft.excess_expansion * (temperature + warm - _FITTING_TEMPERATURE) * bore,
+        -housing.excess_expansion * (temperature - _FITTING_TEMPERATURE) * outside,
     )
-    wider = more[1] * (temperature - _FITTED) * outer
     fitted = [
-        min(one, m.smoothing * one) + grown
-        for one, grown in zip((pressed, tight), shrunk, strict=True)
+        min(seat.interference, m.smoothing * seat.interference) + thermal
+        for seat, thermal in zip((shaft, housing), shrunk, strict=True)
     ]
 
-    def seated(speed: float) -> float:
-        """Widening of the inner raceway [m]."""
-        if bare["shaft"]:
+    def inner_widening(speed: float) -> float:
+        """Return by how much seat and speed widen the inner raceway [m]."""
+        of_inner = bearing.material_of("inner")
+        if shaft.is_bare:
             return (
-                more[0] * (temperature + warm - _FITTED) * inner
-                + spun(of_inner, speed, m.shaft_bore, inner)[1]
+                shaft.excess_expansion * (temperature + warm - _FITTING_TEMPERATURE) * inner
+                + centrifugal_growth(of_inner, speed, m.shaft_bore, inner)[1]
             )
-        at_bore, grown = spun(of_inner, speed, bore, inner)
-        left = fitted[0] - at_bore + spun(shaft_steel, speed, m.shaft_bore, bore)[1]
-        return through[0] * max(left, 0.0) + grown
+        at_bore, grown = centrifugal_growth(of_inner, speed, bore, inner)
+        shaft_steel = m.shaft_material or of_inner
+        left = fitted[0] - at_bore + centrifugal_growth(shaft_steel, speed, m.shaft_bore, bore)[1]
+        return shaft.fraction * max(left, 0.0) + grown
 
-    grown = (
-        spun(of_outer, speeds[1], outer, beyond)[0] - seated(speeds[0]) + seated(0.0)
-        if m.growth
-        else 0.0
-    )
+    grown = 0.0
+    if m.growth:
+        beyond = outside if math.isinf(housing.beyond) else housing.beyond
+        grown = centrifugal_growth(bearing.material_of("outer"), speeds[1], outer, beyond)[0]
+        grown = grown - inner_widening(speeds[0]) + inner_widening(0.0)
     if m.growth and rigid:
-        grown += _pushed(
-            bearing,
-            speeds,
-            around if bare["housing"] else outside,
-            through[1],
-            max(-fitted[1], 0.0),
-        )
+        gap = max(-fitted[1], 0.0)
+        grown += _widening_by_rollers(bearing, speeds, housing.beyond, housing.fraction, gap)
     before = bearing.nominal_clearance if m.initial_clearance is None else m.initial_clearance
-    scatters = zip(through, (of_shaft, of_housing), fitted, strict=True)
+    housing_term = -housing.fraction * max(fitted[1], 0.0)
+    if housing.is_bare:
+        housing_term = housing.excess_expansion * (temperature - _FITTING_TEMPERATURE) * outer
     return MountedClearance(
         terms=(
             (bearing.clearance_class or "before mounting", before),
-            (shaft, -seated(0.0)),
-            (housing, wider if bare["housing"] else -through[1] * max(fitted[1], 0.0)),
+            (shaft.name, -inner_widening(0.0)),
+            (housing.name, housing_term),
             (
                 f"for {warm:.3g} K",
                 -m.expansion * (inner * warm + 2.0 * bearing.roller_diameter * rollers),
@@ -260,40 +298,83 @@ def operating(
         ),
         deviation=math.hypot(
             m.initial_tolerance / math.sqrt(12.0),
-            *(m.smoothing * a * b for a, b, mean in scatters if mean > 0.0),
+            *(
+                m.smoothing * seat.fraction * seat.deviation
+                for seat, mean in zip((shaft, housing), fitted, strict=True)
+                if mean > 0.0
+            ),
         ),
-        assumed=tuple(
-            f"{part}_fit"
-            for part in ("shaft", "housing")
-            if not bare[part]
-            and getattr(m, f"{part}_fit") is None
-            and getattr(m, f"{part}_interference") is None
-        ),
+        assumed=("shaft_fit",) * shaft.is_assumed + ("housing_fit",) * housing.is_assumed,
         rigid=rigid,
     )
 
 
-def _seat(
-    m: Mounting, part: str, usual: str, diameter: float, bare: bool
-) -> tuple[str, float, float]:
-    """Return name, mean interference and its standard deviation [m] of a seat."""
-    given = getattr(m, f"{part}_interference")
-    if bare:
+def _temperature_differences(
+    m: Mounting, temperatures: tuple[float, float, float] | None, temperature: float
+) -> tuple[float, float, float]:
+    """Return inner ring and rollers minus outer ring, and the outer ring itself [K]."""
+    if temperatures is None:
+        return m.temperature_difference, m.temperature_difference, temperature
+    inner, rollers, outer = temperatures
+    return inner - outer, rollers - outer, outer
+
+
+def _is_bare(bearing: Bearing, ring: str) -> bool:
+    """Whether rollers run on the shaft or the housing itself, in place of a ring."""
+    raceway = getattr(bearing, f"{ring}_raceway")
+    return raceway is not None and raceway.without_ring
+
+
+def _check_diameters(bearing: Bearing, shaft_bore: float, around: float) -> None:
+    """Refuse a hollow shaft or a housing without a wall."""
+    bore, outside = bearing.boundaries
+    if _is_bare(bearing, "inner"):
+        bore = bearing.inner_raceway_diameter
+    if _is_bare(bearing, "outer"):
+        outside = bearing.outer_raceway_diameter
+    for name, size, low, high in (
+        ("shaft_bore", shaft_bore, -1.0, bore),
+        ("housing_outside_diameter", around, outside, math.inf),
+    ):
+        if not low < size < high and not math.isinf(size):
+            bound = f"more than {format_quantity(low, 'm')}"
+            if size >= high:
+                bound = f"less than {format_quantity(high, 'm')}"
+            raise FieldError(name, f"must be {bound}, not {format_quantity(size, 'm')}")
+
+
+def _seat(bearing: Bearing, m: Mounting, part: str, diameter: float, beyond: float) -> _Seat:
+    """Return the seat of a ring with a diameter [m]; ``beyond`` is the other diameter of shaft or housing [m]."""
+    ring = "inner" if part == "shaft" else "outer"
+    expansion = getattr(m, f"{part}_expansion")
+    excess = 0.0 if expansion is None else expansion - m.expansion
+    material = getattr(m, f"{part}_material")
+    if _is_bare(bearing, ring):
         for key in (f"{part}_fit", f"{part}_interference", f"{part}_material"):
             if getattr(m, key) is not None:
-                of = f"; its material is that of bearing.{'inner' if part == 'shaft' else 'outer'}_raceway"
+                of = f"; its material is that of bearing.{ring}_raceway"
                 none = f"rollers run on the {part} itself, so no ring sits there"
                 raise FieldError(key, f"{none}; leave it out{of * key.endswith('material')}")
-        return part, 0.0, 0.0
-    if given is not None:
-        return f"{part} fit", given, 0.0
+        return _Seat(part, 0.0, 0.0, True, 0.0, excess, beyond, False)
+    steel = bearing.material_of(ring)
+    raceway = getattr(bearing, f"{ring}_raceway_diameter")
+    fit = f"{part} fit", getattr(m, f"{part}_interference"), 0.0
+    if fit[1] is None:
+        fit = _named_fit(m, part, diameter)
+    fraction = transmitted_fraction(steel, raceway, diameter, beyond, material or steel)
+    is_assumed = getattr(m, f"{part}_fit") is None and getattr(m, f"{part}_interference") is None
+    return _Seat(*fit, False, fraction, excess, diameter, is_assumed)
+
+
+def _named_fit(m: Mounting, part: str, diameter: float) -> tuple[str, float, float]:
+    """Return name, mean interference and its standard deviation [m] of a fit by name, or of the usual fit."""
     key = f"{part}_fit"
-    name = getattr(m, f"{part}_fit") or usual
-    # the first two are those of rings
+    usual = usual_fit(diameter) if part == "shaft" else _USUAL_HOUSING
+    name = getattr(m, key) or usual
     fit = name.replace(" ", "")
-    fits = [*tolerance_classes()][2:]
+    fits = [*tolerance_classes()][2:]  # the first two are those of rings
     if fit not in fits:
-        there = ", ".join(one for one in fits if one.islower() == (part == "shaft"))
+        there = ", ".join(known for known in fits if known.islower() == (part == "shaft"))
         raise FieldError(
             key,
             f"no fit of a {part} is called {as_written(name)}; there are {there}, or give an interference",
@@ -308,10 +389,24 @@ def _seat(
         raise FieldError(key, f"{error}; give an interference in its place") from None
 
 
-def listed(
+def bearing_in_class(
     own: dict[str, object], name: str, data: Bearing, where: Location, problems: list[str]
 ) -> Bearing:
-    """Return a named bearing, in the clearance class that the own keys of its table name."""
+    """Return the data of a named bearing in the clearance class that its table states.
+
+    Parameters
+    ----------
+    own : dict
+        The table of the bearing without its name; its class is written as the catalogue spells it.
+    name : str
+        Name of the bearing.
+    data : Bearing
+        Data by that name, the result where the table states no class.
+    where : Location
+        Location of the table, for messages.
+    problems : list of str
+        Faults are added: a class in which the bearing is not listed.
+    """
     from rollslip.catalogue.discovery import (
         find,
         get_class,
@@ -335,8 +430,18 @@ def listed(
     return found
 
 
-def before_mounting(filled: dict[str, Any], own: Mapping[str, object], data: Bearing) -> None:
-    """Take the clearance of a named bearing for that before mounting, where its data say so."""
+def set_initial_clearance(filled: dict[str, Any], own: Mapping[str, object], data: Bearing) -> None:
+    """Make the clearance of a named bearing its clearance before mounting, where its data have a mounting.
+
+    Parameters
+    ----------
+    filled : dict
+        Table of the bearing with the named data, which is changed.
+    own : mapping
+        The table as it is written.
+    data : Bearing
+        The named data.
+    """
     if data.mounting is None or not isinstance(table := filled.get("mounting"), dict):
         return
     if "radial_clearance" not in own:
@@ -349,10 +454,22 @@ def before_mounting(filled: dict[str, Any], own: Mapping[str, object], data: Bea
         table["initial_clearance"] = data.radial_clearance
 
 
-def in_operation(
+def with_operating_clearance(
     scene: Any, raw: Mapping[str, Any], where: Location, problems: list[str]
 ) -> Bearing:
-    """Return the bearing of a scene with its clearance in operation, where none is stated and it has a mounting."""
+    """Return the bearing of a scene with its clearance in operation, where none is stated and it has a mounting.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene with the clearance before mounting.
+    raw : mapping
+        The scene as it is written, with named data.
+    where : Location
+        Location of the scene, for messages.
+    problems : list of str
+        Faults are added: keys without effect, classes without a name, impossible mountings.
+    """
     b: Bearing = scene.bearing
     o = scene.operation
     at = where.at("bearing")
@@ -363,14 +480,16 @@ def in_operation(
                 for path, origin in where.origins.items()
                 if origin == "changes" and len(path) > 1 and path[0] == "bearing"
             }
-            said = "changes nothing, since bearing.radial_clearance is stated, that in operation; leave that out"
-            problems += [at.at(key).message(said) for key in unused(raw["bearing"]) if key in new]
+            text = "changes nothing, since bearing.radial_clearance is stated, that in operation; leave that out"
+            problems += [
+                at.at(key).message(text) for key in unused_keys(raw["bearing"]) if key in new
+            ]
         return b if b.mounted is None else attrs.evolve(b, mounted=None)
     if b.clearance_class is not None and (
         b.mounting is None or b.mounting.initial_clearance is None
     ):
-        said = "only a bearing with bearing.name has classes; give bearing.mounting.initial_clearance, the middle of it"
-        problems.append(at.at("clearance_class").message(said))
+        text = "only a bearing with bearing.name has classes; give bearing.mounting.initial_clearance, the middle of it"
+        problems.append(at.at("clearance_class").message(text))
         return b
     if b.mounting is None:
         return b
@@ -381,7 +500,7 @@ def in_operation(
         else None
     )
     try:
-        mounted = operating(
+        mounted = operating_clearance(
             b, (o.inner_speed, o.outer_speed), warm, o.temperature, _rigid(scene.models.outer_ring)
         )
         return attrs.evolve(b, radial_clearance=mounted.clearance, mounted=mounted)
@@ -392,7 +511,7 @@ def in_operation(
 
 
 def _rigid(choice: Any) -> bool:
-    """Whether a ring keeps its shape; one of a model that is not there is refused elsewhere."""
+    """Whether a ring is rigid; a model that does not exist is refused elsewhere."""
     from rollslip.catalogue.discovery import get_class  # only a ring that is named needs a plugin
 
     with contextlib.suppress(PluginError):
@@ -400,13 +519,13 @@ def _rigid(choice: Any) -> bool:
     return True
 
 
-def unused(table: Mapping[str, Any]) -> list[str]:
-    """Return the keys of a table of a bearing that say nothing where its clearance in operation is stated."""
+def unused_keys(table: Mapping[str, Any]) -> list[str]:
+    """Return the keys of a bearing's table that have no effect because its clearance in operation is stated."""
     return [key for key in FOLLOWS if key in table] if "radial_clearance" in table else []
 
 
 def clearance_scatter(bearing: Bearing) -> tuple[Scatter, ...]:
-    """Return how the clearance in operation of a bearing in a scene scatters; nothing where that is stated."""
+    """Return the scatter of the clearance in operation of a bearing; empty where that clearance is stated."""
     if bearing.mounted is None or not bearing.mounted.deviation > 0.0:
         return ()
     return (

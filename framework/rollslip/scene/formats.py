@@ -1,10 +1,11 @@
-"""What a file format of scenes is: how another program's file becomes parameters, and how these become such a file.
+"""Interface of file formats of scenes: from another program's file to parameters, and from parameters to such a file.
 
-- A format knows nothing of scenes: it reads a file into the neutral parameters of `rollslip.scene.interchange`, in any
-  unit, and writes them. What these are, and whether they are right, is checked there, for all formats alike.
-- It is found by the ending of a file's name among the entry points ``rollslip.format``, our own JSON like a stranger's.
-- A format may have fields of its own beside its name, choices that ``rollslip export`` takes by their names.
-- Nothing is dropped in silence: what a file lacks, and what of it is not used, is told item by item.
+- A format does not depend on scenes: it reads a file into the neutral parameters of `rollslip.scene.interchange`, in
+  any unit, and writes them. These parameters are checked there, for all formats.
+- A format is found by the suffix of a file's name among the entry points ``rollslip.format``, which the built-in JSON
+  format is one of.
+- A format may have fields in addition to its name: options of ``rollslip export``.
+- Every item that a file lacks, or that is not used, is reported.
 """
 
 import abc
@@ -26,19 +27,20 @@ __all__ = ["SCENE_FORMAT", "Read", "SceneFormat", "Written", "endings", "format_
 
 @attrs.frozen
 class Read:
-    """What a file says."""
+    """The content of a file that was read."""
 
-    document: object  #: The neutral parameters, as `rollslip.scene.interchange.from_parameters` takes them.
-    notes: tuple[
-        str, ...
-    ] = ()  #: What was missing or not used, a sentence each, without full stops.
+    #: The neutral parameters, as `rollslip.scene.interchange.from_parameters` takes them.
+    document: object
+    #: Sentences on items that were missing or not used, without full stops.
+    notes: tuple[str, ...] = ()
 
 
 @attrs.frozen
 class Written:
-    """A file to be, and what of the parameters and the result has no place in it."""
+    """The content of a file to write."""
 
     text: str | bytes
+    #: Sentences on parameters and results that the format cannot hold, without full stops.
     notes: tuple[str, ...] = ()
 
 
@@ -46,25 +48,43 @@ class Written:
 class SceneFormat(abc.ABC):
     """A file format of scenes; a package derives a class and offers an instance by the hook ``scene_formats``."""
 
-    name: str  #: As its entry point has it.
-    endings: ClassVar[
-        tuple[str, ...]
-    ]  #: Endings of its files, in small letters, such as ``(".json",)``.
+    #: Name of its entry point.
+    name: str
+    #: Suffixes of its files, in small letters, such as ``(".json",)``.
+    endings: ClassVar[tuple[str, ...]]
 
     @abc.abstractmethod
     def read(self, content: bytes, source: str) -> Read:
-        """Read what a file holds; ``source`` is what it is called, for messages.
+        """Return the parameters of a file.
 
-        That it is no such file, or that what cannot be done without is missing, is a `SceneError`: which, and what to
-        do.
+        Parameters
+        ----------
+        content : bytes
+            Content of the file.
+        source : str
+            Name of the file, for messages.
+
+        Raises
+        ------
+        SceneError
+            If the file has another format, or lacks what is required; the message says what to do.
         """
 
     @abc.abstractmethod
     def write(self, document: Mapping[str, Any], result: "xr.Dataset | None") -> Written:
-        """Write the neutral parameters of a scene, and where the format has a place for it what was calculated.
+        """Return the file of a scene, with the results that the format can hold.
 
-        They are as `rollslip.scene.interchange.to_parameters` gives them, all values in SI units; the result, if there
-        is one, is of that scene. A scene that the format cannot hold is a `SceneError`.
+        Parameters
+        ----------
+        document : mapping
+            The neutral parameters of `rollslip.scene.interchange.to_parameters`, all values in SI units.
+        result : xarray.Dataset or None
+            A result of that scene.
+
+        Raises
+        ------
+        SceneError
+            If the format cannot hold the scene.
         """
 
 
@@ -75,20 +95,20 @@ SCENE_FORMAT: Final = Kind(
 
 
 def endings() -> dict[str, str]:
-    """Return the endings of files that are read and written: ending -> format."""
-    found: dict[str, str] = {}
+    """Return the suffixes of files that are read and written: suffix -> name of the format."""
+    formats: dict[str, str] = {}
     for name in available("format"):
         for ending in get_class("format", name).endings:
-            found.setdefault(ending, name)
-    return found
+            formats.setdefault(ending, name)
+    return formats
 
 
 def format_of(path: str | os.PathLike[str]) -> SceneFormat | None:
-    """Return the format of a file by its ending, the longest there is; None if no format has it, as of our own TOML."""
-    called = Path(path).name.lower()
-    if Path(called).suffix in ("", ".toml"):
+    """Return the format of a file by its longest suffix; None if no format has the suffix, or for a scene in TOML."""
+    name = Path(path).name.lower()
+    if Path(name).suffix in ("", ".toml"):
         return None
     known = endings()
-    own = [ending for ending in known if called.endswith(ending)]
+    own = [ending for ending in known if name.endswith(ending)]
     found: SceneFormat | None = get_class("format", known[max(own, key=len)]) if own else None
     return found

@@ -1,13 +1,14 @@
-"""A scene as a neutral file of parameters that other programs read: JSON, every number with its unit, versioned.
+"""Write and read a scene as a neutral file of parameters for other programs: versioned JSON, each number with its unit.
 
-- A number is ``{"value": 0.015, "unit": "m"}``, a list of numbers likewise; what has no unit, a count, a choice or a
-  name, stands as it is. All values are there, defaults and those of named bearings too: the file needs no rollslip.
-- The way back is exact: a scene that is written and read is equal to the one before, with the same hash. Numbers in SI
-  units are floats whose text is the shortest that gives them again; values that a scene keeps as text, of oil, cage and
-  models, are parted into number and unit only where the number's text survives, and stay text elsewhere.
-- What comes from others may be in any unit that scenes take.
-- Files of other programs come and go by these parameters too: `read_foreign`, `write_foreign`, and a format for each
-  (`rollslip.scene.formats`), of which this JSON is one.
+- A number is ``{"value": 0.015, "unit": "m"}``, and so is a list of numbers; a value without unit, such as a count, a
+  choice or a name, is a plain JSON value. All values are written, with defaults and those of named bearings, so that
+  the file can be read without rollslip.
+- The round trip is exact: a scene that is written and read is equal to the original, with the same hash. Numbers in SI
+  units are written with the shortest text that gives the same float. Texts of oil, cage and models are split into
+  number and unit only where the text of the number is restored exactly.
+- Files that other programs write may use any unit that scenes accept.
+- Files of other programs are converted from and to these parameters: `read_foreign`, `write_foreign`, with a format for
+  each (`rollslip.scene.formats`), of which this JSON is one.
 """
 
 import contextlib
@@ -39,15 +40,18 @@ __all__ = [
     "write_foreign",
 ]  # fmt: skip
 
+#: Name of the format, in its files.
 FORMAT: Final = "rollslip-parameters"
+#: Version of the format, in its files: to be raised when a reader of the present version would misread a file.
 VERSION: Final = 1
 _QUANTITY: Final = re.compile(r"([+-]?\d+(?:\.\d+)?) ([A-Za-z%].*)", re.ASCII)
-#: Keys whose values are words, whatever these look like.
-_WORDS: Final = frozenset({"title", "description", "name", "model", "source"})
+#: Keys whose values are texts, even where these look like a number with a unit.
+_TEXT_KEYS: Final = frozenset({"title", "description", "name", "model", "source"})
 
 
 @cache
 def _units() -> Mapping[str, str]:
+    """Return the SI unit of each key of a scene that has one."""
     return {row.key: row.unit for row in schema() if row.unit}
 
 
@@ -60,26 +64,28 @@ def to_parameters(scene: Scene) -> dict[str, Any]:
     >>> to_parameters(load_scene("1032930-70C"))["parameters"]["bearing"]["roller_diameter"]
     {'value': 0.015, 'unit': 'm'}
     """
-    return {"format": FORMAT, "version": VERSION, "parameters": _told(resolved(scene), "")}
+    return {"format": FORMAT, "version": VERSION, "parameters": _parameter(resolved(scene), "")}
 
 
-def _told(value: object, key: str) -> Any:
+def _parameter(value: object, key: str) -> Any:
+    """Return a value of a scene, or all values of a table, as parameters with units."""
     unit = _units().get(key)
     if isinstance(value, Mapping):
         return {
-            name: _told(inner, f"{key}.{name}" if key else name) for name, inner in value.items()
+            name: _parameter(inner, f"{key}.{name}" if key else name)
+            for name, inner in value.items()
         }
     if isinstance(value, list | tuple) and not (
-        unit and all(isinstance(one, float) for one in value)
+        unit and all(isinstance(element, float) for element in value)
     ):
-        return [_told(one, f"{key}[]") for one in value]
+        return [_parameter(element, f"{key}[]") for element in value]
     if isinstance(value, str):
-        return value if key.rpartition(".")[2] in _WORDS else _parted(value)
+        return value if key.rpartition(".")[2] in _TEXT_KEYS else _split_quantity(value)
     return value if unit is None else {"value": value, "unit": unit}
 
 
-def _parted(text: str) -> Any:
-    """Part a text into number and unit where it comes together again as it was."""
+def _split_quantity(text: str) -> Any:
+    """Return number and unit of a text, or the text itself where both would not give it again."""
     found = _QUANTITY.fullmatch(text)
     if found is None:
         return text
@@ -88,14 +94,27 @@ def _parted(text: str) -> Any:
 
 
 def from_parameters(document: object, source: str = "parameters") -> Scene:
-    """Return the scene of a file of parameters."""
+    """Return the scene of a file of parameters.
+
+    Parameters
+    ----------
+    document : object
+        The content of the file, as of `to_parameters`.
+    source : str
+        Name of the file, for messages.
+
+    Raises
+    ------
+    SceneError
+        With every fault, if the document has another format or version, or its scene is wrong.
+    """
     if not isinstance(document, Mapping) or document.get("format") != FORMAT:
         raise SceneError([f"{source}: no file of parameters: 'format' must be {FORMAT!r}"])
     if document.get("version") != VERSION:
-        came = as_written(document.get("version"))
+        version = as_written(document.get("version"))
         raise SceneError(
             [
-                f"{source}: version: {came} is not read, only {VERSION}; write the file anew, or update rollslip"
+                f"{source}: version: {version} is not read, only {VERSION}; write the file anew, or update rollslip"
             ]
         )
     if unknown := sorted(document.keys() - {"format", "version", "parameters"}):
@@ -110,7 +129,7 @@ def from_parameters(document: object, source: str = "parameters") -> Scene:
     scene = from_raw(raw, source, text)
     if scene.bearing.mounting is None:
         return scene
-    # what follows, the clearance that a mounting leaves and equal temperatures, was written out for others
+    # the file states values that follow from others: the clearance in operation, and equal temperatures
     operation = raw["operation"]
     bearing = {key: value for key, value in raw["bearing"].items() if key != "radial_clearance"}
     equal = [
@@ -128,30 +147,16 @@ def from_parameters(document: object, source: str = "parameters") -> Scene:
 
 
 def _read(value: object, key: str, source: str, problems: list[str]) -> Any:
+    """Return a parameter, or a table of them, as a raw scene has it; faults are added to ``problems``."""
     if isinstance(value, Mapping) and "value" in value and "unit" in value:
-        number = value["value"]
-        unit = value["unit"]
-        numbers = number if isinstance(number, list) else [number]
-        good = all(
-            isinstance(one, int | float) and not isinstance(one, bool) and _finite(one)
-            for one in numbers
-        )
-        if not good or not isinstance(unit, str) or len(value) > 2:
-            problems.append(
-                f"{source}: {key}: a finite number, or a list of them, with a text 'unit' is expected"
-            )
-            return None
-        if unit in (_units().get(key), "1"):
-            return number
-        texts = [f"{one!r} {unit}" for one in numbers]
-        return texts if isinstance(number, list) else texts[0]
+        return _read_quantity(value, key, source, problems)
     if isinstance(value, Mapping):
         return {
             name: _read(inner, f"{key}.{name}" if key else name, source, problems)
             for name, inner in value.items()
         }
     if isinstance(value, list):
-        return [_read(one, f"{key}[]", source, problems) for one in value]
+        return [_read(element, f"{key}[]", source, problems) for element in value]
     if value is None:
         problems.append(f"{source}: {key}: has no value; leave it out")
     if not _finite(value):
@@ -159,11 +164,31 @@ def _read(value: object, key: str, source: str, problems: list[str]) -> Any:
     return value
 
 
+def _read_quantity(value: Mapping[str, Any], key: str, source: str, problems: list[str]) -> Any:
+    """Return a number, or a list of numbers, with unit: plain in SI units, a text in others."""
+    number = value["value"]
+    unit = value["unit"]
+    numbers = number if isinstance(number, list) else [number]
+    are_numbers = all(
+        isinstance(x, int | float) and not isinstance(x, bool) and _finite(x) for x in numbers
+    )
+    if not are_numbers or not isinstance(unit, str) or len(value) > 2:
+        problems.append(
+            f"{source}: {key}: a finite number, or a list of them, with a text 'unit' is expected"
+        )
+        return None
+    if unit in (_units().get(key), "1"):
+        return number
+    texts = [f"{x!r} {unit}" for x in numbers]
+    return texts if isinstance(number, list) else texts[0]
+
+
 def _finite(value: object) -> bool:
     return not isinstance(value, float) or math.isfinite(value)
 
 
-def _refused(text: str) -> float:
+def _refuse_constant(text: str) -> float:
+    """Refuse NaN and Infinity, which are not numbers of JSON."""
     raise ValueError(f"{text} is no number")
 
 
@@ -177,14 +202,14 @@ class Json(SceneFormat):
     endings: ClassVar[tuple[str, ...]] = (".json",)
 
     def read(self, content: bytes, source: str) -> Read:
-        """Read a file; see `SceneFormat.read`."""
+        """Return the parameters of a file from its `content`; its `source` is named in messages."""
         try:
-            return Read(json.loads(decoded(content, source), parse_constant=_refused))
+            return Read(json.loads(decoded(content, source), parse_constant=_refuse_constant))
         except (ValueError, RecursionError) as error:
             raise SceneError([f"{source}: not valid JSON: {error}"]) from None
 
     def write(self, document: Mapping[str, Any], result: "xr.Dataset | None") -> Written:
-        """Write a file; results have no place in it."""
+        """Return the file of a `document`; a `result` is not written."""
         notes = (
             ()
             if result is None
@@ -197,7 +222,7 @@ JSON_FORMAT: Final = Json("json")
 
 
 def read_foreign(path: str | os.PathLike[str]) -> tuple[Scene, tuple[str, ...]]:
-    """Read a file of another program, or of parameters, as a scene; say what it lacks and what of it is not used.
+    """Return the scene of another program's file, or of a file of parameters, and notes on missing and unused items.
 
     Raises
     ------
@@ -205,21 +230,30 @@ def read_foreign(path: str | os.PathLike[str]) -> tuple[Scene, tuple[str, ...]]:
         As `from_parameters`; if no format has the ending, or the file cannot be read.
     """
     source = readable(os.fspath(path))
-    known = _known(path, source)
+    file_format = _format_of(path, source)
     try:
         content = content_of(Path(path))
     except OSError as error:
         raise SceneError([f"{source}: cannot be read: {error.strerror or error}"]) from None
-    found = known.read(content, source)
-    return from_parameters(found.document, source), found.notes
+    read = file_format.read(content, source)
+    return from_parameters(read.document, source), read.notes
 
 
 def write_foreign(
     scene: Scene, path: str | os.PathLike[str], result: "xr.Dataset | None" = None, **choices: Any
 ) -> tuple[str, ...]:
-    """Write a scene, with what was calculated of it, into a file that another program reads; say what it cannot hold.
+    """Write a scene, with its results, into a file of another program; return notes on what the format cannot hold.
 
-    Choices are fields of the format.
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    path : str or path
+        The file; its suffix decides on the format.
+    result : xarray.Dataset, optional
+        A result of that scene.
+    **choices
+        Fields of the format.
 
     Raises
     ------
@@ -229,30 +263,35 @@ def write_foreign(
         If the file cannot be written.
     """
     source = readable(os.fspath(path))
-    known = _known(path, source)
-    if lost := [
-        name.replace("_", "-") for name in choices if name not in attrs.fields_dict(type(known))
+    file_format = _format_of(path, source)
+    if unknown := [
+        name.replace("_", "-")
+        for name in choices
+        if name not in attrs.fields_dict(type(file_format))
     ]:
-        raise SceneError([f"{source}: format {known.name} does not know --{lost[0]}"])
-    if result is not None and (of := str(result.attrs.get("scene_hash", ""))) != (
+        raise SceneError([f"{source}: format {file_format.name} does not know --{unknown[0]}"])
+    if result is not None and (other := str(result.attrs.get("scene_hash", ""))) != (
         own := scene_hash(scene)
     ):
         raise SceneError(
-            [f"{source}: the result is of another scene, {of[:12] or 'which it does not say'}, not of {own[:12]}; run "
-             "this one, or give the one that was run, with the same --set"]
-        )  # fmt: skip
-    made = attrs.evolve(known, **choices).write(to_parameters(scene), result)
+            [
+                f"{source}: the result is of another scene, {other[:12] or 'which it does not say'}, not of "
+                f"{own[:12]}; run this one, or give the one that was run, with the same --set"
+            ]
+        )
+    file = attrs.evolve(file_format, **choices).write(to_parameters(scene), result)
     with whole_file(Path(path)) as partial:
-        partial.write_bytes(made.text if isinstance(made.text, bytes) else made.text.encode())
-    return made.notes
+        partial.write_bytes(file.text if isinstance(file.text, bytes) else file.text.encode())
+    return file.notes
 
 
-def _known(path: str | os.PathLike[str], source: str) -> SceneFormat:
-    if (found := format_of(path)) is None:
+def _format_of(path: str | os.PathLike[str], source: str) -> SceneFormat:
+    """Return the format of a file by its suffix; raise `SceneError` where no format has it."""
+    if (file_format := format_of(path)) is None:
         raise SceneError(
             [f"{source}: no installed format has this ending; there are: {', '.join(endings())}"]
         )
-    return found
+    return file_format
 
 
 def parameter_schema() -> dict[str, Any]:
@@ -260,16 +299,16 @@ def parameter_schema() -> dict[str, Any]:
     root: dict[str, Any] = {"type": "object", "properties": {}}
     for row in schema():
         *tables, name = row.key.split(".")
-        at = root
+        node = root
         for table in tables:
-            at = at["properties"].setdefault(table, {"type": "object", "properties": {}})
-            at.setdefault("properties", {})
+            node = node["properties"].setdefault(table, {"type": "object", "properties": {}})
+            node.setdefault("properties", {})
         if name == "*":
-            at["description"] = row.doc
+            node["description"] = row.doc
         else:
-            at["properties"].setdefault(name, {}).update(_key_schema(row.unit, row.doc))
+            node["properties"].setdefault(name, {}).update(_key_schema(row.unit, row.doc))
             if row.default == "required":
-                at.setdefault("required", []).append(name)
+                node.setdefault("required", []).append(name)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Parameters of a cylindrical roller bearing, its oil and its operation",
@@ -285,6 +324,7 @@ def parameter_schema() -> dict[str, Any]:
 
 
 def _key_schema(unit: str, doc: str) -> dict[str, Any]:
+    """Return the JSON Schema of one key: any value, or a number or numbers with unit."""
     if not unit:
         return {"description": doc}
     number = {"oneOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}}]}

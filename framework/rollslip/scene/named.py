@@ -1,6 +1,6 @@
-"""What the names in a scene stand for: values of a bearing that plugins offer and of surfaces, and a bearing's cage.
+"""Fill in the values that names in a scene stand for: data of bearings and surfaces, and the cage of a bearing.
 
-They are filled in before a scene is checked, since it is complete once it is read; only then is a plugin loaded.
+This is done before a scene is checked, because a scene that is read has all values. Plugins are loaded for names only.
 """
 
 from collections.abc import Mapping
@@ -10,23 +10,33 @@ import attrs
 
 from rollslip.datasets import SURFACES
 from rollslip.errors import PluginError, UnknownNameError
-from rollslip.scene.clearance import FOLLOWS, before_mounting, listed
+from rollslip.scene.clearance import FOLLOWS, bearing_in_class, set_initial_clearance
 from rollslip.scene.values import Models, model_kind
 from rollslip.structure import Location, bare_key, fields_of, resolved
 from rollslip.units import as_written
 
 __all__ = ["NAMED", "surface_name", "unknown_names", "with_named_data", "with_own_cage"]
 
-#: Tables that may start from the values of a named set, and what such a name is of.
+#: Table that may start from named data -> meaning of such a name.
 NAMED: Final = {"bearing": "a bearing that a plugin offers", "surface": " or ".join(SURFACES)}
-#: Keys of models, each the kind that it takes.
+#: Keys of ``[models]`` that name a model of a kind.
 _KINDS: Final = frozenset(key for key, _ in fields_of(Models)) - {"separator"}
 
 
 def with_named_data(
     raw: dict[str, object], where: Location, problems: list[str]
 ) -> dict[str, object]:
-    """Return a raw scene with the values of the data that its tables name; the name itself is no value of a scene."""
+    """Return a raw scene with the values of the data that its tables name, without these names.
+
+    Parameters
+    ----------
+    raw : dict
+        The scene as it is written.
+    where : Location
+        Location of the scene, for messages.
+    problems : list of str
+        Faults are added: names whose data are all overridden.
+    """
     complete = dict(raw)
     for kind in NAMED:
         table = raw.get(kind)
@@ -49,14 +59,14 @@ def with_named_data(
                 SURFACES[surface_name(name)][0] if kind == "surface" else get_class(kind, name).data
             )
             if kind == "bearing":
-                data = listed(own, name, data, where.at(kind), problems)
+                data = bearing_in_class(own, name, data, where.at(kind), problems)
             complete[kind] = filled = _filled(own, data)
-            gives = any(filled[key] != own.get(key) for key in filled if key not in FOLLOWS)
+            has_effect = any(filled[key] != own.get(key) for key in filled if key not in FOLLOWS)
             if kind == "bearing":
-                before_mounting(filled, own, data)
+                set_initial_clearance(filled, own, data)
         except PluginError as error:
             raise type(error)(at.message(str(error))) from error
-        if not gives:  # as when a name is set in a scene that spells all values out
+        if not has_effect:  # as when a name is set in a scene that states all values
             problems.append(
                 at.message(
                     f"{name!r} gives nothing, every value is written out; leave out what it gives"
@@ -66,18 +76,27 @@ def with_named_data(
 
 
 def surface_name(written: str) -> str:
-    """Return the name that `SURFACES` has for surfaces, however it is spelled."""
+    """Return the name in `SURFACES` for a name in any spelling; raise `UnknownNameError` where there is none."""
     from rollslip.catalogue.discovery import folded  # only a scene that names data needs it
 
-    if (name := next((one for one in SURFACES if folded(one) == folded(written)), None)) is None:
-        raise UnknownNameError(
-            f"no surface is called {as_written(written)}; there are: {', '.join(SURFACES)}"
-        )
-    return name
+    for name in SURFACES:
+        if folded(name) == folded(written):
+            return name
+    raise UnknownNameError(
+        f"no surface is called {as_written(written)}; there are: {', '.join(SURFACES)}"
+    )
 
 
 def with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dict[str, object]:
-    """Return a raw scene with the cage that its bearing's name stands for, or without one, where it does not say."""
+    """Return a scene with the cage, or the missing cage, of its bearing's designation where it does not state one.
+
+    Parameters
+    ----------
+    raw : mapping
+        The scene as it is written, with the name of the bearing.
+    complete : dict
+        The scene with named data.
+    """
     bearing = raw.get("bearing")
     cage = raw.get("cage", {})
     if not (isinstance(bearing, Mapping) and "name" in bearing and isinstance(cage, Mapping)):
@@ -87,18 +106,19 @@ def with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dic
     models = raw.get("models", {})
     if (own := own_cage(bearing["name"])) is None or not isinstance(models, Mapping):
         return complete
-    apart = models.get("separator", {})
+    separator = models.get("separator", {})
     if not own.make:
-        apart = {"model": "none", **apart} if isinstance(apart, Mapping) else apart
-        return {**complete, "models": {**models, "separator": apart}}
-    if apart not in ({}, "cage", {"model": "cage"}):
+        if isinstance(separator, Mapping):
+            separator = {"model": "none", **separator}
+        return {**complete, "models": {**models, "separator": separator}}
+    if separator not in ({}, "cage", {"model": "cage"}):
         return complete
     guidance = {"guidance": own.guidance} if cage.get("make", own.make) == own.make else {}
     return {**complete, "cage": {"make": own.make, **guidance, **cage}}
 
 
 def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
-    """Fill what a table leaves out with given values, but for those that follow from others and follow on."""
+    """Return a table with the named data in place of missing values, except values that follow from others anyway."""
     filled = dict(table)
     for key, attribute in fields_of(type(data)):
         value = getattr(data, attribute.name)
@@ -112,15 +132,22 @@ def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
             )
             if value is not None and not follows:
                 filled[key] = resolved(value) if inner else value
+        # a table that may be a bare name is a choice, which named data do not complete
         elif inner and bare_key(type(value)) is None and isinstance(below := filled[key], Mapping):
-            filled[key] = _filled(
-                below, value
-            )  # a table that may be a bare name is a choice, and taken whole
+            filled[key] = _filled(below, value)
     return filled
 
 
 def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
-    """Return the faults of names of models, studies and the oil, whose tables are read only once all else is right."""
+    """Return messages on unknown names of models, studies and the oil, whose tables are read later than the scene.
+
+    Parameters
+    ----------
+    raw : mapping
+        The scene as it is written.
+    where : Location
+        Location of the scene, for messages.
+    """
     from rollslip.catalogue.discovery import find
 
     wanted = [("lubricant", where.at("lubricant").at("name"), raw.get("lubricant"), "name")]
@@ -132,13 +159,13 @@ def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
                 wanted.append(("study", at.at(key), key, ""))
             elif key in _KINDS:
                 several = given if isinstance(given, list | tuple) else (given,)
-                wanted += [(model_kind(key), at.at(key), one, "model") for one in several]
+                wanted += [(model_kind(key), at.at(key), choice, "model") for choice in several]
     problems = []
-    for kind, place, named, key in wanted:
+    for kind, location, named, key in wanted:
         name = named.get(key) if isinstance(named, Mapping) else named
         try:
             if isinstance(name, str):
                 find(kind, name)
         except PluginError as error:
-            problems.append(place.message(str(error)))
+            problems.append(location.message(str(error)))
     return problems

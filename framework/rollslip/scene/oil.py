@@ -1,4 +1,4 @@
-"""The oil of a scene held against the laws: what they take of it and it lacks, and what it has that none takes."""
+"""Compare the oil of a scene with the laws: properties that laws read and it lacks, and constants that no law reads."""
 
 import math
 from collections.abc import Mapping
@@ -19,8 +19,8 @@ from rollslip_kernels.slices import CONDITIONS, Conditions
 
 __all__ = ["check_given", "members", "unused_constants"]
 
-#: What oils have of a member that one may lack, with grade.
-_LIKELY: Final = {
+#: Typical values of properties that an oil may lack, with their grades, as proposals in messages.
+_TYPICAL: Final = {
     "pressure_viscosity": "'18 1/GPa' (mineral oils at 40 degC have 16 to 22 (B), esters 9 to 14 (C))",
     "conductivity": "'0.14 W/(m K)' (oils have 0.13 to 0.15 (C))",
     "eyring_stress": "'5 MPa' (mineral oils have 3 to 8 MPa, esters 2 to 6 MPa (C))",
@@ -29,43 +29,69 @@ _LIKELY: Final = {
 
 
 def unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -> list[str]:
-    """Say which constants that a scene has of its oil are of no law of a contact, or of none of the scene's laws."""
+    """Return messages on constants in ``[lubricant.models]`` that no law reads.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    models : mapping
+        Models of the contacts by kind; None where one could not be constructed.
+    where : Location
+        Location of the table, for messages.
+    """
     tables = scene.lubricant.data.get("models")
     if not isinstance(tables, Mapping):
         return []
     known = {name for kind in models for name in available(kind)}
-    laws = [
+    laws = _all_laws(models)
+    parameters = {name for law in laws for name in attrs.fields_dict(type(law))}
+    messages = list[str]()
+    for name, value in tables.items():
+        if not isinstance(value, Mapping):
+            if name not in parameters and None not in models.values():
+                used = ", ".join(law.name for law in laws)
+                text = f"no law of this scene has such a parameter: {used}"
+                messages.append(where.at(name).message(text))
+        elif name not in known:
+            similar = " or ".join(nearest(name, known))
+            hint = f"; did you mean {similar}?" if similar else ""
+            messages.append(where.at(name).message(f"no law of a contact is called so{hint}"))
+    return messages
+
+
+def _all_laws(models: Mapping[str, Any]) -> list[Any]:
+    """Return models, without None, each followed by its submodels."""
+    return [
         law
         for model in models.values()
         if model is not None
         for law in (model, *(child for _, child in submodels(model)))
     ]
-    has = {name for law in laws for name in attrs.fields_dict(type(law))}
-    said = list[str]()
-    for name, value in tables.items():
-        if isinstance(value, Mapping) and name not in known:
-            near = (
-                f"; did you mean {' or '.join(found)}?" if (found := nearest(name, known)) else ""
-            )
-            said.append(where.at(name).message(f"no law of a contact is called so{near}"))
-        elif not isinstance(value, Mapping) and name not in has and None not in models.values():
-            used = ", ".join(law.name for law in laws)
-            said.append(
-                where.at(name).message(f"no law of this scene has such a parameter: {used}")
-            )
-    return said
 
 
 @lru_cache(maxsize=64)
 def members(reads: tuple[frozenset[str], ...]) -> frozenset[str]:
-    """Conditions among what models read."""
+    """Return the names of the conditions among the members that models read."""
     return frozenset().union(*reads) & CONDITIONS.keys()
 
 
 def check_given(
     models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Location
 ) -> None:
-    """Refuse models that read what the scene does not give."""
+    """Raise `SceneError` where models read properties of the oil that the scene does not give.
+
+    Parameters
+    ----------
+    models : tuple of SliceModel
+        The models of the contacts.
+    conditions : Conditions
+        Conditions of the contacts; a property that the oil lacks is NaN.
+    lubricant : Lubricant
+        The oil.
+    where : Location
+        Location of the scene, for messages.
+    """
     reads = tuple(frozenset(model.reads) for model in models)
     if not any(lubricant.slopes.values()) and not any(
         math.isnan(getattr(conditions, name)) for name in members(reads)
@@ -74,7 +100,7 @@ def check_given(
     problems = [
         where.at("lubricant").message(
             f"oil {lubricant.name!r} gives no {member} ({CONDITIONS[member][1]}, {CONDITIONS[member][0]}), "
-            f"which model {model.name!r} needs; {_given_by(member, conditions, lubricant)} or choose another model"
+            f"which model {model.name!r} needs; {_remedy(member, conditions, lubricant)} or choose another model"
         )
         for model in models
         for member in sorted(model.reads & CONDITIONS.keys())
@@ -96,10 +122,10 @@ def check_given(
         raise SceneError(problems)
 
 
-def _given_by(member: str, conditions: Conditions, lubricant: Lubricant) -> str:
-    """What to type to have a member of the oil; a law that fixes what pressure does to viscosity lets none be given."""
+def _remedy(member: str, conditions: Conditions, lubricant: Lubricant) -> str:
+    """Return what to type so that the oil has a property; some laws of viscosity under pressure take no coefficient."""
     law = lubricant.pressure_viscosity_law
     if member.startswith("pressure_") and not math.isnan(law.coefficient(conditions.temperature)):
         return f"{law.name!r} lets none be given: take another lubricant.pressure_viscosity_law"
-    likely = f" = {_LIKELY[member]}" if member in _LIKELY else ""
-    return f"give lubricant.{member}{likely},"
+    typical = f" = {_TYPICAL[member]}" if member in _TYPICAL else ""
+    return f"give lubricant.{member}{typical},"

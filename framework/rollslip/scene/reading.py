@@ -1,9 +1,10 @@
-"""Reads scenes: from TOML to frozen checked values, with every fault of the file in one error.
+"""Read scenes: from TOML to frozen checked values, with every fault of the file in one error.
 
-- Where a value came from is kept in ``scene.origins``, so that tables which are read later (parameters of models,
-  studies) and values changed by `rollslip.evolve` are reported with the right place.
-- Only the standard library and attrs are imported, slower modules when an error needs them: a terminal waits for this.
-- What names of bearing and surfaces stand for is filled in first (`rollslip.scene.named`).
+- ``scene.origins`` records file and line of every value, so that messages on tables that are read later (parameters of
+  models, studies), and on values that `rollslip.evolve` changed, name the right location.
+- Only the standard library and attrs are imported, and slower modules where an error needs them, because a user waits
+  for this at the terminal.
+- Values of named bearings and surfaces are filled in first (`rollslip.scene.named`).
 """
 
 import os
@@ -15,7 +16,7 @@ import attrs
 
 from rollslip.errors import PluginError, SceneError, UnknownNameError, describe_error, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
-from rollslip.scene.clearance import in_operation
+from rollslip.scene.clearance import with_operating_clearance
 from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
 from rollslip.scene.relations import impossible_relations
 from rollslip.scene.values import Scene
@@ -59,17 +60,16 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
         if source in shipped:
             return parse_scene(decoded(_of_package(source), source), source)
         if not source or not _exists(path):
-            with suppress(
-                UnknownNameError
-            ):  # of one that packages offer it tells what is in its way
+            with suppress(UnknownNameError):  # raises where a package offers a scene it cannot read
                 _of_package(source)
-            alike = ", ".join(nearest(source, shipped, cutoff=0.0)) or "none"
-            said = (
-                f"no scene of this name is shipped; nearest: {alike} (a file's name ends in .toml)"
+            similar = ", ".join(nearest(source, shipped, cutoff=0.0)) or "none"
+            raise SceneError(
+                [
+                    f"{source!r}: no scene of this name is shipped; nearest: {similar} (a file's name ends in .toml)"
+                ]
             )
-            raise SceneError([f"{source!r}: {said}"])
     try:
-        read = content_of(path)
+        content = content_of(path)
     except FileNotFoundError:
         raise SceneError([f"{source}: there is no such file"]) from None
     except IsADirectoryError:
@@ -77,16 +77,16 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise SceneError([f"{source}: cannot be read: {reason}"]) from None
-    return parse_scene(decoded(read, source), source)
+    return parse_scene(decoded(content, source), source)
 
 
 def as_scene(scene: Scene | str | os.PathLike[str]) -> Scene:
-    """Return a scene as it is, or one by name or file."""
+    """Return a scene itself, or read it by its name or file."""
     return scene if isinstance(scene, Scene) else load_scene(scene)
 
 
 def _of_package(name: str) -> bytes:
-    """Return the text of a scene that a package ships."""
+    """Return the content of a scene that a package ships."""
     from rollslip.catalogue.discovery import find, load
 
     offer = find("scene", name)
@@ -109,13 +109,36 @@ def _exists(path: Path) -> bool:
 
 
 def parse_scene(text: str, source: str) -> Scene:
-    """Read a scene from TOML text."""
+    """Return the scene of a TOML text.
+
+    Parameters
+    ----------
+    text : str
+        The text.
+    source : str
+        Name of the file, for messages.
+
+    Raises
+    ------
+    SceneError
+        With every fault of the scene.
+    """
     raw, origins = parse(text, source)
     return checked_scene(raw, origins, source, text)
 
 
 def from_raw(raw: Mapping[str, object], source: str, text: str = "") -> Scene:
-    """Return the scene of a raw table, such as ``scene.raw`` of another one, checked anew."""
+    """Return the scene of a raw table, such as ``scene.raw`` of another scene.
+
+    Parameters
+    ----------
+    raw : mapping
+        All tables of the scene as they could be written.
+    source : str
+        Name of the scene, for messages.
+    text : str
+        Text of the file, for reports.
+    """
     return checked_scene(thawed(raw), {(): source}, source, text)
 
 
@@ -126,13 +149,32 @@ def checked_scene(
     text: str,
     known: Mapping[str, object] | None = None,
 ) -> Scene:
-    """Return the scene of a raw table whose keys came from the places given; ``known`` are tables read already."""
+    """Return the scene of a raw table.
+
+    Parameters
+    ----------
+    raw : dict
+        All tables as they are written.
+    origins : dict
+        File and line by the path of a key.
+    source : str
+        Name of the file, for messages.
+    text : str
+        Text of the file, for reports.
+    known : mapping, optional
+        Values of tables that were read and checked before.
+
+    Raises
+    ------
+    SceneError
+        With every fault of the scene.
+    """
     problems: list[str] = []
     complete = with_own_cage(raw, with_named_data(raw, Location(origins), problems))
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:
         scene = attrs.evolve(
-            scene, bearing=in_operation(scene, complete, Location(origins), problems)
+            scene, bearing=with_operating_clearance(scene, complete, Location(origins), problems)
         )
         problems += impossible_relations(scene, complete, Location(origins))
     if scene is None or problems:

@@ -1,9 +1,9 @@
-"""Values of a scene that have to fit each other, each relation with a range that is usual and one that is possible.
+"""Relations between the values of a scene, each with a usual and a possible range.
 
-- Outside of what is usual whoever runs the scene is told (`rollslip.planning.plausibility`), outside of what is
-  possible it is not read.
-- The numbers are those of catalogues and handbooks, taken wide: they catch a slipped unit or decimal, and say nothing
-  about whether a bearing is a good one.
+- Outside the usual range a plan warns (`rollslip.planning.plausibility`); outside the possible range the scene is
+  refused.
+- The ranges are wide and come from catalogues and handbooks: they detect a wrong unit or a misplaced decimal point, not
+  a poor design.
 """
 
 import math
@@ -30,48 +30,67 @@ __all__ = [
 Scene: TypeAlias = Any
 """A `rollslip.scene.values.Scene`; its tables are read by name here, as relations name them."""
 
-#: Largest roller force over the mean of all, sum F = F_r, where half the rollers carry (Stribeck's number) [1].
+#: Largest roller force times the number of rollers over the radial load [1]: Stribeck's number, with half the rollers
+#: loaded. Doubling it raises all pressures that are checked by a factor of 1.4. Handbooks use 5.
 _STRIBECK: Final = 5.0
-#: Pressure that is possible, five times that of the static rating of ISO 76 at most [Pa].
+#: Possible pressure [Pa]: at most five times that of the static rating of ISO 76. Doubling the limit would accept loads
+#: in a wrong unit. Chosen.
 _PRESSURE: Final[Span] = (0, 2e10)
-#: What catalogues tell speeds in that go with the size of a bearing: n d_m.
+#: Unit of the speed factor n d_m of catalogues, in which speed limits hardly depend on the size of a bearing.
 _SPEED_FACTOR: Final = "mm/min"
 
 
 @attrs.frozen
 class Relation:
-    """A value of a scene that has to fit others."""
+    """A quantity that follows from several values of a scene and has a usual and a possible range."""
 
-    #: table, field: The value that is blamed: ``operation.radial_load``.
+    #: Table of the value that a message blames: ``operation``.
     table: str
+    #: Field of the value that a message blames: ``radial_load``.
     field: str
-    of: Callable[
-        [Scene], float
-    ]  # returns what it amounts to in a scene, in `unit`; NaN where that cannot be said
-    unit: str  # SI unit of it
-    words: str  # what it amounts to, in words: "of the roller diameter"
-    #: usual, possible: Least and largest of it that are usual, and that are possible.
+    #: Returns the quantity of a scene, in `unit`; NaN where it is not defined.
+    evaluate: Callable[[Scene], float]
+    #: SI unit of the quantity.
+    unit: str
+    #: Meaning of the quantity, after its value in a sentence: "of the roller diameter".
+    meaning: str
+    #: Usual range of the quantity.
     usual: Span
+    #: Possible range of the quantity.
     possible: Span
-    source: str  # what the ranges rest on
-    #: What is usual where a whole number without a unit is written, which may be meant in another unit than SI.
+    #: Source of the ranges.
+    source: str
+    #: Usual range where the value is written as a whole number without a unit, possibly not meant in SI units.
     bare: Span | None = None
 
-    def at(self, where: Location) -> Location:
-        """Return the place of the value that is blamed in a scene."""
+    def location(self, where: Location) -> Location:
+        """Return the location of the blamed value in a scene."""
         return where.at(self.table).at(self.field)
 
-    def written(self, raw: Mapping[str, object]) -> object:
-        """Return the value that is blamed as it is written in a raw scene; None if it is not."""
+    def written_value(self, raw: Mapping[str, object]) -> object:
+        """Return the blamed value as it is written in a raw scene; None if it is not written."""
         table = raw.get(self.table)
         return table.get(self.field) if isinstance(table, Mapping) else None
 
     def attribute(self, scene: Scene) -> "attrs.Attribute[Any]":
-        """Return the field of the value that is blamed."""
+        """Return the field of the blamed value."""
         return attrs.fields_dict(type(getattr(scene, self.table)))[self.field]
 
     def with_value(self, scene: Scene, value: float) -> float:
-        """Return what it would amount to with another value; NaN if the scene cannot have that."""
+        """Return the quantity with another blamed value.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene.
+        value : float
+            Value in place of the blamed one, in SI units.
+
+        Returns
+        -------
+        float
+            The quantity in `unit`; NaN if the scene cannot have the value.
+        """
         table: Any = getattr(scene, self.table)
         try:
             other: Any = attrs.evolve(
@@ -79,11 +98,21 @@ class Relation:
             )
         except FieldError:
             return math.nan
-        return self.of(other)
+        return self.evaluate(other)
 
-    def fault(self, scene: Scene, raw: Mapping[str, object], which: str) -> str:
-        """Say how what a scene amounts to leaves what is "usual", or "possible", of it; nothing where it does not."""
-        written = self.written(raw)
+    def describe_violation(self, scene: Scene, raw: Mapping[str, object], which: str) -> str:
+        """Return a message where the quantity is outside a range; empty where it is inside or not defined.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene.
+        raw : mapping
+            The scene as it is written.
+        which : str
+            Range that is checked: "usual" or "possible".
+        """
+        written = self.written_value(raw)
         whole = (
             isinstance(written, Real)
             and not isinstance(written, bool)
@@ -94,47 +123,43 @@ class Relation:
             if which == "usual" and whole and self.bare is not None
             else getattr(self, which)
         )
-        amounts = self.of(scene)
-        if math.isnan(amounts) or span[0] <= amounts <= span[1]:
+        amount = self.evaluate(scene)
+        if math.isnan(amount) or span[0] <= amount <= span[1]:
             return ""
         attribute = self.attribute(scene)
         unit = attribute.metadata["unit"]
         value: float = getattr(getattr(scene, self.table), self.field)
         given = None if unit is None or written is None else unit_given(written, unit)
-        sums = (
-            scene.bearing.mounted if self.field == "radial_clearance" else None
-        )  # what it follows from
-        shown = as_given(value, attribute, given) if sums is None else str(sums)
-        said = (
-            f"{shown} is {self._shown(amounts)} {self.words}, {self.format_range(span)} is {which}"
-        )
-        if (
-            unit is None or given is None or math.isinf(span[1])
-        ):  # of too little nothing is likely: any unit has more
-            return said
-        of_field: Span = attribute.metadata["usual"]
+        # a clearance in operation is shown as the sum that it follows from
+        terms = scene.bearing.mounted if self.field == "radial_clearance" else None
+        shown = as_given(value, attribute, given) if terms is None else str(terms)
+        text = f"{shown} is {self._format(amount)} {self.meaning}, {self.format_range(span)} is {which}"
+        # without an upper limit the value is too small, and any other unit may have been meant
+        if unit is None or given is None or math.isinf(span[1]):
+            return text
+        usual_value: Span = attribute.metadata["usual"]
         meant = likely(
             value,
             given,
             unit,
             lambda other: (
-                of_field[0] <= other <= of_field[1]
+                usual_value[0] <= other <= usual_value[1]
                 and self.usual[0] <= self.with_value(scene, other) <= self.usual[1]
             ),
         )
-        return said if meant is None else f"{said}; did you mean {meant!r}?"
+        return text if meant is None else f"{text}; did you mean {meant!r}?"
 
-    def _shown(self, amounts: float) -> str:
+    def _format(self, amount: float) -> str:
         if self.unit == _SPEED_FACTOR:
-            return f"{amounts:.2g} {self.unit}"
+            return f"{amount:.2g} {self.unit}"
         return (
-            f"{100 * amounts:.3g} %" if self.unit == "1" else format_quantity(amounts, self.unit, 3)
+            f"{100 * amount:.3g} %" if self.unit == "1" else format_quantity(amount, self.unit, 3)
         )
 
     def format_range(self, span: Span) -> str:
-        """Say from what to what it may go."""
+        """Return a range of the quantity as text."""
         if self.unit == _SPEED_FACTOR:
-            return f"at most {self._shown(span[1])}"
+            return f"at most {self._format(span[1])}"
         if self.unit != "1":
             return format_span(span if span[0] != 0 else (-math.inf, span[1]), self.unit)
         if math.isinf(span[1]):
@@ -143,14 +168,15 @@ class Relation:
 
 
 def _pitch(scene: Scene) -> float:
+    """Return the pitch diameter of the rollers [m]."""
     b = scene.bearing
     return float(b.inner_raceway_diameter + b.outer_raceway_diameter) / 2
 
 
 def _room_left(scene: Scene) -> float:
-    """Play that the diameters leave, less the clearance that is stated, over the diameter of a roller [1].
+    """Return the radial play by the diameters minus the stated clearance, over the roller diameter [1].
 
-    NaN where the clearance itself cannot be meant.
+    NaN where the clearance itself is not plausible.
     """
     b = scene.bearing
     if abs(b.radial_clearance) > 0.05 * b.roller_diameter:
@@ -160,22 +186,23 @@ def _room_left(scene: Scene) -> float:
 
 
 def _speed(scene: Scene, ring: str) -> float:
-    """Surface speed of a raceway [m/s]."""
+    """Return the surface speed of a raceway [m/s]."""
     diameter: float = getattr(scene.bearing, f"{ring}_raceway_diameter")
     speed: float = getattr(scene.operation, f"{ring}_speed")
     return abs(speed) * diameter / 2
 
 
 def _speed_factor(scene: Scene, ring: str) -> float:
-    """Speed of a ring times the diameter of the pitch circle, n d_m [mm/min]."""
+    """Return the speed of a ring times the pitch diameter, n d_m [mm/min]."""
     speed: float = getattr(scene.operation, f"{ring}_speed")
     return abs(speed) * 30.0 / math.pi * 1e3 * _pitch(scene)
 
 
-def _most_loaded(scene: Scene) -> tuple[float, float, float]:
-    """Load per length w, radius R and modulus E' of the most loaded contact of the inner ring, as catalogues take it.
+def _heaviest_contact(scene: Scene) -> tuple[float, float, float]:
+    """Return load per length w [N/m], radius R [m] and modulus E' [Pa] of the most heavily loaded inner contact.
 
-    w = 5 F_r/(Z l): half the rollers carry, at no clearance, without profile, tilt and centrifugal force.
+    w = 5 F_r/(Z l), as in catalogues: half the rollers are loaded, without clearance, profile, tilt and centrifugal
+    force.
     """
     b = scene.bearing
     inner = b.inner_raceway_diameter / 2
@@ -189,35 +216,57 @@ def _most_loaded(scene: Scene) -> tuple[float, float, float]:
 
 
 def _pressure(load: float, radius: float, modulus: float) -> float:
-    """Largest pressure after Hertz [Pa], sqrt(w E'/(2 pi R))."""
+    """Return the largest Hertzian pressure [Pa], sqrt(w E'/(2 pi R))."""
     return math.sqrt(load * modulus / (2 * math.pi * radius))
 
 
 def impossible_pressure(load: float, radius: float, modulus: float) -> str:
-    """Say that a load per length [N/m] presses a contact, R [m] and E' [Pa], as none can be; nothing if it does not."""
+    """Return a message where the Hertzian pressure of a line contact is not possible; empty where it is.
+
+    Parameters
+    ----------
+    load : float
+        Load per length w [N/m].
+    radius : float
+        Equivalent radius R [m].
+    modulus : float
+        Equivalent modulus E' [Pa].
+    """
     pressure = _pressure(load, radius, modulus)
     if pressure <= _PRESSURE[1]:
         return ""
-    most = format_quantity(_PRESSURE[1], "Pa")
+    limit = format_quantity(_PRESSURE[1], "Pa")
     return (
-        f"{format_quantity(pressure, 'Pa', 3)} of pressure after Hertz, at most {most} is possible"
+        f"{format_quantity(pressure, 'Pa', 3)} of pressure after Hertz, at most {limit} is possible"
     )
 
 
 def _over_half_width(scene: Scene, which: str) -> float:
-    """Roughness over Hertz's half width of the most loaded contact, sqrt(8 w R/(pi E')); NaN without load."""
-    load, radius, modulus = _most_loaded(scene)
+    """Roughness over the Hertzian half width of the heaviest contact, sqrt(8 w R/(pi E')); NaN without load."""
+    load, radius, modulus = _heaviest_contact(scene)
     width = math.sqrt(8 * load * radius / (math.pi * modulus))
     roughness: float = getattr(scene.surface, which)
     return roughness / width if width > 0 else math.nan
 
 
 def skf_minimum_load(bearing: Any, speed: float) -> float:
-    """Return the least radial load [N] that SKF's rule asks for at a speed [rad/s]; NaN where it takes more than given.
+    """Return the minimum radial load by SKF's rule.
 
     F = k_r (6 + 4 n/n_r) (d_m/100)^2 kN with d_m in mm, for one row with a cage (general catalogue 17000, page 509).
-    SKF's mean diameter is that of bore and outside; here it is that of the pitch circle, up to 1.2 % larger. Without a
-    reference speed n_r it is the load at rest, the least that the rule asks for at any speed.
+    SKF's mean diameter is that of bore and outside; here it is the pitch diameter, up to 1.2 % larger. Without a
+    reference speed n_r it is the load at rest, the lower bound of the rule at any speed.
+
+    Parameters
+    ----------
+    bearing : Bearing
+        The bearing, with the values of its catalogue.
+    speed : float
+        Speed of the inner relative to the outer ring [rad/s].
+
+    Returns
+    -------
+    float
+        Minimum load [N]; NaN where the catalogue does not give the factor k_r.
     """
     given = bearing.catalogue
     if given is None or given.minimum_load_factor is None:
@@ -227,8 +276,8 @@ def skf_minimum_load(bearing: Any, speed: float) -> float:
     return float(1e3 * given.minimum_load_factor * (6.0 + 4.0 * fraction) * (10.0 * pitch) ** 2)
 
 
-def _rollers(scene: Scene) -> float:
-    """Mass of all rollers [kg]."""
+def _rollers_mass(scene: Scene) -> float:
+    """Return the mass of all rollers [kg]."""
     b = scene.bearing
     return float(
         b.rollers * b.material.density * math.pi / 4.0 * b.roller_diameter**2 * b.roller_length
@@ -236,12 +285,13 @@ def _rollers(scene: Scene) -> float:
 
 
 def _over_minimum_load(scene: Scene) -> float:
+    """Return the radial load over SKF's minimum load [1]; NaN where that is not known."""
     operation = scene.operation
     speed = operation.inner_speed - operation.outer_speed
     return float(operation.radial_load / skf_minimum_load(scene.bearing, speed))
 
 
-#: What has to fit, the values most likely mistyped first.
+#: All relations, in the order of messages: values that are most likely mistyped come first.
 RELATIONS: Final = (
     Relation(
         "bearing",
@@ -288,7 +338,7 @@ RELATIONS: Final = (
     Relation(
         "operation",
         "radial_load",
-        lambda scene: _pressure(*_most_loaded(scene)),
+        lambda scene: _pressure(*_heaviest_contact(scene)),
         "Pa",
         "of pressure in the most loaded contact, after Hertz",
         (0, 5e9),
@@ -310,7 +360,7 @@ RELATIONS: Final = (
         "operation",
         "radial_load",
         lambda scene: (
-            scene.operation.radial_load / (GRAVITY * _rollers(scene)) or math.nan
+            scene.operation.radial_load / (GRAVITY * _rollers_mass(scene)) or math.nan
             if scene.operation.gravity_direction is None
             else math.nan
         ),
@@ -376,9 +426,19 @@ RELATIONS: Final = (
 
 
 def impossible_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[str]:
-    """Return a sentence for each relation that no bearing can have, with its place."""
+    """Return a message for each relation outside its possible range.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    raw : mapping
+        The scene as it is written.
+    where : Location
+        Location of the scene, for messages.
+    """
     return [
-        one.at(where).message(told)
-        for one in RELATIONS
-        if (told := one.fault(scene, raw, "possible"))
+        relation.location(where).message(text)
+        for relation in RELATIONS
+        if (text := relation.describe_violation(scene, raw, "possible"))
     ]

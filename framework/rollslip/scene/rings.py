@@ -1,4 +1,12 @@
-"""The rings of a scene: how they yield, by their models, and how their raceways are out of round."""
+"""Construct the rings of a scene from their models and the forms of their raceways, and estimate their flexibility.
+
+1. Collect the form errors of both raceways: waves, and tables of heights (`_Forms`).
+2. Let the model of each flexible ring compute the shapes in which it deforms, with their stiffness
+   (`rollslip.rings.RingShapes`).
+3. Drop the shapes of high order, whose effect on friction is below the tolerance of the scene (`_relevant_shapes`).
+
+`ring_flexibility` estimates, without solving for the loads, how much flexible rings would change them.
+"""
 
 import math
 from collections.abc import Callable, Collection, Mapping
@@ -14,12 +22,19 @@ from rollslip.files import named_text, read_columns
 from rollslip.rings import RingModel, Rings, RingShapes
 from rollslip.structure import Location
 
-__all__ = ["Yielding", "rings_of", "yielding"]
+__all__ = ["RingFlexibility", "ring_flexibility", "rings_of"]
 
 Floats = NDArray[np.float64]
 
-#: Model by which it is told what rigid rings leave out.
-_YIELDING: Final = "annulus"
+#: Model of a ring by which the effect of flexible rings is estimated where a scene has rigid rings.
+_REFERENCE_MODEL: Final = "annulus"
+#: Smallest stiffness of a shape in the estimate of its effect [N/m], so that a free shape does not divide by zero.
+#: Doubling it changes nothing: real stiffnesses exceed it by many orders of magnitude. Chosen.
+_MIN_STIFFNESS: Final = 1e-6
+#: Effect of a shape of n waves on loads and friction, over Phi_n: 60/n^4 [1]. Doubling it takes 1.2 times as many
+#: shapes into account. An upper bound of what was seen for forms, loads, play and ring thicknesses of the 1032930
+#: (tests/plugins/test_rings.py).
+_WAVE_DECAY: Final = 60.0
 
 
 @attrs.frozen(kw_only=True)
@@ -28,8 +43,8 @@ class _Row:
     height: float = field(unit="m", doc="height of the raceway, towards the rollers")
 
 
-def _table(part: FormPart) -> tuple[Floats, Floats]:
-    """Return angles and heights of a part of a form that is no wave."""
+def _form_table(part: FormPart) -> tuple[Floats, Floats]:
+    """Return angles [rad] and heights [m] of a part of a form that is a table."""
     if part.file is not None:
         text = named_text(part.file)
         faults = list[str]()
@@ -43,73 +58,110 @@ def _table(part: FormPart) -> tuple[Floats, Floats]:
 def rings_of(
     scene: Any, make: Callable[[Any, Location], RingModel | None], problems: list[str]
 ) -> Rings | None:
-    """Return the rings of a scene; None where both are rigid and round. What is wrong is added to ``problems``.
+    """Return the flexible or out-of-round rings of a scene.
 
-    ``make`` gives the model of a choice, or adds to ``problems`` too.
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    make : callable
+        Returns the model of a choice at a location; None, with a message in ``problems``, where it is wrong.
+    problems : list of str
+        Faults are added.
+
+    Returns
+    -------
+    Rings or None
+        None where both rings are rigid and round, or something is wrong.
     """
     b = scene.bearing
-    o = scene.operation
     m = scene.models
-    where = Location(scene.origins)
-    raceways = [raceway for raceway in (b.inner_raceway, b.outer_raceway) if raceway is not None]
-    if (
-        m.inner_ring is None
-        and m.outer_ring is None
-        and not any(raceway.form for raceway in raceways)
-    ):
-        return None
-    found = dict[str, RingShapes]()
-    waves = list[tuple[int, float, float]]()
-    tables = list[tuple[Floats, Floats]]()
-    turns: tuple[list[tuple[int, int]], list[tuple[int, int]]] = [], []
-    rings = ("inner", m.inner_ring, o.inner_speed), ("outer", m.outer_ring, o.outer_speed)
-    for number, (ring, choice, speed) in enumerate(rings, 1):
-        raceway = getattr(b, f"{ring}_raceway")
-        at = where.at("bearing").at(f"{ring}_raceway").at("form")
-        form = () if raceway is None else raceway.form
-        periods = math.gcd(*(part.lobes or 1 for part in form)) if speed != 0.0 else 0
-        for part in form:
-            turns[part.lobes is None].append((periods, number))
-        found[ring] = RingShapes()
+    rings = ("inner", m.inner_ring), ("outer", m.outer_ring)
+    forms = _Forms()
+    shapes = dict[str, RingShapes]()
+    for number, (ring, choice) in enumerate(rings, 1):
+        speed = getattr(scene.operation, f"{ring}_speed")
+        at = Location(scene.origins).at("models").at(f"{ring}_ring")
+        shapes[ring] = RingShapes()
+        if not forms.add(scene, ring, speed, number, problems):
+            continue
         try:
-            for k, part in enumerate(form):
-                at = where.at("bearing").at(f"{ring}_raceway").at("form").at(k)
-                if part.lobes is None:
-                    tables.append(_table(part))
-                else:
-                    waves.append((part.lobes, part.amplitude, part.angle))
-            at = where.at("models").at(f"{ring}_ring")
             model = None if choice is None else make(choice, at)
             if model is not None:
-                found[ring] = model.shapes(b, ring, speed != 0.0)
+                shapes[ring] = model.shapes(b, ring, speed != 0.0)
         except FieldError as error:
             problems.append(at.at(error.field).message(error.reason))
         except ValueError as error:
             problems.append(at.message(str(error)))
-    if problems or not (waves or tables or any(one.stiffness.size for one in found.values())):
+    is_flexible = any(own.stiffness.size for own in shapes.values())
+    if problems or not (forms.waves or forms.tables or is_flexible):
         return None
-    formed = range(b.rollers) if tables else {lobes for lobes, _, _ in waves}
-    kept = {ring: _enough(b, one, formed, scene.accuracy.tolerance) for ring, one in found.items()}
-    inner = kept["inner"][0]
-    outer = kept["outer"][0]
-    left = sum(error for _, error in kept.values())
-    return Rings(inner, outer, tuple(waves), tuple(tables), left, (*turns[0], *turns[1]))
+    form_waves = range(b.rollers) if forms.tables else {lobes for lobes, _, _ in forms.waves}
+    tolerance = scene.accuracy.tolerance
+    inner, inner_error = _relevant_shapes(b, shapes["inner"], form_waves, tolerance)
+    outer, outer_error = _relevant_shapes(b, shapes["outer"], form_waves, tolerance)
+    return Rings(
+        inner,
+        outer,
+        tuple(forms.waves),
+        tuple(forms.tables),
+        sum((inner_error, outer_error)),
+        (*forms.wave_turns, *forms.table_turns),
+    )
+
+
+@attrs.define
+class _Forms:
+    """Form errors of both raceways."""
+
+    #: Lobes, amplitude [m] and angle [rad] of each wave.
+    waves: list[tuple[int, float, float]] = attrs.field(factory=list)
+    #: Angles [rad] and heights [m] of each table.
+    tables: list[tuple[Floats, Floats]] = attrs.field(factory=list)
+    #: Periods per turn of the form, 0 where its ring is at rest, and number of the ring, of each wave.
+    wave_turns: list[tuple[int, int]] = attrs.field(factory=list)
+    #: The same of each table.
+    table_turns: list[tuple[int, int]] = attrs.field(factory=list)
+
+    def add(self, scene: Any, ring: str, speed: float, number: int, problems: list[str]) -> bool:
+        """Add the form of a ring; return False, with a message in ``problems``, where it is wrong."""
+        raceway = getattr(scene.bearing, f"{ring}_raceway")
+        form = () if raceway is None else raceway.form
+        periods = math.gcd(*(part.lobes or 1 for part in form)) if speed != 0.0 else 0
+        for k, part in enumerate(form):
+            at = Location(scene.origins).at("bearing").at(f"{ring}_raceway").at("form").at(k)
+            try:
+                if part.lobes is None:
+                    self.table_turns.append((periods, number))
+                    self.tables.append(_form_table(part))
+                else:
+                    self.wave_turns.append((periods, number))
+                    self.waves.append((part.lobes, part.amplitude, part.angle))
+            except FieldError as error:
+                problems.append(at.at(error.field).message(error.reason))
+                return False
+            except ValueError as error:
+                problems.append(at.message(str(error)))
+                return False
+        return True
 
 
 @attrs.frozen
-class Yielding:
-    """What rings do to the loads of rollers where they yield, estimated."""
+class RingFlexibility:
+    """Estimated effect of flexible rings on the loads of the rollers."""
 
-    phi: Floats  #: Approach that rings take of a form of n waves, 0 a preload, over that which rollers take, (N + 1,).
-    bending: float  #: w_2/delta: by how much rings become oval under the load, over the approach of the rollers.
+    #: Deflection of the rings over that of the rollers under a form of n waves [1], (N + 1,); n = 0 is a preload.
+    phi: Floats
+    #: Ovality w_2 of the rings under the load over the deflection of the rollers [1].
+    bending: float
 
     def fraction(self, lobes: int = 0) -> float:
-        """Return which share of a preload, or of one by lobes, presses rollers."""
+        """Return the fraction of a preload, or of a form with lobes, which deflects rollers and not rings [1]."""
         return 1.0 / (1.0 + float(self.phi[lobes]))
 
     @property
     def change(self) -> float:
-        """Change of the loads in round rings, of their root mean square; within a factor of two, three with play."""
+        """Relative change of the loads in round rings, of their RMS; within a factor of two, of three with play."""
         return 0.7 * self.bending / (1.5 + self.bending)
 
     def __str__(self) -> str:
@@ -120,71 +172,82 @@ class Yielding:
 def _contact(bearing: Bearing) -> tuple[float, float]:
     """Return c of Q = c d^(10/9) [N, mm] of a roller between both raceways (ISO/TS 16281), and its stiffness [N/m].
 
-    That at an approach of 10 um, on which it hardly depends.
+    The stiffness is that at an approach of 10 um, on which it hardly depends.
     """
     c = 35948 * (1e3 * bearing.roller_length) ** (8 / 9)
     return c, 1e3 * 10 / 9 * c * 0.01 ** (1 / 9)
 
 
-def _softness(bearing: Bearing, shapes: RingShapes) -> tuple[NDArray[np.intp], Floats]:
+def _relative_flexibility(bearing: Bearing, shapes: RingShapes) -> tuple[NDArray[np.intp], Floats]:
     """Return waves and Phi of each shape: Z k a^2/K of the hoop, Z k a^2/(4 K) of others, a their largest amplitude."""
     size = np.abs(shapes.harmonics)
     waves = size.argmax(axis=1)
-    held = np.maximum(shapes.stiffness, 1e-6)
+    stiffness = np.maximum(shapes.stiffness, _MIN_STIFFNESS)
     k = _contact(bearing)[1]
-    return waves, bearing.rollers * k * size.max(axis=1) ** 2 / held / np.where(
+    return waves, bearing.rollers * k * size.max(axis=1) ** 2 / stiffness / np.where(
         waves == 0, 1.0, 4.0
     )
 
 
-def _enough(
-    bearing: Bearing, shapes: RingShapes, formed: Collection[int], tolerance: float
+def _relevant_shapes(
+    bearing: Bearing, shapes: RingShapes, form_waves: Collection[int], tolerance: float
 ) -> tuple[RingShapes, float]:
-    """Return the shapes that friction needs, and by how much the others would change it.
+    """Return the shapes that matter for friction, and an estimate of the relative effect of the others.
 
-    A shape of n waves changes it by at most Phi_n min(1, 60/n^4), seen at forms, loads, play and thicknesses of the
-    1032930 (tests/plugins/test_rings.py); one of as many waves as a form by Phi_n. What teeth push, or stops, stays.
+    A shape of n waves changes friction by at most Phi_n min(1, 60/n^4), and one with as many waves as a form by Phi_n.
+    Shapes with stops, or with forces of gear teeth, are all retained.
     """
     if shapes.stops is not None or shapes.pushes.any() or not shapes.stiffness.size:
         return shapes, 0.0
-    waves, phi = _softness(bearing, shapes)
-    effect = phi * np.where(
-        np.isin(waves, [*formed]), 1.0, np.minimum(1.0, 60.0 / np.maximum(waves, 1) ** 4.0)
-    )
-    kept = waves <= waves[effect >= tolerance].max(initial=-1)
-    columns = ("harmonics", "stiffness", "pushes", "mass")
-    some = {name: own[kept] for name in columns if (own := getattr(shapes, name)) is not None}
-    return attrs.evolve(shapes, **some), float(effect[~kept].max(initial=0.0))
+    waves, phi = _relative_flexibility(bearing, shapes)
+    decay = np.minimum(1.0, _WAVE_DECAY / np.maximum(waves, 1) ** 4.0)
+    effect = phi * np.where(np.isin(waves, [*form_waves]), 1.0, decay)
+    relevant = waves <= waves[effect >= tolerance].max(initial=-1)
+    names = ("harmonics", "stiffness", "pushes", "mass")
+    columns = {name: own[relevant] for name in names if (own := getattr(shapes, name)) is not None}
+    return attrs.evolve(shapes, **columns), float(effect[~relevant].max(initial=0.0))
 
 
-def yielding(
+def ring_flexibility(
     bearing: Bearing,
     load: float = 0.0,
     lobes: int = 3,
     stated: Mapping[str, RingShapes] | None = None,
-) -> tuple[Yielding, Yielding]:
-    """Return what bare rings do to loads of rollers, and such on what they sit on; ``stated`` ones are as they are.
+) -> tuple[RingFlexibility, RingFlexibility]:
+    """Return the flexibility of free rings, and that of rings on their shaft and in their housing.
 
-    Phi is of both rings; w_2 = 0.42 F (1/K_2 + 1/K_2'), and delta the approach of a roller under 4.5 F/Z by
+    Phi is the sum of both rings; w_2 = 0.42 F (1/K_2 + 1/K_2'), and delta is the approach of a roller under 4.5 F/Z by
     ISO/TS 16281.
+
+    Parameters
+    ----------
+    bearing : Bearing
+        The bearing.
+    load : float
+        Radial load F [N].
+    lobes : int
+        Largest number of waves of a form.
+    stated : mapping of str to RingShapes, optional
+        Shapes of a ring, "inner" or "outer", that the scene has a model of; they count in both results.
     """
     from rollslip.catalogue.discovery import get_class  # no other scene needs a plugin for it
 
     c, k = _contact(bearing)
     delta = 1e-3 * (4.5 * load / bearing.rollers / c) ** 0.9
     bore, outside = bearing.boundaries
-    found = []
+    results = []
     for inner, outer in (({"bore": bore}, {"outside": outside}), ({}, {})):
         phi = np.zeros(max(lobes, 3) + 1)
-        for ring, given in (("inner", inner), ("outer", outer)):
+        for ring, free_diameter in (("inner", inner), ("outer", outer)):
             shapes = (stated or {}).get(ring)
             if shapes is None or not shapes.stiffness.size:
-                shapes = get_class("ring", _YIELDING)(harmonics=phi.size - 1, **given).shapes(
-                    bearing, ring, False
+                annulus = get_class("ring", _REFERENCE_MODEL)(
+                    harmonics=phi.size - 1, **free_diameter
                 )
-            waves, soft = _softness(bearing, shapes)
+                shapes = annulus.shapes(bearing, ring, False)
+            waves, flexibility = _relative_flexibility(bearing, shapes)
             for n in range(phi.size):
-                phi[n] += soft[waves == n].max(initial=0.0)
+                phi[n] += flexibility[waves == n].max(initial=0.0)
         oval = 0.42 * load * 4.0 * float(phi[2]) / (bearing.rollers * k)
-        found.append(Yielding(phi, oval / delta if load > 0.0 else 0.0))
-    return found[0], found[1]
+        results.append(RingFlexibility(phi, oval / delta if load > 0.0 else 0.0))
+    return results[0], results[1]

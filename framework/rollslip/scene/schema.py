@@ -1,4 +1,4 @@
-"""The schema: every key that a scene may have, with unit, default, meaning and ranges, for people and the docs."""
+"""The schema: every key that a scene may have, with unit, default, meaning and ranges, for users and documentation."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple, get_args, get_origin
@@ -15,7 +15,7 @@ __all__ = ["SchemaRow", "rows_of", "schema", "shown_default", "shown_range", "sh
 
 
 class SchemaRow(NamedTuple):
-    """One key that a scene may have, as texts; the default of one without is "required"."""
+    """One key that a scene may have, as texts; the default of a key without default is "required"."""
 
     key: str
     unit: str
@@ -32,13 +32,24 @@ def schema() -> list[SchemaRow]:
 
 
 def rows_of(cls: type, prefix: str) -> Iterator[SchemaRow]:
-    """Yield the keys of one table of a scene, ``prefix`` before each."""
+    """Yield a row for each key of one table of a scene.
+
+    Parameters
+    ----------
+    cls : type
+        Class of the table.
+    prefix : str
+        Dotted key of the table, with a dot at its end.
+    """
     kinds = types_of(cls)
     for name, attribute in fields_of(cls):
         kind = kinds[attribute.name]
         metadata = attribute.metadata
-        free = metadata.get("rest") or FrozenTable in (kind, *get_args(kind))
-        key = prefix + ("*" if metadata.get("rest") else f"{name}.*" if free else name)
+        key = prefix + name
+        if metadata.get("rest"):
+            key = f"{prefix}*"
+        elif FrozenTable in (kind, *get_args(kind)):
+            key += ".*"
         if attrs.has(kind):
             if bare_key(kind) is not None:
                 yield SchemaRow(
@@ -61,36 +72,39 @@ def rows_of(cls: type, prefix: str) -> Iterator[SchemaRow]:
                 key, unit, shown_default(attribute), metadata["doc"], usual, possible, shown
             )
             if shown == "table" and get_origin(kind) is not tuple:  # one that may be left out
-                yield from (
-                    row
-                    for one in get_args(kind)
-                    if attrs.has(one)
-                    for row in rows_of(one, f"{key}.")
-                )
+                for member in filter(attrs.has, get_args(kind)):
+                    yield from rows_of(member, f"{key}.")
 
 
 def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
-    """Return what a field takes, in words, with the choices where there are some."""
-    validator = getattr(
-        attribute.validator, "validator", attribute.validator
-    )  # that of an optional value
-    choices = [
-        str(one)
-        for one in (*getattr(validator, "options", ()), *attribute.metadata.get("words", ()))
-    ]
-    kinds = [one for one in get_args(kind) or (kind,) if one is not type(None)]
-    many = get_origin(kind) is tuple
-    words = {
+    """Return the type of a field as users read it, with its choices.
+
+    Parameters
+    ----------
+    kind : type
+        Type of the values.
+    attribute : attrs.Attribute
+        The field.
+    """
+    # the validator of an optional value is inside another one
+    validator = getattr(attribute.validator, "validator", attribute.validator)
+    options = (*getattr(validator, "options", ()), *attribute.metadata.get("keywords", ()))
+    choices = list(map(str, options))
+    kinds = [member for member in get_args(kind) or (kind,) if member is not type(None)]
+    is_list = get_origin(kind) is tuple
+    type_names = {
         float: "quantity" if attribute.metadata.get("unit") not in (None, "1") else "number",
         int: "whole number",
+        bool: "true or false",
+        str: "text",
+        Any: "a name, or a table",
     }
-    words |= {bool: "true or false", str: "text", Any: "a name, or a table"}
     if choices and str in kinds:
-        return ("list of " if many else "") + " or ".join(choices)
-    if any(attrs.has(one) and bare_key(one) is not None for one in kinds):
-        return f"a name, or a table{', or a list of them' if many else ''}"
-    plain = next((words[one] for one in kinds if one in words), "table")
-    if many:
+        return ("list of " if is_list else "") + " or ".join(choices)
+    if any(attrs.has(member) and bare_key(member) is not None for member in kinds):
+        return f"a name, or a table{', or a list of them' if is_list else ''}"
+    plain = next((type_names[member] for member in kinds if member in type_names), "table")
+    if is_list:
         plural = plain.replace("quantity", "quantities")
         plural = plural.replace("number", "numbers")
         return f"list of {plural.replace('text', 'texts')}"
@@ -98,13 +112,21 @@ def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
 
 
 def shown_range(attribute: "attrs.Attribute[Any]", which: str) -> str:
-    """Return what is "usual", or "possible", of a field as people read it; nothing where it says nothing."""
+    """Return a range of a field as users read it; empty where the field has none.
+
+    Parameters
+    ----------
+    attribute : attrs.Attribute
+        The field.
+    which : str
+        "usual" or "possible".
+    """
     span = attribute.metadata.get(which)
     return "" if span is None else format_span(span, attribute.metadata.get("unit"))
 
 
 def shown_default(attribute: "attrs.Attribute[Any]") -> str:
-    """Return the default of a field as people read it: with unit, "required" or "derived"."""
+    """Return the default of a field as users read it: with unit, "required" or "derived"."""
     default = attribute.default
     unit = attribute.metadata.get("unit")
     if default is attrs.NOTHING:

@@ -1,8 +1,10 @@
-"""How oil gets to a bearing: how much of it the rollers plough through, and by how much it starves their inlets.
+"""Oil supply of a bearing: the oil content of its interior, and the starvation of its inlets.
 
-- The kinds of supply are one table, `SUPPLIES`; what a scene states of its own takes the place of what follows from it.
-- What SKF prints is in mm, mm2/s and 1/min, and stays so in the formulas; arguments and results are SI.
-- All of it is known to a factor: how much oil a bearing holds is measured in few bearings, and in none of these.
+- The kinds of supply are one table, `SUPPLIES`; values that a scene states replace those of the table.
+- SKF's formulas are in mm, mm2/s and 1/min and are evaluated in these units; arguments and results are SI.
+- All results are accurate to a factor only: the oil content was measured in few bearings, and in none of these.
+
+Source: SKF, general catalogue 6000 (2006), friction: kinematic replenishment and starvation, and the drag of a bath.
 """
 
 import math
@@ -19,33 +21,50 @@ __all__ = ["DENSITY", "SUPPLIES", "Lubrication", "OilSupply", "Supply"]
 
 #: Density of an oil that gives none [kg/m3]; mineral oils have 850 to 900, esters up to 1000 (D).
 DENSITY: Final = 870.0
-#: phi = SLOPE H/(D - d); meets SKF's bath drag within -30 to +35 % for nine of ten up to H = DEEPEST d_m (B).
+#: Slope of the oil content over the level, phi = SLOPE H/(D - d) [1]. Doubling it doubles the churning of a bath. It is
+#: fitted to SKF's bath drag, which it meets within -30 to +35 % for nine of ten bearings up to H = DEEPEST d_m (B).
 SLOPE: Final = 0.40
+#: Largest oil level over the pitch diameter to which `SLOPE` was fitted [1]; a higher level is reported as unusual.
 DEEPEST: Final = 0.3
-#: Jets: speed n d_m [mm/min] from which air carries oil off, and the share that is left at last (C).
+#: Speed n d_m of a jet-lubricated bearing from which air displaces oil [mm/min] (C). Doubling it leaves 16 times as
+#: much oil in a faster bearing, whose content falls with the fourth power of the speed.
 _FAST = 5e5
+#: Oil content of a jet-lubricated bearing at the highest speeds [1]; measurements give 0.01 to 0.05 (C). Doubling it
+#: doubles the churning there.
 _FAST_FRACTION = 0.03
-#: SKF's K_rs of a low bath and of a jet, and of grease and of oil with air [1] (A).
+#: SKF's replenishment constant K_rs of a low bath and of a jet [1] (A). Doubling it squares the starvation factor.
 _LOW = 3e-8
+#: SKF's replenishment constant K_rs of grease and of oil with air [1] (A). Doubling it squares the starvation factor.
 _LEAN = 6e-8
-#: SKF's K_Z of cylindrical roller bearings with a cage [1] (A).
+#: SKF's geometry constant K_Z of cylindrical roller bearings with a cage [1] (A). Starvation grows with its square root
+#: in the exponent.
 _KZ = 5.1
+#: Limit of the exponent of starvation [1]: exp(-30) is a film without any friction. Halving it would show at high
+#: speeds, doubling it changes nothing but the risk of an underflow.
+_MAX_EXPONENT: Final = 30.0
 
 
 class Supply(NamedTuple):
-    """What a kind of supply makes of the oil in a bearing."""
+    """Oil content and starvation of a kind of supply."""
 
-    words: str  # what it is
-    level: float  # oil level that is assumed, over the diameter of a roller; 0 where there is none
-    times: float  # how many times the oil of such a bath the rollers plough through
-    fraction: float  # share phi of oil in the volume between the rings where there is no level
-    starvation: float  # SKF's replenishment constant K_rs
-    land: float  # share of the land of a ring-guided cage that oil fills
-    source: str  # what the numbers rest on, with their grades
+    #: Description, for texts.
+    description: str
+    #: Assumed oil level over the roller diameter [1]; 0 where there is no level.
+    level: float
+    #: Oil content over that of a bath with this level [1].
+    times: float
+    #: Oil content phi of the volume between the rings where there is no level [1].
+    fraction: float
+    #: SKF's replenishment constant K_rs [1].
+    starvation: float
+    #: Fraction of the land of a ring-guided cage that oil fills [1].
+    land: float
+    #: Source of the numbers, with their grades.
+    source: str
 
 
 _SKF = "SKF, general catalogue 6000 (2006), friction: K_rs (A)"
-#: Kind of supply -> what it makes of the oil.
+#: Kind of supply -> its oil content and starvation.
 SUPPLIES: Final[Mapping[str, Supply]] = MappingProxyType(
     {
         "bath": Supply(
@@ -62,7 +81,7 @@ SUPPLIES: Final[Mapping[str, Supply]] = MappingProxyType(
         ),
         "jet": Supply(
             "a jet of oil", 0.5, 2.0, 0.0, _LOW, 1.0,
-            f"as circulating (A), above 5e5 mm/min less, down to 3 % (C, 1 to 5 % are told); {_SKF} of a jet",
+            f"as circulating (A), above 5e5 mm/min less, down to 3 % (C, 1 to 5 % are reported); {_SKF} of a jet",
         ),
         "mist": Supply(
             "oil with air, or drops", 0.0, 1.0, 0.01, _LEAN, 0.25,
@@ -134,12 +153,16 @@ class Lubrication:
 
 
 class OilSupply(NamedTuple):
-    """What the supply of a bearing comes to."""
+    """Oil content and starvation of a bearing in operation."""
 
-    oil_fraction: float  # share phi of oil in the volume between the rings [1]
-    starvation: float  # factor phi_rs of film and rolling resistance [1]
-    land: float  # share of the land of the cage that oil fills [1]
-    starvation_constant: float  # K_rs that it comes from [1]
+    #: Oil content phi of the volume between the rings [1].
+    oil_fraction: float
+    #: Starvation factor phi_rs of film and rolling resistance [1].
+    starvation: float
+    #: Fraction of the land of the cage that oil fills [1].
+    land: float
+    #: Replenishment constant K_rs from which the starvation follows [1].
+    starvation_constant: float
 
     @classmethod
     def from_lubrication(
@@ -149,11 +172,24 @@ class OilSupply(NamedTuple):
         roller_diameter: float,
         speed: float,
         viscosity: float,
-    ) -> "Supplied":
-        """Return that of a bearing.
+    ) -> "OilSupply":
+        """Return oil content and starvation of a bearing.
 
         phi = 0.40 H/(D - d) [1 + (2.6e5 nu/(n d_m^2))^1.38] of a bath, 2 times that at H = D_w/2 where oil is pumped,
         phi_rs = exp(-K_rs nu n (d + D) sqrt(K_Z/(2 (D - d)))), in mm, mm2/s and 1/min, with K_Z = 5.1.
+
+        Parameters
+        ----------
+        lubrication : Lubrication
+            Kind of supply, and values that replace those of the kind.
+        boundaries : (float, float)
+            Bore d and outside diameter D of the bearing [m].
+        roller_diameter : float
+            Roller diameter D_w [m].
+        speed : float
+            Speed of the inner relative to the outer ring [rad/s].
+        viscosity : float
+            Kinematic viscosity of the oil at the operating temperature [m2/s].
 
         Examples
         --------
@@ -167,7 +203,8 @@ class OilSupply(NamedTuple):
         '0.938355'
         """
         kind = SUPPLIES[lubrication.supply]
-        (d, D) = (1e3 * one for one in boundaries)
+        d = 1e3 * boundaries[0]
+        D = 1e3 * boundaries[1]
         n = abs(speed) * 30.0 / math.pi
         nu = 1e6 * viscosity
         mean = 0.5 * (d + D)
@@ -188,11 +225,7 @@ class OilSupply(NamedTuple):
         stated = lubrication.oil_fraction
         return cls(
             min(phi, 1.0) if stated is None else stated,
-            math.exp(-min(exponent, _MOST)),
+            math.exp(-min(exponent, _MAX_EXPONENT)),
             kind.land,
             K_rs,
         )
-
-
-#: Exponent beyond which no oil is left in the inlets; a film of nothing has no friction.
-_MOST: Final = 30.0

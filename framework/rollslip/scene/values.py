@@ -2,10 +2,11 @@
 
 Decisions:
 
-- The names of the fields are the keys of the file; they are promises.
-- What a plugin or a study has to understand (oil data, parameters of models, the settings of a study, the cage) stays
-  raw here, as a read-only `FrozenTable`; who knows the class reads it with the same reader (`rollslip.structure`).
-- Defaults that follow from other values (clearance, temperatures) are filled in, so that nobody downstream meets None.
+- The names of the fields are the keys of the file, and do not change.
+- Tables whose class a plugin or a study defines (oil data, parameters of models, settings of a study, the cage) are
+  stored as they are written, as a read-only `FrozenTable`. The code that knows the class reads them with the same
+  reader (`rollslip.structure`).
+- Defaults that follow from other values (clearance, temperatures) are filled in, so that no other module handles None.
 """
 
 import math
@@ -77,7 +78,7 @@ def _temperature(of: str, default: object = _follow_temperature) -> Any:
 
 @attrs.frozen(kw_only=True)
 class Carrier:
-    """The carrier of a planet: load and speeds of rings are those that are seen from it."""
+    """The carrier of a planet bearing: load and speeds of the rings are relative to it."""
 
     speed: float = field(
         unit="rad/s", doc="rotational speed of the carrier", usual=(-2e3, 2e3), possible=(-1e6, 1e6)
@@ -102,7 +103,7 @@ class Carrier:
 
 @attrs.frozen(kw_only=True)
 class Operation:
-    """What the bearing is doing."""
+    """The operating condition of the bearing: speeds, load, temperatures and misalignment."""
 
     advice: ClassVar[Mapping[str, str]] = dict.fromkeys(  # on keys that others have
         ("axial_load", "axial_force", "thrust_load"),
@@ -158,17 +159,17 @@ class ModelChoice:
     parameters: FrozenTable = field(default=FrozenTable(), doc="parameters of the model", rest=True)
 
 
-#: What may keep rollers apart; none is a full complement.
+#: Choices of what separates the rollers; "none" is a full-complement bearing.
 SEPARATORS: Final = ("cage", "none")
 
 
 @attrs.frozen(kw_only=True)
 class Separator:
-    """What keeps rollers apart: a cage, or nothing, so that they push their neighbours and rub against each other.
+    """The separation of the rollers: by a cage, or by none, so that neighbouring rollers push and rub each other.
 
-    Neighbours spin the same way: they slide at the sum of their surface speeds, and the entrainment speed of their
-    contact, half of the difference, is next to nothing. So no film is drawn in, and friction is that of the boundary:
-    the law of the boundary friction of raceways tends to 0.1 where sliding is far more than rolling (B).
+    Neighbours spin in the same direction: they slide at the sum of their surface speeds, and the entrainment speed of
+    their contact, half of the difference, is nearly zero. No film forms, and their friction is boundary friction: that
+    of the raceways tends to 0.1 where sliding is far larger than rolling (B).
     """
 
     name: str = field(
@@ -198,13 +199,13 @@ class Separator:
 
 
 def model_kind(key: str) -> str:
-    """Return the kind of what a key of `Models` names: both rings are of one."""
+    """Return the kind of model that a key of `Models` names, which is the same for both rings."""
     return "ring" if key in ("inner_ring", "outer_ring") else key
 
 
 @attrs.frozen(kw_only=True)
 class Models:
-    """Which law each stage of a contact follows."""
+    """The law of each stage of a contact, and other models by kind."""
 
     contact: ModelChoice = field(
         default=ModelChoice(name="palmgren"), doc="load and deflection of a contact"
@@ -250,14 +251,16 @@ class Models:
         return 0.1 if self.separator.coefficient is None else self.separator.coefficient
 
 
-#: What drags rollers and cage where ``cage.drag`` does not say, and what does besides where the land of a ring guides.
+#: Drags on rollers and cage where ``cage.drag`` names none.
 DEFAULT_DRAGS: Final = ("rolling-resistance", "hysteresis", "churning")
+#: Drag that acts by default in addition where the land of a ring guides the cage.
 LAND_DRAG: Final = "petroff-land"
 
-#: What a scene without studies asks for.
+#: Study of a scene that names none.
 DEFAULT_STUDY: Final = "effective-friction"
 
-#: What "exact" stands for: from here on everything is computed at its finest, which leaves errors of about this size.
+#: Tolerance that "exact" stands for: from it on all studies run at the reference resolution, which leaves relative
+#: errors of about this size. Doubling it makes some scenes slow that are not meant to be exact.
 EXACT: Final = 1e-6
 
 
@@ -273,14 +276,14 @@ def _tolerance(of: str) -> Any:
 
 @attrs.frozen(kw_only=True)
 class Accuracy:
-    """How exact the result has to be; what a plan chooses slices, instants, tables and steps by."""
+    """Requested accuracy of the results, by which a plan chooses slices, roller positions, tables and steps."""
 
     tolerance: float = field(
         default=1e-3,
         unit="1",
         doc="relative error that is acceptable, or exact for the finest of everything",
         validator=in_range(0, 1, open=True),
-        words={"exact": EXACT},
+        keywords={"exact": EXACT},
         usual=(EXACT, 0.1),
     )
     critical_slip: float | None = _tolerance("the cage slip at largest traction")
@@ -292,24 +295,24 @@ class Accuracy:
         validator=attrs.validators.optional(
             attrs.validators.and_(at_least(3), in_range(3, 10_000))
         ),
-        words={"auto": None},
+        keywords={"auto": None},
         usual=(3, 1001),
     )
 
     def of(self, result: str) -> float:
-        """Return the tolerance of a result: of critical_slip, friction or cage_speed its own, where there is one."""
+        """Return the tolerance of a result: its own (critical_slip, friction, cage_speed), or that of all results."""
         own: float | None = getattr(self, result, None)
         return self.tolerance if own is None else own
 
     @property
     def exact(self) -> bool:
-        """Whether everything is to be computed at its finest."""
+        """Whether all studies run at the reference resolution."""
         return self.tolerance <= EXACT
 
 
 @attrs.frozen(kw_only=True)
 class Plugins:
-    """Packages without which the scene is not to be run."""
+    """Packages that the scene requires."""
 
     require: tuple[str, ...] = field(default=(), doc="packages with versions, such as 'name>=1.0'")
 
@@ -318,12 +321,12 @@ class Plugins:
 class Scene:
     """One bearing in one state of operation, with the models and studies to run.
 
-    ``source`` (file or shipped name) and ``text`` (verbatim) are kept for provenance and do not take part in a
-    comparison. ``raw`` and ``origins`` are what was written and where, for `rollslip.evolve` and for
-    messages about the tables that are read later.
+    ``source`` (file or shipped name) and ``text`` (verbatim) are stored for provenance and are not compared. ``raw``
+    and ``origins`` are the values as they are written and their locations, for `rollslip.evolve` and for messages on
+    tables that are read later.
     """
 
-    #: Tables whose files are not in its hash: a study has a digest of its own.
+    #: Tables whose files are not part of its hash, because a study has its own digest.
     digested_elsewhere: ClassVar[frozenset[str]] = frozenset({"study"})
 
     title: str = field(default="", doc="one line about the scene")
@@ -363,16 +366,14 @@ class Scene:
 
     @property
     def tables(self) -> Mapping[str, Any]:
-        """The tables as they are written; all values of a scene that was not read."""
+        """The tables as they are written; of a scene that was not read all values."""
         return resolved(self) if self.raw is None else self.raw
 
     def __repr__(self) -> str:
         state = ((self.operation.radial_load, "N"), (self.operation.inner_speed, "rad/s"))
         size = format_quantity(self.bearing.inner_raceway_diameter, "m", 4)
-        told = ", ".join(
+        conditions = ", ".join(
             format_quantity(value, unit, 4)
             for value, unit in (*state, (self.operation.temperature, "K"))
         )
-        return (
-            f"Scene {self.source or self.title!r}: {self.bearing.rollers} rollers on {size}, {told}"
-        )
+        return f"Scene {self.source or self.title!r}: {self.bearing.rollers} rollers on {size}, {conditions}"
