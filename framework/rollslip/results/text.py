@@ -97,7 +97,7 @@ class Status(enum.StrEnum):
 LAW: Final = "law"
 #: Error of effective friction near the onset of skidding; from docs/tables/skidding_effective_summary.csv.
 EFFECTIVE_FRICTION_ERROR: Final = (
-    "by effective friction the limit drag torque is off by 2.7 % in the middle of 62 random bearings and by up to "
+    "by effective friction the limit drag torque is off by 2.7 % in the median of 62 random bearings and by up to "
     "23 %, the slip by up to 41 points"
 )
 
@@ -261,7 +261,7 @@ def describe_more_bounds(more: "Sequence[str]") -> str:
         if len(more) == 1
         else f"{len(more)} more bounds of laws are left"
     )
-    return f"{what}, with less consequence or one that nobody knows: {'; '.join(more)}"
+    return f"{what}, with less or unknown consequence: {'; '.join(more)}"
 
 
 def confidence(datasets: "Iterable[xr.Dataset]") -> str:

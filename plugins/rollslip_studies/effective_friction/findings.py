@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.results.accounts import PlainAccount
-from rollslip.results.answer import Answer, assumed_of
+from rollslip.results.answer import Answer, describe_assumptions
 from rollslip.results.text import Status, describe_running, describe_skidding
 from rollslip_studies.steady_slip.findings import (
     UNCOMPUTED_MINIMUM_LOAD,
@@ -78,7 +78,7 @@ class EffectiveFrictionAccount(PlainAccount):
             reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
             rows.append(reserve_row(*reserve, known=1, within=_WITHIN, slip=slip))
         return Answer(
-            rows=tuple(rows), assumed=assumed_of(dataset), commands=next_of_others(dataset)
+            rows=tuple(rows), assumed=describe_assumptions(dataset), commands=next_of_others(dataset)
         )
 
     @staticmethod

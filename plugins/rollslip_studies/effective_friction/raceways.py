@@ -59,13 +59,13 @@ _START_SLIP: Final = 1e-3
 REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "regime_fraction": Output(
-            "ring regime", "1", "share of the contact forces in a film regime"
+            "ring regime", "1", "fraction of the contact forces in a film regime"
         ),
         "load_parameter": Output("ring", "1", "largest Moes load parameter M"),
         "light_fraction": Output(
             "ring",
             "1",
-            f"share of the contact forces at M < {LIGHT:g}, where the film's pressure is not Hertz's",
+            f"fraction of the contact forces at M < {LIGHT:g}, where the film's pressure is not Hertz's",
         ),
     }
 )

@@ -164,7 +164,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
             "low": min(values[name] * band.low, float(nominal)),
             "high": _json_value(name, values[name] * band.high),
             "most": band.dominant,
-            "moved": [
+            "changes": [
                 {
                     "key": effect.key,
                     "unit": effect.unit,
@@ -436,7 +436,7 @@ def consequences(
             except RollslipError as refusal:
                 row["refused"] = str(refusal)
                 continue
-            row["moved"] = {
+            row["changes"] = {
                 name: [
                     _json_value(name, value),
                     _json_value(name, value * after[name] / before[name]),

@@ -115,7 +115,7 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
         )
     for stable, style, label in (
         (1, MARKER, "steady slip"),
-        (0, _OPEN, "steady slip that is not held"),
+        (0, _OPEN, "unstable steady slip"),
     ):
         if has_steady(dataset) and (chosen := dataset["stable"].to_numpy() == stable).any():
             at = 100 * dataset["steady_slip"].to_numpy()[chosen]
@@ -176,7 +176,7 @@ def _losses(dataset: "xr.Dataset") -> "Figure":
         bars[0].set_label(bars.get_label())
         left = left + lost
     states = [
-        f"{100 * slip:.3g} %, {'held' if stable else 'not held'}"
+        f"{100 * slip:.3g} %, {'stable' if stable else 'unstable'}"
         for slip, stable in zip(
             dataset["steady_slip"].to_numpy(), dataset["stable"].to_numpy(), strict=True
         )
@@ -239,7 +239,7 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
             )
     kinds: Any = (
         ("steady slip", "solid", stable),
-        ("steady slip that is not held", "dashed", ~stable),
+        ("unstable steady slip", "dashed", ~stable),
     )
     for label, style, chosen in kinds:
         if chosen.any():

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import numpy as np
 
 from rollslip.results.account import Account
-from rollslip.results.answer import ACCEPTABLE, Answer, Row, assumed_of
+from rollslip.results.answer import ACCEPTABLE, Answer, Row, describe_assumptions
 from rollslip.results.text import (
     Status,
     force_unit,
@@ -50,7 +50,7 @@ UNCOMPUTED_MINIMUM_LOAD: Final = Row(
     label="minimum load",
     unit="N",
     text="not computed",
-    known=-1,
+    rank=-1,
     note="--study steady-slip computes it",
 )
 #: Slip ahead of pure rolling, as a positive number, from which a cage is called driven: 0.1 %, as printed. Twice as
@@ -116,7 +116,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
                 label="minimum load",
                 unit="N",
                 text="not found",
-                known=_KNOWN,
+                rank=_KNOWN,
                 note="it is for a cage that lags",
             )
         else:
@@ -154,7 +154,7 @@ def _torque_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
         unit="N m",
         text=f"{two_digits(size)} {unit}",
         note="; ".join(filter(None, [heat, describe_doubt(dataset)])),
-        known=_KNOWN,
+        rank=_KNOWN,
     )
 
 
@@ -175,7 +175,7 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
         Relative error of the slip; see `Row`.
     """
     if math.isnan(slip):
-        return Row(key="cage_slip", label="cage slip", text="not found", note=status, known=known)
+        return Row(key="cage_slip", label="cage slip", text="not found", note=status, rank=known)
     band = None
     note = "driven: it runs ahead of pure rolling" if slip < -_MIN_DRIVEN_SLIP else ""
     stored = json.loads(dataset.attrs.get("band", "{}")).get("steady_slip")
@@ -189,8 +189,8 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
         text=percent(slip),
         band=band,
         note=note,
-        known=known,
-        within=within,
+        rank=known,
+        tolerance=within,
     )
 
 
@@ -216,8 +216,8 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float, slip:
         "key": "drag_reserve",
         "label": "reserve to skidding",
         "value": reserve,
-        "known": known,
-        "within": within,
+        "rank": known,
+        "tolerance": within,
     }
     if math.isnan(reserve):
         return Row(**row, text="not found", note=status)
@@ -692,7 +692,7 @@ class SteadySlipAccount(Account):
         return Answer(
             rows=rows,
             acceptable=acceptable,
-            assumed=assumed_of(dataset),
+            assumed=describe_assumptions(dataset),
             commands=_next(dataset, rows),
         )
 
