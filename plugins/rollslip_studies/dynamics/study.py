@@ -23,7 +23,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.raceway import RINGS, Array
+from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution, refined
 from rollslip.catalogue.registry import find, structure_model
 from rollslip.errors import SceneError
@@ -60,8 +60,8 @@ from rollslip_studies.dynamics.termination import (
     last_slices,
     outputs_of,
     regimes_of,
-    ring_shapes,
     steady_slip_of,
+    stored_coordinates,
     stored_variables,
     with_cause,
 )
@@ -567,10 +567,10 @@ class Dynamics(Study):
             stop=stop,
             first_step=0.0 if before is None else before.last_step,
             state=None if before is None else before.last_state,
-            keep=save,
+            save=save,
         )
         found = with_cause(found, moving)
-        return found if before is None else before.then(found)
+        return found if before is None else before.join(found)
 
     def trial_motion(
         self,
@@ -720,11 +720,9 @@ class Dynamics(Study):
 
         t = found.t
         cage = moving.split(found.y)["cage_speed"]
-        shapes = ring_shapes(moving)
         variables = self.variables(**stored_variables(moving, found, outputs))
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip = variables["cage_slip"][1]
-        works = moving.works(found.y)
         history, history_attributes = over_time.history_variables(
             self.curve_study(assembly), moving, t, found.y
         )
@@ -745,26 +743,7 @@ class Dynamics(Study):
         steady, steady_status = over_time.steady_slip_along(moving, t, (steady, steady_status))
         return xr.Dataset(
             variables,
-            {
-                "time": ("time", t, about("s", "time")),
-                "roller": (
-                    "roller",
-                    np.arange(assembly.scene.bearing.rollers),
-                    about("1", "roller"),
-                ),
-                "ring": ("ring", np.array(RINGS), about("1", "ring")),
-                "work": ("work", np.array(list(works)), about("1", "what the work was done by")),
-                "direction": (
-                    "direction",
-                    np.array(["along", "across"]),
-                    about("1", "direction to the line of load"),
-                ),
-                **(
-                    {"shape": ("shape", np.array(shapes), about("1", "shape of a ring"))}
-                    if shapes
-                    else {}
-                ),
-            },
+            stored_coordinates(moving, found),
             attrs=self.attributes
             | history_attributes
             | {
@@ -792,7 +771,7 @@ class Dynamics(Study):
                 ),
                 "cage": json.dumps(resolved(assembly.cage), default=str),
                 **moving.tables,
-                **found.told,
+                **found.diagnostics,
             },
         )
 

@@ -15,6 +15,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import NAMES
 from rollslip.errors import DomainError, PluginError
+from rollslip.results.dataset import about
 from rollslip.studies.answers import LoadedSlices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
@@ -160,6 +161,31 @@ def stored_variables(
         **_contact_variables(moving, found, outputs),
         **_ring_variables(moving, found),
     }
+
+
+def stored_coordinates(moving: MovingBearing, found: Trajectory) -> dict[str, Any]:
+    """Return the coordinates of a result by name: times, rollers, rings, works, directions and shapes of rings.
+
+    Parameters
+    ----------
+    moving : MovingBearing
+        The equations of motion.
+    found : Trajectory
+        The motion.
+    """
+    rollers = np.arange(moving.assembly.scene.bearing.rollers)
+    works = np.array(list(moving.works(found.y)))
+    directions = np.array(["along", "across"])
+    coordinates = {
+        "time": ("time", found.t, about("s", "time")),
+        "roller": ("roller", rollers, about("1", "roller")),
+        "ring": ("ring", np.array(RINGS), about("1", "ring")),
+        "work": ("work", works, about("1", "what the work was done by")),
+        "direction": ("direction", directions, about("1", "direction to the line of load")),
+    }
+    if shapes := ring_shapes(moving):
+        coordinates["shape"] = ("shape", np.array(shapes), about("1", "shape of a ring"))
+    return coordinates
 
 
 def _speed_variables(moving: MovingBearing, found: Trajectory) -> dict[str, Array]:
