@@ -78,7 +78,7 @@ if __name__ == "__main__":
 
     raceways = step(
         "tables of slices and of few loads",
-        lambda one: study.loaded(one, resolution.n_positions).by_few_loads(),
+        lambda one: study.loaded(one, resolution.n_positions).with_reduced_loads(),
         [(b,) for b in bearings],
     )
     curves = step(

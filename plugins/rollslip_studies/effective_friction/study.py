@@ -497,16 +497,10 @@ class EffectiveFriction(Study):
             Roller positions within a pitch.
         """
         slip = slip_grid(self.max_cage_slip, self.points)
-        raceways, curves, critical = self._on(assembly, slip, n_positions)
-        return self._dataset(assembly, raceways, slip, curves, critical)
-
-    def _on(
-        self, assembly: Assembly, slip: Array, n_positions: int
-    ) -> tuple[LoadedRaceways, tuple[Array, Array], tuple[Critical, Critical]]:
-        """Return raceways, curves of friction and film, and critical slips at a number of roller positions."""
         raceways = self.loaded(assembly, n_positions)
         curves = raceways.evaluated(raceways.speeds(slip))
-        return raceways, curves, raceways.critical(slip, curves[0])
+        critical = raceways.critical(slip, curves[0])
+        return self._dataset(assembly, raceways, slip, curves, critical)
 
     @property
     def slip_range(self) -> float:
