@@ -23,8 +23,8 @@ slices (a hundredth of the time of many), or a rule:
 8. Where rollers hit their pockets, motions with different steps diverge, as neighbouring motions of any chaotic system
    do, until the play in the pockets bounds their difference. Twice the largest divergence of motions with other
    tolerances within an orbit of the cage is reported as error, too; no tolerance removes it.
-9. Along a history the middle and a late time are sampled as well: what is smooth at one speed may have impacts, or be
-   stiff, at another. Contacts are damped most while the rings rest.
+9. Along a history, later times are sampled as well, from states without slip: a motion that is smooth at one speed may
+   have impacts, or be stiff, at another. Contacts are damped most while the rings rest.
 10. What cannot be estimated, because a trial motion fails, is taken with all detail (`FALLBACKS`).
 
 Only explicit methods that resolve contacts are taken at levels with contacts: others get the cage speed right and may
@@ -81,8 +81,8 @@ class TrialResolution:
     """Resolution of trial motions, and how long they are compared."""
 
     #: Slices of a roller. Doubled, trial motions with conventional friction take twice as long. Chosen: few enough that
-    #: a trial costs a hundredth of the run; tests/studies/test_dynamics_choice.py holds the difference of the frictions
-    #: with 12 slices to a quarter of that with 25.
+    #: a trial costs a hundredth of the run; tests/studies/test_dynamics_choice.py checks that the difference of the
+    #: frictions is within 25 % of that with 25 slices.
     slices: int = 12
     #: Relative error of tables of loads and friction. Halved, tables take longer to build. Chosen: the usual tolerance;
     #: its error is common to the motions that are compared.
@@ -113,7 +113,8 @@ class IntegratorRule:
     #: step, 3.3 over the damping.
     max_smooth_damping: float = 1e4
     #: Step tolerance below which rk45 is taken in place of leapfrog where contacts are resolved: from there on its
-    #: order of 5 makes up for 6 evaluations a step. Measured on the same bearings.
+    #: order of 5 makes up for 6 evaluations a step. Doubled, leapfrog is given up where it still takes fewer
+    #: evaluations. Measured on the same bearings.
     leapfrog_tolerance: float = 3e-8
     #: Step that resolves a contact times the frequency of the contact [rad]: that of leapfrog (CONTACT in
     #: kernels/rollslip_kernels/motion/leapfrog.pyx). Doubled, an impact (half a period) is resolved by 8
@@ -136,8 +137,8 @@ class DecayTrial:
     #: Step tolerance over that difference. Doubled, the decay can be followed down to 2e-5 of the difference
     #: only. Chosen; at level cage-set steps are cheap.
     step_tolerance: float = 1e-5
-    #: Longest time that is integrated [s]; later the difference is taken to stay as large as it is at the end. Doubled,
-    #: long motions of which errors decay slowly get larger steps, and the trial takes longer. Chosen.
+    #: Longest time that is integrated [s]; later the difference is taken to stay as large as in its last quarter.
+    #: Doubled, long motions of which errors decay slowly get larger steps, and the trial takes longer. Chosen.
     max_duration: float = 10.0
     #: Samples of the decay, for its integral by the trapezoidal rule. Halved, a decay within a sample counts too much.
     #: Chosen.
@@ -156,7 +157,7 @@ class StepTrial:
     #: pockets is within 1 % (docs/trust/dynamics.rst).
     tolerance: float = 1e-5
     #: Tolerance of the reference solution over the usual one. Doubled, the reference takes 13 % fewer steps (order 5).
-    #: Chosen: small enough to be exact beside the trial.
+    #: Chosen: the error of the reference is then negligible against that of the trial.
     reference: float = 1e-3
     #: Divisors of the tolerance of the motions whose divergence is measured. Two, since one pair may stay close by
     #: chance; near 1, since what is sought is the effect of chance and not the error. Chosen.
@@ -427,7 +428,9 @@ class _Trials:
         max_slip = 0.0
         for interval in np.split(times, TRIALS.checks):
             reference_speed, reference = self.cage_speeds(conventional, interval, reference)
-            simplified_speed, simplified_traction = self.cage_speeds(effective, interval, simplified_traction)
+            simplified_speed, simplified_traction = self.cage_speeds(
+                effective, interval, simplified_traction
+            )
             change = np.abs(reference_speed - simplified_speed)
             difference = max(difference, float(change.max()))
             max_slip = max(max_slip, 1.0 - float(reference_speed.min()))
