@@ -142,7 +142,7 @@ class Limit:
     @property
     def messages(self) -> list[str]:
         """Lines that describe the search and its cost, printed before it starts."""
-        low, high = (self.axis.shown(self.axis.values[k]) for k in (0, -1))
+        low, high = (self.axis.format_value(self.axis.values[k]) for k in (0, -1))
         how = "the value" if self.logarithmic else "the range"
         first = len(self.first)
         lines = [
@@ -216,7 +216,7 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     resolution, seconds, errors = _resolution(base, name, requirement.output, changes)
     axis = read_axis(quantity, f"{span}:{size}{suffix}", sampled=False)
     assert isinstance(axis, Axis)
-    axis = attrs.evolve(axis, display_unit=axis.given)
+    axis = attrs.evolve(axis, display_unit=axis.given_unit)
     sweep = attrs.evolve(
         coarse,
         design=attrs.evolve(coarse.design, axes=(axis,)),
@@ -237,7 +237,7 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     )
 
 
-def _searched_quantity(known: Mapping[str, Quantity], key: str) -> Quantity:
+def _searched_quantity(known: dict[str, Quantity], key: str) -> Quantity:
     """The quantity of a key; SceneError if there is none, or if its values are not continuous."""
     if key not in known:
         raise SceneError([f"{key}: {describe_unknown_key(key, known)}"])
@@ -425,7 +425,7 @@ def _describe_brackets(search: Limit, slacks: Mapping[int, float]) -> str:
     """Text on the brackets so far, for the progress of the search."""
     axis = search.axis
     return "; the limit is passed between " + ", and between ".join(
-        f"{axis.shown(axis.values[a])} and {axis.shown(axis.values[b])}"
+        f"{axis.format_value(axis.values[a])} and {axis.format_value(axis.values[b])}"
         for a, b in brackets(slacks)
     )
 
@@ -460,7 +460,7 @@ def _dataset(
         "searched": (
             "point",
             values[numbers],
-            about(unit, quantity.doc) | {"key": search.axis.key, "given": search.axis.given},
+            about(unit, quantity.doc) | {"key": search.axis.key, "given": search.axis.given_unit},
         ),
         "result": (
             "point",
@@ -520,7 +520,7 @@ def _dataset(
         | {
             "study": "limit",
             "searched_key": search.axis.key,
-            "searched_given": search.axis.given or "",
+            "searched_given": search.axis.given_unit or "",
             "logarithmic": int(search.logarithmic),
             "within": search.within,
             "first": len(search.first),
@@ -531,7 +531,7 @@ def _dataset(
             "requirement": requirement.text,
             "range": json.dumps(
                 [
-                    format_quantity(float(bound), unit, 4, search.axis.given)
+                    format_quantity(float(bound), unit, 4, search.axis.given_unit)
                     for bound in values[[0, -1]]
                 ]
             ),

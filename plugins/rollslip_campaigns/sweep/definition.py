@@ -257,7 +257,7 @@ class Sweep(SweepWork):
         lines = []
         for axis in self.design.axes:
             count = len(axis.values)
-            ends = [axis.shown(value) for value in axis.values]
+            ends = [axis.format_value(value) for value in axis.values]
             values = ", ".join(ends) if count <= 5 else f"{ends[0]}, {ends[1]} ... {ends[-1]}"
             lines.append(f"{axis.key}: {count} value{'s' * (count != 1)}, {values}")
             if axis.key == "models.traction" and "hydrodynamic" in dict(

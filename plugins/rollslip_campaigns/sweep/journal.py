@@ -372,7 +372,8 @@ def _read(folder: Path, read: Callable[[Path, sqlite3.Connection], Iterable[T]])
             LookupError,
             TypeError,
             ValueError,
-        ) as error:  # a damaged file can raise any of these
+        ) as error:
+            # a damaged file can raise any of these
             raise OutputError(
                 f"{path}: is not a journal that can be read ({error}); move it away and resume, which computes its "
                 "points again"

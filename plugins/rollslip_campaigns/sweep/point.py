@@ -170,9 +170,8 @@ def _time_limited(seconds: float | None) -> Iterator[None]:
         with lock:
             ended = True
         timer.cancel()
-        interrupt(
-            thread, None
-        )  # cancels an exception that is pending: it must not end the next point
+        # cancels an exception that is pending: it must not end the next point
+        interrupt(thread, None)
 
 
 def _compute_rows(task: _Task, points: Sequence[tuple[int, Mapping[str, object]]]) -> list[Row]:

@@ -147,29 +147,28 @@ def deviations_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
     try:
         run_plan = plan(evolve(sweep.scene, sweep.design.changes(number)), sweep.study)
         run = compute(run_plan, sweep.study).dataset
-    except (
-        Exception
-    ) as error:  # a third-party law may raise anything; the dataset is valid all the same
+    except Exception as error:
+        # a third-party law may raise anything; the dataset is valid all the same
         return [
-            f"how far points are off could not be checked at {sweep.design.shown(number)}, by a run of the scene: "
-            f"{describe_error(error)}"
+            f"how far points are off could not be checked at {sweep.design.describe_point(number)}, by a run of the "
+            f"scene: {describe_error(error)}"
         ]
     accuracy_keys = {output: key for key, output in cls.controlled_outputs.items()}
-    errors = dict[str, float]()
+    deviations = dict[str, float]()
     for name in sweep.outputs:
         if name not in run or name not in point or run[name].dtype.kind != "f":
             continue
         if run[name].shape != point[name].shape:
             continue
         key = accuracy_keys.get(name, name)
-        error = errors_between({key: name}, point, run).get(key, 0.0)
-        if error > run_plan.scene.accuracy.of(key):
-            errors[name] = error
-    if not errors:
+        deviation = errors_between({key: name}, point, run).get(key, 0.0)
+        if deviation > run_plan.scene.accuracy.of(key):
+            deviations[name] = deviation
+    if not deviations:
         return []
-    differences = ", ".join(f"{name} is {error:.1e}" for name, error in errors.items())
+    differences = ", ".join(f"{name} is {value:.1e}" for name, value in deviations.items())
     return [
-        f"at {sweep.design.shown(number)} {differences} off a run of the scene, more than the tolerance of "
+        f"at {sweep.design.describe_point(number)} {differences} off a run of the scene, more than the tolerance of "
         f"{run_plan.scene.accuracy.tolerance:g}; the others of {done.size} points were not run so, and may be as far "
         "off: lower accuracy.tolerance, or run the scene with the values of a point"
     ]
@@ -179,8 +178,8 @@ def _unit_of_axis(axis: Axis) -> dict[str, str]:
     """Attribute for figures with the unit in which the values of an axis were given, if it is the same for all."""
     unit = axis.quantity.unit
     units = set[str | None]()
-    if axis.given:
-        units = {axis.given}
+    if axis.given_unit:
+        units = {axis.given_unit}
     elif unit:
         units = {unit_given(value, unit) for value in axis.listed}
     if len(units) != 1:
@@ -286,12 +285,11 @@ def _describe_validity(sweep: Sweep, numbers: list[int]) -> list[str]:
     for number in numbers:
         try:
             messages = _validity_at(sweep, number)
-        except (
-            Exception
-        ) as error:  # a third-party law may raise anything; the dataset is valid all the same
+        except Exception as error:
+            # a third-party law may raise anything; the dataset is valid all the same
             others.append(
                 f"whether laws are within their range of validity could not be checked at "
-                f"{sweep.design.shown(number)}: {describe_error(error)}"
+                f"{sweep.design.describe_point(number)}: {describe_error(error)}"
             )
             continue
         for message in messages:
@@ -336,7 +334,7 @@ def _validity_at(sweep: Sweep, number: int) -> list[validity.ValidityMessage]:
     bearing = assembly.with_resistance() if study.with_cage else assembly
     state, contacts = study.expected_slices(bearing)
     outside, off = validity.check_validity(contacts, bearing, assembly.traction)
-    where = f"at {sweep.design.shown(number)}, {state}"
+    where = f"at {sweep.design.describe_point(number)}, {state}"
     return validity.validity_messages(outside, off, where, tolerance=scene.accuracy.tolerance)
 
 

@@ -372,9 +372,8 @@ class _Run:
         self.compute_seconds = 0.0
         self.start_time = time.monotonic()
         self.in_flight: dict[Future[TaskResult], tuple[int, ...]] = {}
-        self.last_activity = (
-            time.monotonic()
-        )  # last return of a task, or submission of the first one
+        # time of the last return of a task, or submission of the first one
+        self.last_activity = time.monotonic()
         self.losses = 0
         self.workers = 1  # number of tasks that are computed at the same time
 

@@ -134,7 +134,7 @@ class Axis:
         Its values, numbers in SI units.
     listed : tuple
         The values of a list as they were written; empty for a range.
-    given : str or None
+    given_unit : str or None
         Unit in which the bounds of a range were given.
     display_unit : str or None
         Unit in which values are printed; None for the unit that suits the size of each.
@@ -143,7 +143,7 @@ class Axis:
     quantity: Quantity
     values: tuple[object, ...]
     listed: tuple[object, ...] = ()
-    given: str | None = None
+    given_unit: str | None = None
     display_unit: str | None = None
 
     @property
@@ -159,17 +159,17 @@ class Axis:
             np.array(self.values) if number else np.array([label(value) for value in self.values])
         )
 
-    def written(self, number: int) -> object:
+    def value_as_written(self, number: int) -> object:
         """Return a value by number as it was written."""
         if self.listed:
             return self.listed[number]
         value = self.values[number]
         unit = self.quantity.unit
-        if self.given in (unit, None) or unit is None or not isinstance(value, float):
+        if self.given_unit in (unit, None) or unit is None or not isinstance(value, float):
             return value
-        return format_quantity(value, unit, given=self.given)
+        return format_quantity(value, unit, given=self.given_unit)
 
-    def shown(self, value: object) -> str:
+    def format_value(self, value: object) -> str:
         """Return a value as text, with its unit."""
         unit = self.quantity.unit
         return (
@@ -307,7 +307,7 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
     else:
         values = evenly(*ends, n, unit)
     checked = (_checked(quantity, v, f"point {k} of {n}", given) for k, v in enumerate(values, 1))
-    return Axis(quantity, tuple(checked), given=given)
+    return Axis(quantity, tuple(checked), given_unit=given)
 
 
 def range_parts(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
@@ -388,12 +388,13 @@ class Design:
             }
         return changes
 
-    def shown(self, number: int) -> str:
+    def describe_point(self, number: int) -> str:
         """Return the values of a point as text: "operation.radial_load = 500 N, models.traction = muraki"."""
         sampled = (Axis(quantity, ()) for quantity in self.sampled)
         axes = {axis.key: axis for axis in (*sampled, *self.axes)}
         return ", ".join(
-            f"{key} = {axes[key].shown(value)}" for key, value in self.changes(number).items()
+            f"{key} = {axes[key].format_value(value)}"
+            for key, value in self.changes(number).items()
         )
 
     @cached_property

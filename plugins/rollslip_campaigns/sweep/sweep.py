@@ -396,10 +396,10 @@ def _checked_assemblies(
                 scene = evolve(base, {axis.key: value})
                 assemblies.append(assemble(scene, like=assemblies[0]))
                 require_memory(settings(scene, study), assemblies[-1])
-                accepted_values.append(axis.written(k))
+                accepted_values.append(axis.value_as_written(k))
             except SceneError as error:
                 problems.append(
-                    f"{axis.key}: value {k + 1} of {count}, {axis.shown(value)}: {'; '.join(error.problems)}"
+                    f"{axis.key}: value {k + 1} of {count}, {axis.format_value(value)}: {'; '.join(error.problems)}"
                 )
                 break
         unusual += implausible_in_sweep(
@@ -419,7 +419,7 @@ def _checked_assemblies(
                 reason = (
                     "; ".join(error.problems) if isinstance(error, SceneError) else error.reason
                 )
-                value_text = Axis(quantity, ()).shown(value)
+                value_text = Axis(quantity, ()).format_value(value)
                 problems.append(
                     f"{quantity.key}: sample {number}, {value_text}: {reason}; cut the distribution off with at_least "
                     "or at_most"

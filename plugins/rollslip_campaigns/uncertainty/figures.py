@@ -87,7 +87,9 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
     axes.axvline(1.0, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="below 1 the cage skids")
     axes.set_ylim(0.0, 103.0)
     sheet.handles = axes.get_legend_handles_labels()[0]
-    return sheet.done("Limit drag torque over the drags of the scene [–]", "Fraction of samples [%]")
+    return sheet.done(
+        "Limit drag torque over the drags of the scene [–]", "Fraction of samples [%]"
+    )
 
 
 def _ranks(dataset: "xr.Dataset") -> "Figure":

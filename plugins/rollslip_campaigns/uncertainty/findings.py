@@ -29,7 +29,7 @@ SKIDDING: Final = "slip at which skidding begins"
 DRAG: Final = "limit drag torque"
 #: Prefix of the column heads in the sheet of inputs.
 RANKED: Final = "rank correlation with "
-#: Rank (`rollslip.results.answer.Row.known`) of a band that comes from samples: of several results about one quantity
+#: Rank (`rollslip.results.answer.Row.rank`) of a band that comes from samples: of several results about one quantity
 #: the answer shows the one with the highest rank. Only the order of ranks matters.
 _ANSWER_RANK: Final = 3
 #: Rank correlation of skidding slip and limit drag below which a caveat is added to the allowable slip: closer to zero
@@ -76,8 +76,8 @@ class UncertaintyAccount(Account):
                 label="cage slip",
                 value=slip,
                 band=(low, high),
-                known=_ANSWER_RANK,
-                within=math.inf,
+                rank=_ANSWER_RANK,
+                tolerance=math.inf,
                 text=percent(slip) if math.isfinite(slip) else "skidding",
                 note=f"{format_slip_band(low, high)}; median of {n} samples",
             )
@@ -93,8 +93,8 @@ class UncertaintyAccount(Account):
                 label="reserve to skidding",
                 value=lower_reserve,
                 band=(lower_reserve, math.inf),
-                known=_ANSWER_RANK,
-                within=math.inf,
+                rank=_ANSWER_RANK,
+                tolerance=math.inf,
                 text="not found"
                 if math.isnan(lower_reserve)
                 else f"at least {two_digits(lower_reserve)}",
@@ -111,7 +111,7 @@ class UncertaintyAccount(Account):
                     unit="N",
                     text=format_force(load, load),
                     note=f"{below}, with probability {p:g}",
-                    within=math.inf,
+                    tolerance=math.inf,
                 )
             )
         return Answer(rows=tuple(rows))

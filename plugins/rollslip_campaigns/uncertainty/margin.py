@@ -225,7 +225,9 @@ def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
         samples = _DEFAULT_SAMPLES if requested.until is None else _MAX_SAMPLES
     loads = requested.loads
     if loads is None:
-        has_acceptable_slip = "acceptable_slip" in requested.base_scene.study.get(SteadySlip.name, {})
+        has_acceptable_slip = "acceptable_slip" in requested.base_scene.study.get(
+            SteadySlip.name, {}
+        )
         loads = min(_DEFAULT_LOADS, samples) if has_acceptable_slip else 0
     return samples, loads
 
@@ -316,10 +318,12 @@ def run_margin(
     from rollslip.results.dataset import save
 
     folder.mkdir(parents=True, exist_ok=True)
+
+    def print_with(name: str) -> Callable[[str], None]:
+        return lambda text: print_line(f"{name}: {text}")
+
     points_of = {
-        name: Points.in_folder(
-            sweep, folder / name, lambda text, name=name: print_line(f"{name}: {text}"), report
-        )  # type: ignore[misc]
+        name: Points.in_folder(sweep, folder / name, print_with(name), report)
         for name, sweep in plan.sweeps.items()
     }
 
