@@ -67,7 +67,7 @@ def _with_band(slip, **moved):
     ]
     return xr.Dataset(
         {"steady_slip": ("steady", [slip])},
-        attrs={"band": json.dumps({"steady_slip": {"moved": rows}})},
+        attrs={"band": json.dumps({"steady_slip": {"changes": rows}})},
     )
 
 

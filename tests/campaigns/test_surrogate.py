@@ -171,7 +171,7 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage():
             {},
             "one mean roller has no force in its pocket",
         ),
-        (SCENE, {"error": "40 %"}, "error: a share from 0.0001 to 0.2 is expected"),
+        (SCENE, {"error": "40 %"}, "error: a fraction from 0.0001 to 0.2 is expected"),
         (
             SCENE,
             {"over": ["lubricant.name=a:b"]},
@@ -180,7 +180,7 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage():
         (
             SCENE,
             {"over": ["radial_load=2 kN:1 kN"]},
-            "the first end must be above 0 and below the second",
+            "the lower end must be above 0 and below the upper one",
         ),
         (SCENE, {"over": ["inner_speed=0 rpm:0 rpm"]}, "nothing rolls at any speed"),
         (SCENE, {"over": ["inner_speed=0 rpm"]}, "nothing rolls at any speed"),
@@ -274,7 +274,7 @@ def test_stiffnesses_are_what_small_forces_say(dataset):
 
 
 def test_files_hold_no_scene_and_need_tables(place, capsys):
-    with pytest.raises(SceneError, match="holds tables of a bearing, and no scene"):
+    with pytest.raises(SceneError, match="contains tables of a bearing and not a scene"):
         format_of("b.fmu").read(b"", "b.fmu")
     with pytest.raises(SceneError, match="make them by rollslip surrogate SCENE"):
         format_of("b.fmu").write({}, None)

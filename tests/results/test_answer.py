@@ -22,16 +22,15 @@ from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import (
     MAX_LINES,
     RULES,
-    UNKNOWN,
-    VERDICTS,
     Answer,
     Note,
     Row,
-    assumed_of,
-    counted_notes,
-    holds,
-    judged,
-    merged,
+    Verdict,
+    describe_assumptions,
+    evaluate_rule,
+    merge_answers,
+    summarise_notes,
+    with_verdict,
 )
 from rollslip.results.text import format_rounded_up, percent
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
@@ -59,7 +58,7 @@ def answered(slip=0.01, band=(0.004, 0.03), reserve=(8.0, 8.0), acceptable=0.05)
                 band=reserve,
             )
         )
-    return judged(Answer(rows=tuple(rows), acceptable=acceptable))
+    return with_verdict(Answer(rows=tuple(rows), acceptable=acceptable))
 
 
 #: Rule -> facts at which it decides, and facts a hair away at which another does.
@@ -97,7 +96,7 @@ def test_each_rule_decides_up_to_its_threshold(code, at, beside, other):
 def test_every_rule_has_a_threshold_above_and_a_source():
     assert [rule.code for rule in RULES] == [f"V{k}" for k in range(1, len(RULES) + 1)]
     assert {rule.code for rule in RULES} == {code for code, *_ in THRESHOLDS} | {"V9"}
-    assert all(rule.source and rule.verdict in (*VERDICTS, UNKNOWN) for rule in RULES)
+    assert all(rule.source and rule.verdict in Verdict for rule in RULES)
 
 
 @pytest.mark.quick
@@ -130,13 +129,14 @@ def test_a_rule_for_something_worse_that_cannot_be_decided_makes_the_verdict_unk
 def test_a_condition_is_left_open_where_the_ends_of_a_fact_differ():
     (rule,) = (one for one in RULES if one.code == "V8")
     assert [
-        holds(rule, {"reserve to skidding": ends}) for ends in ((1.0, 1.9), (1.0, 2.1), (2.0, 3.0))
+        evaluate_rule(rule, {"reserve to skidding": ends})
+        for ends in ((1.0, 1.9), (1.0, 2.1), (2.0, 3.0))
     ] == [
         True,
         None,
         False,
     ]
-    assert holds(rule, {}) is None
+    assert evaluate_rule(rule, {}) is None
 
 
 def row(value, **changes):
@@ -148,17 +148,17 @@ def row(value, **changes):
 
 @pytest.mark.quick
 def test_a_quantity_is_told_once_by_the_study_that_knows_it_best_and_a_contradiction_is_told():
-    rough = Answer(rows=(row(0.044, known=1, within=0.1),))
-    fine = Answer(rows=(row(0.05, known=2, within=0.02),))
-    one = merged([("rough", rough), ("fine", fine)])
-    assert [(r.value, r.by) for r in one.rows] == [(0.05, "fine")]
+    rough = Answer(rows=(row(0.044, rank=1, tolerance=0.1),))
+    fine = Answer(rows=(row(0.05, rank=2, tolerance=0.02),))
+    one = merge_answers([("rough", rough), ("fine", fine)])
+    assert [(r.value, r.study) for r in one.rows] == [(0.05, "fine")]
     assert one.faults == ()
-    far = Answer(rows=(row(0.043, known=1, within=0.1),))
-    assert merged([("fine", fine), ("rough", far)]).faults == (
+    far = Answer(rows=(row(0.043, rank=1, tolerance=0.1),))
+    assert merge_answers([("fine", fine), ("rough", far)]).faults == (
         "two studies disagree on the cage slip: 5.0 % by fine, 4.3 % by rough",
     )
-    small = Answer(rows=(row(0.0009, known=1),)), Answer(rows=(row(0.0001, known=2),))
-    assert merged(zip("ab", small, strict=True)).faults == ()
+    small = Answer(rows=(row(0.0009, rank=1),)), Answer(rows=(row(0.0001, rank=2),))
+    assert merge_answers(zip("ab", small, strict=True)).faults == ()
 
 
 @pytest.mark.quick
@@ -180,8 +180,10 @@ def test_a_quantity_is_told_once_by_the_study_that_knows_it_best_and_a_contradic
     ],
 )  # fmt: skip
 def test_what_nobody_gave_is_told_with_the_slips_that_it_leads_to(key, unit, ends, values, said):
-    band = {"steady_slip": {"moved": [{"key": key, "unit": unit, "ends": ends, "values": values}]}}
-    told = assumed_of(xr.Dataset(attrs={"band": json.dumps(band)}))
+    band = {
+        "steady_slip": {"changes": [{"key": key, "unit": unit, "ends": ends, "values": values}]}
+    }
+    told = describe_assumptions(xr.Dataset(attrs={"band": json.dumps(band)}))
     assert told == (() if said is None else (said,))
 
 
@@ -192,7 +194,7 @@ def test_values_that_a_new_scene_assumed_are_named_with_its_cage():
         'radial_load = "1 kN"', 'supply = "bath" # oil; ASSUMED',
     )  # fmt: skip
     own = "the cage is the bearing's own, brass, 457 g, guided by the outer ring; cage.make says so"
-    assert assumed_of(xr.Dataset(attrs={"scene": "\n".join(lines), "own_cage": own})) == (
+    assert describe_assumptions(xr.Dataset(attrs={"scene": "\n".join(lines), "own_cage": own})) == (
         "oil, inner speed, supply as rollslip new has it; cage brass, 457 g, guided by the outer ring",
     )
 
@@ -205,7 +207,7 @@ def test_lines_are_no_wider_than_the_terminal_and_fifteen_at_most(width):
         "than once where there is little room"
     )
     rows = tuple(row(0.05, key=str(k), note=long if k == 3 else "short") for k in range(8))
-    notes = tuple(Note(code=f"W{k}", short="", text="", weight=1.0) for k in range(9))
+    notes = tuple(Note(code=f"W{k}", short="", text="", severity=1.0) for k in range(9))
     answer = Answer(rows=rows, verdict="OK", case=("NU 2312", "ISO VG 220"), assumed=(long, "b", "c"), notes=notes,
                     next=("rollslip run a", "rollslip run b"))  # fmt: skip
     lines = answer.lines(width)
@@ -510,7 +512,7 @@ def test_a_note_is_left_out_by_its_code(ran):
 
 def moved(code, slip=(0.02, 0.02), torque=(1.0, 1.0), reserve=(4.0, 4.0)):
     values = {"slip": slip, "reserve to slipping": reserve, "friction torque": torque}
-    return Note(code=code, short="", text="", weight=1.0, instead="other", moved=values)
+    return Note(code=code, short="", text="", severity=1.0, alternative="other", changes=values)
 
 
 @pytest.mark.quick
@@ -526,12 +528,12 @@ def moved(code, slip=(0.02, 0.02), torque=(1.0, 1.0), reserve=(4.0, 4.0)):
         ([moved("W1", slip=(0.02, 0.02019))], "none moves slip or torque by 1 %"),
         ([moved("W1", slip=(1e-5, 1e-3), reserve=(90.0, 30.0))], "W1: reserve to slipping 30 with other"),
         ([moved("W1", slip=(0.02, math.inf))], "W1: it skids with other"),
-        ([moved("W1"), Note(code="W2", short="", text="", weight=1.0)], "W2 not evaluated"),
-        ([Note(code=f"W{k}", short="", text="", weight=1.0) for k in (1, 2)], "2 on laws outside their range: W1 W2"),
+        ([moved("W1"), Note(code="W2", short="", text="", severity=1.0)], "W2 not evaluated"),
+        ([Note(code=f"W{k}", short="", text="", severity=1.0) for k in (1, 2)], "2 on laws outside their range: W1 W2"),
     ],
 )  # fmt: skip
 def test_notes_say_what_leaving_the_range_of_a_law_does_to_the_result(notes, said):
-    assert (counted_notes(notes), counted_notes(notes, "-v")) == (said, f"{said} (-v)")
+    assert (summarise_notes(notes), summarise_notes(notes, "-v")) == (said, f"{said} (-v)")
 
 
 @pytest.mark.slow
@@ -547,17 +549,17 @@ def test_what_another_law_does_to_the_answer_is_what_a_run_with_it_gives():
         ("W23", "models.traction", "maxwell-eyring"),
     ):
         there = answer_of(rollslip.run(rollslip.evolve(scene, {key: law}), "steady-slip"))
-        slip, reserve, torque = notes[code].moved.values()
+        slip, reserve, torque = notes[code].changes.values()
         assert slip[1] == pytest.approx(there["cage_slip"].value, rel=0.1), code
         assert reserve[1] == pytest.approx(there["acceptable_reserve"].value, rel=0.1), code
         assert torque[1] == pytest.approx(there["friction_torque"].value, rel=0.02), code
         assert [slip[0], reserve[0], torque[0]] == [
             found[key].value for key in ("cage_slip", "acceptable_reserve", "friction_torque")
         ]
-    assert notes["W11"].instead == "maxwell-eyring-field"
-    assert notes["W02"].moved is None
+    assert notes["W11"].alternative == "maxwell-eyring-field"
+    assert notes["W02"].changes is None
     assert found.notes[0].code == "W20"
-    assert found.as_dict()["notes"][0]["moved"]["slip"] == list(notes["W20"].moved["slip"])
+    assert found.as_dict()["notes"][0]["changes"]["slip"] == list(notes["W20"].changes["slip"])
 
 
 @pytest.mark.slow
@@ -571,8 +573,8 @@ def test_a_law_without_compiled_form_is_a_factor_at_the_motion_of_the_steady_sli
     first, *_ = [
         one for one in answer_of(rollslip.run(scene, "steady-slip")).notes if one.code == "W23"
     ]
-    assert first.moved["slip"] != solved.moved["slip"]
-    assert first.moved["slip"][1] == pytest.approx(solved.moved["slip"][1], rel=0.03)
+    assert first.changes["slip"] != solved.changes["slip"]
+    assert first.changes["slip"][1] == pytest.approx(solved.changes["slip"][1], rel=0.03)
 
 
 @pytest.mark.quick

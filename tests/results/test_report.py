@@ -194,7 +194,7 @@ def skidding(tmp_path_factory):
         "NU 2312", oil="iso-vg-220", speed="1500 rpm", load="1 kN", temperature="70 degC"
     )
     result = rollslip.run(rollslip.evolve(scene, COARSE), "steady-slip")
-    assert len(answer_of(result).shown()) == 8
+    assert len(answer_of(result).visible_rows()) == 8
     figures = save_plots(result, folder)
 
     def page(**attributes):

@@ -56,7 +56,7 @@ def test_the_load_goes_with_a_constant_torque_as_the_torque_of_rollers_does_with
         assert told["minimum_load"][end] == pytest.approx(float(moved.minimum_load), rel=0.05)
     assert told["steady_slip"]["most"] == "cage.drag.constant-torque.size"
     for name in ("steady_slip", "minimum_load"):  # of one quantity alone the band is what it does
-        (moved,) = told[name]["moved"]
+        (moved,) = told[name]["changes"]
         assert (moved["key"], moved["unit"]) == ("cage.drag.constant-torque.size", "N m")
         assert moved["values"] == pytest.approx([told[name]["low"], told[name]["high"]])
         assert moved["ends"] == pytest.approx(
@@ -86,7 +86,7 @@ def test_no_end_of_a_band_is_a_slip_beyond_all_slips(monkeypatch):
         band, "bands", lambda *_: {"steady_slip": Band(0.5, 3.0, moved[0].key, moved)}
     )
     told = json.loads(with_bands(SCENE, dataset).attrs["band"])["steady_slip"]
-    assert (told["low"], told["high"], told["moved"][0]["values"]) == (0.25, None, [None, 0.25])
+    assert (told["low"], told["high"], told["changes"][0]["values"]) == (0.25, None, [None, 0.25])
 
 
 def test_independent_quantities_add_in_squares():

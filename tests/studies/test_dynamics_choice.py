@@ -371,7 +371,7 @@ def test_an_interrupt_while_a_choice_is_tried_is_one(setting, monkeypatch):
         raise KeyboardInterrupt
 
     scene = open_scene(setting)
-    monkeypatch.setattr("rollslip_studies.motion.time_integration._Run._stretch", interrupted)
+    monkeypatch.setattr("rollslip_studies.motion.time_integration._Run._integrate_to", interrupted)
     with pytest.raises(KeyboardInterrupt):
         plan(scene, "dynamics")
 

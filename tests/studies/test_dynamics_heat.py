@@ -138,14 +138,14 @@ def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeyp
     whole = study.run(bearing)
 
     def interrupted(run):
-        if run.keep is not None:  # not in the passes, which are gone through again
+        if run.save is not None:  # not in the passes, which are gone through again
             looks.append(run.t)
             if len(looks) == 4:
                 raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(time_integration, "_MANY", 4)
-        patched.setattr(time_integration._Run, "_pause", interrupted)
+        patched.setattr(time_integration, "_FIRST_STEPS", 4)
+        patched.setattr(time_integration._Run, "_save_if_due", interrupted)
         first = study.run(bearing, RunContext(store=store))
     assert first.attrs["outcome"] == "interrupted"
     assert 0.0 < looks[-1] < 0.25

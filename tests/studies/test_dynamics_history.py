@@ -329,8 +329,8 @@ def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeyp
             raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(time_integration, "_MANY", 40)
-        patched.setattr(time_integration._Run, "_pause", interrupted)
+        patched.setattr(time_integration, "_FIRST_STEPS", 40)
+        patched.setattr(time_integration._Run, "_save_if_due", interrupted)
         first = study.run(bearing, RunContext(store=store))
     assert first.attrs["outcome"] == "interrupted"
     assert 0.1 < looks[-1] < 0.4  # on the way

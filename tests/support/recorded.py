@@ -25,7 +25,7 @@ from matplotlib.ticker import FixedLocator
 import motion_samples
 from rollslip.results.accounts import account_of
 from rollslip.results.accounts import answer as answer_of
-from rollslip.results.answer import aligned
+from rollslip.results.answer import align_columns
 from rollslip.results.dataset import with_present_names
 from rollslip.results.figures import plot
 from rollslip.results.text import collect_warnings, confidence, describe_more_bounds
@@ -128,7 +128,7 @@ def told(dataset: "xr.Dataset") -> str:
         ],
     }
     for table in account.tables(dataset):
-        parts[f"table {table.caption}".rstrip()] = aligned(
+        parts[f"table {table.caption}".rstrip()] = align_columns(
             [table.head, *map(tuple, table.rows)], math.inf
         )
     figures = plot(dataset)

@@ -40,11 +40,11 @@ def models(what: str | None, as_json: bool) -> None:
 def explain(code: str, as_json: bool) -> None:
     """Say what the CODE of a note stands for, such as W11, or of a rule of the verdict, such as V6."""
     from rollslip.cli.models import explained
-    from rollslip.results.answer import aligned
+    from rollslip.results.answer import align_columns
 
     code = code.strip().upper()
     rows = explained(code)
-    lines = aligned([*rows.items()], shutil.get_terminal_size((100, 24)).columns)
+    lines = align_columns([*rows.items()], shutil.get_terminal_size((100, 24)).columns)
     print_either(as_json, {"code": code} | rows, "\n".join([code, *lines]))
 
 

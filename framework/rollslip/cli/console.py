@@ -188,7 +188,7 @@ def print_answer(answer: Answer) -> None:
         return
     from rich.text import Text
 
-    marked = next((f"  {row.label}  " for row in answer.rows if row.key == answer.marked), "\n")
+    marked = next((f"  {row.label}  " for row in answer.rows if row.key == answer.marked_row), "\n")
     for k, line in enumerate(answer.lines()):
         text = Text(line, style="bold" if line.startswith(marked) else "")
         if not k and answer.verdict:

@@ -265,7 +265,7 @@ def _completed(executed: Mapping[str, Executed]) -> dict[str, "xr.Dataset"]:
 
 def studies_of_slip(results: "Iterable[xr.Dataset]") -> set[str]:
     """Return the studies from which an answer to results takes the cage slip."""
-    return {row.by for row in answer(*results).rows if row.key == "cage_slip" and row.by}
+    return {row.study for row in answer(*results).rows if row.key == "cage_slip" and row.study}
 
 
 def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], dict[str, Any]]:

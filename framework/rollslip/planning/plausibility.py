@@ -344,7 +344,7 @@ def _unusual(
     if (
         isinstance(raw, bool)
         or not isinstance(raw, Real | str)
-        or raw in attribute.metadata.get("words", ())
+        or raw in attribute.metadata.get("keywords", ())
     ):
         return
     unit = attribute.metadata.get("unit")

@@ -16,7 +16,7 @@ import attrs
 from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.account import Account, Contact, Figures
-from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
+from rollslip.results.answer import Answer, Row, collect_notes, describe_case, merge_answers
 from rollslip.results.curves import critical_rows, curves
 from rollslip.results.dataset import OTHERWISE, shown_short
 from rollslip.results.text import LOWER_BOUNDS, percent, single_value_indices, single_values
@@ -140,13 +140,13 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     '1.5 %'
     """
     expect_results("answer", *results)
-    if len(cases := {case for one in results if (case := case_of(one))}) > 1:
+    if len(cases := {case for one in results if (case := describe_case(one))}) > 1:
         raise SceneError(
             [
                 f"answer: results of one case are expected, not of {len(cases)}; ask for each on its own"
             ]
         )
-    found = merged(
+    found = merge_answers(
         ((str(one.attrs.get("study", "")), account_of(one).answer(one)) for one in results),
         scene or next(filter(None, map(file_of, results)), ""),
     )
@@ -156,8 +156,8 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     told = (*first, *found.assumed, *(oil.get("caution", "") for oil in oils))
     return attrs.evolve(
         found,
-        case=max(map(case_of, results), key=len, default=()),
-        notes=tuple(note for note in notes_of(results) if note.code not in ignored),
+        case=max(map(describe_case, results), key=len, default=()),
+        notes=tuple(note for note in collect_notes(results) if note.code not in ignored),
         assumed=tuple(dict.fromkeys(filter(None, told))),
     )
 

@@ -1,12 +1,14 @@
-"""The answer: what has to be known first of some results, as one value that terminal, report, notebook and JSON show.
+"""The answer to a user's question, as one value for terminal, report, notebook and JSON: verdict, rows and notes.
 
-- Each account gives rows, one a quantity. Of several results the one tells a quantity that knows it best; two that
-  differ by more than both allow are a fault, which is told.
-- The verdict is the first of the `RULES` that holds, on facts that are intervals: a reserve that is known to be 2 at
-  least is from 2 to infinity. A rule for something worse that the facts cannot decide makes the verdict UNKNOWN.
-- People read two digits, percent, rpm, °C and kN, no exponents; values and bands beside them are SI and whole.
+1. The account of each study gives rows, one for each quantity. Where several studies compute a quantity, the one with
+   the highest rank is shown; two values that differ by more than their tolerances are a fault (`merge_answers`).
+2. The verdict is that of the first of the `RULES` which holds (`with_verdict`). Rules compare facts, as intervals:
+   a reserve that is known to be 2 at least is from 2 to infinity.
+3. A rule for a worse verdict that the facts do not decide makes the verdict UNKNOWN.
+4. Texts have two digits, percent, rpm, °C and kN, no exponents; values and bands are SI and not rounded.
 """
 
+import enum
 import json
 import math
 import re
@@ -25,265 +27,411 @@ from rollslip.units import converted, shown_unit
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ACCEPTABLE", "RULES", "Answer", "Note", "Row", "Rule", "aligned", "assumed_of", "case_of",
-           "counted_notes", "merged", "notes_of"]  # fmt: skip
+__all__ = [
+    "ACCEPTABLE",
+    "RULES",
+    "Answer",
+    "Fact",
+    "Note",
+    "Row",
+    "Rule",
+    "Verdict",
+    "align_columns",
+    "collect_notes",
+    "describe_assumptions",
+    "describe_case",
+    "merge_answers",
+    "summarise_notes",
+]
 
-#: Verdicts, what is worse later; UNKNOWN is none of them.
-VERDICTS: Final = ("OK", "SLIPS", "SKIDS")
-UNKNOWN: Final = "UNKNOWN"
-#: Letters and ground of each, with the same contrast on a dark and on a light terminal.
-COLOURS: Final = {"OK": ("black", "green"), "SLIPS": ("black", "yellow"), "SKIDS": ("white", "red"),
-                  UNKNOWN: ("white", "magenta")}  # fmt: skip
-#: Cage slip that is acceptable where no result says another.
+
+class Verdict(enum.StrEnum):
+    """The verdict of an answer, from the best to the worst; UNKNOWN has no rank among them."""
+
+    OK = "OK"
+    SLIPS = "SLIPS"
+    SKIDS = "SKIDS"
+    UNKNOWN = "UNKNOWN"
+
+
+class Fact(enum.StrEnum):
+    """A quantity that rules compare, by its name in messages."""
+
+    CAGE_SLIP = "cage slip"
+    ACCEPTABLE_SLIP = "acceptable slip"
+    BAND_LOW = "low end of the band"
+    BAND_HIGH = "high end of the band"
+    RESERVE = "reserve to skidding"
+
+
+#: Colours of the letters and of the ground of each verdict, with the same contrast on dark and light terminals.
+COLOURS: Final = {
+    Verdict.OK: ("black", "green"),
+    Verdict.SLIPS: ("black", "yellow"),
+    Verdict.SKIDS: ("white", "red"),
+    Verdict.UNKNOWN: ("white", "magenta"),
+}
+#: Cage slip that is acceptable where no result states another. Chosen; see `RULES`.
 ACCEPTABLE: Final = 0.05
-#: Slip [1] below which an assumption moves nothing that matters, and the factor on it from which one is told.
-_SMALL = 0.005
-_MOVES = 1.2
-#: Change of a result that is none, and one that is told on its own.
-_UNMOVED = 0.01
-_MUCH = 0.1
-#: Most notes that are told on their own, and changes below which the others are told.
-_FEW = 2
-_STEPS = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)
-_Moved = Mapping[str, tuple[float, float]]
-#: Lines of an answer and rows of it, at most; width where there is no terminal, and between which it is kept.
+#: Slip [-] below which neither an assumption nor a law outside its range matters. Chosen: a tenth of `ACCEPTABLE`.
+_NEGLIGIBLE_SLIP: Final = 0.005
+#: Ratio of the slips at both ends of an assumption from which it is shown. Chosen; with a smaller one assumptions are
+#: shown that change the second digit.
+_SHOWN_RATIO: Final = 1.2
+#: Assumptions that are shown with the slips to which they lead, at most; more do not fit into an answer.
+_MAX_ASSUMPTIONS: Final = 2
+#: Relative change of a result that counts as none. Chosen: it does not change the two digits that are shown.
+_NO_CHANGE: Final = 0.01
+#: Relative change of a result from which a note is shown on its own. Chosen.
+_LARGE_CHANGE: Final = 0.1
+#: Notes that are shown on their own, at most; the others are counted, so that an answer keeps its length.
+_MAX_SHOWN_NOTES: Final = 2
+#: Relative changes below which notes are counted: the smallest that holds for all is shown.
+_CHANGE_LIMITS: Final = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)
+#: Difference of two cage slips [-] that is no disagreement of two studies, whatever they are relative to each other.
+_SLIP_RESOLUTION: Final = 1e-3
+#: Upper end below which a range [SI unit] is shown by a factor on its middle: few people read such numbers.
+_SMALL_NUMBER: Final = 1e-3
+#: Lines of an answer at most, so that it fits on a terminal with the command above it.
 MAX_LINES = 15
+#: Rows of an answer at most; with more the lines below them would not fit.
 MAX_ROWS = 8
+#: Width of lines where there is no terminal.
 _WIDTH: Final = 100
+#: Smallest width for which lines are wrapped.
+_MIN_WIDTH: Final = 40
+#: Smallest and largest width of the last column.
+_COLUMN_WIDTHS: Final = (16, 1000)
 #: Letters of the longest heading below the rows.
 _HEADING: Final = len("assumed")
-#: A line of a new scene whose value nobody gave, or that begins a table; and what names are of, by table.
+#: A line of a new scene whose value was assumed, or that starts a table.
 _ASSUMED: Final = re.compile(r"^\s*(?:\[(\w+)\]|(\w+)\s*=.*#.*\bASSUMED\b)", re.MULTILINE)
+#: Table of a scene -> what its key "name" is the name of.
 _NAMED: Final = {"lubricant": "oil"}
+
+#: Quantity -> its value in the answer, and by another law.
+_Changes = Mapping[str, tuple[float, float]]
 
 
 @attrs.frozen(kw_only=True)
 class Row:
     """One quantity of an answer."""
 
-    key: str  #: What it is, alike in all results: "cage_slip".
-    label: str  #: What people call it.
+    key: str  #: Name that is the same in all results: "cage_slip".
+    label: str  #: Name in texts.
     value: float = math.nan  #: SI value, NaN where there is none.
     unit: str = "1"  #: SI unit.
-    text: str  #: How it is printed.
-    #: Between what it lies, 5 to 95 % or bounds; infinite where there is no end.
+    text: str  #: The value as text.
+    #: Quantiles of 5 and 95 %, or bounds; infinite where there is no bound.
     band: tuple[float, float] | None = None
-    note: str = ""  #: What is said beside it.
-    known: int = 0  #: How well its study knows it: of several the best known is told.
-    within: float = 0.1  #: Relative difference from another study's value that is no fault.
-    alarm: bool = False  #: Whether a limit is passed, for which another row makes room.
-    by: str = ""  #: The study that it is of.
+    note: str = ""  #: Remark beside the value.
+    rank: int = 0  #: How well the study knows the quantity: of several the one with the highest rank is shown.
+    tolerance: float = (
+        0.1  #: Relative difference from another study's value up to which both agree.
+    )
+    is_alarm: bool = False  #: Whether a limit is exceeded, so that the row is always shown.
+    study: str = ""  #: The study that computed it.
 
 
 @attrs.frozen(kw_only=True)
 class Note:
-    """A law that was left: its code, what is outside in a few words, the whole sentence, and its weight.
+    """A law outside its range of validity, and what another law changes in the answer."""
 
-    ``moved`` has by quantity what the answer says and what it would be by the law ``instead``; None where that was not
-    evaluated, empty where the bound is left, but not at the operation that the answer is of.
-    """
-
-    code: str
-    short: str
-    text: str
-    weight: float
-    instead: str = ""
-    moved: _Moved | None = None
+    code: str  #: Code by which ``rollslip explain`` finds it.
+    short: str  #: What is outside, in a few words.
+    text: str  #: The whole sentence.
+    severity: float  #: Relative error, see `rollslip.studies.validity.RangeExcess.severity`.
+    alternative: str = ""  #: The law that was evaluated in its place.
+    #: Quantity -> its value in the answer, and by the alternative; None where that was not evaluated, empty where the
+    #: range is exceeded, but not at the operation of the answer.
+    changes: _Changes | None = None
 
     @property
-    def most(self) -> tuple[str, float]:
-        """What moves most, slips that nobody minds aside, and by which share; infinite where there is none left."""
-        found = {
-            name: _change(*ends)
-            for name, ends in (self.moved or {}).items()
-            if _matters(name, *ends)
+    def largest_change(self) -> tuple[str, float]:
+        """The quantity that changes most, and its relative change; infinite where the alternative has none.
+
+        Negligible slips do not count, and a large change of the slip comes before those of other quantities.
+        """
+        changes = {
+            name: _relative_change(before, after)
+            for name, (before, after) in (self.changes or {}).items()
+            if _is_relevant(name, before, after)
         }
-        name = (
-            "slip"
-            if found.get("slip", 0.0) > _MUCH
-            else max(found, key=lambda one: found[one], default="")
-        )
-        return name, found.get(name, 0.0)
+        name = max(changes, key=changes.__getitem__, default="")
+        if changes.get("slip", 0.0) > _LARGE_CHANGE:
+            name = "slip"
+        return name, changes.get(name, 0.0)
 
     @property
-    def told(self) -> str:
-        """What the law instead makes of what moves most: "W11: slip 5.8 % with maxwell-eyring-field"."""
-        name, _ = self.most
-        return f"{self.code}: {_shown(name, (self.moved or {})[name][1])} with {self.instead}"
+    def summary(self) -> str:
+        """What the alternative makes of the quantity that changes most: "W11: slip 5.8 % with maxwell-eyring-field"."""
+        name, _ = self.largest_change
+        _, after = (self.changes or {})[name]
+        return f"{self.code}: {_quantity_text(name, after)} with {self.alternative}"
 
     @property
     def consequence(self) -> str:
-        """What is said of it behind its sentence."""
-        if self.moved is None:
+        """The changes by the alternative, in words, to be shown behind the sentence."""
+        if self.changes is None:
             return "not evaluated"
-        if not self.moved:
+        if not self.changes:
             return "not at the steady slip"
-        ends = [f"{_shown(name, after)} in place of {_shown(name, before).removeprefix(f'{name} ')}"
-                for name, (before, after) in self.moved.items() if _change(before, after) >= _UNMOVED]  # fmt: skip
-        return f"with {self.instead} {', '.join(ends) or 'slip, reserve and torque move by less than 1 %'}"
+        texts = []
+        for name, (before, after) in self.changes.items():
+            if _relative_change(before, after) >= _NO_CHANGE:
+                previous = _quantity_text(name, before).removeprefix(f"{name} ")
+                texts.append(f"{_quantity_text(name, after)} in place of {previous}")
+        changes = ", ".join(texts) or "slip, reserve and torque move by less than 1 %"
+        return f"with {self.alternative} {changes}"
 
     def as_dict(self) -> dict[str, Any]:
-        """Return it as JSON has it, what it moves in SI units."""
-        moved = (
-            None
-            if self.moved is None
-            else {name: [*map(or_none, ends)] for name, ends in self.moved.items()}
-        )
-        return {"code": self.code, "short": self.short, "text": self.text, "weight": self.weight,
-                "instead": self.instead, "moved": moved}  # fmt: skip
+        """Return the note as plain values, for JSON, with changes in SI units."""
+        changes = None
+        if self.changes is not None:
+            changes = {name: [*map(or_none, values)] for name, values in self.changes.items()}
+        return {
+            "code": self.code,
+            "short": self.short,
+            "text": self.text,
+            "severity": self.severity,
+            "alternative": self.alternative,
+            "changes": changes,
+        }
 
 
-def _change(before: float, after: float) -> float:
+def _relative_change(before: float, after: float) -> float:
+    """Return the relative change of a value; infinite where there is none after it."""
     return abs(after / before - 1.0) if math.isfinite(after) else math.inf
 
 
-def _matters(name: str, before: float, after: float) -> bool:
-    return max(before, after) >= _SMALL if name == "slip" else before > 0.0
+def _is_relevant(name: str, before: float, after: float) -> bool:
+    """Whether a change counts: slips that are not negligible, and quantities that are not 0."""
+    return max(before, after) >= _NEGLIGIBLE_SLIP if name == "slip" else before > 0.0
 
 
-def _shown(name: str, value: float) -> str:
+def _quantity_text(name: str, value: float) -> str:
+    """Return name and value of a quantity that a law changes."""
     if name == "slip":
         return f"slip {percent(value)}" if math.isfinite(value) else "it skids"
-    return f"{name} {two_digits(value) if value > 0.0 else 'none'}" + " N m" * (
-        name == "friction torque"
-    )
+    unit = " N m" if name == "friction torque" else ""
+    return f"{name} {two_digits(value) if value > 0.0 else 'none'}{unit}"
 
 
 @attrs.frozen(kw_only=True)
 class Rule:
-    """One rule of the verdict: its code, what it says if all conditions hold, words beside the row, and its source.
-
-    A condition is a fact, a sign and a limit: a number, or another fact times a factor.
-    """
+    """A rule of the verdict, which holds if all its conditions hold."""
 
     code: str
-    verdict: str
-    row: str
-    when: tuple[tuple[str, str, float | tuple[float, str]], ...]
-    words: str
-    source: str
+    verdict: Verdict
+    row: str  #: Key of the row beside which the remark is shown.
+    #: Conditions: a fact, a sign and a limit, which is a number, or a factor on another fact. The sign "none" means
+    #: that the fact is not known.
+    conditions: tuple[tuple[Fact, str, float | tuple[float, Fact]], ...]
+    remark: str  #: Text beside the row; {acceptable} and {twice} are once and twice the acceptable slip.
+    source: str  #: Reason of the limit.
 
     @property
     def condition(self) -> str:
         """All conditions in words; "else" where there is none."""
-        said = []
-        for fact, sign, limit in self.when:
-            factor, other = limit if isinstance(limit, tuple) else (limit, "")
-            number = " x ".join(
-                filter(None, (f"{factor:g}" if factor != 1.0 or not other else "", other))
-            )
-            said.append(f"{fact} is not known" if sign == "none" else f"{fact} {sign} {number}")
-        return " and ".join(said) or "else"
+        texts = []
+        for fact, sign, limit in self.conditions:
+            if sign == "none":
+                texts.append(f"{fact} is not known")
+            elif not isinstance(limit, tuple):
+                texts.append(f"{fact} {sign} {limit:g}")
+            else:
+                factor, other = limit
+                number = other if factor == 1.0 else f"{factor:g} x {other}"
+                texts.append(f"{fact} {sign} {number}")
+        return " and ".join(texts) or "else"
 
 
 _CHOICE: Final = "a choice"
+#: The rules of the verdict, in the order in which they are tried.
 RULES: Final = (
-    Rule(code="V1", verdict="SKIDS", row="drag_reserve", when=(("reserve to skidding", "<", 1.0),),
-         words="the drags are larger than what the rollers carry", source="balance of torques"),
-    Rule(code="V2", verdict=UNKNOWN, row="cage_slip", when=(("cage slip", "none", 0.0),), words="",
-         source="nothing can be said"),
-    Rule(code="V3", verdict="SKIDS", row="cage_slip", when=(("cage slip", ">", 0.2),), words="above 20 %",
-         source=_CHOICE),
-    Rule(code="V4", verdict="SKIDS", row="drag_reserve", when=(("reserve to skidding", "<", 1.5),), words="below 1.5",
-         source=_CHOICE),
-    Rule(code="V5", verdict=UNKNOWN, row="cage_slip",
-         when=(("low end of the band", "<", (1.0, "acceptable slip")), ("high end of the band", ">", 0.2),
-               ("high end of the band", ">", (40.0, "low end of the band"))),
-         words="from OK to SKIDS where data scatter", source=_CHOICE),
-    Rule(code="V6", verdict="SLIPS", row="cage_slip", when=(("cage slip", ">", (1.0, "acceptable slip")),),
-         words="above the acceptable {acceptable}", source="what a scene calls acceptable, by default a choice"),
-    Rule(code="V7", verdict="SLIPS", row="cage_slip", when=(("high end of the band", ">", (2.0, "acceptable slip")),),
-         words="may be above {twice}", source=_CHOICE),
-    Rule(code="V8", verdict="SLIPS", row="drag_reserve", when=(("reserve to skidding", "<", 2.0),), words="below 2",
-         source=_CHOICE),
-    Rule(code="V9", verdict="OK", row="cage_slip", when=(), words="", source="else"),
-)  # fmt: skip
+    Rule(
+        code="V1",
+        verdict=Verdict.SKIDS,
+        row="drag_reserve",
+        conditions=((Fact.RESERVE, "<", 1.0),),
+        remark="the drags are larger than what the rollers carry",
+        source="balance of torques",
+    ),
+    Rule(
+        code="V2",
+        verdict=Verdict.UNKNOWN,
+        row="cage_slip",
+        conditions=((Fact.CAGE_SLIP, "none", 0.0),),
+        remark="",
+        source="nothing can be said",
+    ),
+    Rule(
+        code="V3",
+        verdict=Verdict.SKIDS,
+        row="cage_slip",
+        conditions=((Fact.CAGE_SLIP, ">", 0.2),),
+        remark="above 20 %",
+        source=_CHOICE,
+    ),
+    Rule(
+        code="V4",
+        verdict=Verdict.SKIDS,
+        row="drag_reserve",
+        conditions=((Fact.RESERVE, "<", 1.5),),
+        remark="below 1.5",
+        source=_CHOICE,
+    ),
+    Rule(
+        code="V5",
+        verdict=Verdict.UNKNOWN,
+        row="cage_slip",
+        conditions=(
+            (Fact.BAND_LOW, "<", (1.0, Fact.ACCEPTABLE_SLIP)),
+            (Fact.BAND_HIGH, ">", 0.2),
+            (Fact.BAND_HIGH, ">", (40.0, Fact.BAND_LOW)),
+        ),
+        remark="from OK to SKIDS where data scatter",
+        source=_CHOICE,
+    ),
+    Rule(
+        code="V6",
+        verdict=Verdict.SLIPS,
+        row="cage_slip",
+        conditions=((Fact.CAGE_SLIP, ">", (1.0, Fact.ACCEPTABLE_SLIP)),),
+        remark="above the acceptable {acceptable}",
+        source="what a scene calls acceptable, by default a choice",
+    ),
+    Rule(
+        code="V7",
+        verdict=Verdict.SLIPS,
+        row="cage_slip",
+        conditions=((Fact.BAND_HIGH, ">", (2.0, Fact.ACCEPTABLE_SLIP)),),
+        remark="may be above {twice}",
+        source=_CHOICE,
+    ),
+    Rule(
+        code="V8",
+        verdict=Verdict.SLIPS,
+        row="drag_reserve",
+        conditions=((Fact.RESERVE, "<", 2.0),),
+        remark="below 2",
+        source=_CHOICE,
+    ),
+    Rule(
+        code="V9",
+        verdict=Verdict.OK,
+        row="cage_slip",
+        conditions=(),
+        remark="",
+        source="else",
+    ),
+)
+#: Lower and upper bound of a fact.
 _Interval = tuple[float, float]
-_NOTHING: Final[_Interval] = (math.nan, math.nan)
+#: A fact that is not known.
+_NOT_KNOWN: Final[_Interval] = (math.nan, math.nan)
 
 
-def holds(rule: Rule, facts: Mapping[str, _Interval]) -> bool | None:
-    """Return whether all conditions of a rule hold; None where facts do not decide that."""
-    each = [
-        _holds(facts.get(fact, _NOTHING), sign, limit, facts) for fact, sign, limit in rule.when
+def evaluate_rule(rule: Rule, facts: Mapping[Fact, _Interval]) -> bool | None:
+    """Return whether all conditions of a rule hold; None where the facts do not decide it."""
+    states = [
+        _evaluate_condition(facts.get(fact, _NOT_KNOWN), sign, limit, facts)
+        for fact, sign, limit in rule.conditions
     ]
-    return False if False in each else None if None in each else True
+    if False in states:
+        return False
+    return None if None in states else True
 
 
-def _holds(
-    fact: _Interval, sign: str, limit: float | tuple[float, str], facts: Mapping[str, _Interval]
+def _evaluate_condition(
+    fact: _Interval, sign: str, limit: float | tuple[float, Fact], facts: Mapping[Fact, _Interval]
 ) -> bool | None:
+    """Return whether a fact is below ("<") or above (">") a limit; None where their intervals overlap."""
     if sign == "none":
         return math.isnan(fact[0])
-    factor, other = limit if isinstance(limit, tuple) else (limit, "")
-    low, high = (factor * end for end in facts.get(other, _NOTHING if other else (1.0, 1.0)))
-    below = sign == "<"
-    (least, most), (low, high) = (fact, (low, high)) if below else ((low, high), fact)
-    if most < low:
+    if isinstance(limit, tuple):
+        factor, other = limit
+        low, high = facts.get(other, _NOT_KNOWN)
+        bounds = factor * low, factor * high
+    else:
+        bounds = limit, limit
+    smaller, larger = (fact, bounds) if sign == "<" else (bounds, fact)
+    if smaller[1] < larger[0]:
         return True
-    return False if least >= high else None
+    return False if smaller[0] >= larger[1] else None
 
 
 @attrs.frozen(kw_only=True)
 class Answer:
-    """What has to be known first: `rows` of quantities, what is assumed, what was left, and what to do next.
+    """The answer to a user's question: verdict, rows of quantities, assumptions, notes, and the next commands.
 
-    An account gives rows, ``acceptable`` slip, ``assumed``, and ``commands`` that help by verdict, with ``{scene}`` in
-    them; `merged` makes one answer of several, with ``verdict``, ``rule`` behind it, and ``case``.
+    An account gives rows, the acceptable slip, assumptions and commands. `merge_answers` makes one answer of several,
+    with verdict and next commands.
     """
 
     rows: tuple[Row, ...] = ()
-    acceptable: float = math.nan
+    acceptable: float = math.nan  #: Acceptable cage slip; NaN for the default.
     assumed: tuple[str, ...] = ()
+    #: Verdict -> commands that help, with ``{scene}`` for the scene.
     commands: Mapping[str, tuple[str, ...]] = attrs.field(factory=dict)
-    next: tuple[str, ...] = ()
-    case: tuple[str, ...] = ()
+    next: tuple[str, ...] = ()  #: Commands for the verdict.
+    case: tuple[str, ...] = ()  #: Bearing, oil, speeds, load and temperature.
     notes: tuple[Note, ...] = ()
-    faults: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()  #: Quantities on which studies disagree.
     verdict: str = ""
-    rule: str = ""
-    marked: str = ""
+    rule: str = ""  #: Code of the rule that decided.
+    marked_row: str = ""  #: Key of the row that decided, if the verdict is not OK.
 
     def __getitem__(self, key: str) -> Row:
         """Return a row by its key."""
-        found = next((row for row in self.rows if row.key == key), None)
-        if found is None:
-            raise KeyError(f"{key}; there are {', '.join(row.key for row in self.rows)}")
-        return found
+        for row in self.rows:
+            if row.key == key:
+                return row
+        raise KeyError(f"{key}; there are {', '.join(row.key for row in self.rows)}")
 
-    def shown(self) -> list[Row]:
-        """Return the rows that people see, `MAX_ROWS` at most: those with an alarm, and the first others."""
-        kept = sorted(self.rows, key=lambda row: not row.alarm)[:MAX_ROWS]
-        return [row for row in self.rows if row in kept]
+    def visible_rows(self) -> list[Row]:
+        """Return the rows that are shown, `MAX_ROWS` at most: those with an alarm, and the first others."""
+        visible = sorted(self.rows, key=lambda row: not row.is_alarm)[:MAX_ROWS]
+        return [row for row in self.rows if row in visible]
 
     def groups(self, more: str = "") -> list[tuple[str, list[str]]]:
-        """Return what stands below the rows, by its heading; ``more`` is where notes are told in full."""
+        """Return the texts below the rows, by heading; ``more`` is the option that shows notes in full."""
+        summary = summarise_notes(self.notes, more)
         return [
             ("assumed", list(self.assumed)),
-            ("notes", [*self.faults, *filter(None, [counted_notes(self.notes, more)])]),
+            ("notes", [*self.faults, summary] if summary else [*self.faults]),
             ("next", list(self.next)),
         ]
 
     def lines(self, width: int = 0, more: str = "-v") -> list[str]:
-        """Return the lines of a terminal: no wider than it, `MAX_LINES` at most, what matters least left out.
+        """Return the lines for a terminal, `MAX_LINES` at most; what matters least is left out.
 
-        Commands are not wrapped: as one line they can be pasted. ``more`` is where notes are told in full.
+        Commands are not wrapped, so that they can be pasted as one line.
+
+        Parameters
+        ----------
+        width : int
+            Width of lines; 0 for that of the terminal.
+        more : str
+            Option that shows notes in full.
         """
-        width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, 40)
+        width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, _MIN_WIDTH)
         head = _wrapped(["   ".join(filter(None, (self.verdict, ", ".join(self.case))))], width)
-        rows = [(row.label, row.text, row.note) for row in self.shown()]
+        rows = [(row.label, row.text, row.note) for row in self.visible_rows()]
         groups = self.groups(more)
         for _ in _shortened(rows, groups, width, f" ({more})"):
-            below = [line for name, texts in groups for line in
-                     aligned(list(_headed(name, texts)), math.inf if name == "next" else width)]  # fmt: skip
-            parts = [part for part in (head, aligned(rows, width), below) if part]
-            lines = [line for k, part in enumerate(parts) for line in ([""] * (k > 0) + part)]
+            below = list[str]()
+            for name, texts in groups:
+                room = math.inf if name == "next" else width
+                below += align_columns(list(_with_heading(name, texts)), room)
+            parts = [part for part in (head, align_columns(rows, width), below) if part]
+            lines = "\n\n".join("\n".join(part) for part in parts).split("\n")
             if len(lines) <= MAX_LINES:
                 break
         return lines
 
     def as_dict(self) -> dict[str, Any]:
-        """Return it as JSON has it: of each row SI value, unit, band and the text that is printed."""
+        """Return the answer as plain values, for JSON: SI value, unit, band and text of each row."""
         return {
             "verdict": self.verdict,
             "rule": self.rule,
@@ -293,10 +441,10 @@ class Answer:
                     "label": row.label,
                     "value": or_none(row.value),
                     "unit": row.unit,
-                    "band": None if row.band is None else [or_none(end) for end in row.band],
+                    "band": None if row.band is None else [or_none(bound) for bound in row.band],
                     "text": row.text,
                     "note": row.note,
-                    "study": row.by,
+                    "study": row.study,
                 }
                 for row in self.rows
             },
@@ -307,17 +455,17 @@ class Answer:
         }
 
     def html(self) -> str:
-        """Return it as a part of a page, by the verdict as its class."""
+        """Return the answer as a part of a page, with the verdict as its class."""
         marked = ' class="marked"'
         rows = "".join(
-            f'<tr{marked * (row.key == self.marked)}><th scope="row">{escape(row.label)}</th>'
+            f'<tr{marked * (row.key == self.marked_row)}><th scope="row">{escape(row.label)}</th>'
             f"<td>{escape(row.text)}</td><td>{escape(row.note)}</td></tr>"
-            for row in self.shown()
+            for row in self.visible_rows()
         )
         groups = dict(self.groups())
         groups["notes"] = [
             *self.faults,
-            *dict.fromkeys(f"{one.code} {one.short}".strip() for one in self.notes),
+            *dict.fromkeys(f"{note.code} {note.short}".strip() for note in self.notes),
         ]
         below = "".join(
             f"<p>{name}: {'<br/>'.join(map(escape, texts[:MAX_ROWS]))}</p>"
@@ -338,270 +486,342 @@ class Answer:
         return "\n".join(self.lines(more=".notes"))
 
 
-def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
-    """Return one answer of those of several studies, each with its name; ``scene`` is what commands are to take.
+def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
+    """Return one answer of those of several studies, with its verdict if one of them knows the cage slip.
 
-    Without one commands are those of Python, for a scene that stands in no file.
+    Parameters
+    ----------
+    answers : iterable of (str, Answer)
+        Names of studies and their answers.
+    scene : str
+        What commands take; without it commands are those of Python, for a scene that is not in a file.
     """
-    given = sorted(answers, key=lambda each: -max((row.known for row in each[1].rows), default=-1))
-    best = dict[str, Row]()
-    faults = [fault for _, one in given for fault in one.faults]
-    for study, one in given:
-        for row in (attrs.evolve(row, by=row.by or study) for row in one.rows):
-            known = best.setdefault(row.key, row)
-            better, other = (row, known) if row.known > known.known else (known, row)
-            best[row.key] = better
-            if _differ(better, other):
-                faults.append(
-                    f"two studies disagree on the {row.label}: {better.text} by {better.by}, {other.text} by {other.by}"
-                )
-    acceptable = next((one.acceptable for _, one in given if one.acceptable > 0.0), ACCEPTABLE)
-    answer = Answer(
+    ranked = sorted(answers, key=lambda item: -max((row.rank for row in item[1].rows), default=-1))
+    best, disagreements = _best_rows(ranked)
+    ordered = [answer for _, answer in ranked]
+    faults = [fault for answer in ordered for fault in answer.faults] + disagreements
+    acceptable = next((item.acceptable for item in ordered if item.acceptable > 0.0), ACCEPTABLE)
+    merged = Answer(
         rows=tuple(best.values()),
         acceptable=acceptable,
-        assumed=tuple(dict.fromkeys(text for _, one in given for text in one.assumed)),
+        assumed=tuple(dict.fromkeys(text for answer in ordered for text in answer.assumed)),
         faults=tuple(faults),
     )
-    commands = next((one.commands for _, one in given if one.commands), None)
+    commands = next((answer.commands for answer in ordered if answer.commands), None)
     if "cage_slip" not in best and commands is None:
-        return answer
-    answer = judged(answer)
-    texts = (commands or {}).get(answer.verdict, ())
-    told = [text.replace("{scene}", scene) if scene else python_call(text) for text in texts]
-    return attrs.evolve(answer, next=tuple(told))
+        return merged
+    merged = with_verdict(merged)
+    texts = (commands or {}).get(merged.verdict, ())
+    lines = [text.replace("{scene}", scene) if scene else python_call(text) for text in texts]
+    return attrs.evolve(merged, next=tuple(lines))
 
 
-def judged(answer: Answer) -> Answer:
-    """Return an answer with its verdict, and words beside the row that decided."""
-    facts = facts_of(answer)
-    states = [(rule, holds(rule, facts)) for rule in RULES]
-    rule = next(one for one, state in states if state)
-    verdict = rule.verdict
-    words = rule.words
-    rank = {name: k for k, name in enumerate((*VERDICTS, UNKNOWN))}
-    open_ = [
-        one
-        for one, state in states
-        if state is None and rank[verdict] < rank[one.verdict] < rank[UNKNOWN]
-    ]
-    if open_:
-        rule = open_[0]
-        verdict = UNKNOWN
-        lacks = " and ".join(
-            dict.fromkeys(fact for fact, *_ in rule.when if not _known(facts.get(fact)))
-        )
-        words = f"whether it {rule.verdict.lower()} is not known: no {lacks}"
-        words = words if lacks else f"whether it is {rule.words} is not known"
+def _best_rows(answers: Iterable[tuple[str, Answer]]) -> tuple[dict[str, Row], list[str]]:
+    """Return by key the rows with the highest rank, and sentences on those on which studies disagree."""
+    best = dict[str, Row]()
+    faults = list[str]()
+    for study, answer in answers:
+        for item in answer.rows:
+            row = attrs.evolve(item, study=item.study or study)
+            first = best.setdefault(row.key, row)
+            better, other = (row, first) if row.rank > first.rank else (first, row)
+            best[row.key] = better
+            if _disagree(better, other):
+                faults.append(
+                    f"two studies disagree on the {row.label}: {better.text} by {better.study}, {other.text} by "
+                    f"{other.study}"
+                )
+    return best, faults
+
+
+def with_verdict(answer: Answer) -> Answer:
+    """Return an answer with its verdict, and a remark beside the row that decided."""
+    facts = answer_facts(answer)
+    rule, verdict, remark = _decide(facts)
     per_cent = {"acceptable": 100.0 * answer.acceptable, "twice": 200.0 * answer.acceptable}
-    words = words.format(**{name: f"{format_plain(value)} %" for name, value in per_cent.items()})
+    remark = remark.format(**{name: f"{format_plain(value)} %" for name, value in per_cent.items()})
     rows = answer.rows
     if not any(row.key == "cage_slip" for row in rows):
         rows = (Row(key="cage_slip", label="cage slip", text="not computed"), *rows)
     key = rule.row if any(row.key == rule.row for row in rows) else "cage_slip"
-    rows = tuple(
-        attrs.evolve(row, note="; ".join(filter(None, (row.note, words))))
-        if row.key == key
-        else row
-        for row in rows
+    return attrs.evolve(
+        answer,
+        rows=tuple(_with_remark(row, remark) if row.key == key else row for row in rows),
+        verdict=verdict,
+        rule=rule.code,
+        marked_row="" if verdict is Verdict.OK else key,
     )
-    marked = key if verdict != "OK" else ""
-    return attrs.evolve(answer, rows=rows, verdict=verdict, rule=rule.code, marked=marked)
 
 
-def facts_of(answer: Answer) -> dict[str, _Interval]:
-    """Return what rules are about, each between its ends; what is not known is left out."""
+def _decide(facts: Mapping[Fact, _Interval]) -> tuple[Rule, Verdict, str]:
+    """Return the rule that decides, its verdict and the remark.
+
+    The first rule that holds decides, unless the facts leave open a rule for a worse verdict: then it is UNKNOWN.
+    """
+    states = [(rule, evaluate_rule(rule, facts)) for rule in RULES]
+    first = next(rule for rule, state in states if state)
+    rank = {verdict: k for k, verdict in enumerate(Verdict)}
+    for rule, state in states:
+        is_worse = rank[first.verdict] < rank[rule.verdict] < rank[Verdict.UNKNOWN]
+        if state is None and is_worse:
+            return rule, Verdict.UNKNOWN, _describe_undecided(rule, facts)
+    return first, first.verdict, first.remark
+
+
+def _describe_undecided(rule: Rule, facts: Mapping[Fact, _Interval]) -> str:
+    """Return the remark on a rule that the facts do not decide: which of them is missing, or that one is too wide."""
+    missing = dict.fromkeys(fact for fact, *_ in rule.conditions if not _is_known(facts.get(fact)))
+    if missing:
+        return f"whether it {rule.verdict.lower()} is not known: no {' and '.join(missing)}"
+    return f"whether it is {rule.remark} is not known"
+
+
+def _with_remark(row: Row, remark: str) -> Row:
+    return attrs.evolve(row, note="; ".join(filter(None, (row.note, remark))))
+
+
+def answer_facts(answer: Answer) -> dict[Fact, _Interval]:
+    """Return the facts that rules compare, as lower and upper bounds; facts that are not known are left out."""
     rows = {row.key: row for row in answer.rows}
-    facts = {"acceptable slip": (answer.acceptable, answer.acceptable)}
-    if (slip := rows.get("cage_slip")) is not None and not math.isnan(slip.value):
-        facts["cage slip"] = (
-            abs(slip.value),
-            abs(slip.value),
-        )  # a cage that runs ahead slides as much
+    facts = {Fact.ACCEPTABLE_SLIP: (answer.acceptable, answer.acceptable)}
+    slip = rows.get("cage_slip")
+    if slip is not None and not math.isnan(slip.value):
+        size = abs(slip.value)  # a cage that runs ahead slides as much
+        facts[Fact.CAGE_SLIP] = (size, size)
         if slip.band is not None:
-            facts |= {
-                name: (end, end)
-                for name, end in zip(
-                    ("low end of the band", "high end of the band"), slip.band, strict=True
-                )
-            }
-    if (reserve := rows.get("drag_reserve")) is not None and not math.isnan(reserve.value):
-        facts["reserve to skidding"] = reserve.band or (reserve.value, reserve.value)
+            low, high = slip.band
+            facts[Fact.BAND_LOW] = (low, low)
+            facts[Fact.BAND_HIGH] = (high, high)
+    reserve = rows.get("drag_reserve")
+    if reserve is not None and not math.isnan(reserve.value):
+        facts[Fact.RESERVE] = reserve.band or (reserve.value, reserve.value)
     return facts
 
 
-def _known(fact: _Interval | None) -> bool:
+def _is_known(fact: _Interval | None) -> bool:
     return fact is not None and not math.isnan(fact[0])
 
 
-def _differ(one: Row, other: Row) -> bool:
-    """Whether two values of a quantity are further from each other than both allow; none that is small is."""
-    if one is other or math.isnan(one.value) or math.isnan(other.value) or math.isinf(one.value):
+def _disagree(row: Row, other: Row) -> bool:
+    """Whether two values of a quantity differ by more than both tolerances; small slips always agree."""
+    if row is other or math.isnan(row.value) or math.isnan(other.value) or math.isinf(row.value):
         return False
-    least = 1e-3 if one.key == "cage_slip" else 0.0
-    return (
-        abs(one.value - other.value)
-        > max(abs(one.value), abs(other.value)) * (one.within + other.within) + least
-    )
+    resolution = _SLIP_RESOLUTION if row.key == "cage_slip" else 0.0
+    largest = max(abs(row.value), abs(other.value))
+    return abs(row.value - other.value) > largest * (row.tolerance + other.tolerance) + resolution
 
 
-# What a result says of itself -----------------------------------------------------------------------------------------
+# Case and assumptions -------------------------------------------------------------------------------------------------
 
 
-def case_of(dataset: "xr.Dataset") -> tuple[str, ...]:
-    """Return bearing, oil, speeds, load and temperature of a result in people's units; empty if it does not say."""
-    a = dataset.attrs
-    scene = json.loads(a.get("scene_resolved", "{}"))
-    if not (operation := scene.get("operation")):
+def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """Return bearing, oil, speeds, load and temperature of a result in engineering units; empty if it has no scene."""
+    attributes = dataset.attrs
+    operation = json.loads(attributes.get("scene_resolved", "{}")).get("operation")
+    if not operation:
         return ()
-    named = [one["name"] for one in json.loads(a.get("data", "[]")) if one["kind"] == "bearing"]
-    oil = json.loads(a.get("lubricant", "{}")).get("name", "")
+    data = json.loads(attributes.get("data", "[]"))
+    bearings = [item["name"] for item in data if item["kind"] == "bearing"]
+    oil = json.loads(attributes.get("lubricant", "{}")).get("name", "")
     oil = re.sub(r"^iso-vg-(\d+)$", r"ISO VG \1", oil)
     oil = oil.upper() if oil.startswith("mil-") else oil
     inner, outer = (
         operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer")
     )
     speed = f"{inner:.0f} rpm" + (f" (outer ring {outer:.0f} rpm)" if outer else "")
-    (unit, size) = force_unit(operation["radial_load"])
     load = operation["radial_load"]
-    last = (
-        f"{format_plain(load * size)} {unit}",
+    unit, factor = force_unit(load)
+    parts = (
+        bearings[0] if bearings else attributes.get("source", ""),
+        oil,
+        speed,
+        f"{format_plain(load * factor)} {unit}",
         f"{format_plain(operation['temperature'] - 273.15)} °C",
     )
-    return tuple(filter(None, (named[0] if named else a.get("source", ""), oil, speed, *last)))
+    return tuple(part for part in parts if part)
 
 
-def assumed_of(dataset: "xr.Dataset") -> tuple[str, ...]:
-    """Return what nobody gave: marks of a new scene, and what scatters, with the slips that it leads to."""
-    a = dataset.attrs
-    marked = list[str]()
+def describe_assumptions(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """Return what was assumed: quantities that scatter, with the slips that they cause, and values of a new scene."""
+    attributes = dataset.attrs
+    texts = list[str]()
+    for item in json.loads(attributes.get("band", "{}")).get("steady_slip", {}).get("changes", ()):
+        low, high = (math.inf if slip is None else slip for slip in item["values"])
+        is_relevant = max(low, high) > _NEGLIGIBLE_SLIP and max(low, high) >= _SHOWN_RATIO * min(
+            low, high
+        )
+        if is_relevant and len(texts) < _MAX_ASSUMPTIONS:
+            texts.append(f"{_varied_quantity(item)}: slip {_slip_range(low, high)}")
+    assumed = list[str]()
+    names = ", ".join(dict.fromkeys(_assumed_keys(attributes.get("scene", "")))).replace("_", " ")
+    if names:
+        assumed.append(f"{names} as rollslip new has it")
+    own_cage = attributes.get("own_cage")
+    if own_cage:
+        assumed.append(f"cage {own_cage.partition(', ')[2].partition(';')[0]}")
+    if assumed:
+        texts.append("; ".join(assumed))
+    return tuple(texts)
+
+
+def _assumed_keys(scene: str) -> Iterator[str]:
+    """Yield the keys of a new scene whose values were assumed, as their comments say."""
     table = ""
-    for begins, key in _ASSUMED.findall(a.get("scene", "")):
-        table = begins or table
-        marked += filter(None, [_NAMED.get(table, table) if key == "name" else key])
-    given = [", ".join(dict.fromkeys(marked)).replace("_", " ")]
-    given = [f"{names} as rollslip new has it" for names in filter(None, given)]
-    if own := a.get("own_cage"):
-        given.append(f"cage {own.partition(', ')[2].partition(';')[0]}")
-    said = list[str]()
-    for one in json.loads(a.get("band", "{}")).get("steady_slip", {}).get("moved", ()):
-        low, high = (math.inf if end is None else end for end in one["values"])
-        if len(said) < 2 and max(low, high) > _SMALL and max(low, high) >= _MOVES * min(low, high):
-            said.append(f"{_quantity(one)}: slip {_ends(low, high)}")
-    return (*said, *filter(None, ["; ".join(given)]))
+    for next_table, key in _ASSUMED.findall(scene):
+        table = next_table or table
+        name = _NAMED.get(table, table) if key == "name" else key
+        if name:
+            yield name
 
 
-def _quantity(one: Mapping[str, Any]) -> str:
-    """A quantity that was moved and where to: "Eyring stress 1.1 to 8.9 MPa", "petroff-land x 0.32 to 3.2"."""
-    *_, table, name = one["key"].split(".")
-    ends = one["ends"]
-    if name.endswith("factor"):
-        called = (
-            f"drag {table}" if name == "factor" else name.removesuffix("_factor").replace("_", " ")
-        )
-        return f"{called} x {two_digits(ends[0])} to {two_digits(ends[1])}"
-    called = name.replace("_", " ")
-    unit = shown_unit(max(map(abs, ends)), one["unit"] or "1")
-    low, high = (converted(end, one["unit"], unit) for end in ends)
-    if low > 0.0 and high < 1e-3:  # a number that nobody reads: by what it is multiplied
-        return (
-            f"{called} x {two_digits(math.sqrt(low / high))} to {two_digits(math.sqrt(high / low))}"
-        )
-    return (
-        f"{called} {two_digits(low)} to {two_digits(high)} {unit}".rstrip()
-        if max(abs(low), abs(high)) > 1e-3
-        else called
-    )
+def _varied_quantity(item: Mapping[str, Any]) -> str:
+    """Return a quantity that scatters, with its range: "Eyring stress 1.1 to 8.9 MPa", "petroff-land x 0.32 to 3.2"."""
+    *_, table, key = item["key"].split(".")
+    bounds = item["ends"]
+    if key.endswith("factor"):
+        name = key.removesuffix("_factor").replace("_", " ")
+        if key == "factor":
+            name = f"drag {table}"
+        return f"{name} x {two_digits(bounds[0])} to {two_digits(bounds[1])}"
+    name = key.replace("_", " ")
+    unit = shown_unit(max(map(abs, bounds)), item["unit"] or "1")
+    low, high = (converted(bound, item["unit"], unit) for bound in bounds)
+    if low > 0.0 and high < _SMALL_NUMBER:
+        ratio = math.sqrt(low / high)
+        return f"{name} x {two_digits(ratio)} to {two_digits(math.sqrt(high / low))}"
+    if max(abs(low), abs(high)) <= _SMALL_NUMBER:
+        return name
+    return f"{name} {two_digits(low)} to {two_digits(high)} {unit}".rstrip()
 
 
-def _ends(low: float, high: float) -> str:
-    """Two slips, in the order of what leads to them."""
-    texts = [percent(end) if math.isfinite(end) else "skidding" for end in (low, high)]
-    return (
-        f"{texts[0].removesuffix(' %')} to {texts[1]}"
-        if texts[0][-1] == texts[1][-1] == "%"
-        else " to ".join(texts)
-    )
+def _slip_range(low: float, high: float) -> str:
+    """Return two slips as text, in the order of the values that lead to them."""
+    first, last = (percent(slip) if math.isfinite(slip) else "skidding" for slip in (low, high))
+    if first.endswith("%") and last.endswith("%"):
+        first = first.removesuffix(" %")
+    return f"{first} to {last}"
 
 
 # Notes ---------------------------------------------------------------------------------------------------------------
 
 
-def counted_notes(notes: Iterable[Note], more: str = "") -> str:
-    """Say what the laws outside their range do to the result, the worst first; ``more`` is where all are told."""
+def summarise_notes(notes: Iterable[Note], more: str = "") -> str:
+    """Return one text on what laws outside their ranges change, the largest changes first; empty without notes.
+
+    Parameters
+    ----------
+    notes : iterable of Note
+        The notes, in the order of `collect_notes`.
+    more : str
+        Option that shows all notes in full.
+    """
     every = list(notes)
-    where = f" ({more})" if more else ""
-    if all(note.moved is None for note in every):
+    if not every:
+        return ""
+    hint = f" ({more})" if more else ""
+    if all(note.changes is None for note in every):
         codes = list(dict.fromkeys(note.code or note.short for note in every))
-        return (
-            f"{len(codes)} on laws outside their range: {' '.join(codes)}{where}" if codes else ""
-        )
-    moving = [note for note in every if note.most[1] >= _UNMOVED]
-    first = [note for note in moving if note.most[1] > _MUCH][:_FEW]
-    rest = moving[len(first) :]
-    said = [note.told for note in first]
-    if rest:
-        most = max(note.most[1] for note in rest)
-        limit = next((f"{100.0 * step:g} %" for step in _STEPS if most <= step), "a factor of 2")
-        of = " or ".join(sorted({note.most[0] for note in rest}))
-        alone = f"{rest[0].code} moves the {of} by up to {limit}"
-        none = (
-            alone
-            if len(rest) == 1
-            else f"{len(rest)}, none of which moves the {of} by more than {limit}"
-        )
-        said.append(f"{len(rest)} more below {limit}" if first else none)
-    unknown = [note.code or note.short for note in every if note.moved is None]
-    said += [f"{' '.join(unknown)} not evaluated"] if unknown else []
-    return f"{'; '.join(said) or 'none moves slip or torque by 1 %'}{where}" if every else ""
+        return f"{len(codes)} on laws outside their range: {' '.join(codes)}{hint}"
+    changing = [note for note in every if note.largest_change[1] >= _NO_CHANGE]
+    shown = [note for note in changing if note.largest_change[1] > _LARGE_CHANGE][:_MAX_SHOWN_NOTES]
+    texts = [note.summary for note in shown]
+    others = changing[len(shown) :]
+    if others:
+        texts.append(_count_notes(others, bool(shown)))
+    unknown = [note.code or note.short for note in every if note.changes is None]
+    if unknown:
+        texts.append(f"{' '.join(unknown)} not evaluated")
+    return f"{'; '.join(texts) or 'none moves slip or torque by 1 %'}{hint}"
 
 
-def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
-    """Return the laws that results left, each once and where its consequence is largest, the worst first."""
-    found = dict[str, tuple[tuple[bool, float], Note]]()
-    every = list(datasets)
-    at: dict[str, dict[str, Any]] = {
-        row["code"]: row for one in every for row in json.loads(one.attrs.get("consequences", "[]"))
+def _count_notes(notes: Sequence[Note], has_others: bool) -> str:
+    """Return the number of notes and a limit on what they change, after others that are shown on their own."""
+    largest = max(note.largest_change[1] for note in notes)
+    limit = "a factor of 2"
+    for fraction in _CHANGE_LIMITS:
+        if largest <= fraction:
+            limit = f"{100.0 * fraction:g} %"
+            break
+    if has_others:
+        return f"{len(notes)} more below {limit}"
+    quantities = " or ".join(sorted({note.largest_change[0] for note in notes}))
+    if len(notes) == 1:
+        return f"{notes[0].code} moves the {quantities} by up to {limit}"
+    return f"{len(notes)}, none of which moves the {quantities} by more than {limit}"
+
+
+def collect_notes(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
+    """Return notes on the laws outside their ranges in some results, each once, the largest changes first."""
+    results = list(datasets)
+    consequences: dict[str, dict[str, Any]] = {
+        row["code"]: row
+        for result in results
+        for row in json.loads(result.attrs.get("consequences", "[]"))
     }
-    for dataset in every:
-        for one in json.loads(dataset.attrs.get("validity") or "{}").get("messages", []):
-            code = one.get("code", "")
-            row = at.get(code, {"moved": {}} if at else {})
-            moved = row.get("moved")
-            if moved is not None:
-                moved = {
-                    name: (first, math.inf if last is None else last)
-                    for name, (first, last) in moved.items()
-                }
-            note = Note(code=code, short=one["short"], text=one["text"], weight=one["severity"],
-                        instead=row.get("instead", ""), moved=moved)  # fmt: skip
-            key = code or f"{one['law']} {one['made_for']}"
-            rank = (one["is_warning"], one["severity"])
-            if key not in found or rank > found[key][0]:
-                found[key] = rank, note
-    ranked = sorted(found.values(), key=lambda each: (_rank(each[1]), each[0]), reverse=True)
-    return tuple(note for _, note in ranked)
+    messages = dict[str, dict[str, Any]]()
+    for result in results:
+        for message in json.loads(result.attrs.get("validity") or "{}").get("messages", []):
+            key = message.get("code", "") or f"{message['law']} {message['made_for']}"
+            if key not in messages or _message_rank(message) > _message_rank(messages[key]):
+                messages[key] = message
+    notes = [(_note(message, consequences), message) for message in messages.values()]
+    notes.sort(key=lambda item: (_note_rank(item[0]), _message_rank(item[1])), reverse=True)
+    return tuple(note for note, _ in notes)
 
 
-def _rank(note: Note) -> float:
-    """By what a note stands: what it moves, those that were not evaluated behind those that move something."""
-    most = note.most[1]
-    return most if most >= _UNMOVED else 0.5 * _UNMOVED if note.moved is None else 0.0
+def _message_rank(message: Mapping[str, Any]) -> tuple[bool, float]:
+    """Return what orders messages of one bound: warnings first, then by severity."""
+    return message["is_warning"], message["severity"]
+
+
+def _note(message: Mapping[str, Any], consequences: Mapping[str, Mapping[str, Any]]) -> Note:
+    """Return the note of a message on a range, with the changes by another law, if these were evaluated."""
+    code = message.get("code", "")
+    not_evaluated = {"changes": {}} if consequences else {}
+    row = consequences.get(code, not_evaluated)
+    changes = row.get("changes")
+    if changes is not None:
+        changes = {
+            name: (before, math.inf if after is None else after)
+            for name, (before, after) in changes.items()
+        }
+    return Note(
+        code=code,
+        short=message["short"],
+        text=message["text"],
+        severity=message["severity"],
+        alternative=row.get("instead", ""),
+        changes=changes,
+    )
+
+
+def _note_rank(note: Note) -> float:
+    """Return what orders notes: their largest change; those not evaluated come after all that change something."""
+    _, change = note.largest_change
+    if change >= _NO_CHANGE:
+        return change
+    return 0.5 * _NO_CHANGE if note.changes is None else 0.0
 
 
 # Lines ---------------------------------------------------------------------------------------------------------------
 
 
-def _headed(name: str, texts: Sequence[str]) -> Iterator[tuple[str, str]]:
+def _with_heading(name: str, texts: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Yield texts with a heading before the first."""
     for k, text in enumerate(texts):
         yield f"{'' if k else name:<{_HEADING}}", text
 
 
-def _shortened(rows: list[tuple[str, str, str]], groups: Sequence[tuple[str, list[str]]], width: int,
-               more: str) -> Iterator[None]:  # fmt: skip
-    """Shorten an answer step by step, what matters least first; all rows stay as long as that can be."""
-    (_, assumed), (_, notes), (_, after) = groups
+def _shortened(
+    rows: list[tuple[str, str, str]],
+    groups: Sequence[tuple[str, list[str]]],
+    width: int,
+    more: str,
+) -> Iterator[None]:
+    """Shorten an answer in place, step by step, what matters least first; rows are removed last."""
+    (_, assumed), (_, notes), (_, commands) = groups
     yield
-    del after[1:]
+    del commands[1:]
     while len(assumed) > 2:
         yield
         assumed.pop()
@@ -627,7 +847,7 @@ def _shortened(rows: list[tuple[str, str, str]], groups: Sequence[tuple[str, lis
 
 
 def _line(text: str, width: int, more: str) -> str:
-    """What of a text below the rows stands on one line: its first parts, and where more is told."""
+    """Return the first parts of a text that fit on one line, with the option that shows more."""
     more = more if text.endswith(more) else ""
     room = width - _HEADING - 4 - len(more)
     parts = text.removesuffix(more).split("; ")
@@ -640,8 +860,16 @@ def _wrapped(lines: Iterable[str], width: int) -> list[str]:
     return [line for text in lines for line in textwrap.wrap(text, width, break_on_hyphens=False)]
 
 
-def aligned(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
-    """Return lines with the texts of rows below one another; the last text wraps in its column."""
+def align_columns(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
+    """Return rows of texts as lines with aligned columns; the last column wraps.
+
+    Parameters
+    ----------
+    rows : sequence of tuples of str
+        Texts, as many in each row.
+    width : float
+        Width of lines; infinite for no wrapping.
+    """
     if not rows:
         return []
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]) - 1)]
@@ -650,7 +878,8 @@ def aligned(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
         before = "  " + "".join(
             f"{text:<{size}}  " for text, size in zip(row, widths, strict=False)
         )
-        room = int(min(max(width - len(before), 16), 1000))
+        narrowest, widest = _COLUMN_WIDTHS
+        room = int(min(max(width - len(before), narrowest), widest))
         parts = textwrap.wrap(row[-1], room, break_on_hyphens=False, break_long_words=False) or [""]
         lines += [(before if not k else " " * len(before)) + part for k, part in enumerate(parts)]
     return [line.rstrip() for line in lines]

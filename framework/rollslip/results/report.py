@@ -35,7 +35,7 @@ from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
 from rollslip.results.account import Table
 from rollslip.results.accounts import account_of, answer
-from rollslip.results.answer import Answer, case_of
+from rollslip.results.answer import Answer, describe_case
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
 from rollslip.results.style import GROUND, INK, adapting
@@ -102,10 +102,10 @@ def write_report(
     scene: str = "",
 ) -> None:
     """Write one self-contained HTML file about the results of a run; `scene` is what its commands are to take."""
-    cases = {case for one in datasets.values() if (case := case_of(one))}
+    cases = {case for one in datasets.values() if (case := describe_case(one))}
     first = answer(*datasets.values(), scene=scene) if len(cases) < 2 else Answer()
     first = attrs.evolve(first, next=tuple(_ITSELF.sub(_beyond, to_do) for to_do in first.next))
-    leading = next((row.by for row in first.rows if row.key == "cage_slip"), "")
+    leading = next((row.study for row in first.rows if row.key == "cage_slip"), "")
     lead, drawings, colours = _figures(figures, leading)
     shown = [
         section

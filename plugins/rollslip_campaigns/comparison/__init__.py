@@ -27,7 +27,7 @@ class ComparisonSettings(OfScene):
     A model that is not composed of others takes the place of the hydrodynamic model where the scene's traction is a
     blend, such as lambda-blend, and of the film where the scene's film is a correction, such as inlet-correction; --set
     models.traction=NAME takes the blend out of the scene. What --reference does not name is the first of the
-    comparison, and without it that is what the others are held against.
+    comparison, and without it the others are compared with the first.
 
     Returns
     -------
@@ -64,8 +64,8 @@ class ComparisonSettings(OfScene):
         default=(),
         metavar="A,B",
         repeatable=True,
-        details="Names, tables with ``model`` and its parameters, or models; by default the scene's own, also of film and "
-        "contact. A bare name that the scene uses keeps the scene's parameters.",
+        details="Names, tables with ``model`` and its parameters, or models; by default the scene's own, also of film "
+        "and contact. A bare name that the scene uses keeps the scene's parameters.",
     )
     film: Sequence[Any] | str = setting(
         "Film models to compare.", default=(), metavar="A,B", repeatable=True
@@ -76,7 +76,7 @@ class ComparisonSettings(OfScene):
     reference: Any = setting(
         "Traction that the others are compared with; NAME,NAME for its film and contact too.",
         metavar="NAME",
-        details="Or a mapping of kind to model. Without it what is reported is no error but a difference.",
+        details="Or a mapping of kind to model. Without it differences are reported, not errors.",
     )
     study: str | None = setting(
         "Study with friction curves; by default the first of the scene.", metavar="STUDY"
@@ -88,16 +88,16 @@ class ComparisonSettings(OfScene):
         "Bearings to choose from.", default=(), metavar="A,B", repeatable=True
     )
     cage: Sequence[str] | str = setting(
-        "What the cage may be of.", default=(), metavar="A,B", repeatable=True
+        "Cages to choose from.", default=(), metavar="A,B", repeatable=True
     )
     clearance_class: Sequence[str] | str = setting(
         "Clearances to choose from.", default=(), metavar="C3,C4", repeatable=True
     )
     outer_ring: Sequence[str] | str = setting(
-        "How the outer ring yields.", default=(), metavar="A,B", repeatable=True
+        "Flexible outer rings to choose from.", default=(), metavar="A,B", repeatable=True
     )
     inner_ring: Sequence[str] | str = setting(
-        "How the inner ring yields.", default=(), metavar="A,B", repeatable=True
+        "Flexible inner rings to choose from.", default=(), metavar="A,B", repeatable=True
     )
 
     @property
@@ -124,7 +124,7 @@ class ComparisonSettings(OfScene):
         return plan_comparison(self)
 
     def run(
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Run the combinations or alternatives, and return the result."""
         if self._of_scenes:

@@ -284,7 +284,7 @@ def _log_changes(result: "xr.Dataset") -> dict[str, tuple[float, ...]]:
     changes = dict[str, tuple[float, ...]]()
     if not slip > 0.0:
         return {}
-    for row in band.get("moved", ()):
+    for row in band.get("changes", ()):
         if any(value is None or not value > 0.0 for value in row["values"]):
             return {}
         changes[row["key"]] = tuple(math.log(value / slip) for value in row["values"])

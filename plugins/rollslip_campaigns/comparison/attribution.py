@@ -365,7 +365,7 @@ def attribute_differences(
         bin_fraction=(
             (curve, "bin"),
             fraction,
-            about("1", "share of the contact force over the curve"),
+            about("1", "fraction of the contact force over the curve"),
         ),
         bin_difference=((*dims, "bin"), difference, about("1", f"{what} within the bin")),
         bin_contribution=(
@@ -376,7 +376,7 @@ def attribute_differences(
         explained=(
             (*dims, "grouping"),
             explained,
-            about("1", "share of the difference's variance between the bins"),
+            about("1", "fraction of the variance of the difference between the bins"),
         ),
     ).assign_coords(
         bin=(

@@ -53,8 +53,8 @@ class FitSettings(Campaign):
         "What to fit, separated by commas.",
         default=attrs.NOTHING,
         metavar="NAME,NAME",
-        details='Values and factors of the oil ("eyring_stress", "pressure_viscosity", "viscosity_factor") and parameters '
-        'of the traction model ("flash", "hydrodynamic.flash"). They start from the values of the rig file.',
+        details='Values and factors of the oil ("eyring_stress", "pressure_viscosity", "viscosity_factor") and '
+        'parameters of the traction model ("flash", "hydrodynamic.flash"). They start from the values of the rig file.',
     )
     traction: Any = setting(
         "Traction model, by default that of the rig file.",
@@ -73,7 +73,7 @@ class FitSettings(Campaign):
         return plan_fit(self)
 
     def run(
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Return the fit, with statuses of parameters that the data do not determine."""
         from rollslip_campaigns.fit.fit import run_fit

@@ -252,7 +252,7 @@ def _parameter_variables(fit: Fit, requested: Sequence[Parameter]) -> dict[str, 
             for_all(limits, len(LEVELS), 2),
             about(unit, "interval of confidence after the profile likelihood"),
         ),
-        "status": ("parameter", _texts(status), about("1", "what the data tell")),
+        "status": ("parameter", _texts(status), about("1", "what the data determine")),
         "limit_status": (
             ("parameter", "side"),
             _texts(limit_status),
@@ -271,7 +271,7 @@ def _parameter_variables(fit: Fit, requested: Sequence[Parameter]) -> dict[str, 
         "profile_value": (
             ("parameter", "profile_point"),
             for_all(profile_values, points),
-            about(unit, "value held"),
+            about(unit, "fixed value"),
         ),
         "profile_rise": (
             ("parameter", "profile_point"),
@@ -555,7 +555,9 @@ def _provenance(fit: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
         packages=packages_of(offers),
         models=described,
         lubricant=describe_lubricant(oil),
-        **describe_citations(collect_citations([*models.values(), oil.pressure_viscosity_law], oil.references)),
+        **describe_citations(
+            collect_citations([*models.values(), oil.pressure_viscosity_law], oil.references)
+        ),
         evaluations=problem.evaluated,
         **_tables(fit, dataset),
     )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class ParetoSettings(OfScene):
-    """Hold error against cost for the studies of SCENE: a family of choices, and the front that none of them passes.
+    """Compare error and cost for the studies of SCENE: a family of choices, and their Pareto front.
 
     What may differ: slices, quadrature, n_positions, table_tolerance, integrator, integrator_tolerance, compiled (NumPy
     in its place), traction, film, friction. Errors of numerical choices are against the finest of the same models;
@@ -38,7 +38,7 @@ class ParetoSettings(OfScene):
     SceneError, PluginError
         If the scene or a name is wrong, or nothing is left to choose.
     RollslipError
-        If a finest fails.
+        If a reference solution fails.
 
     Examples
     --------
@@ -76,7 +76,7 @@ class ParetoSettings(OfScene):
         return plan_family(self)
 
     def run(
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Run all choices, and return errors and costs; finished turns are stored in a folder."""
         from rollslip_campaigns.pareto.pareto import run_family

@@ -32,6 +32,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies.study import AXES, Study
 from rollslip_campaigns.comparison.choices import choice_of, loadable
+from rollslip_campaigns.pareto.findings import PLANNED, REFERENCE
 
 if TYPE_CHECKING:
     from rollslip_campaigns.pareto import ParetoSettings
@@ -82,10 +83,6 @@ class _FamilySettings:
 
 _FAMILY: Final = _FamilySettings()
 
-#: Label of the choice of the plan.
-PLANNED = "as planned"
-#: Label of the reference solution: the finest resolution of the same models.
-REFERENCE = "finest"
 #: Label of the solution with half the resolution of the reference solution.
 HALF = "half as fine"
 #: Label of the reference solution of the exact model.

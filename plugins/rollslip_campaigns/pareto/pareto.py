@@ -34,7 +34,8 @@ from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import combine_origins, models_origin, origin, run_origin
 from rollslip.results.dataset import about
 from rollslip.structure import scene_hash
-from rollslip_campaigns.pareto.candidates import EXACT, HALF, PLANNED, REFERENCE, Choice, Family
+from rollslip_campaigns.pareto.candidates import EXACT, HALF, Choice, Family
+from rollslip_campaigns.pareto.findings import PLANNED, REFERENCE, ROUNDING
 from rollslip_campaigns.sweep.journal import StoredValues
 
 if TYPE_CHECKING:
@@ -45,8 +46,6 @@ if TYPE_CHECKING:
 #: Processor time [s] of a turn at least: the clock of some systems has steps of 16 ms. Doubling it halves the error of
 #: the clock, and doubles the time of short studies.
 _MIN_TURN: Final = 0.05
-#: Smallest floor of errors: rounding of double precision after some hundred operations. Doubling it changes nothing.
-_ROUNDING: Final = 1e-14
 
 
 def front(cost: Array, error: Array) -> NDArray[np.bool_]:
@@ -303,7 +302,7 @@ def _compare_results(
         reference = by_label[study, REFERENCE]
         exact = by_label.get((study, EXACT), reference)
         half = by_label.get((study, HALF), reference)
-        floor[j] = max(_relative_error(half, reference, name)[0], _ROUNDING)
+        floor[j] = max(_relative_error(half, reference, name)[0], ROUNDING)
         for k, (choice, record) in enumerate(zip(family.choices, records, strict=True)):
             if choice.study != study:
                 continue
@@ -385,7 +384,7 @@ def _origin(
     warnings = [f"{name}: {text}" for name, text in statuses if text != "done"]
     if resumed:
         warnings.append(
-            "the run was interrupted and gone on with: not all rounds met the same machine"
+            "the run was interrupted and resumed: not all rounds ran under the same load of the machine"
         )
     warnings += implausible(family.plan.scene)
     evaluations = sum(record.evaluations for record in records)

@@ -20,7 +20,7 @@ class SurrogateSettings(OfPoints):
     """Tabulate what SCENE does to its cage over load, speeds and temperature, for programs without rollslip.
 
     Effective friction, force, largest friction and rolling resistance of both rings, and the drags of the cage: all
-    that a motion of cage and rollers needs. Nodes are added until random operations are within --error, which stands in
+    that a motion of cage and rollers needs. Nodes are added until random operations are within --error, which is in
     the file. rollslip export --result FILE.nc writes it as an FMU, as C or as a table.
 
     Returns
@@ -37,7 +37,7 @@ class SurrogateSettings(OfPoints):
     SceneError, PluginError
         If anything is wrong with the scene or the settings, or cage pockets have friction; before anything runs.
     ConvergenceError
-        If a point fails, or the most nodes leave more than the error.
+        If a point fails, or the finest tables exceed the error.
     EngineError, OutputError
         If the engine or the folder cannot be used.
     """
@@ -75,9 +75,11 @@ class SurrogateSettings(OfPoints):
         return plan_surrogate(self)
 
     def run(
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Compute the tables in a folder, and return them."""
         from rollslip_campaigns.surrogate.surrogate import run_surrogate
 
-        return run_surrogate(made, folder, print_line=said, report=lambda now: show(*now.summary))
+        return run_surrogate(
+            made, folder, print_line=message, report=lambda now: show(*now.summary)
+        )

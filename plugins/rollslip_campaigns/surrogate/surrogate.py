@@ -106,36 +106,20 @@ _REFINEMENT: Final = _Refinement()
 
 
 @attrs.frozen
-class _DefaultRanges:
-    """Ranges about the operation of the scene where none are named; chosen, and doubled widths need more nodes.
+class _RangeSettings:
+    """Default ranges of an operation, and bounds of rolling speed and of the ratio of cage and rolling speed.
 
     Attributes
     ----------
     load_factors : tuple of float
-        Smallest and largest load over that of the scene.
+        Smallest and largest load over that of the scene, where no range is named. Wider ranges need more nodes; chosen.
     speed_factors : tuple of float
-        Smallest and largest speed of a ring over that of the scene: a run-up without its first part.
+        The same for the speed of a ring: a run-up without its first part. Chosen.
     temperature_change : float
-        Kelvins below and above the temperature of the scene.
-    """
-
-    load_factors: tuple[float, float] = (0.4, 2.5)
-    speed_factors: tuple[float, float] = (0.15, 1.2)
-    temperature_change: float = 20.0
-
-
-_DEFAULT_RANGES: Final = _DefaultRanges()
-
-
-@attrs.frozen
-class _SpeedBounds:
-    """Bounds of rolling speed and of the ratio of cage and rolling speed that tables cover.
-
-    Attributes
-    ----------
+        Kelvins below and above the temperature of the scene, where no range is named. Chosen.
     lower_factor : float
-        Smallest rolling speed over the smallest one at the epicyclic cage speed: slip changes the rolling speed by a
-        few per cent only, except beside a cage at rest.
+        Smallest rolling speed over the smallest one at the epicyclic cage speed: slip changes the rolling speed by at
+        most (R_o - R_i)/(2 R_o), see study raceway-friction.
     upper_factor : float
         Largest rolling speed over the largest epicyclic one. A cage at rest has about twice the epicyclic one; chosen
         below it, because beyond the tables the last value is used.
@@ -152,6 +136,9 @@ class _SpeedBounds:
         Largest ratio; it is unbounded where both rings turn alike and nothing rolls.
     """
 
+    load_factors: tuple[float, float] = (0.4, 2.5)
+    speed_factors: tuple[float, float] = (0.15, 1.2)
+    temperature_change: float = 20.0
     lower_factor: float = 0.7
     upper_factor: float = 1.6
     min_fraction: float = 0.01
@@ -160,7 +147,7 @@ class _SpeedBounds:
     max_ratio: float = 50.0
 
 
-_SPEED_BOUNDS: Final = _SpeedBounds()
+_RANGES: Final = _RangeSettings()
 #: Nodes over cage speed of the remainder of the drags, uniform in asinh(speed/CAGE_SMALL). Doubling it halves their
 #: distance and the error of drags that change abruptly, such as a constant torque at rest; one row a temperature.
 _CAGE_NODES = 65
@@ -273,7 +260,7 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
     if not 1e-4 <= error <= 0.2:
         raise SceneError(
             [
-                f"error: a share from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {requested.error}"
+                f"error: a fraction from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {requested.error}"
             ]
         )
     slow, fast, min_ratio, max_ratio = _speed_bounds(assembly, ranges)
@@ -326,12 +313,12 @@ def _check_drags(
     names = f"cage.drag: {', '.join(model.name for model in assembly.cage.drags.torques)}: "
     if deviation > _MAX_FORM_ERROR:
         raise SceneError(
-            [f"{names}what they do is no sum of what goes with the lead of a ring and what goes with the cage's speed, "
-             "so that it cannot be tabulated"]
+            [f"{names}their torque is not a sum of terms in the leads of the rings and in the speed of the cage, so "
+             "that it cannot be tabulated"]
         )  # fmt: skip
     if deviation > error:
         raise SceneError(
-            [f"{names}between the most speeds of a table they are off by {100 * deviation:.2g} %; allow a larger "
+            [f"{names}their error between the speeds of the finest table is {100 * deviation:.2g} %; allow a larger "
              "error, or narrow the ranges of speeds"]
         )  # fmt: skip
 
@@ -340,8 +327,8 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
     """Return the bounds of all four quantities: those requested, or the default ones about the scene."""
     known = quantities(assemble(scene), settings(scene, RacewayFriction.name))
     operation = scene.operation
-    change = _DEFAULT_RANGES.temperature_change
-    low_load, high_load = _DEFAULT_RANGES.load_factors
+    change = _RANGES.temperature_change
+    low_load, high_load = _RANGES.load_factors
     ranges = {
         _KEYS[0]: (operation.temperature - change, operation.temperature + change),
         _KEYS[1]: (low_load * operation.radial_load, high_load * operation.radial_load),
@@ -373,14 +360,14 @@ def _read_range(name: str, text: object, quantity: Quantity) -> tuple[float, flo
     unit = str(quantity.unit)
     parts = [part.strip() for part in str(text).split(":")]
     if len(parts) > 2:
-        raise ValueError(f"{text!r} is no range; write LOW:HIGH, with units")
+        raise ValueError(f"{text!r} is not a range; write LOW:HIGH, with units")
     check_typed(str(text), parts, unit)
     ends = evenly(parts[0], parts[-1], 2, unit)
     low = float(ends[0])
     high = float(ends[-1])
     if low > high or (name == _KEYS[1] and not low > 0.0):
         raise ValueError(
-            f"{text!r}: the first end must be {'above 0 and ' * (name == _KEYS[1])}below the second"
+            f"{text!r}: the lower end must be {'above 0 and ' * (name == _KEYS[1])}below the upper one"
         )
     for end in (low, high):
         quantity.read(end)
@@ -389,7 +376,7 @@ def _read_range(name: str, text: object, quantity: Quantity) -> tuple[float, flo
 
 def _default_speeds(speed: float) -> tuple[float, float]:
     """Return the default bounds of a ring's speed, the lower one first also where it turns backwards."""
-    low, high = sorted(factor * speed for factor in _DEFAULT_RANGES.speed_factors)
+    low, high = sorted(factor * speed for factor in _RANGES.speed_factors)
     return low, high
 
 
@@ -399,24 +386,23 @@ def _speed_bounds(
     """Return the smallest and largest rolling speed u [m/s] of tables, and those of the ratio R_o w/u."""
     Ri = assembly.kinematics.inner_radius
     Ro = assembly.kinematics.outer_radius
-    bounds = _SPEED_BOUNDS
     inner, outer = np.meshgrid(
-        *(np.linspace(*ranges[key], bounds.ring_speeds) for key in _KEYS[2:])
+        *(np.linspace(*ranges[key], _RANGES.ring_speeds) for key in _KEYS[2:])
     )
     u = Ri * Ro / (Ri + Ro) * (inner - outer)
     if not u.any():
         raise SceneError(
-            ["operation.inner_speed: nothing rolls at any speed of the ranges; give other ones"]
+            ["operation.inner_speed: nothing rolls at any speed of the ranges; give other ranges"]
         )
-    fast = bounds.upper_factor * float(np.abs(u).max())
-    slow = bounds.min_fraction * fast
+    fast = _RANGES.upper_factor * float(np.abs(u).max())
+    slow = _RANGES.min_fraction * fast
     if not u.min() < 0.0 < u.max():
-        slow = max(bounds.lower_factor * float(np.abs(u).min()), slow)
+        slow = max(_RANGES.lower_factor * float(np.abs(u).min()), slow)
     if not outer.any():
         return slow, fast, 1.0, 1.0
     rho = np.abs(Ri * inner + Ro * outer)[u != 0.0] / (Ri + Ro) * Ro / np.abs(u[u != 0.0])
-    upper = min(float(rho.max()), bounds.max_ratio)
-    lower = max(float(rho.min()), bounds.min_ratio * upper)
+    upper = min(float(rho.max()), _RANGES.max_ratio)
+    lower = max(float(rho.min()), _RANGES.min_ratio * upper)
     return slow, fast, lower, upper if upper > lower else 2.0 * lower
 
 
@@ -433,15 +419,13 @@ class _Nodes:
 
     def tables(self, temperatures: Sequence[int], loads: Sequence[int]) -> dict[str, Array]:
         """Return the tables at indices of the finest rows of temperature and load: (temperature, load, ...)."""
-        numbers = np.array([[self._number(t, w) for w in loads] for t in temperatures])
+        stride = self.plan.sweep.design.shape[1]
+        numbers = np.array([[t * stride + w for w in loads] for t in temperatures])
         _compute_points(self.points, self.results, numbers.ravel().tolist())
         return {
             name: np.array([[self.results[int(n)][name] for n in row] for row in numbers])
             for name in (*_TABLES, "cage_ratio", "rolling_speed", "slide_roll")
         }
-
-    def _number(self, t: int, w: int) -> int:
-        return t * self.plan.sweep.design.shape[1] + w
 
 
 def _compute_points(
@@ -577,15 +561,15 @@ def run_surrogate(
         tables = _coarsen(fine, strides)
         interpolated = _interpolate_operations(tables, axes, rows, operations)
         errors = _max_errors(_interpolate_all_nodes(interpolated, strides), reference)
-        print_line(f"{len(rows[0])} temperatures and {len(rows[1])} loads: random operations are off by "
+        print_line(f"{len(rows[0])} temperatures and {len(rows[1])} loads: the error at random operations is "
                    f"{100 * errors.max():.2g} % at most")  # fmt: skip
         if errors.max() <= plan.error:
             break
         fraction *= _REFINEMENT.tightening
     else:
         raise ConvergenceError(
-            f"the most nodes leave {100 * errors.max():.2g} % at random operations, more than the "
-            f"{100 * plan.error:.3g} % asked for; allow a larger --error, or narrow the ranges"
+            f"the error of the finest tables at random operations is {100 * errors.max():.2g} %, more than "
+            f"{100 * plan.error:.3g} %; allow a larger --error, or narrow the ranges"
         )
     dataset = _dataset(plan, axes, rows, strides, {**fine, **tables}, operations, errors)
     save(dataset, folder / RESULT)
@@ -784,11 +768,17 @@ def _dataset(
             np.array(plan.ranges[key]),
             about(unit, f"ends of {key}"),
         )
-    largest = about("1", "largest error at a random operation")
-    variables["operation_error"] = ("operation", errors, largest)
+    variables["operation_error"] = (
+        "operation",
+        errors,
+        about("1", "largest error at a random operation"),
+    )
     for (name, value), unit in zip(operations.items(), ("K", "N"), strict=True):
-        meaning = about(unit, f"{name.replace('_', ' ')} there")
-        variables[f"operation_{name}"] = ("operation", value, meaning)
+        variables[f"operation_{name}"] = (
+            "operation",
+            value,
+            about(unit, f"{name.replace('_', ' ')} there"),
+        )
     units = {"temperature": "K", "radial_load": "N", "cage_ratio": "1", "rolling_speed": "m/s",
              "slide_roll": "1", "cage_speed": "rad/s"}  # fmt: skip
     step = math.asinh(max_cage_speed / CAGE_SMALL) / (_CAGE_NODES - 1)
@@ -829,8 +819,11 @@ def _drag_variables(drags: Mapping[str, Array]) -> dict[str, Any]:
     ):
         dims = ("temperature", "rolling_speed")[: drags[name].ndim]
         variables[f"drag_{name}"] = (dims, drags[name], about(unit, text))
-    remainder = about("N m", "what is left of the drags, along the cage's speed")
-    variables["drag_rest"] = (("temperature", "cage_speed"), drags["rest"], remainder)
+    variables["drag_rest"] = (
+        ("temperature", "cage_speed"),
+        drags["rest"],
+        about("N m", "what is left of the drags, along the cage's speed"),
+    )
     return variables
 
 

@@ -21,7 +21,7 @@ _DATA = "Names, folders, or data sets that are read: `rollslip_campaigns.measure
 
 @attrs.frozen(eq=False)
 class ValidationSettings(Campaign):
-    """Hold models against data sets, by name or folder; by default all data sets that are installed.
+    """Compare models with data sets, by name or folder; by default all data sets that are installed.
 
     Calculated over measured with the uncertainty of both, statements that hold or do not, chi-square where it means
     something: a table, an atlas of figures, a report.
@@ -73,7 +73,7 @@ class ValidationSettings(Campaign):
         return plan_validation(self)
 
     def run(
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Return the comparison of models with data."""
         from rollslip_campaigns.validation.validate import run_validation
@@ -97,7 +97,7 @@ class RankingSettings(Campaign):
 
     DATA are data sets, or files that ``fit`` reads, each with rig.toml beside it. Parameters are fitted to friction on
     all conditions but one, and the law is scored on that one, for every condition in turn. What cannot be determined
-    with a confidence of 95 % is said to be so.
+    with a confidence of 95 % is reported as such.
 
     Returns
     -------
@@ -141,7 +141,7 @@ class RankingSettings(Campaign):
         return plan_ranking(self)
 
     def run(
-        self, made: Any, folder: Path, show: "ProgressReporter", said: Callable[[str], None]
+        self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Return the scores of the laws, the best first."""
         from rollslip_campaigns.validation.ranking import run_ranking

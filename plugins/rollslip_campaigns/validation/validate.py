@@ -40,11 +40,10 @@ from rollslip_campaigns.fit.problem import RigProblem, rig_problem
 from rollslip_campaigns.measurement import Measurement
 from rollslip_campaigns.measurement.values import ContactSeries, Series, Statement
 from rollslip_campaigns.sweep.sampling import probabilities
-from rollslip_campaigns.validation.findings import format_value
+from rollslip_campaigns.validation.findings import UNDETERMINED, format_value
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import Predictions, measurement_named, predictions_of
 from rollslip_campaigns.validation.residuals import (
-    UNDETERMINED,
     RowResult,
     SeriesResult,
     StatementResult,

@@ -469,7 +469,13 @@ class _Trials:
         )
 
     def integrator(self, study: MotionStudy) -> Choice:
-        """Choose leapfrog where contacts oscillate, rk45 for smooth motions, and that of the study if it is stiff."""
+        """Choose the integrator by the strongest damping at the start and in sampled states without slip.
+
+        - Without contacts (level cage-set): rk45 up to a limit of the damping, beyond it the implicit one of the study.
+        - Films in the pockets, or stiff in all sampled states: the implicit one.
+        - Stiff in some of the states: rk45, whose steps follow the error; they are short, for a short time.
+        - Not stiff: leapfrog, which resolves contacts; rk45 for tight tolerances.
+        """
         moving = self.moving(study)
         implicit = study.method(self.assembly).name
         times, states = moving.sample_states()

@@ -379,7 +379,7 @@ def row(dataset: "xr.Dataset") -> Row:
             note=_describe_steady_slip(dataset),
         )
     return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), note="mean of the last orbit",
-               known=1, within=0.1)  # fmt: skip
+               rank=1, tolerance=0.1)  # fmt: skip
 
 
 def _describe_steady_slip(dataset: "xr.Dataset") -> str:

@@ -133,7 +133,7 @@ class Band:
 def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -> "xr.Dataset":
     """Return a result with the bands of its smallest steady slip and minimum load, as JSON in attributes.
 
-    Attribute ``band`` has by name of the value "low" and "high", "most", the key of the dominant quantity, and "moved",
+    Attribute ``band`` has by name of the value "low" and "high", "most", the key of the dominant quantity, and "changes",
     the effects of all quantities. A bound is null where the cage skids. Attribute ``consequences`` has the effects of
     exceeded validity ranges (see `consequences`). A result without a steady slip, or of a cage that is driven, is
     returned unchanged.
@@ -391,7 +391,7 @@ def consequences(
 ) -> list[dict[str, Any]]:
     """Return the effect of each validity range that a result exceeds, as rows of values for JSON.
 
-    A row has the "code" of the range and as "instead" the name of the other law, empty if the range names none. "moved"
+    A row has the "code" of the range and as "instead" the name of the other law, empty if the range names none. "changes"
     has by `SLIP`, `RESERVE` and `TORQUE` the value and the value by the other law, None where the cage skids; it is
     missing where nothing was evaluated. "refused" says why the other law could not be evaluated.
 

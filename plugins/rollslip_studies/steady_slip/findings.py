@@ -235,7 +235,7 @@ def _minimum_load_row(dataset: "xr.Dataset", acceptable: float, load: float, pre
     """Return the row of the minimum load, with its band where the result has one."""
     minimum = float(dataset["minimum_load"])
     status = str(dataset["minimum_load_status"].item())
-    row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "known": _KNOWN}
+    row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "rank": _KNOWN}
     outcome = Status.of(status)
     is_unlimited = outcome in (Status.NO_LOAD_NEEDED, Status.ANY_LOAD)
     condition = f"for a slip below {format_plain(100.0 * acceptable)} %"

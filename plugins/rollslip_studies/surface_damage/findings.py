@@ -143,7 +143,7 @@ def _row(measure: "xr.Dataset") -> Row:
         unit=unit,
         text=format_value(worst, unit),
         note="no limit is known" if math.isnan(limit) else f"{state}, {format_value(limit, unit)}",
-        alarm=bool(rings),
+        is_alarm=bool(rings),
     )
 
 
@@ -193,7 +193,7 @@ class SurfaceDamageAccount(Account):
         slip = float(dataset["slip"]) if "slip" in dataset else math.nan
         status = str(dataset["status"].item()) if math.isnan(slip) else ""
         text = "not found" if status else percent(slip)
-        own = Row(key="cage_slip", label="cage slip", value=slip, known=1, text=text, note=status)
+        own = Row(key="cage_slip", label="cage slip", value=slip, rank=1, text=text, note=status)
         return Answer(rows=(own, *rows(dataset)), commands=next_of_others(dataset))
 
     @staticmethod

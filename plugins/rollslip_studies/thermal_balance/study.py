@@ -59,7 +59,7 @@ class ThermalBalance(Study):
     outputs: ClassVar[Mapping[str, Output]] = MappingProxyType(
         {
             "temperature": Output("node balance", "K", "bulk temperature", status="status"),
-            "stable": Output("balance", "1", "whether a disturbance of the temperatures fades"),
+            "stable": Output("balance", "1", "whether a disturbance of the temperatures decays"),
             "stability": Output("balance", "1", "stability in words"),
             "growth": Output(
                 "balance",
@@ -73,26 +73,27 @@ class ThermalBalance(Study):
                 "sink balance", "W", "heat that leaves the bearing", status="status"
             ),
             "balance_error": Output(
-                "balance", "1", "heat made less heat carried away, relative", status="status"
+                "balance",
+                "1",
+                "losses minus heat carried away, relative to the losses",
+                status="status",
             ),
             "status": Output("", "1", "what was found"),
             "stationary_temperature": Output(
                 "node",
                 "K",
-                "bulk temperature that a cold bearing settles at",
+                "stationary bulk temperature of a bearing that starts cold",
                 status="stationary_status",
                 default=True,
             ),
             "stationary_slip": Output(
                 "",
                 "1",
-                "steady cage slip of a bearing that has settled",
+                "steady cage slip at the stationary temperatures",
                 status="stationary_status",
                 default=True,
             ),
-            "stationary_status": Output(
-                "", "1", "what was found of the coldest balance that lasts"
-            ),
+            "stationary_status": Output("", "1", "what was found of the coldest stable balance"),
             "given_slip": Output(
                 "", "1", "steady cage slip at the temperatures of the scene", status="given_status"
             ),
@@ -157,7 +158,7 @@ class ThermalBalance(Study):
         possible=(0, 1e10),
     )
     course_points: int = parameter(
-        default=61, doc="instants of that course that are kept", validator=at_least(2)
+        default=61, doc="number of stored times of that course", validator=at_least(2)
     )
     integrator: str = parameter(default="bdf", doc="integrator of that course, one of SciPy's kind")
     max_cage_slip: float = parameter(
