@@ -238,7 +238,7 @@ def test_a_difference_of_one_regime_is_found_there_and_nowhere_else(study):
     np.testing.assert_allclose(explained[held], 1.0, rtol=1e-9)
     sentence = findings(both)[-1]
     assert "10 % below where Phi sigma S > 1" in sentence
-    assert sentence.endswith("heating explains 100 % of how that varies")
+    assert sentence.endswith("heating explains 100 % of its variation")
 
 
 def test_a_difference_that_is_the_same_everywhere_is_explained_by_no_regime():
@@ -259,7 +259,7 @@ def test_a_difference_that_is_the_same_everywhere_is_explained_by_no_regime():
     found = compare(SCENE, traction="scaled", reference="muraki", study="friction-curve")
     np.testing.assert_allclose(found["mean_difference"].sel(combination="scaled"), -0.1, rtol=1e-9)
     assert (found["explained"] == 0.0).all()
-    assert "no regime explains more than 10 % of how that varies" in findings(found)[-1]
+    assert "no regime explains more than 10 % of its variation" in findings(found)[-1]
 
 
 def test_slices_are_not_sorted_by_what_the_oil_does_not_give():

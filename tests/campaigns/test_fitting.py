@@ -761,7 +761,7 @@ def test_a_correlation_near_one_is_said_in_words_with_what_it_costs():
     names = "viscosity_factor,pressure_viscosity"
     found = rollslip.fit(data, parameters=names, rig=RIG)
     said = " ".join(FitAccount.lines(found))
-    factor = float(re.findall(r"stand for each other: .* error of either is (\S+) times", said)[0])
+    factor = float(re.findall(r"are exchangeable: .* error of either is (\S+) times", said)[0])
     table = dict(OIL.data) | {
         "pressure_viscosity_factor": float(found["value"][1] / found["start_value"][1])
     }
@@ -773,7 +773,7 @@ def test_a_correlation_near_one_is_said_in_words_with_what_it_costs():
     assert float(found["standard_error"][0] / alone["standard_error"][0]) == pytest.approx(
         factor, rel=0.03
     )
-    assert "stand for each other" not in " ".join(
+    assert "are exchangeable" not in " ".join(
         FitAccount.lines(rollslip.fit(noisy(), parameters="eyring_stress,flash", rig=RIG))
     )
 

@@ -34,8 +34,14 @@ from rollslip.studies.study import AXES
 from rollslip_campaigns.pareto import ParetoSettings
 from rollslip_campaigns.pareto import figures as front_figures
 from rollslip_campaigns.pareto import pareto as fronts
-from rollslip_campaigns.pareto.candidates import EXACT, HALF, PLANNED, REFERENCE
-from rollslip_campaigns.pareto.findings import ParetoAccount, records, results_of
+from rollslip_campaigns.pareto.candidates import EXACT, HALF
+from rollslip_campaigns.pareto.findings import (
+    PLANNED,
+    REFERENCE,
+    ParetoAccount,
+    records,
+    results_of,
+)
 from rollslip_campaigns.pareto.pareto import front, run_family
 from rollslip_campaigns.sweep import journal
 
@@ -762,7 +768,7 @@ def test_a_run_goes_on_where_it_was_stopped(how, tmp_path, capsys, monkeypatch):
     found = open_result(tmp_path / "o" / "pareto.nc")
     assert (found.status == "done").all()
     assert found.round_seconds.sel(choice=PLANNED).values[0] == kept[3]["seconds"][0]
-    assert "interrupted and gone on with" in found.attrs["warnings"]
+    assert "interrupted and resumed" in found.attrs["warnings"]
     whole = pareto(
         evolve(load_scene("1032930-30C"), {"accuracy.slices": 15, "study.friction-curve.points": 15}),
         study="friction-curve", choices="slices", rounds=1,

@@ -182,7 +182,7 @@ def test_speeds_of_a_plan_hold_those_of_its_ranges():
 
 
 def test_an_error_of_a_fifth_is_the_most_that_is_asked_for():
-    with pytest.raises(SceneError, match=r"a share from 0\.0001 to 0\.2 is expected"):
+    with pytest.raises(SceneError, match=r"a fraction from 0\.0001 to 0\.2 is expected"):
         SurrogateSettings("gearbox", {}, error=0.5, engine="serial").plan()
 
 

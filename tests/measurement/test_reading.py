@@ -135,7 +135,7 @@ BROKEN = {
         "operation.radial_laod",
         "did you mean 'radial_load'",
     ),
-    "no key": ("cage-slip.csv", "operation.radial_load", "load", "'load' is no key of the scene"),
+    "no key": ("cage-slip.csv", "operation.radial_load", "load", "'load' is not a key of the scene"),
     "a load that cannot be": (
         "cage-slip.csv",
         "150, 15",
@@ -173,7 +173,7 @@ BROKEN = {
         "measurement.toml",
         '"scene.toml"',
         '"bearing.toml"',
-        "'bearing.toml' is no file in",
+        "'bearing.toml' is not a file in",
     ),
     "no words on uncertainty": (
         "measurement.toml",

@@ -183,7 +183,7 @@ def bin_tables(dataset: "xr.Dataset") -> list[Table]:
             row.append(f"{bin['difference']:+.2%}")
         if record["bins"]:
             heads.setdefault(
-                record["curve"], ["slices of the reference", "share of the force"]
+                record["curve"], ["slices of the reference", "fraction of the force"]
             ).append(record["combination"])
     order = dataset["bin"].to_numpy().tolist() if cells else []
     return [
@@ -225,7 +225,9 @@ def _explanation(record: Mapping[str, Any], reference: str) -> str:
     sentence = f"{label} is {_format_difference(record['mean_difference'])} {reference} ({record['curve']})"
     best = max(record["bins"], key=lambda bin: float(bin["explained"]))
     if best["explained"] < MIN_EXPLAINED:
-        return f"{sentence}; no regime explains more than {100 * MIN_EXPLAINED:.0f} % of how that varies"
+        return (
+            f"{sentence}; no regime explains more than {100 * MIN_EXPLAINED:.0f} % of its variation"
+        )
     bins = [bin for bin in record["bins"] if bin["grouping"] == best["grouping"]]
     fractions = [
         f"{100 * bin['fraction']:.3g} %{'' if k else ' of the contact force'}"
@@ -235,7 +237,7 @@ def _explanation(record: Mapping[str, Any], reference: str) -> str:
         f"{_format_difference(bin['difference'])} {bin['bin']} ({fraction})"
         for bin, fraction in zip(bins, fractions, strict=True)
     ]
-    explained = f"{best['grouping']} explains {100 * best['explained']:.0f} % of how that varies"
+    explained = f"{best['grouping']} explains {100 * best['explained']:.0f} % of its variation"
     return f"{sentence}: {', '.join(parts)}; {explained}"
 
 

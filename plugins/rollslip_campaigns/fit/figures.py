@@ -48,7 +48,7 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     caption = "Residuals over their standard deviation; the band is two of it."
     yield "fit-residuals", caption, _residuals(dataset)
     if dataset.sizes["fitted_parameter"]:
-        caption = "Rise of chi2 over the variance with one parameter held, the others fitted anew."
+        caption = "Rise of chi2 over the variance with one parameter fixed, the others fitted anew."
         yield "fit-profiles", caption, _profiles(dataset)
 
 

@@ -30,7 +30,7 @@ DETERMINED: Final = "determined"
 #: times, 1/sqrt(1 - 0.99^2), what it would be if the other was known. Doubling the distance from 1 reports five times.
 _MIN_EXCHANGEABLE: Final = 0.99
 #: Headings of the table of parameters.
-_HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data tell")
+_HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data determine")
 
 
 def headline(dataset: "xr.Dataset") -> str:
@@ -133,9 +133,9 @@ class FitAccount(Account):
             if (r := abs(correlation[i, j])) >= _MIN_EXCHANGEABLE:
                 factor = 1.0 / math.sqrt(max(1.0 - r**2, 1e-24))
                 lines.append(
-                    f"{names[j]} and {names[i]} stand for each other: the data tell a combination of them, and the "
-                    f"error of either is {factor:.2g} times what it would be if the other was known; leave out the one "
-                    "that is known from elsewhere, or measure where they act differently, at other pressures, "
+                    f"{names[j]} and {names[i]} are exchangeable: the data determine a combination of them only, and "
+                    f"the error of either is {factor:.2g} times what it would be if the other was known; leave out the "
+                    "one that is known from elsewhere, or measure where they act differently, at other pressures, "
                     "temperatures or slips"
                 )
         return lines

@@ -153,7 +153,7 @@ class _Reader:
         names = [series.name for series in self.table.series]
         for name in {name for name in names if names.count(name) > 1}:
             self._add_problem(
-                "series", f"two are called {as_written(name)}; give each a name of its own"
+                "series", f"two are called {as_written(name)}; give each its own name"
             )
 
     def _add_problem(self, key: str, reason: str) -> None:
@@ -267,7 +267,7 @@ class _Reader:
         path = self.folder / name
         if Path(name).name != name or not path.is_file():
             raise SceneError(
-                [where.message(f"{as_written(name)} is no file in {readable(str(self.folder))}")]
+                [where.message(f"{as_written(name)} is not a file in {readable(str(self.folder))}")]
             )
         return path
 
@@ -300,7 +300,7 @@ class _Reader:
         near = nearest(name, QUANTITIES, count=1)
         hint = did_you_mean(near, f"there are: {', '.join(QUANTITIES)}; and STUDY/VARIABLE")
         self.problems.append(
-            where.at("quantity").message(f"{as_written(name)} is none that is known; {hint}")
+            where.at("quantity").message(f"{as_written(name)} is not a known quantity; {hint}")
         )
 
     # Series -----------------------------------------------------------------------------------------------------------
@@ -476,7 +476,7 @@ class _Reader:
         n_problems = len(self.problems)
         if not table.source.strip():
             self.problems.append(
-                where.at("source").message("is empty; name who says so, and where")
+                where.at("source").message("is empty; name the author and the publication")
             )
         steps = self._steps(table, where)
         limit = self._limit(table, unit, where)
@@ -578,7 +578,7 @@ def _header_problems(header: list[tuple[str, str]], unit: str, where: str) -> It
                 reason = str(error) if column_unit else f"has no unit, write {name} [{unit}]"
                 yield f"{where}: {name}: {reason}"
         elif "." not in name:
-            yield f"{where}: {as_written(name)} is no key of the scene, such as operation.radial_load"
+            yield f"{where}: {as_written(name)} is not a key of the scene, such as operation.radial_load"
 
 
 def _scene_value(cell: str, unit: str) -> object:

@@ -320,7 +320,9 @@ def load_rig(path: str | os.PathLike[str]) -> Rig:
         With all faults of the file, each with file, line and key; if the file does not exist, with an example.
     """
     if not Path(path).exists():
-        message = "there is no such file; it says what contact and oil data are of, for example:"
+        message = (
+            "there is no such file; it states the contact and the oil of the data, for example:"
+        )
         raise SceneError([f"{readable(os.fspath(path))}: {message}\n\n{EXAMPLE}"])
     source, text = text_named(path)
     raw, origins = parse(text, source)

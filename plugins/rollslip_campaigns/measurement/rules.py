@@ -28,7 +28,7 @@ def check_data_set_states_contents_and_source(measurement: Measurement) -> None:
     )
     refuse_unless(
         measurement.licence.strip(),
-        "it names no licence; say 'facts' where it holds single numbers only",
+        "it names no licence; write 'facts' if it has single numbers only",
     )
 
 

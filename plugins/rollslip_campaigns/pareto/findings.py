@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 
 #: Label of the choice of the plan.
 PLANNED: Final = "as planned"
-#: Label of the reference solution.
+#: Label of the reference solution: the finest resolution of the same models.
 REFERENCE: Final = "finest"
 #: Variables of the number and of the front of choices, by the kinds that are compared with each other.
 NUMBERS: Final = {
     ("numerical",): ("error", "on_front"),
     ("modelling", "film"): ("difference", "on_model_front"),
 }
-#: Floor of errors up to which errors are known down to rounding; see module `pareto`.
-_ROUNDING: Final = 1e-14
+#: Smallest floor of errors: rounding of double precision after some hundred operations. Doubling it changes nothing.
+ROUNDING: Final = 1e-14
 #: Titles of tables.
 _TITLES: Final = {
     "error": "numerical choices: error against the finest of the same models",
@@ -223,7 +223,7 @@ def _describe_result(part: "xr.Dataset", name: str, rounds: int) -> list[str]:
         f"from {point(rows[0])} to {point(rows[-1])}" if rows.size > 1 else point(rows[0])
     )
     sentences = [
-        sentence if floor <= _ROUNDING else f"{sentence}; errors below {floor:.0e} are not known"
+        sentence if floor <= ROUNDING else f"{sentence}; errors below {floor:.0e} are not known"
     ]
     better = [
         k
@@ -298,7 +298,7 @@ def _percent(fraction: float, floor: float = 0.0) -> str:
     """Return an error in percent with two digits; an error below the floor as such."""
     if fraction > floor:
         return f"{100 * fraction:.2g} %"
-    return "as the finest" if floor <= _ROUNDING else f"below {100 * floor:.2g} %"
+    return "as the finest" if floor <= ROUNDING else f"below {100 * floor:.2g} %"
 
 
 ACCOUNT: Final = ParetoAccount("pareto")

@@ -163,9 +163,19 @@ class TablesFormat(SceneFormat):
     """A format for the tables of a surrogate, which holds no scene; subclasses implement `render`."""
 
     def read(self, content: bytes, source: str) -> Read:
-        """Raise `SceneError`, because such a file holds no scene."""
+        """Raise `SceneError`, because such a file holds no scene.
+
+        Parameters
+        ----------
+        content : bytes
+            The file, which is not read.
+        source : str
+            Name of the file, for the message.
+        """
         raise SceneError(
-            [f"{source}: holds tables of a bearing, and no scene; name the scene they were made of"]
+            [
+                f"{source}: contains tables of a bearing and not a scene; name the scene of these tables"
+            ]
         )
 
     def write(self, document: Mapping[str, Any], result: "xr.Dataset | None") -> Written:
@@ -180,7 +190,7 @@ class TablesFormat(SceneFormat):
         """
         if result is None or result.attrs.get("study") != "surrogate":
             raise SceneError(
-                [f"format {self.name}: is written of tables; make them by rollslip surrogate SCENE, and give "
+                [f"format {self.name}: is written from tables; compute them by rollslip surrogate SCENE, and give "
                  "--result surrogate.nc"]
             )  # fmt: skip
         return self.render(result)

@@ -58,7 +58,7 @@ def _error(dataset: "xr.Dataset") -> str:
         f"{100.0 * float(dataset.attrs[name]):.2g} %" for name in ("error", "median_error")
     )
     count = dataset.sizes["operation"]
-    return f"tables within {largest} at {count} random operations, {median} in the middle of them"
+    return f"tables within {largest} at {count} random operations, {median} in the median"
 
 
 def _ranges(dataset: "xr.Dataset") -> str:
@@ -69,7 +69,7 @@ def _ranges(dataset: "xr.Dataset") -> str:
             format_quantity(float(end), unit, 4) for end in dataset[f"{name}_range"].to_numpy()
         )
         spans.append(f"{name} {low}" + (f" to {high}" if high != low else ""))
-    return f"they go over {', '.join(spans)}; beyond them values are held"
+    return f"ranges: {', '.join(spans)}; beyond them the tables give the last values"
 
 
 ACCOUNT: Final = SurrogateAccount("surrogate")

@@ -42,10 +42,13 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
                 dataset["row_series"].to_numpy() == series
             )
             selected = dataset.isel(row=np.flatnonzero(mask))
-            caption = f"{data_set}: {series}. Bands of 95 %; open where nothing can be told."
+            caption = f"{data_set}: {series}. Bands of 95 %; open where it cannot be determined."
             yield f"validation-{data_set}-{k}", caption, _series(selected)
     if dataset.sizes["statement"]:
-        caption = "Which statements hold under which models: filled, they hold; crossed, they do not; open, not told."
+        caption = (
+            "Which statements hold under which models: filled, they hold; crossed, they do not; open, it cannot be "
+            "determined."
+        )
         yield "validation-statements", caption, _statements(dataset)
 
 

@@ -46,10 +46,16 @@ CHI_SQUARE: Final = (
 )
 #: Headings of the table of statements.
 STATEMENTS: Final = ("statement", "models", "verdict", "found")
-#: Verdicts: see `rollslip_campaigns.validation.residuals`, which reports do not import.
+#: Verdict of a row whose band of differences includes zero.
 INSIDE: Final = "inside"
+#: Verdict of a row whose band of differences does not include zero.
+OUTSIDE: Final = "outside"
+#: Verdict of a row or statement without enough values, or with values of another kind than was measured.
 UNDETERMINED: Final = "cannot be determined"
+#: Verdict of a statement with which the calculated values agree.
 CONFIRMED: Final = "held"
+#: Verdict of a statement with which the calculated values do not agree.
+NOT_CONFIRMED: Final = "not held"
 
 
 def format_value(value: float, unit: str, quantity: str, digits: int = 3) -> str:
@@ -135,7 +141,7 @@ def statement_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]
     tables = dict[str, list[list[str]]]()
     for row in rows_along(dataset, "statement"):
         cells = [row[f"statement_{name}"] for name in ("text", "models", "verdict", "found")]
-        tables.setdefault(f"{row['statement_data_set']}, in words", []).append(cells)
+        tables.setdefault(f"{row['statement_data_set']}, statements", []).append(cells)
     return [*tables.items()]
 
 
@@ -163,7 +169,7 @@ class ValidationAccount(Account):
             ]
         undetermined = dataset["row_verdict"].to_numpy() == UNDETERMINED
         reasons = dict.fromkeys(map(str, dataset["row_status"].to_numpy()[undetermined]))
-        topics["not told"] = [f"cannot be determined: {reason}" for reason in reasons if reason]
+        topics["undetermined"] = [f"cannot be determined: {reason}" for reason in reasons if reason]
         return {name: texts for name, texts in topics.items() if texts}
 
     @staticmethod

@@ -88,7 +88,7 @@ class RankingAccount(Account):
         worse, undetermined = better(dataset, 0)
         if worse:
             sentences.append(
-                f"it is better than {', '.join(worse)}, with a confidence of 95 % for all that is told here together"
+                f"it is better than {', '.join(worse)}, with a confidence of 95 % for all statements here together"
             )
         if undetermined:
             sentences.append(

@@ -16,13 +16,15 @@ import numpy as np
 
 from rollslip.search import Array
 from rollslip_campaigns.measurement.values import Series, Statement
+from rollslip_campaigns.validation.findings import (
+    CONFIRMED,
+    INSIDE,
+    NOT_CONFIRMED,
+    OUTSIDE,
+    UNDETERMINED,
+)
 
 __all__ = [
-    "CONFIRMED",
-    "INSIDE",
-    "NOT_CONFIRMED",
-    "OUTSIDE",
-    "UNDETERMINED",
     "RowResult",
     "SeriesResult",
     "StatementResult",
@@ -37,16 +39,6 @@ _ERROR_QUANTILES: Final = 64
 #: Samples for each row that a covariance needs: with fewer its inverse is too uncertain. Doubling it suppresses
 #: chi-square of more series. Chosen, a usual rule.
 _SAMPLES_PER_ROW: Final = 10
-#: Verdict of a row whose band of differences includes zero.
-INSIDE = "inside"
-#: Verdict of a row whose band of differences does not include zero.
-OUTSIDE = "outside"
-#: Verdict of a row or statement without enough values, or with values of another kind than was measured.
-UNDETERMINED = "cannot be determined"
-#: Verdict of a statement with which the calculated values agree.
-CONFIRMED = "held"
-#: Verdict of a statement with which the calculated values do not agree.
-NOT_CONFIRMED = "not held"
 #: Probabilities at which a band of 95 % ends.
 _BAND: Final = (0.025, 0.975)
 
@@ -224,7 +216,15 @@ def _series(
 
 
 def check_statement(statement: Statement, values: Array) -> str:
-    """Return the verdict on a statement: whether calculated values at its steps, (steps,), agree with it."""
+    """Return the verdict on a statement: whether the calculated values agree with it.
+
+    Parameters
+    ----------
+    statement : Statement
+        What is expected of the values.
+    values : array
+        Calculated values at the steps of the statement, (steps,); NaN where there is none.
+    """
     if statement.expect == "none":
         return CONFIRMED if not np.isfinite(values).any() else NOT_CONFIRMED
     if np.isnan(values).any():
