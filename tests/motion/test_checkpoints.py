@@ -216,9 +216,9 @@ from rollslip_studies.motion import time_integration
 whole, more = time_integration.integrate, {}
 if "EVERY" in os.environ:
     more = {"every": float(os.environ["EVERY"])}
-    time_integration._MANY = 5
+    time_integration._FIRST_STEPS = 5
 def integrated(*given, **options):
-    if "keep" in options:  # the run, not a trial of its plan
+    if "save" in options:  # the run, not a trial of its plan
         Slow.calls, Slow.running = 0, True
     return whole(*given, **options | more)
 dynamics.integrate = integrated
@@ -434,13 +434,13 @@ KILLED_AT_THE_END = """
 import signal
 from rollslip_studies.dynamics import study as dynamics
 whole_run = dynamics.integrate
-def killed(problem, *given, keep=None, **options):
-    if keep is None:  # a trial of the plan
+def killed(problem, *given, save=None, **options):
+    if save is None:  # a trial of the plan
         return whole_run(problem, *given, **options)
-    found = whole_run(problem, *given, keep=keep, **options)
+    found = whole_run(problem, *given, save=save, **options)
     for path in __import__("pathlib").Path("o.unfinished").glob("*.npz"):
         path.unlink()
-    keep(0, found)
+    save(0, found)
     os.kill(os.getpid(), signal.SIGKILL)
 dynamics.integrate = killed
 main()

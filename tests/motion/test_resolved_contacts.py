@@ -259,15 +259,15 @@ def test_a_motion_with_impacts_goes_on_bit_by_bit_from_what_was_kept(level, name
         )
         return integrate(problem, get_model("integrator", name), times[done:], rtol=1e-5, **options)
 
-    monkeypatch.setattr("rollslip_studies.motion.time_integration._MANY", 100)
-    whole = run(moved(moving, 3), keep=lambda number, part: kept.append(part), every=-1.0)
+    monkeypatch.setattr("rollslip_studies.motion.time_integration._FIRST_STEPS", 100)
+    whole = run(moved(moving, 3), save=lambda number, part: kept.append(part), save_interval=-1.0)
     assert whole.outcome == "finished"
     assert np.abs(moving.outputs(whole.t, whole.y)["pocket_force"]).max() > 1.0
-    before = functools.reduce(lambda one, other: one.then(other), kept[:3])
+    before = functools.reduce(lambda one, other: one.join(other), kept[:3])
     assert 0.0 < before.last_t < end
     options = {"first_step": before.last_step, "state": before.last_state}
     rest = run(before.last_y, before.last_t, before.t.size, **options)
-    again = before.then(rest)
+    again = before.join(rest)
     assert np.array_equal(again.y, whole.y)
     assert (again.steps, again.events) == (whole.steps, whole.events)
 

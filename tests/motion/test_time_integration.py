@@ -109,8 +109,8 @@ def test_tolerance_governs_the_error(name, compiled):
 
 
 def test_a_compiled_run_goes_on_bit_by_bit_from_any_state_it_has_kept(monkeypatch):
-    monkeypatch.setattr(time_integration, "_MANY", 1)
-    monkeypatch.setattr(time_integration, "_QUICK", 0.0)
+    monkeypatch.setattr(time_integration, "_FIRST_STEPS", 1)
+    monkeypatch.setattr(time_integration, "_MAX_CALL_TIME", 0.0)
     times = np.linspace(0.0, 3.0, 23)
     breaks = (1.0, 1.9)
 
@@ -121,16 +121,18 @@ def test_a_compiled_run_goes_on_bit_by_bit_from_any_state_it_has_kept(monkeypatc
         return problem(oscillator, start.pop("y", START), True, watch, 2, breaks=breaks, **start)
 
     kept = []
-    whole = run("rodas5p", made(), times, keep=lambda number, part: kept.append(part), every=-1.0)
+    whole = run(
+        "rodas5p", made(), times, save=lambda number, part: kept.append(part), save_interval=-1.0
+    )
     assert len(kept) > 40
     before = None
     for part in kept:
-        before = part if before is None else before.then(part)
+        before = part if before is None else before.join(part)
         later = run(
             "rodas5p", made(y=before.last_y, t=before.last_t), times[before.t.size :],
             first_step=before.last_step, state=before.last_state,
         )  # fmt: skip
-        again = before.then(later)
+        again = before.join(later)
         assert np.array_equal(again.y, whole.y)
         assert again.events == whole.events
         assert (again.steps, again.rejected) == (whole.steps, whole.rejected)
@@ -309,7 +311,7 @@ def test_an_interrupted_run_goes_on_to_the_same_end(name, compiled):
     given = problem(
         raising_after(60, KeyboardInterrupt()), START, compiled, watch=two_passages, watched=2
     )
-    found = run(name, given, times, keep=lambda number, part: parts.append((number, part)))
+    found = run(name, given, times, save=lambda number, part: parts.append((number, part)))
     assert found.outcome == "interrupted"
     assert f"interrupted at t = {found.last_t:.6g} s" == found.message
     assert 0 < found.t.size < 61
@@ -321,7 +323,7 @@ def test_an_interrupted_run_goes_on_to_the_same_end(name, compiled):
     rest = problem(
         oscillator, found.last_y, compiled, watch=two_passages, watched=2, t=found.last_t
     )
-    whole = found.then(run(name, rest, times[found.t.size :], first_step=found.last_step))
+    whole = found.join(run(name, rest, times[found.t.size :], first_step=found.last_step))
     assert whole.outcome == "finished"
     assert np.array_equal(whole.t, times)
     assert np.abs(whole.y - exact(times)).max() < ERROR.get(name, 10) * 1e-8
@@ -338,15 +340,15 @@ def test_parts_together_are_the_whole(name, compiled):
         name,
         given,
         np.linspace(0.0, 3.0, 61),
-        keep=lambda n, part: parts.append((n, part)),
-        every=0.0,
+        save=lambda n, part: parts.append((n, part)),
+        save_interval=0.0,
     )
     assert found.outcome == "finished"
     assert [number for number, _ in parts] == list(range(len(parts)))
     assert len(parts) > 1
     whole = parts[0][1]
     for _, part in parts[1:]:
-        whole = whole.then(part)
+        whole = whole.join(part)
     assert np.array_equal(whole.t, found.t[: whole.t.size])
     assert np.array_equal(whole.y, found.y[: whole.t.size])
     assert whole.events == found.events[: len(whole.events)]
@@ -360,14 +362,14 @@ def test_what_an_interrupted_writer_left_is_written_again(name, compiled):
     calls = []
     files = {}
 
-    def keep(number, part):
+    def save(number, part):
         files[number] = part
         calls.append(number)
         if len(calls) == 1:
             raise KeyboardInterrupt
 
     given = problem(oscillator, START, compiled, watch=two_passages, watched=2)
-    found = run(name, given, np.linspace(0.0, 3.0, 61), keep=keep, every=0.0)
+    found = run(name, given, np.linspace(0.0, 3.0, 61), save=save, save_interval=0.0)
     assert found.outcome == "interrupted"
     assert calls == [0, 0]
     assert np.array_equal(files[0].t, found.t)
@@ -532,7 +534,7 @@ def test_a_run_that_went_on_has_the_work_of_both_parts(rejected, both):
         )
         for t, no in ((1.0, 1), (2.0, rejected))
     )  # fmt: skip
-    whole = first.then(later)
+    whole = first.join(later)
     assert (whole.steps, whole.rejected, whole.evaluations, whole.jacobians, whole.wall_time) == (
         6,
         both,

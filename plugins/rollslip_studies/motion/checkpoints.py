@@ -1,13 +1,15 @@
-"""A folder in which a long run leaves what it has computed, part by part, so that it can be gone on with.
+"""A folder in which a long run stores what it has computed, part by part, so that it can continue.
 
-- A part is a file that appears whole or not at all; a run that is killed loses what came after its last part.
-- It belongs to one scene and one study. Another one's is refused, never overwritten.
+- A part is a file that is written completely or not at all. A run that is killed loses only what it computed after its
+  last part.
+- The folder belongs to one scene and one study. That of another one is refused, and never overwritten.
 """
 
 import json
 import zipfile
 import zlib
 from pathlib import Path
+from typing import Final
 
 import attrs
 import numpy as np
@@ -17,7 +19,8 @@ from rollslip.files import whole_file
 from rollslip.studies.answers import Store
 from rollslip_studies.motion.time_integration import Event, Trajectory
 
-_NUMBERS = (
+#: Attributes of a trajectory that are stored as JSON.
+_NUMBERS: Final = (
     "last_t",
     "last_step",
     "steps",
@@ -34,17 +37,26 @@ class Checkpoints(Store):
     """Parts of one run."""
 
     def parts(self) -> list[Path]:
-        """Return the files that are there, in order."""
+        """Return the files of the parts, in order."""
         return sorted(self.folder.glob(f"{self.study}-*.npz"))
 
     def write(self, number: int, part: Trajectory) -> None:
-        """Write the part of a number, counted from 0, in place of one that is there."""
+        """Write a part, and replace that of the same number.
+
+        Parameters
+        ----------
+        number : int
+            Number of the part, from 0.
+        part : Trajectory
+            What was computed since the previous part.
+        """
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OutputError(
                 f"{self.folder}: cannot be written ({error.strerror}); make room there, or name another --out"
             ) from error
+        facts = {name: getattr(part, name) for name in _NUMBERS} | {"scene_hash": self.scene_hash}
         with (
             whole_file(self.folder / f"{self.study}-{number:05d}.npz") as partial,
             open(partial, "wb") as file,
@@ -58,17 +70,19 @@ class Checkpoints(Store):
                 events=np.array([(e.time, e.watched, e.rising) for e in part.events]).reshape(
                     -1, 3
                 ),
-                facts=np.frombuffer(
-                    json.dumps(
-                        {name: getattr(part, name) for name in _NUMBERS}
-                        | {"scene_hash": self.scene_hash}
-                    ).encode(),
-                    dtype=np.uint8,
-                ),
+                facts=np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8),
             )
 
     def load(self, times: np.ndarray, unknowns: int) -> Trajectory | None:
-        """Return what the parts hold together, or None if there are none."""
+        """Return the joined parts, or None if there are none.
+
+        Parameters
+        ----------
+        times : ndarray
+            Requested times of the run [s], (m,).
+        unknowns : int
+            Number of unknowns of the motion.
+        """
         trajectory = None
         fits = True
         for path in self.parts():
@@ -79,7 +93,7 @@ class Checkpoints(Store):
                 and part.last_y.shape == (unknowns,)
             )
             if fits:
-                trajectory = part if trajectory is None else trajectory.then(part)
+                trajectory = part if trajectory is None else trajectory.join(part)
         if not fits or (
             trajectory is not None and not np.array_equal(trajectory.t, times[: trajectory.t.size])
         ):
@@ -89,17 +103,18 @@ class Checkpoints(Store):
         return trajectory
 
     def _read(self, path: Path) -> Trajectory:
+        """The part in a file; it raises `OutputError` for a file that is damaged or of another scene."""
         try:
             with open(path, "rb") as stored, np.load(stored, allow_pickle=False) as file:
                 facts = json.loads(file["facts"].tobytes())
-                of = facts.pop("scene_hash")
+                scene_hash = facts.pop("scene_hash")
+                # parts of older versions have no state of the solver
+                last_state = file["last_state"] if "last_state" in file else np.zeros(0)
                 part = Trajectory(
                     t=file["t"],
                     y=file["y"],
                     last_y=file["last_y"],
-                    last_state=file["last_state"]
-                    if "last_state" in file
-                    else np.zeros(0),  # of older versions
+                    last_state=last_state,
                     events=tuple(Event(float(t), int(k), bool(up)) for t, k, up in file["events"]),
                     outcome="interrupted",
                     message="",
@@ -118,7 +133,7 @@ class Checkpoints(Store):
             raise OutputError(
                 f"{path}: is not a part of a run that can be read ({error}); remove it"
             ) from error
-        if of != self.scene_hash:
+        if scene_hash != self.scene_hash:
             raise OutputError(
                 f"{self.folder}: holds a run of another scene, or of this one before it was changed; "
                 "run without --resume, or remove the folder"

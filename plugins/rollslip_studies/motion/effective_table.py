@@ -621,13 +621,13 @@ def _slope_bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
     for sense, outer, inner in ((-1.0, np.minimum, np.maximum), (1.0, np.maximum, np.minimum)):
         unlimited = sense * np.inf
         monotone = outer(3.0 * rise, 0.0)
-        sign_kept = np.where(sign * sense < 0.0, 0.0, unlimited)
+        same_sign = np.where(sign * sense < 0.0, 0.0, unlimited)
         at = np.full((2, *values.shape), unlimited)
         # of each cell for the node before it and for the one after it
         for k, own in enumerate((slice(None, -1), slice(1, None))):
             is_free = turning[..., own] | (sign == 0.0)
             at[k, ..., own] = np.where(
-                has_extremum, np.where(is_free, unlimited, sign_kept), monotone
+                has_extremum, np.where(is_free, unlimited, same_sign), monotone
             )
         bounds.append(inner.reduce(at, axis=0))
     return bounds[0], bounds[1]
@@ -674,7 +674,8 @@ def _group_slices(
     """Mean friction of slices over rolling and sliding speed, by classes of equal force, and the errors of these.
 
     The slices have ascending loads, each so many ``times``. There are as few classes as the tolerance allows. The
-    errors are those of friction at any of the rolling speeds, and at the first one of the slope at no slip and of the maximum.
+    errors are those of friction at any of the rolling speeds, and, at the first one, of the slope at no slip and of the
+    maximum.
     """
     fraction = load * times / (load * times).sum()
     whole = _mean_friction(raceway, load, fraction)

@@ -1,18 +1,20 @@
-"""What a bearing loses to friction at a constant cage speed, by source, and the power of the rings that pays for it.
+"""Power losses by friction at a constant cage speed, by source, and the power of the rings that supplies them.
 
 - In the frame of the cage, with V the sliding and u the entrainment speeds of the contacts, the losses of a roller are
-  F_i V_i + F_o V_o by sliding, 2 (F_Ri u_i + F_Ro u_o) by resistance to rolling and M w_r in its pocket, or at its
-  neighbours; a drag on the cage loses -T (w_c - w_b) against the body b that bears its reaction: a ring, or what stands
-  still.
-- The rings put in Z <R_i (F_i + F_Ri)> w_i and Z <R_o (F_o - F_Ro)> w_o, and what drives the cage from their lands.
+  F_i V_i + F_o V_o by sliding, 2 (F_Ri u_i + F_Ro u_o) by rolling resistance and M w_r in its pocket, or at its
+  neighbours. A drag on the cage loses -T (w_c - w_b) against the body b that bears its reaction: a ring, or what does
+  not move.
+- The rings supply Z <R_i (F_i + F_Ri)> w_i and Z <R_o (F_o - F_Ro)> w_o, and the torques on the cage from their lands.
   With the torques of `rollslip_studies.motion.torque_balance`, identically::
 
       power of the rings = sum of the losses + w_c (excess torque on the cage) + Z <w_r G>
 
-  At a steady slip the second term is the rounding of its root. The third is the work on the rollers' spin: none where
-  they have no inertia, else what the positions of the orbit leave of a motion that repeats.
-- Each sum is of products that are formed one by one, so the identity tells of every sign and lever here.
+  At a steady slip the second term is the rounding of its root. The third is the work on the rollers' spin: zero where
+  they have no inertia, else the discretisation error in position of a periodic motion.
+- Each sum has products that are computed separately, so that the identity tests every sign and lever here.
 """
+
+from collections import Counter
 
 import attrs
 import numpy as np
@@ -30,22 +32,23 @@ __all__ = ["Loss", "PowerBalance", "power_balance"]
 class Loss:
     """Power that is lost to friction."""
 
-    source: str  # what loses it: "sliding, inner raceway", or the name of a drag
-    #: Where its heat is made: "inner contact", "outer contact", "pocket"; of a torque on the cage "inner land", "outer
-    #: land", or "oil" where what stands still bears the reaction.
+    source: str  # "sliding, inner raceway", or the name of a drag
+    #: Where its heat arises: "inner contact", "outer contact" or "pocket"; for a torque on the cage "inner land",
+    #: "outer land", or "oil" where a body that does not move bears the reaction.
     place: str
-    power: float  # [W]; below zero where a drag puts power in, as nothing of the box does
+    power: float  # [W]; negative where a drag supplies power, as no built-in drag does
 
 
 @attrs.frozen(kw_only=True)
 class PowerBalance:
-    """Losses of a bearing and what pays for them."""
+    """Losses of a bearing and the power that supplies them."""
 
     losses: tuple[Loss, ...]  # by source, in one order for all states of a scene
     rings: tuple[
         float, float
-    ]  # power that inner and outer ring put in [W]; below zero where a ring gives power off
-    #: Power that speeds up cage and rollers [W]: none at a steady slip, but for rounding and positions of the orbit.
+    ]  # power that inner and outer ring supply [W]; negative where one receives power
+    #: Power that accelerates cage and rollers [W]: at a steady slip, rounding and the discretisation error in
+    #: position.
     stored: float
 
     @property
@@ -59,79 +62,87 @@ class PowerBalance:
 
 
 def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
-    """Return the losses of a bearing in a motion of its rollers, means over the orbit."""
+    """Return the losses of a bearing in a motion of its rollers, means over the orbit.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the bearing.
+    orbit : Orbit
+        The motion.
+    """
     k = balance.assembly.kinematics
     rollers = balance.assembly.scene.bearing.rollers
     speeds = k.surface_speeds(orbit.cage_slip, orbit.roller_slip)
     traction, resistance, on_cage = balance.forces(orbit)
     sliding = np.array([speeds.inner_sliding, speeds.outer_sliding])
     rolling = np.array([speeds.inner_rolling, speeds.outer_rolling])
-    cage = balance.cage_speed(orbit.cage_slip)
     spin = speeds.roller_speed
-    levers = np.array(
+    ring_torques = np.array(
         [
             k.inner_radius * (traction[0] + resistance[0]),
             k.outer_radius * (traction[1] - resistance[1]),
         ]
     )
-    turns = on_cage - levers.sum(axis=0)  # G
+    spin_torque = on_cage - ring_torques.sum(axis=0)  # G
     pocket = (
-        k.roller_radius * (traction[0] - resistance[0] - traction[1] - resistance[1]) - turns
+        k.roller_radius * (traction[0] - resistance[0] - traction[1] - resistance[1]) - spin_torque
     )  # M
 
     def all_rollers(power: Array) -> float:
         return rollers * float(power.mean())
 
-    slid = [all_rollers(traction[i] * sliding[i]) for i in range(len(RINGS))]
     losses = [
-        Loss(f"sliding, {ring} raceway", f"{ring} contact", power)
-        for ring, power in zip(RINGS, slid, strict=True)
+        Loss(f"sliding, {ring} raceway", f"{ring} contact", all_rollers(traction[i] * sliding[i]))
+        for i, ring in enumerate(RINGS)
     ]
     if balance.drags.resistance is not None:
         rolled = [all_rollers(2.0 * resistance[i] * rolling[i]) for i in range(len(RINGS))]
-        losses += _rolling(balance, orbit, balance.drags.resistance, rolled)
+        losses += _rolling_losses(balance, orbit, balance.drags.resistance, rolled)
     if balance.drags.pocket_friction is not None:
-        losses.append(
-            Loss(balance.drags.pocket_friction.name, "pocket", all_rollers(pocket * spin))
-        )
+        name = balance.drags.pocket_friction.name
+        losses.append(Loss(name, "pocket", all_rollers(pocket * spin)))
     if balance.assembly.scene.models.neighbour_friction is not None:
         losses.append(Loss("rubbing of neighbours", "pocket", all_rollers(pocket * spin)))
-    put_in = [all_rollers(lever) for lever in levers]
+    torques = [all_rollers(torque) for torque in ring_torques]  # on inner and outer ring
     ring_speeds = [k.direction * k.inner_speed, k.direction * k.outer_speed]
+    cage_speed = balance.cage_speed(orbit.cage_slip)
     drag = 0.0
     for model in balance.drags.torques:
-        torque = k.direction * model.torque(k.direction * cage, k.inner_speed, k.outer_speed)
+        torque = k.direction * model.torque(k.direction * cage_speed, k.inner_speed, k.outer_speed)
         drag += torque
-        ring = RINGS.index(model.against) if model.against in RINGS else None
-        place = "oil" if ring is None else f"{RINGS[ring]} land"
-        losses.append(
-            Loss(model.name, place, -torque * (cage - (0.0 if ring is None else ring_speeds[ring])))
-        )
-        if ring is not None:
-            put_in[ring] += torque
-    inner, outer = (torque * speed for torque, speed in zip(put_in, ring_speeds, strict=True))
-    stored = cage * (all_rollers(on_cage) + drag) + all_rollers(spin * turns)
-    return PowerBalance(losses=_told_apart(losses), rings=(inner, outer), stored=stored)
+        if model.against in RINGS:
+            ring = RINGS.index(model.against)
+            torques[ring] += torque
+            place = f"{RINGS[ring]} land"
+            speed = ring_speeds[ring]
+        else:
+            place = "oil"
+            speed = 0.0
+        losses.append(Loss(model.name, place, -torque * (cage_speed - speed)))
+    inner, outer = (torque * speed for torque, speed in zip(torques, ring_speeds, strict=True))
+    stored = cage_speed * (all_rollers(on_cage) + drag) + all_rollers(spin * spin_torque)
+    return PowerBalance(losses=_number_sources(losses), rings=(inner, outer), stored=stored)
 
 
-def _rolling(
+def _rolling_losses(
     balance: TorqueBalance, orbit: Orbit, resistance: ResistanceModel, power: list[float]
 ) -> list[Loss]:
-    """Losses by resistance to rolling, split in the proportion in which its terms resist on the slices."""
+    """Losses by rolling resistance, split in proportion to the power of its terms on the slices."""
     terms = resistance.terms if isinstance(resistance, TotalResistance) else (resistance,)
     losses = []
-    for ring, of, whole in zip(RINGS, balance.evaluate_contacts(orbit), power, strict=True):
-        fractions = np.array([_power_of(term, of) for term in terms])
+    for ring, contacts, total in zip(RINGS, balance.evaluate_contacts(orbit), power, strict=True):
+        fractions = np.array([_power_of_term(term, contacts) for term in terms])
         fractions = fractions / (fractions.sum() or 1.0)
         losses += [
-            Loss(f"{term.name}, {ring} raceway", f"{ring} contact", whole * float(fraction))
+            Loss(f"{term.name}, {ring} raceway", f"{ring} contact", total * float(fraction))
             for term, fraction in zip(terms, fractions, strict=True)
         ]
     return losses
 
 
-def _power_of(term: ResistanceModel, contacts: LoadedContacts) -> float:
-    """Half the power [W] that one term takes on the evaluated slices of a ring."""
+def _power_of_term(term: ResistanceModel, contacts: LoadedContacts) -> float:
+    """Half the power [W] of one term on the evaluated slices of a ring."""
     if contacts.force.size == 0:
         return 0.0
     slices = contacts.slices
@@ -141,11 +152,14 @@ def _power_of(term: ResistanceModel, contacts: LoadedContacts) -> float:
     return float((own * contacts.width * slices.rolling_speed).sum())
 
 
-def _told_apart(losses: list[Loss]) -> tuple[Loss, ...]:
-    """Return the losses with a number behind a source that was there before."""
-    seen = dict[str, int]()
-    told = []
+def _number_sources(losses: list[Loss]) -> tuple[Loss, ...]:
+    """Return the losses with a number behind a source that occurs before."""
+    counts = Counter[str]()
+    numbered = []
     for loss in losses:
-        seen[loss.source] = count = seen.get(loss.source, 0) + 1
-        told.append(loss if count == 1 else attrs.evolve(loss, source=f"{loss.source} {count}"))
-    return tuple(told)
+        counts[loss.source] += 1
+        count = counts[loss.source]
+        if count > 1:
+            loss = attrs.evolve(loss, source=f"{loss.source} {count}")
+        numbered.append(loss)
+    return tuple(numbered)

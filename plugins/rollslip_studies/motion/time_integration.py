@@ -1,12 +1,16 @@
-"""Carry an initial-value problem through time: stored instants, located events, and what is kept when it ends early.
+"""Integrate an initial-value problem over time: stored times, located events, and the state where it ends early.
 
-- Any ``scipy.integrate.OdeSolver`` serves and is stepped here. An integrator that takes compiled systems goes through
-  many steps at once without Python. Both leave the same `Trajectory`.
-- What was computed is never lost: an interrupt, a model that fails in mid-run, and a solver that gives up all end the
-  trajectory with an outcome in words, and the last state is there to go on from.
-- An event is a change of sign of a watched value. It is located on the dense output of the step it lies in.
-- Up to a break of the rates and from it on are two problems: the first ends a rounding before it, so that its rates
-  are never asked for on the other side.
+1. Divide the time at the breaks of the rates. Each interval ends a rounding before its break, so that its rates are
+   never evaluated on the other side.
+2. In an interval, a compiled integrator advances many steps in one call. Any other ``scipy.integrate.OdeSolver`` is
+   stepped here. Both leave the same `Trajectory`.
+3. After each step, store the states at the requested times by the dense output of the step.
+4. An event is a change of sign of a watched value. It is located on the dense output by Brent's method. Steps go on
+   unless it ends the run.
+5. Save what was computed every few seconds, if requested.
+
+An interrupt, a model that fails during the run, and a solver that gives up all end the trajectory with an outcome and a
+message. Nothing that was computed is lost, and the run can continue from the last state.
 """
 
 import logging
@@ -28,20 +32,36 @@ Floats = NDArray[np.float64]
 Counts = NDArray[np.int_]
 Outcome = Literal["finished", "stopped", "interrupted", "failed"]
 
-#: Steps without progress after which a solver is taken to stand still (SciPy's LSODA does before a singularity).
-_STILL: Final = 100
-#: Steps of a compiled solver between two looks at the clock: at first, and at most twice as many as before while they
-#: take less than this time [s].
-_MANY: Final = 1000
-_QUICK: Final = 2e-2
-#: Evaluations in a row without a number after which there will be none (SciPy's explicit methods then go on for ever).
-_NO_NUMBERS: Final = 200
-#: What is left out before a break, relative: more than rounding moves the last time that a step asks for.
-_BEFORE: Final = 4e-15
-#: Least relative tolerance of an unknown: what is below is governed by rounding.
-_LEAST: Final = 2.3e-14
-#: Relative precision of an event in time.
-_EVENT: Final = 1e-14
+#: Number of steps without progress after which a solver counts as stalled. SciPy's LSODA stalls before a
+#: singularity; doubling it takes as many useless steps more. Chosen.
+_MAX_STALLED_STEPS: Final = 100
+#: Relative progress of a step, of the time that is left, below which the solver stalls. Doubling it has no effect
+#: on steps that resolve anything; chosen, above the rounding of time.
+_MIN_PROGRESS: Final = 1e-12
+#: Number of steps of the first call of a compiled solver, between two checks of the clock. Later calls take up to
+#: twice as many as the previous one while that took less than `_MAX_CALL_TIME`. Doubling it delays an interrupt by
+#: as many steps; chosen.
+_FIRST_STEPS: Final = 1000
+#: Processing time of a call [s] below which the next one takes more steps. Doubling it doubles the delay of an
+#: interrupt and of the progress that is shown; chosen, not noticed by people.
+_MAX_CALL_TIME: Final = 2e-2
+#: Number of evaluations in a row without finite numbers after which an integration fails, because SciPy's explicit
+#: methods would halve their step for ever. Doubling it takes longer to fail; chosen, more than a step of any
+#: method.
+_MAX_WITHOUT_NUMBERS: Final = 200
+#: Relative distance before a break at which an interval ends. Half of it lets rounding evaluate the rates beyond
+#: the break; twice as much changes the solution by rounding. Twenty times the rounding of a number.
+_BREAK_GAP: Final = 4e-15
+#: Smallest relative tolerance of an unknown. Below it, rounding governs the step; a hundred times the rounding, as
+#: in SciPy's solvers.
+_MIN_TOLERANCE: Final = 2.3e-14
+#: Index of the first sign of a watched value in the state of a compiled solver, as kernels lay it out.
+_FIRST_SIGN: Final = 4
+#: Relative precision of the time of an event. Doubling it doubles the error; chosen, near rounding.
+_EVENT_PRECISION: Final = 1e-14
+#: Smallest time [s] to which that precision is relative, for events near zero. Doubling it doubles their error; chosen,
+#: less than a step of any bearing.
+_EVENT_TIME: Final = 1e-6
 
 
 @attrs.frozen
@@ -49,41 +69,40 @@ class Event:
     """A watched value that changed its sign."""
 
     time: float
-    #: number of the watched value
-    watched: int
+    watched: int  # number of the watched value
     rising: bool
 
 
 @attrs.frozen(eq=False)
 class Trajectory:
-    """What was computed.
+    """States over time, and how the integration ended.
 
     Attributes
     ----------
     t : ndarray
-        Stored instants [s], shape (m,); the state at an event that stopped it is the last.
+        Stored times [s], (m,); the last is that of the event that stopped it.
     y : ndarray
-        States, shape (m, n).
+        States, (m, n).
     events : tuple of Event
         In order of time.
     outcome : str
         "finished", "stopped" (at an event), "interrupted" or "failed".
     message : str
-        Why it did not reach the end, in words; empty if it did.
+        Why it did not reach the end; empty if it did.
     error : BaseException or None
         What a model raised.
     last_t, last_y, last_step
-        Where it can be gone on from, and the step size it had there; 0 if none is known.
+        Time, state and step size from which it can continue; the step size is 0 if none is known.
     steps, rejected, evaluations, jacobians : int
-        Work done; rejected is -1 where the solver does not tell.
+        Numbers of each; rejected is -1 where the solver does not count them.
     wall_time : float
-        [s].
+        Elapsed time [s].
     last_state : ndarray
-        All that the next steps of a compiled solver depend on at ``last_t``; empty if it is not known.
+        State of a compiled solver at ``last_t``, on which its next steps depend; empty if it is not known.
     processor_time : float
-        Time of the processor that the integration alone took [s].
-    told : mapping
-        What the solver tells of itself.
+        Processor time of the integration alone [s].
+    diagnostics : mapping
+        Numbers that the solver reports on its work, by name.
     """
 
     t: Floats
@@ -102,10 +121,10 @@ class Trajectory:
     wall_time: float
     last_state: Floats = attrs.field(factory=lambda: np.zeros(0))
     processor_time: float = 0.0
-    told: Mapping[str, float] = attrs.field(factory=dict)
+    diagnostics: Mapping[str, float] = attrs.field(factory=dict)
 
-    def then(self, later: "Trajectory") -> "Trajectory":
-        """Return this trajectory with a later one that went on from it."""
+    def join(self, later: "Trajectory") -> "Trajectory":
+        """Return this trajectory joined with a later one that continues it."""
         return attrs.evolve(
             later,
             t=np.concatenate((self.t, later.t)),
@@ -124,29 +143,29 @@ class Trajectory:
 
 @attrs.frozen(eq=False, kw_only=True)
 class InitialValueProblem:
-    """y' = rates(t, y) from a state on.
+    """The problem y' = rates(t, y) with an initial state.
 
     Parameters
     ----------
     rates : callable
-        (t, y) -> dy/dt, or a compiled `System`, which solvers that can take one run without Python.
+        (t, y) -> dy/dt, or a compiled `System`, with which compiled solvers run without Python.
     y : ndarray
         State at ``t``.
     t : float
-        [s].
+        Initial time [s].
     atol : ndarray
         Absolute tolerance of every unknown.
     relative : ndarray, optional
-        Relative tolerance of every unknown over that of the run, by default 1. Compiled solvers take it; those of SciPy
-        have one for all.
+        Relative tolerance of every unknown over that of the run, by default 1. Compiled solvers use it; those of SciPy
+        have one tolerance for all.
     jacobian : callable, optional
         (t, y) -> df/dy, for implicit solvers of SciPy.
     watch : callable, optional
         (t, y) -> watched values.
     breaks : sequence of float
-        Times at which the rates are not smooth, or jump to what they are from then on; no step passes over one.
+        Times at which the rates are not smooth, or jump to their later values; no step crosses one.
     at_rest : callable, optional
-        (t, end, y) -> whether the state stays as it is until the next break; asked at breaks.
+        (t, end, y) -> whether the state is constant until the next break; evaluated at breaks.
     """
 
     rates: Any
@@ -169,40 +188,47 @@ def integrate(
     stop: frozenset[int] = frozenset(),
     first_step: float = 0.0,
     state: Floats | None = None,
-    keep: Callable[[int, Trajectory], None] | None = None,
-    every: float = 10.0,
+    save: Callable[[int, Trajectory], None] | None = None,
+    save_interval: float = 10.0,
 ) -> Trajectory:
-    """Integrate to the last of ``times``, which are the instants stored.
+    """Integrate to the last of ``times`` and store the states at these.
 
     Parameters
     ----------
     problem : InitialValueProblem
-        What is integrated.
+        The problem.
     integrator : IntegratorModel
-        What steps through it.
+        The method.
     times : ndarray
-        Instants to store, ascending, none before the problem's t.
+        Times to store [s], ascending, none before the initial time.
     rtol : float
         Relative tolerance of the solver.
     stop : frozenset of int
-        Watched values whose rising through zero ends the run.
+        Numbers of watched values whose rise through zero ends the run.
     first_step : float
-        Step size to begin with; 0 leaves it to the solver.
+        First step size [s]; 0 leaves it to the solver.
     state : ndarray, optional
-        ``last_state`` of a run that this one goes on from: a compiled solver then takes the steps that it would have.
-    keep : callable, optional
-        Given what was computed since it was last called, every so many seconds and when the run is interrupted, with
-        a number; a progress bar and the writing of long runs hang on it. A call that an interrupt cut short is
-        repeated with the same number and more.
-    every : float
-        Those seconds.
+        ``last_state`` of a run that this one continues: a compiled solver then takes the same steps as without a stop.
+    save : callable, optional
+        Called with a number and the trajectory since the previous call, at intervals and when the run is interrupted,
+        to show progress and write long runs. A call which an interrupt ended early is repeated with the same number
+        and a longer trajectory.
+    save_interval : float
+        Time between these calls [s].
     """
-    run = _Run(
-        problem, integrator, np.asarray(times, dtype=float), rtol, stop, first_step, keep, every
+    integration = _Run(
+        problem,
+        integrator,
+        np.asarray(times, dtype=float),
+        rtol,
+        stop,
+        first_step,
+        save,
+        save_interval,
     )
     if state is not None:
-        run.state = state
-    return run.to_the_end()
+        integration.state = state
+    return integration.run()
 
 
 class _Run:
@@ -216,49 +242,48 @@ class _Run:
         rtol: float,
         stop: frozenset[int],
         first_step: float,
-        keep: Callable[[int, Trajectory], None] | None,
-        every: float,
+        save: Callable[[int, Trajectory], None] | None,
+        save_interval: float,
     ) -> None:
         self.problem = problem
         self.integrator = integrator
         self.times = times
         self.rtol = rtol
         self.stop = stop
-        self.keep = keep
-        self.every = every
+        self.save = save
+        self.save_interval = save_interval
         self.t = problem.t
         self.y = np.array(problem.y, dtype=float)
         self.h = first_step
         self.state: Floats = np.zeros(0)  # of a compiled solver at t
-        self.told: Mapping[str, float] = {}
+        self.diagnostics: Mapping[str, float] = {}
         self.stored = np.full((times.size, self.y.size), np.nan)
-        self.count = 0  # instants stored
+        self.count = 0  # times stored
         self.events: list[Event] = []
         self.work: Counts = np.zeros(4, dtype=int)  # steps, rejected, evaluations, jacobians
-        self.extra: tuple[float, Floats] | None = (
-            None  # state at the event that stops, between the instants
-        )
-        self.begin = self.clock = time.perf_counter()
-        self.worked = self.looked = time.process_time()
-        self.sides: Floats = np.zeros(0)  # of zero on which the watched values are
-        self.parts = 0  # kept, and what they hold: instants, events, work
-        self.kept = (0, 0, self.work)
+        #: time and state at the event that stops the run, between the stored times
+        self.stop_state: tuple[float, Floats] | None = None
+        self.wall_start = self.wall_saved = time.perf_counter()
+        self.processor_start = self.processor_saved = time.process_time()
+        self.signs: Floats = np.zeros(0)  # of the watched values
+        self.n_parts = 0  # saved
+        self.saved = (0, 0, self.work)  # times, events and work in the saved parts
 
-    def to_the_end(self) -> Trajectory:
+    def run(self) -> Trajectory:
+        """Integrate to the last time, and return the trajectory whatever ends it."""
         outcome: Outcome = "finished"
         message = ""
         raised = None
         try:
             if self.problem.watch is not None:
-                self.sides = np.sign(np.nan_to_num(self.problem.watch(self.t, self.y)))
+                self.signs = np.sign(np.nan_to_num(self.problem.watch(self.t, self.y)))
             self._store_reached()
             last = float(self.times[-1]) if self.times.size else self.t
             for end in sorted(b for b in {*self.problem.breaks, last} if self.t < b <= last):
-                message = self._stretch(
-                    end, end - _BEFORE * max(abs(end), end - self.t) if end < last else end
-                )
+                gap = _BREAK_GAP * max(abs(end), end - self.t) if end < last else 0.0
+                message = self._integrate_to(end, end - gap)
                 if message:
-                    outcome = "stopped" if self.extra is not None else "failed"
+                    outcome = "stopped" if self.stop_state is not None else "failed"
                     break
         except KeyboardInterrupt:
             outcome = "interrupted"
@@ -267,7 +292,7 @@ class _Run:
             outcome = "failed"
             raised = error
             message = f"{type(error).__name__} at t = {self.t:.6g} s: {error}"
-        if outcome == "interrupted" and self.extra is not None:  # where it was to stop anyhow
+        if outcome == "interrupted" and self.stop_state is not None:  # it had stopped already
             outcome = "stopped"
             message = f"stopped at t = {self.t:.6g} s"
         steps, rejected, evaluations, _ = self.work
@@ -275,11 +300,11 @@ class _Run:
             "%s %s at t = %g s: %d steps, %d rejected, %d evaluations of the rates",
             self.integrator.name, message or outcome, self.t, steps, rejected, evaluations,
         )  # fmt: skip
-        if self.keep is not None and outcome == "interrupted":
-            self.keep(self.parts, self._since(*self.kept, outcome, message, None))
-        return self._since(0, 0, np.zeros(4, dtype=int), outcome, message, raised)
+        if self.save is not None and outcome == "interrupted":
+            self.save(self.n_parts, self._trajectory_since(*self.saved, outcome, message, None))
+        return self._trajectory_since(0, 0, np.zeros(4, dtype=int), outcome, message, raised)
 
-    def _since(
+    def _trajectory_since(
         self,
         count: int,
         events: int,
@@ -290,9 +315,9 @@ class _Run:
     ) -> Trajectory:
         t = self.times[count : self.count]
         y = self.stored[count : self.count]
-        if self.extra is not None and not (t.size and t[-1] == self.extra[0]):
-            t = np.append(t, self.extra[0])
-            y = np.vstack((y, self.extra[1]))
+        if self.stop_state is not None and not (t.size and t[-1] == self.stop_state[0]):
+            t = np.append(t, self.stop_state[0])
+            y = np.vstack((y, self.stop_state[1]))
         work = self.work - work
         return Trajectory(
             t=t,
@@ -308,22 +333,23 @@ class _Run:
             rejected=int(work[1]) if self.work[1] >= 0 else -1,
             evaluations=int(work[2]),
             jacobians=int(work[3]),
-            wall_time=time.perf_counter() - (self.begin if count == 0 else self.clock),
+            wall_time=time.perf_counter() - (self.wall_start if count == 0 else self.wall_saved),
             last_state=self.state,
-            processor_time=time.process_time() - (self.worked if count == 0 else self.looked),
-            told=self.told,
+            processor_time=time.process_time()
+            - (self.processor_start if count == 0 else self.processor_saved),
+            diagnostics=self.diagnostics,
         )
 
-    def _stretch(self, end: float, bound: float) -> str:
-        """Go to a time up to which the rates are smooth, by a solver that ends there or just before it.
+    def _integrate_to(self, end: float, bound: float) -> str:
+        """Integrate to the end of an interval in which the rates are smooth, by a solver that ends at ``bound``.
 
-        Return why it was not reached.
+        Return the message why it was not reached, empty if it was.
         """
         if self.problem.at_rest is not None and self.problem.at_rest(self.t, end, self.y):
-            upto = int(np.searchsorted(self.times, end, side="right"))
-            self.stored[self.count : upto] = self.y
+            reached = int(np.searchsorted(self.times, end, side="right"))
+            self.stored[self.count : reached] = self.y
             self.t = end
-            self.count = upto
+            self.count = reached
             return ""
         options: dict[str, Any] = {"rtol": self.rtol, "atol": self.problem.atol}
         if 0.0 < self.h < bound - self.t:
@@ -331,24 +357,16 @@ class _Run:
         compiled = self.integrator.compiled()
         if compiled is not None and isinstance(self.problem.rates, System):
             if self.problem.relative is not None:
-                options["rtol"] = np.maximum(self.rtol * self.problem.relative, _LEAST)
+                options["rtol"] = np.maximum(self.rtol * self.problem.relative, _MIN_TOLERANCE)
             solver = compiled(self.problem.rates.capsule, self.t, self.y, bound, **options)
-            state = solver.state
-            if state.shape == self.state.shape and self.state[0] == self.t:
-                state = self.state
-                self.sides = self.state[4 : 4 + self.sides.size].copy()
-            else:
-                state[4 : 4 + self.sides.size] = (
-                    self.sides
-                )  # which it may have left just before a break
-            solver.state = state
-            message = self._advanced(solver, bound)
+            self._restore(solver)
+            message = self._advance_compiled(solver, bound)
         else:
             stepped = self.integrator.solver()
             if self.problem.jacobian is not None and _takes_jacobian(stepped):
                 options["jac"] = self.problem.jacobian
             rates = _Rates(self.problem.rates)
-            message = self._stepped(stepped(rates, self.t, self.y, bound, **options), rates)
+            message = self._step_solver(stepped(rates, self.t, self.y, bound, **options), rates)
         if not message:
             self.t = end
             self._store_reached()
@@ -356,19 +374,31 @@ class _Run:
 
     # Many steps at once -----------------------------------------------------------------------------------------------
 
-    def _advanced(self, solver: Any, end: float) -> str:
+    def _restore(self, solver: Any) -> None:
+        """Set the state of a compiled solver to that of the previous one, or else the signs of watched values in it."""
+        state = solver.state
+        signs = slice(_FIRST_SIGN, _FIRST_SIGN + self.signs.size)
+        if state.shape == self.state.shape and self.state[0] == self.t:
+            state = self.state
+            self.signs = self.state[signs].copy()
+        else:  # at a break, just before which the watched values may have changed their signs
+            state[signs] = self.signs
+        solver.state = state
+
+    def _advance_compiled(self, solver: Any, end: float) -> str:
+        """Advance a compiled solver to the end of an interval; return why it was not reached."""
         before = self.work
-        many = _MANY
+        max_steps = _FIRST_STEPS
         while True:
-            begin = time.perf_counter()
-            upto = int(np.searchsorted(self.times, end, side="right"))
+            start = time.perf_counter()
+            reached = int(np.searchsorted(self.times, end, side="right"))
             reason = "raised"
             try:
                 reason, _ = solver.advance(
                     end,
-                    self.times[self.count : upto],
-                    self.stored[self.count : upto],
-                    max_steps=many,
+                    self.times[self.count : reached],
+                    self.stored[self.count : reached],
+                    max_steps=max_steps,
                 )
             finally:  # a model may have raised, or an interrupt have come before its results were taken
                 self._store_until(solver.t, solver.y, solver.interpolate)
@@ -378,27 +408,31 @@ class _Run:
                 self.work = before + np.array(
                     [solver.steps, solver.rejected, solver.evaluations, solver.jacobians]
                 )
-                self.state, self.told = solver.state, getattr(solver, "told", {})
-                passed = self._changed_sides(self.state[4 : 4 + self.sides.size])
-                self.events += [Event(self.t, k, rising) for k, rising in passed]
-                stopped = any(rising and k in self.stop for k, rising in passed)
+                self.state = solver.state
+                self.diagnostics = getattr(solver, "told", {})
+                signs = self.state[_FIRST_SIGN : _FIRST_SIGN + self.signs.size]
+                changes = self._find_sign_changes(signs)
+                self.events += [Event(self.t, k, rising) for k, rising in changes]
+                stopped = any(rising and k in self.stop for k, rising in changes)
                 if stopped:
-                    self.extra = self.t, self.y
+                    self.stop_state = self.t, self.y
             if stopped:
                 return f"stopped at t = {self.t:.6g} s"
             if reason == "failed":
                 return str(solver.message)
             if reason in ("stop", "finished"):
                 return ""
-            self._pause()
+            self._save_if_due()
             if reason == "steps":  # an event may come after any number of them
-                many = 2 * many if time.perf_counter() - begin < _QUICK else max(many // 2, _MANY)
+                is_quick = time.perf_counter() - start < _MAX_CALL_TIME
+                max_steps = 2 * max_steps if is_quick else max(max_steps // 2, _FIRST_STEPS)
 
     # Step by step -----------------------------------------------------------------------------------------------------
 
-    def _stepped(self, solver: Any, rates: "_Rates") -> str:
+    def _step_solver(self, solver: Any, rates: "_Rates") -> str:
+        """Step a solver of SciPy to its end; return why it was not reached."""
         before = self.work
-        still = 0
+        stalled = 0
         steps = 0
         while solver.status == "running":
             try:
@@ -414,26 +448,23 @@ class _Run:
                 return (
                     f"the solver gave up at t = {self.t:.6g} s: {message or 'it does not say why'}"
                 )
-            still = (
-                still + 1
-                if solver.t - self.t <= 1e-12 * max(abs(self.t), solver.t_bound - solver.t)
-                else 0
-            )
-            if still > _STILL:
+            remaining = max(abs(self.t), solver.t_bound - solver.t)
+            stalled = stalled + 1 if solver.t - self.t <= _MIN_PROGRESS * remaining else 0
+            if stalled > _MAX_STALLED_STEPS:
                 return f"the solver stands still at t = {self.t:.6g} s: its steps are lost in the rounding of time"
             if not np.all(np.isfinite(solver.y)):
                 return f"the solution is not finite after t = {self.t:.6g} s"
-            if self._stopped_in_step(solver):
+            if self._finish_step(solver):
                 return f"stopped at t = {self.t:.6g} s"
-            self._pause()
+            self._save_if_due()
         return ""
 
-    def _stopped_in_step(self, solver: Any) -> bool:
-        """Take the last step of a solver, up to the first event that ends the run, and tell whether there is one."""
+    def _finish_step(self, solver: Any) -> bool:
+        """Store the last step of a solver up to the first event that ends the run; return whether there is one."""
         watch = self.problem.watch
         dense = solver.dense_output()
-        passed = [] if watch is None else self._changed_sides(watch(solver.t, solver.y))
-        events = [Event(self._locate(dense, solver, k, rising), k, rising) for k, rising in passed]
+        changes = [] if watch is None else self._find_sign_changes(watch(solver.t, solver.y))
+        events = [Event(self._locate(dense, solver, k, rising), k, rising) for k, rising in changes]
         events.sort(key=lambda event: event.time)
         final = next(
             (event for event in events if event.rising and event.watched in self.stop), None
@@ -446,11 +477,11 @@ class _Run:
         self.h = float(solver.step_size or 0.0)
         self.events += [event for event in events if event.time <= t]
         if final is not None:
-            self.extra = t, y
+            self.stop_state = t, y
         return final is not None
 
     def _locate(self, dense: Any, solver: Any, k: int, rising: bool) -> float:
-        """Time at which a watched value changed sides in the last step of a solver."""
+        """Time at which a watched value changed its sign in the last step of a solver."""
         from scipy.optimize import brentq
 
         watch = self.problem.watch
@@ -458,71 +489,80 @@ class _Run:
         end = float(solver.t)
         assert watch is not None
 
-        def beyond(t: float) -> float:
+        def signed_value(t: float) -> float:
             return float(watch(t, dense(t))[k]) * (1.0 if rising else -1.0)
 
-        # the dense output of a multistep method misses the states at the ends of its step a little
-        if beyond(start) >= 0.0:
+        # the dense output of a multistep method deviates from the states at the ends of its step by rounding and more
+        if signed_value(start) >= 0.0:
             return start
-        if beyond(end) <= 0.0:
+        if signed_value(end) <= 0.0:
             return end
-        return float(brentq(beyond, start, end, xtol=_EVENT * max(abs(end), 1e-6), rtol=1e-15))
+        return float(
+            brentq(
+                signed_value,
+                start,
+                end,
+                xtol=_EVENT_PRECISION * max(abs(end), _EVENT_TIME),
+                rtol=1e-15,
+            )
+        )
 
-    def _changed_sides(self, values: Floats) -> list[tuple[int, bool]]:
-        """Which watched values have changed their sign, and whether they rose; neither zero nor NaN has one."""
-        now = np.sign(np.nan_to_num(values))
-        passed = [(int(k), bool(now[k] > 0.0)) for k in np.flatnonzero(now * self.sides < 0.0)]
-        self.sides = np.where(now == 0.0, self.sides, now)
-        return passed
+    def _find_sign_changes(self, values: Floats) -> list[tuple[int, bool]]:
+        """Numbers of the watched values that changed their sign, and whether they rose; zero and NaN have no sign."""
+        signs = np.sign(np.nan_to_num(values))
+        changes = [(int(k), bool(signs[k] > 0.0)) for k in np.flatnonzero(signs * self.signs < 0.0)]
+        self.signs = np.where(signs == 0.0, self.signs, signs)
+        return changes
 
     # Storing ----------------------------------------------------------------------------------------------------------
 
     def _store_reached(self) -> None:
-        """Store the state at the instants that have been reached."""
+        """Store the present state at the requested times that have been reached."""
         while self.count < self.times.size and self.times[self.count] <= self.t:
             self.stored[self.count] = self.y
             self.count += 1
 
     def _store_until(self, t: float, y: Floats, dense: Callable[[float], Floats]) -> None:
-        """Store the states of a step that ends with y at t, where they are not yet."""
+        """Store the states of a step that ends with y at t, where the solver did not store them."""
         end = int(np.searchsorted(self.times, t, side="right"))
         for k in range(self.count, end):
             if np.isnan(self.stored[k, 0]):
                 self.stored[k] = y if self.times[k] == t else dense(self.times[k])
         self.count = max(self.count, end)
 
-    def _pause(self) -> None:
-        if self.keep is not None and time.perf_counter() - self.clock > self.every:
-            self.keep(self.parts, self._since(*self.kept, "interrupted", "", None))
-            self.parts = self.parts + 1
-            self.kept = (self.count, len(self.events), self.work)
-            self.clock = time.perf_counter()
-            self.looked = time.process_time()
+    def _save_if_due(self) -> None:
+        """Save the trajectory since the previous part, if the interval has passed."""
+        if self.save is not None and time.perf_counter() - self.wall_saved > self.save_interval:
+            self.save(self.n_parts, self._trajectory_since(*self.saved, "interrupted", "", None))
+            self.n_parts = self.n_parts + 1
+            self.saved = (self.count, len(self.events), self.work)
+            self.wall_saved = time.perf_counter()
+            self.processor_saved = time.process_time()
 
 
 class _Rates:
-    """Rates as a solver is given them: what they raise comes out, whatever it does with it, and no numbers end.
+    """Rates for a solver: they record what they raise, and raise where they have no finite number for long.
 
-    Where a trial step leaves what the rates are defined on they are NaN, at which solvers try a shorter step.
+    Outside their domain they are NaN, so that solvers try a shorter step.
     """
 
     def __init__(self, rates: Callable[[float, Floats], Floats]) -> None:
         self.rates = rates
-        self.without = 0
+        self.n_without_numbers = 0
         self.raised: BaseException | None = None
 
     def __call__(self, t: float, y: Floats) -> Floats:
         try:
-            rates = self._defined(t, y)
-            self.without = 0 if np.all(np.isfinite(rates)) else self.without + 1
-            if self.without > _NO_NUMBERS:
+            rates = self._rates_or_nan(t, y)
+            self.n_without_numbers = 0 if np.all(np.isfinite(rates)) else self.n_without_numbers + 1
+            if self.n_without_numbers > _MAX_WITHOUT_NUMBERS:
                 raise ArithmeticError("the rates are not finite there, or a little after it")
         except BaseException as error:
             self.raised = error
             raise
         return rates
 
-    def _defined(self, t: float, y: Floats) -> Floats:
+    def _rates_or_nan(self, t: float, y: Floats) -> Floats:
         if np.all(np.isfinite(y)):
             with suppress(RefusedError):
                 return self.rates(t, y)
