@@ -15,7 +15,7 @@ from rollslip.lubricant import fit_walther, lubricant_from_table
 from rollslip.lubricant.base_oil import (
     BASE_OILS,
     ISO_GRADES,
-    at_100_of,
+    viscosity_at_100,
     exponent_factor,
     viscosity_index,
 )
@@ -71,14 +71,14 @@ def test_the_viscosity_index_of_the_shipped_oils_is_that_of_their_library():
 
 @given(st.sampled_from([g for g in ISO_GRADES if g >= 10]), st.floats(0.0, 300.0))
 def test_what_has_an_index_at_100_degrees_has_that_index(grade, index):
-    hot = at_100_of(1e-6 * grade, index)
+    hot = viscosity_at_100(1e-6 * grade, index)
     if not math.isnan(hot):
         assert viscosity_index(1e-6 * grade, hot) == pytest.approx(index, abs=1e-6)
 
 
 def test_without_a_value_of_the_standard_there_is_no_index():
     assert math.isnan(viscosity_index(5e-6, 1.9e-6))
-    assert math.isnan(at_100_of(2e-6, 100.0))
+    assert math.isnan(viscosity_at_100(2e-6, 100.0))
 
 
 # What a data sheet gives ----------------------------------------------------------------------------------------------
@@ -262,7 +262,7 @@ def test_the_scatter_of_the_exponent_is_a_factor_of_1_6_or_2_2_at_half_a_gigapas
 
 def test_walther_through_the_points_of_a_grade_is_that_of_the_fit():
     made = own(base_oil="pao", iso_grade=68)
-    hot = at_100_of(68e-6, BASE_OILS["pao"].viscosity_index)
+    hot = viscosity_at_100(68e-6, BASE_OILS["pao"].viscosity_index)
     law = fit_walther([313.15, 373.15], [68e-6, hot], density=1.0)
     assert made.viscosity(343.15) == pytest.approx(law(343.15) * made.density(343.15), rel=1e-12)
     assert attrs.evolve(made, base_oil="pao") == made

@@ -1,4 +1,4 @@
-"""What an oil is: viscosity and pressure-viscosity over temperature, by formula, fit or table."""
+"""Oils: viscosity and pressure-viscosity coefficient over temperature, by formula, fit or table."""
 
 from rollslip.lubricant.fits import fit_vogel, fit_walther
 from rollslip.lubricant.oil import GRADES, Lubricant, OilState, Scatter

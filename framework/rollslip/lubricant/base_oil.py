@@ -1,6 +1,6 @@
-"""What a kind of base oil tells of an oil of which the viscosity alone is known, and the viscosity index.
+"""Estimate the properties of an oil from its kind of base oil and its viscosity, and compute viscosity indices.
 
-The oils of ISO VG grades in the box are made of the same numbers. Grades of data are `rollslip.lubricant.oil.GRADES`.
+The built-in oils of ISO VG grades are made of the same numbers. Grades of data are `rollslip.lubricant.oil.GRADES`.
 """
 
 import math
@@ -22,56 +22,45 @@ from rollslip_kernels.slices import Conditions
 
 __all__ = ["BASE_OILS", "ISO_GRADES", "BaseOil", "falling_density", "viscosity_index"]
 
-#: Grades of ISO 3448: mid kinematic viscosity at 40 degC [mm2/s], which may be 10 % off.
+#: Grades of ISO 3448: kinematic viscosity at 40 degC [mm2/s], with a tolerance of 10 %.
 ISO_GRADES: Final = (
-    2,
-    3,
-    5,
-    7,
-    10,
-    15,
-    22,
-    32,
-    46,
-    68,
-    100,
-    150,
-    220,
-    320,
-    460,
-    680,
-    1000,
-    1500,
-    2200,
-    3200,
-)
-#: Viscosity indices beyond these are questioned: of oils in use the highest are about 300 (C), of silicones about 400,
-#: and the lowest, of naphthenic and traction oils, about -50 (C).
+    2, 3, 5, 7, 10, 15, 22, 32, 46, 68, 100, 150, 220, 320, 460, 680, 1000, 1500, 2200, 3200,
+)  # fmt: skip
+#: Lowest viscosity index without a warning [1]. Naphthenic and traction oils have about -50 (C).
 LOWEST_INDEX = -100.0
+#: Highest viscosity index without a warning [1]. Oils in use have at most 300 (C), silicones about 400.
 HIGHEST_INDEX = 400.0
 
 
 @attrs.frozen(kw_only=True)
 class BaseOil:
-    """What oils of one kind have in common."""
+    """Typical properties of the oils of one kind."""
 
-    called: str  # what it is, in words
-    density: tuple[float, float]  # at 15 and 100 degC [kg/m3]
-    viscosity_index: float  # of an oil of which only the grade is known [1]
-    conductivity: float  # [W/(m K)]
-    eyring_stress: float  # [Pa]
-    shear_modulus: float = 0.3e9  # [Pa]
-    alpha_factor: float = (
-        1.0  # its pressure-viscosity coefficient over that of Wu, Klaus and Duda [1]
-    )
-    alpha_scatter: float  # relative half width of that [1]
-    alpha_source: str  # what that rests on
-    exponent: float  # standard deviation of ln(eta/eta0) at 0.3 to 0.6 GPa by Roelands's law [1]
-    grades: Mapping[str, str]  # property -> letter
-    sources: str  # where the numbers come from
+    #: Density at 15 and 100 degC [kg/m3].
+    density: tuple[float, float]
+    #: Viscosity index of an oil of which only the grade is known [1].
+    viscosity_index: float
+    #: Thermal conductivity [W/(m K)].
+    conductivity: float
+    #: Eyring stress [Pa].
+    eyring_stress: float
+    #: Shear modulus [Pa].
+    shear_modulus: float = 0.3e9
+    #: Pressure-viscosity coefficient over that of Wu, Klaus and Duda [1].
+    alpha_factor: float = 1.0
+    #: Relative half width of the scatter of the coefficient [1].
+    alpha_scatter: float
+    #: Source of the coefficient and its scatter.
+    alpha_source: str
+    #: Standard deviation of ln(eta/eta0) at 0.3 to 0.6 GPa by Roelands's law [1].
+    exponent: float
+    #: Property -> letter of its grade.
+    grades: Mapping[str, str]
+    #: Sources of the numbers.
+    sources: str
 
     def coefficient(self, kinematic: Walther) -> TemperatureLaw:
-        """Return the pressure-viscosity coefficient alpha(T), the tangent at no pressure, of a viscosity [m2/s]."""
+        """Return the pressure-viscosity coefficient alpha(T) at zero pressure for a kinematic viscosity [m2/s]."""
         law = WuKlausDuda(attrs.evolve(kinematic, scale=1e-6))
         return law if self.alpha_factor == 1.0 else Product(Constant(self.alpha_factor), law)
 
@@ -80,11 +69,10 @@ _GRADES: Final = {"density": "C", "pressure_viscosity": "C", "conductivity": "C"
                   "shear_modulus": "C", "pressure_viscosity_kind": "C"}  # fmt: skip
 _SHEAR: Final = "published traction curves give a shear modulus of 0.05 to 1 GPa (C)"
 
-#: Kind of base oil, as scenes name it -> what is known of it.
+#: Kind of base oil -> its typical properties.
 BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
     {
         "mineral": BaseOil(
-            called="mineral oil",
             density=(902.0, 858.0),
             viscosity_index=95.0,
             conductivity=0.134,
@@ -97,7 +85,6 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
             f"an Eyring stress of 3 to 8 MPa is recalled (C), {_SHEAR}",
         ),
         "pao": BaseOil(
-            called="polyalphaolefin",
             density=(859.0, 819.0),
             viscosity_index=150.0,
             conductivity=0.15,
@@ -110,7 +97,6 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
             f"of 2 to 6 MPa is recalled (C), {_SHEAR}",
         ),
         "ester": BaseOil(
-            called="ester",
             density=(915.0, 852.0),
             viscosity_index=140.0,
             conductivity=0.15,
@@ -125,7 +111,6 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
             f"stress of 2 to 6 MPa is recalled (C), {_SHEAR}",
         ),
         "pag": BaseOil(
-            called="polyalkylene glycol",
             density=(1030.0, 966.0),
             viscosity_index=220.0,
             conductivity=0.15,
@@ -143,29 +128,35 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
 
 
 def falling_density(at_15: float, at_100: float) -> Table:
-    """Density of an oil [kg/m3]: a straight line from 0 to 200 degC through its values at 15 and 100 degC."""
+    """Return the density of an oil, a straight line from 0 to 200 degC.
+
+    Parameters
+    ----------
+    at_15, at_100 : float
+        Density at 15 and 100 degC [kg/m3].
+    """
     slope = (at_100 - at_15) / 85.0
     return Table((273.15, 473.15), (at_15 - 15.0 * slope, at_15 + 185.0 * slope))
 
 
 def exponent_factor(law: Any, deviation: float, viscosity: float, alpha: float) -> float:
-    """Relative deviation of ln(eta/eta0) that makes ln(eta) deviate so much at 0.45 GPa, by a law of pressure.
+    """Return the relative deviation of ln(eta/eta0) [1] that changes ln(eta) by a ``deviation`` at 0.45 GPa.
 
     >>> from rollslip.lubricant.pressure import default_law
     >>> round(exponent_factor(default_law(), 0.5, 0.0219, 1.8e-8), 3)
     0.081
     """
-    here = Conditions(
+    conditions = Conditions(
         viscosity=viscosity,
         pressure_viscosity=alpha,
         thermoviscosity=0.0,
         pressure_thermoviscosity=0.0,
     )
-    rise = math.log(float(law.at(here, 0.45e9)[0]) / viscosity)
+    rise = math.log(float(law.at(conditions, 0.45e9)[0]) / viscosity)
     return deviation / rise
 
 
-#: Viscosity Y at 100 degC from which a row holds [mm2/s], and a to f of L = a Y^2 + b Y + c, H = d Y^2 + e Y + f.
+#: Lower limit of the viscosity Y at 100 degC of a row [mm2/s], and a to f of L = a Y^2 + b Y + c, H = d Y^2 + e Y + f.
 _L_AND_H: Final = (
     (2.0, 1.14673, 1.7576, -0.109, 0.84155, 1.5521, -0.077),
     (3.8, 3.38095, -15.4952, 33.196, 0.78571, 1.7929, -0.183),
@@ -187,11 +178,21 @@ _L_AND_H: Final = (
 
 
 def viscosity_index(at_40: float, at_100: float) -> float:
-    """Return the viscosity index [1] of kinematic viscosities [m2/s] at 40 and 100 degC, after ASTM D2270.
+    """Return the viscosity index of an oil after ASTM D2270.
 
-    VI = 100 (L - U)/(L - H) with Y and U those at 100 and 40 degC in mm2/s and L(Y), H(Y) the standard's polynomials;
-    of a U below H it is 100 + (10^N - 1)/0.00715, N = log(H/U)/log Y. nan below 2 mm2/s at 100 degC, where the standard
-    has none. Its polynomials are recalled (C): they give the two examples that it prints, and four rows of its table.
+    VI = 100 (L - U)/(L - H) with the viscosities Y and U at 100 and 40 degC in mm2/s and the polynomials L(Y), H(Y) of
+    the standard; with U below H it is 100 + (10^N - 1)/0.00715, N = log(H/U)/log Y. The polynomials are quoted from
+    memory (C): they reproduce the two examples and four rows of the table of the standard.
+
+    Parameters
+    ----------
+    at_40, at_100 : float
+        Kinematic viscosity at 40 and 100 degC [m2/s].
+
+    Returns
+    -------
+    float
+        Viscosity index [1]; nan below 2 mm2/s at 100 degC, where the standard defines none.
 
     Examples
     --------
@@ -211,10 +212,10 @@ def viscosity_index(at_40: float, at_100: float) -> float:
     return 100.0 + (math.pow(10.0, math.log10(H / U) / math.log10(Y)) - 1.0) / 0.00715
 
 
-def at_100_of(at_40: float, index: float) -> float:
-    """Return the kinematic viscosity [m2/s] at 100 degC that has a viscosity index with that at 40 degC; nan if none.
+def viscosity_at_100(at_40: float, index: float) -> float:
+    """Return the kinematic viscosity [m2/s] at 100 degC of an oil with a viscosity index, by bisection; nan if none.
 
-    >>> round(1e6 * at_100_of(73.30e-6, 92.43), 2)
+    >>> round(1e6 * viscosity_at_100(73.30e-6, 92.43), 2)
     8.86
     """
     low = 2e-6
@@ -227,24 +228,24 @@ def at_100_of(at_40: float, index: float) -> float:
     return math.sqrt(low * high)
 
 
-def estimated(
+def estimate_properties(
     kind: str, kinematic: Walther | None, given: Mapping[str, Any]
 ) -> tuple[dict[str, Any], str]:
-    """Return what a kind of base oil gives of what is not given, and a sentence on where that comes from."""
-    of = BASE_OILS[kind]
-    found: dict[str, Any] = {
-        "density": falling_density(*of.density),
-        "conductivity": Constant(of.conductivity),
-        "eyring_stress": of.eyring_stress,
-        "shear_modulus": of.shear_modulus,
+    """Return the properties that a kind of base oil suggests in place of missing ones, and a sentence on sources."""
+    base = BASE_OILS[kind]
+    properties: dict[str, Any] = {
+        "density": falling_density(*base.density),
+        "conductivity": Constant(base.conductivity),
+        "eyring_stress": base.eyring_stress,
+        "shear_modulus": base.shear_modulus,
     }
     if kinematic is not None:
-        found["pressure_viscosity"] = of.coefficient(kinematic)
-    found = {key: value for key, value in found.items() if given.get(key) is None}
-    told = ", ".join(f"{key} ({of.grades[key]})" for key in found)
+        properties["pressure_viscosity"] = base.coefficient(kinematic)
+    properties = {key: value for key, value in properties.items() if given.get(key) is None}
+    if not properties:
+        return {}, ""
+    names = ", ".join(f"{key} ({base.grades[key]})" for key in properties)
     return (
-        found,
-        f"Estimated from base_oil = {kind!r}: {told}; {of.sources}; alpha: {of.alpha_source}."
-        if told
-        else "",
+        properties,
+        f"Estimated from base_oil = {kind!r}: {names}; {base.sources}; alpha: {base.alpha_source}.",
     )

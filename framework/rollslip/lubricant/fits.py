@@ -1,4 +1,4 @@
-"""Viscosity laws through measured points."""
+"""Fit viscosity laws to measured points: linear least squares for Walther's law, separable ones for Vogel's."""
 
 import math
 from collections.abc import Sequence
@@ -10,9 +10,9 @@ from rollslip.units import format_quantity
 
 __all__ = ["fit_vogel", "fit_walther"]
 
-_LOWEST_POLE = (
-    -1000.0
-)  # K; with C below it Vogel's law is an exponential in T, and A and B lose their digits
+#: Smallest pole C of Vogel's law [K]. With a smaller one the law is an exponential of T, and rounding spoils A and B.
+#: Doubling its size accepts points whose slope hardly flattens. Chosen: C of measured oils is above 100 K.
+_LOWEST_POLE = -1000.0
 
 
 def fit_walther(
@@ -21,10 +21,10 @@ def fit_walther(
     density: float,
     constant: float = 0.7,
 ) -> Walther:
-    """Walther's law through measured kinematic viscosities.
+    """Return Walther's law through measured kinematic viscosities.
 
-    Exact through two points; through more, the straight line of least squares on the axes of ASTM D341,
-    log10 log10(nu + c) against log10 T.
+    It is exact for two points; for more, it is the least-squares line on the axes of ASTM D341, log10 log10(nu + c)
+    against log10 T.
 
     Parameters
     ----------
@@ -66,9 +66,9 @@ def fit_walther(
 
 
 def fit_vogel(temperatures: Sequence[float], viscosities: Sequence[float]) -> Vogel:
-    """Vogel's law through measured dynamic viscosities.
+    """Return Vogel's law through measured dynamic viscosities.
 
-    Exact through three points; through more, least squares in ln(eta), that is in relative error.
+    It is exact for three points; for more, it has the least squares in ln(eta), that is, in relative error.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def fit_vogel(temperatures: Sequence[float], viscosities: Sequence[float]) -> Vo
     ------
     ValueError
         Too few points, equal temperatures, a viscosity that is not positive or does not fall with temperature, or
-        points that bend less than any liquid's do: their C would lie below -1000 K.
+        points on a curve that flattens less than that of any liquid: its C would be below -1000 K.
 
     Examples
     --------
@@ -99,18 +99,15 @@ def fit_vogel(temperatures: Sequence[float], viscosities: Sequence[float]) -> Vo
     if len(T) > 3:
         from scipy.optimize import least_squares
 
-        # For a given C the law is a line in 1/(T - C), so C alone is searched, as ln(T_min - C) to keep it below T_min.
-        def misfit(log_distance: Any) -> list[float]:
+        # For a given C the law is a line in 1/(T - C), so C is the only unknown, as ln(T_min - C) to be below T_min.
+        def residuals(log_distance: Any) -> list[float]:
             return _line(_reciprocal(T, T[0] - math.exp(log_distance[0])), log_eta)[2]
 
         start = math.log(T[0] - min(max(pole, _LOWEST_POLE), T[0] - 2.0))
-        bounds = (
-            0.0,
-            math.log(T[0] - 2.0 * _LOWEST_POLE),
-        )  # the lower one: C stays 1 K away from the points
-        pole = T[0] - math.exp(
-            least_squares(misfit, [start], bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12).x[0]
-        )
+        # C remains at least 1 K below the lowest temperature
+        bounds = (0.0, math.log(T[0] - 2.0 * _LOWEST_POLE))
+        fit = least_squares(residuals, [start], bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        pole = T[0] - math.exp(fit.x[0])
     if pole < _LOWEST_POLE:
         raise ValueError(
             "no Vogel law: the slope of ln(viscosity) hardly flattens with temperature; check the points"
@@ -120,7 +117,7 @@ def fit_vogel(temperatures: Sequence[float], viscosities: Sequence[float]) -> Vo
 
 
 def _pole(T: list[float], log_eta: list[float]) -> float:
-    """C of the Vogel law through the first, the middle and the last of the points; -inf if they do not bend as it."""
+    """Return C of the Vogel law through the first, the middle and the last point; -inf if there is no such law."""
     (T1, T2, T3), (y1, y2, y3) = ((v[0], v[len(v) // 2], v[-1]) for v in (T, log_eta))
     bend = (y1 - y2) * (T3 - T2) / ((y2 - y3) * (T2 - T1))  # = (T3 - C)/(T1 - C)
     return T1 - (T3 - T1) / (bend - 1.0) if bend > 1.0 else -math.inf
@@ -131,7 +128,7 @@ def _reciprocal(T: list[float], pole: float) -> list[float]:
 
 
 def _line(x: list[float], y: list[float]) -> tuple[float, float, list[float]]:
-    """Slope, intercept and residuals of the straight line of least squares."""
+    """Return slope, intercept and residuals of the least-squares line."""
     x_mean = math.fsum(x) / len(x)
     y_mean = math.fsum(y) / len(y)
     slope = math.fsum((a - x_mean) * (b - y_mean) for a, b in zip(x, y, strict=True)) / math.fsum(
@@ -145,13 +142,13 @@ def _line(x: list[float], y: list[float]) -> tuple[float, float, list[float]]:
 
 
 def _ordered(
-    law: str, fewest: int, temperatures: Sequence[float], viscosities: Sequence[float]
+    law: str, minimum: int, temperatures: Sequence[float], viscosities: Sequence[float]
 ) -> tuple[list[float], list[float]]:
-    """Points of a fit in the order of temperature, checked."""
+    """Return temperatures and viscosities of a fit in ascending order of temperature; refuse invalid ones."""
     if len(temperatures) != len(viscosities):
         raise ValueError(f"{len(temperatures)} temperatures but {len(viscosities)} viscosities")
-    if len(temperatures) < fewest:
-        raise ValueError(f"the {law} law needs {fewest} or more points, got {len(temperatures)}")
+    if len(temperatures) < minimum:
+        raise ValueError(f"the {law} law needs {minimum} or more points, got {len(temperatures)}")
     points = sorted((float(T), float(v)) for T, v in zip(temperatures, viscosities, strict=True))
     for T, v in points:
         if not (0.0 < T < math.inf and 0.0 < v < math.inf):

@@ -1,6 +1,7 @@
-"""An oil: its laws of temperature and pressure, its other data, and what they give at one temperature.
+"""An oil: its laws of temperature and pressure, its other data, and its properties at one temperature.
 
-What an oil lacks is ``None`` in `Lubricant` and nan in `OilState`: a model that reads it cannot be bound to the oil.
+A property that an oil lacks is ``None`` in `Lubricant` and nan in `OilState`: a model that reads it cannot be used with
+the oil.
 """
 
 import math
@@ -24,7 +25,7 @@ from rollslip.units import format_quantity
 
 __all__ = ["GRADES", "Lubricant", "OilState", "Scatter", "legend", "scatter_of"]
 
-#: How far a datum can be trusted: letter of the grade -> what it stands for.
+#: Grades of data quality: letter -> meaning.
 GRADES: Final[Mapping[str, str]] = MappingProxyType(
     {
         "A": "printed in a source that was read",
@@ -34,21 +35,27 @@ GRADES: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 
+#: Slope with temperature -> property that it is the slope of.
+SLOPES: Final[Mapping[str, str]] = MappingProxyType(
+    {"thermoviscosity": "viscosity", "pressure_thermoviscosity": "pressure_viscosity"}
+)
 _NO_GRADES: Final[Any] = FrozenTable()
-#: By how much a slope may differ from that of its law before a result says so [1].
-_AGREES: Final = 0.01
-#: Distance over which a note says what follows from a slope that its law does not have [K].
-_AWAY: Final = 10.0
+#: Relative difference between a stated slope and that of its law from which a result has a note [1]. Doubling it hides
+#: some notes. Chosen: papers print slopes with two digits.
+_SLOPE_TOLERANCE: Final = 0.01
+#: Temperature difference at which a note states the effect of a slope that is not that of its law [K]. It changes the
+#: text only. Chosen as the temperature rise of a typical contact.
+_NOTE_DISTANCE: Final = 10.0
 
 
 def legend(grades: Iterable[str]) -> str:
-    """Say what some letters of `GRADES` stand for."""
+    """Return the meaning of some letters of `GRADES` as text."""
     return "; ".join(f"({grade}) {GRADES[grade]}" for grade in sorted(set(grades)))
 
 
 @frozen(kw_only=True)
 class OilState:
-    """An oil at one temperature; what the oil lacks is nan, and no model that reads it may be bound to it."""
+    """Properties of an oil at one temperature; nan where the oil lacks one."""
 
     temperature: float  #: T [K].
     viscosity: float  #: Dynamic viscosity at ambient pressure, eta0 [Pa s].
@@ -67,7 +74,7 @@ def positive_field(
     usual: Span | None = None,
     possible: Span | None = None,
 ) -> Any:
-    """Declare a field of a positive quantity; one whose default is None may be left out."""
+    """Declare a field of a positive quantity; a field whose default is None is optional."""
     validator = positive if default is not None else optional(positive)
     return field(
         unit=unit, doc=doc, default=default, validator=validator, usual=usual, possible=possible
@@ -91,9 +98,9 @@ def _known_grades(instance: object, attribute: "Attribute[Any]", value: Mapping[
 class Lubricant:
     """An oil: its temperature laws, its shear properties, and where each of them comes from.
 
-    The factors are for calibration and for the scatter of the data: three multiply eta0, alpha and gamma. alpha carries
-    its slope with it, so gamma takes `pressure_viscosity_factor` *and* `pressure_thermoviscosity_factor`. The fourth
-    multiplies ln(eta/eta0): it moves what the oil becomes in a contact, and not the alpha that forms the film.
+    The factors are for calibration and for the scatter of the data: three multiply eta0, alpha and gamma. gamma is a
+    slope of alpha, so that `pressure_viscosity_factor` *and* `pressure_thermoviscosity_factor` multiply it. The fourth
+    factor multiplies ln(eta/eta0): it changes the viscosity in a contact, and not the alpha of film formulas.
 
     Raises
     ------
@@ -101,67 +108,73 @@ class Lubricant:
         A value is not positive, the range is empty, the viscosity rises over it, or a grade does not exist.
     """
 
-    name: str  #: As scenes call it.
-    description: str  #: What it is, in a sentence.
-    viscosity: TemperatureLaw  #: Dynamic viscosity at ambient pressure, eta0(T) [Pa s].
-    pressure_viscosity: TemperatureLaw | None = (
-        None  #: Pressure-viscosity coefficient alpha(T) [1/Pa].
-    )
+    #: Name in scenes.
+    name: str
+    #: Description, in a sentence.
+    description: str
+    #: Dynamic viscosity at ambient pressure, eta0(T) [Pa s].
+    viscosity: TemperatureLaw
+    #: Pressure-viscosity coefficient alpha(T) [1/Pa].
+    pressure_viscosity: TemperatureLaw | None = None
     #: beta0(T) [1/K], where it is not the slope of `viscosity`, as in lists of constants.
     thermoviscosity: Callable[[float], float] | None = None
-    #: gamma(T) [1/(Pa K)], where it is not the slope of `pressure_viscosity`, likewise.
+    #: gamma(T) [1/(Pa K)], where it is not the slope of `pressure_viscosity`.
     pressure_thermoviscosity: Callable[[float], float] | None = None
-    #: Which alpha `pressure_viscosity` is: "tangent", the slope of ln(eta) at no pressure, or "film", alpha* =
-    #: 1/integral(eta0/eta dp). Film formulas take it as it is; a law makes its own constants of it.
+    #: Definition of `pressure_viscosity`: "tangent", the slope of ln(eta) at zero pressure, or "film", alpha* =
+    #: 1/integral(eta0/eta dp). Film formulas use it as it is; a law computes its own constants from it.
     pressure_viscosity_kind: str = field(
         doc="which alpha it is, by its tangent or for films",
         default="tangent",
         validator=choice_of(*ALPHAS),
     )
-    #: How viscosity rises with pressure, by default Roelands's law; one that fixes alpha itself overrules
+    #: Law of viscosity under pressure, by default Roelands's; a law that determines alpha replaces
     #: `pressure_viscosity`.
     pressure_viscosity_law: PressureViscosity = Factory(default_law)
-    #: What the oil is made of: mineral, pao, ester or pag.
+    #: Kind of base oil: mineral, pao, ester or pag.
     base_oil: str | None = field(
         doc="kind of base oil", default=None, validator=optional(choice_of(*BASE_OILS))
     )
     conductivity: TemperatureLaw | None = None  #: Thermal conductivity K_f(T) [W/(m K)].
     density: TemperatureLaw | None = None  #: Density rho(T) [kg/m3], which drags read.
-    #: tau0 or tau0(T) [Pa].
+    #: Eyring stress tau0 or tau0(T) [Pa].
     eyring_stress: float | TemperatureLaw | None = field(
         unit="Pa", doc="Eyring stress", default=None, validator=_positive_or_law
     )
-    #: Gamma or Gamma(T) [Pa].
+    #: Shear modulus Gamma or Gamma(T) [Pa].
     shear_modulus: float | TemperatureLaw | None = field(
         unit="Pa", doc="shear modulus", default=None, validator=_positive_or_law
     )
-    #: eyring_stress_slope, shear_modulus_slope: Their rise with pressure, dtau0/dp and dGamma/dp [1]: tau0 and Gamma
-    #: are those at ambient pressure, and a slice has what belongs to its mean pressure.
+    #: dtau0/dp [1]: tau0 is the stress at ambient pressure, and a slice has that at its mean pressure.
     eyring_stress_slope: float = field(
         unit="1", doc="rise of the Eyring stress with pressure", default=0.0, validator=non_negative
     )
+    #: dGamma/dp [1]: Gamma is the modulus at ambient pressure, and a slice has that at its mean pressure.
     shear_modulus_slope: float = field(
         unit="1", doc="rise of the shear modulus with pressure", default=0.0, validator=non_negative
     )
-    #: minimum_temperature, maximum_temperature: Range in which the data hold [K].
+    #: Lowest temperature of the data [K].
     minimum_temperature: float = positive_field("K", "lowest temperature at which the data hold")
+    #: Highest temperature of the data [K].
     maximum_temperature: float = positive_field("K", "highest temperature at which the data hold")
-    source: str  #: Origin of each datum, with its grade where it is not a published value.
-    references: tuple[Citation, ...] = ()  #: One citation each, see `rollslip.references`.
-    #: viscosity_factor, pressure_viscosity_factor, pressure_thermoviscosity_factor: Factors on eta0, alpha and gamma
-    #: [-].
+    #: Source of each datum, with its grade where it is not a published value.
+    source: str
+    #: Citations, see `rollslip.references`.
+    references: tuple[Citation, ...] = ()
+    #: Factor on eta0 [1].
     viscosity_factor: float = positive_field("1", "factor on the viscosity", 1.0)
+    #: Factor on alpha [1].
     pressure_viscosity_factor: float = positive_field(
         "1", "factor on the pressure-viscosity coefficient", 1.0
     )
+    #: Factor on gamma [1].
     pressure_thermoviscosity_factor: float = positive_field(
         "1", "factor on the slope of that coefficient", 1.0
     )
-    #: Factor on ln(eta/eta0) under pressure [-].
+    #: Factor on ln(eta/eta0) under pressure [1].
     pressure_exponent_factor: float = positive_field(
         "1", "factor on ln(eta/eta0) under pressure", 1.0
     )
-    #: How uncertain its data are: what ``rollslip uncertainty`` takes where the scene states nothing.
+    #: Uncertainty of its data, for ``rollslip uncertainty`` where the scene states none.
     scatter: tuple[Scatter, ...] = ()
     #: Property -> letter of `GRADES`.
     grades: Mapping[str, str] = attrib(
@@ -170,10 +183,10 @@ class Lubricant:
         validator=_known_grades,
         metadata={"doc": "data quality of each property"},
     )
-    #: What else it is called; capitals, spaces and hyphens do not count in names of data.
+    #: Other names; capitals, spaces and hyphens do not count in names of data.
     synonyms: tuple[str, ...] = ()
-    #: Its constants for laws, defaults of their parameters: a mapping for each law by name, and beside these what all
-    #: laws have that know the key; numbers in SI, or texts with a unit.
+    #: Constants for laws, as defaults of their parameters: a mapping for each law by name, and other keys for all laws
+    #: that have the parameter; numbers in SI units, or texts with a unit.
     models: Mapping[str, Any] = attrib(
         default=FrozenTable(), converter=FrozenTable, metadata={"doc": "constants for laws, by law"}
     )
@@ -208,7 +221,20 @@ class Lubricant:
             )
 
     def constants_for(self, law: str, known: Collection[str]) -> dict[str, object]:
-        """Return its constants for a law, of the parameters that this has; those of its own table come first."""
+        """Return the constants of the oil for a law.
+
+        Parameters
+        ----------
+        law : str
+            Name of the law.
+        known : collection of str
+            Names of its parameters.
+
+        Returns
+        -------
+        dict
+            Values by parameter; those in the table of the law replace those for all laws.
+        """
         shared = {
             key: value
             for key, value in self.models.items()
@@ -219,14 +245,14 @@ class Lubricant:
 
     @property
     def slopes(self) -> dict[str, float]:
-        """Slopes with pressure [1], by the names that models have for them."""
+        """Slopes with pressure [1], by the names of the fields of models."""
         return {
             "eyring_stress_slope": self.eyring_stress_slope,
             "shear_modulus_slope": self.shear_modulus_slope,
         }
 
     def at(self, temperature: float) -> OilState:
-        """Properties at a temperature [K], nan where the oil has no data; refused outside of their range."""
+        """Return the properties at a temperature [K]; raise `DomainError` outside the range of the data."""
         if not self.minimum_temperature <= temperature <= self.maximum_temperature:
             raise DomainError(
                 f"{self.name} at {_celsius(temperature)}: its data hold from {_celsius(self.minimum_temperature)} to "
@@ -253,45 +279,37 @@ class Lubricant:
         )
 
     def notes(self, temperature: float) -> list[str]:
-        """Say in words where beta0 or gamma is not the slope of the property that it belongs to.
+        """Return notes where beta0 or gamma is not the slope of its property at a temperature [K].
 
-        Papers list both as constants, which fit together at one temperature only. That is allowed; what follows from it
-        is said.
+        Papers list both as constants, which are consistent at one temperature only. That is allowed, and the note
+        states its effect.
         """
         alpha, alpha_fall = _evaluate(self.pressure_viscosity, temperature)
         eta0, eta0_fall = _evaluate(self.viscosity, temperature)
         beta0, gamma = self.falls(temperature)
-        found = []
-        for key, of, given, own, unit, size in (
-            ("thermoviscosity", "viscosity", beta0, eta0_fall / eta0, "1/K", 1.0),
-            (
-                "pressure_thermoviscosity",
-                "pressure_viscosity",
-                gamma,
-                alpha_fall,
-                "1/(Pa K)",
-                alpha,
-            ),
+        notes = []
+        for key, stated, own, unit, size in (
+            ("thermoviscosity", beta0, eta0_fall / eta0, "1/K", 1.0),
+            ("pressure_thermoviscosity", gamma, alpha_fall, "1/(Pa K)", alpha),
         ):
-            if not abs(given - own) > _AGREES * max(
-                abs(given), abs(own)
-            ):  # nan where the oil lacks it
+            # the comparison is false with nan, where the oil lacks the property
+            if not abs(stated - own) > _SLOPE_TOLERANCE * max(abs(stated), abs(own)):
                 continue
-            slope = (
-                "is the same at every temperature"
-                if own == 0.0
-                else f"falls by {format_quantity(own, unit, 3)}"
+            of = SLOPES[key]
+            slope = f"falls by {format_quantity(own, unit, 3)}"
+            if own == 0.0:
+                slope = "is the same at every temperature"
+            effect = abs(stated - own) * _NOTE_DISTANCE / size
+            notes.append(
+                f"lubricant.{key} is {format_quantity(stated, unit, 3)} at {_celsius(temperature)}, but "
+                f"lubricant.{of} {slope}: they fit together at one temperature only, {_NOTE_DISTANCE:g} K from it {of} "
+                f"would differ by {effect:.0%}; to have both, give lubricant.{of} as a table over temperature and "
+                f"leave out {key}"
             )
-            found.append(
-                f"lubricant.{key} is {format_quantity(given, unit, 3)} at {_celsius(temperature)}, but "
-                f"lubricant.{of} {slope}: they fit together at one temperature only, {_AWAY:g} K from it {of} would "
-                f"differ by {abs(given - own) * _AWAY / size:.0%}; to have both, give lubricant.{of} as a table over "
-                f"temperature and leave out {key}"
-            )
-        return found
+        return notes
 
     def falls(self, T: float) -> tuple[float, float]:
-        """Return beta0 [1/K] and gamma [1/(Pa K)], before factors, at a temperature `T` [K] inside the range or not."""
+        """Return beta0 [1/K] and gamma [1/(Pa K)] at any temperature `T` [K], without the factors of the oil."""
         eta0, eta0_fall = _evaluate(self.viscosity, T)
         _, alpha_fall = _evaluate(self.pressure_viscosity, T)
         return (
@@ -310,8 +328,24 @@ def scatter_of(
     pressure_viscosity_source: str,
     exponent: float,
 ) -> tuple[Scatter, ...]:
-    """Return the scatter of an oil: of eta0, alpha, what pressure makes of it, and its shear."""
-    found: list[tuple[str, str, dict[str, object], str, str]] = [
+    """Return the scatter of an oil: of eta0, alpha, the viscosity under pressure, and its shear properties.
+
+    Parameters
+    ----------
+    viscosity : float
+        Relative half width of eta0 [1].
+    grade : str
+        Letter of `GRADES`, in parentheses, of that width.
+    source : str
+        Source of that width.
+    pressure_viscosity : float
+        Relative half width of alpha [1].
+    pressure_viscosity_source : str
+        Source of that width.
+    exponent : float
+        Standard deviation of ln(eta/eta0), relative [1]. A width or deviation of 0 is left out.
+    """
+    rows: list[tuple[str, str, dict[str, object], str, str]] = [
         ("viscosity_factor", "uniform", {"scatter": viscosity}, grade, source),
         ("pressure_viscosity_factor", "uniform", {"scatter": pressure_viscosity}, "(C)", pressure_viscosity_source),
         (
@@ -328,18 +362,20 @@ def scatter_of(
         Scatter(
             quantity=quantity, distribution=shape, parameters=parameters, grade=letter, source=why
         )
-        for quantity, shape, parameters, letter, why in found
+        for quantity, shape, parameters, letter, why in rows
         if parameters.get("scatter", 1.0)
     )
 
 
 def _value(law: float | TemperatureLaw | None, T: float) -> float:
-    """Value of a law or a constant; nan for what the oil lacks."""
-    return math.nan if law is None else float(law) if isinstance(law, int | float) else law(T)
+    """Return the value of a law or a constant; nan for a property that the oil lacks."""
+    if law is None:
+        return math.nan
+    return float(law) if isinstance(law, int | float) else law(T)
 
 
 def _evaluate(law: TemperatureLaw | None, T: float) -> tuple[float, float]:
-    """Value of a law and its fall per kelvin; nan for a law the oil lacks."""
+    """Return the value of a law and its fall per kelvin; nan for a law that the oil lacks."""
     # 0.0 - x, not -x: a constant law falls by 0, not by -0.
     return (math.nan, math.nan) if law is None else (law(T), 0.0 - law.derivative(T))
 

@@ -1,10 +1,10 @@
-"""How the oil's viscosity follows pressure: a stage of the oil's own, between film and traction.
+"""Viscosity of the oil under pressure: the interface of such laws, a stage of the chain between film and traction.
 
-- The law belongs to the oil, not to the models: a scene that changes its oil changes the law with it, and every
-  traction model, ours or a stranger's, reads the same two columns whatever the law.
-- A law says how viscosity *rises* with pressure. eta0 and beta0 at ambient pressure are the oil's, at any law, so that
-  laws differ only where pressure comes in.
-- A law is a model that a package offers, as contact and film are; what an oil has that names none is `DEFAULT_LAW`.
+- The law belongs to the oil, not to the models of the contact: a scene that changes its oil changes the law, and every
+  traction model, built-in or third-party, reads the same two columns with any law.
+- A law describes how viscosity *rises* with pressure. eta0 and beta0 at ambient pressure are properties of the oil for
+  every law, so that laws differ only under pressure.
+- A law is a model that a package offers, as contact and film models are. An oil without a law has `DEFAULT_LAW`.
 """
 
 import abc
@@ -27,9 +27,9 @@ from rollslip_kernels.slices import Conditions, Slices
 Array = NDArray[np.float64]
 NO_SLOPES: Final[Mapping[str, float]] = MappingProxyType({})
 
-#: Law of an oil that names none.
+#: Name of the law of an oil that states none.
 DEFAULT_LAW: Final = "roelands"
-#: Which alpha an oil gives: the slope of ln(eta) at no pressure, or alpha* = 1/integral(eta0/eta dp), that of films.
+#: Definitions of alpha: the slope of ln(eta) at zero pressure, or alpha* = 1/integral(eta0/eta dp) for film formulas.
 ALPHAS: Final = ("tangent", "film")
 
 
@@ -42,48 +42,49 @@ class PressureViscosity(SliceModel):
     def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
         """Return viscosity [Pa s] and its fall -dln(eta)/dT [1/K] at pressures [Pa] of any shape.
 
-        A pressure at which the law has no value is a `DomainError`.
+        It raises `DomainError` for a pressure at which the law is not defined.
         """
 
     def coefficient(self, temperature: float) -> float:
-        """Return dln(eta)/dp at ambient pressure [1/Pa] if the law itself fixes it, else nan: it is the oil's alpha."""
+        """Return dln(eta)/dp at ambient pressure [1/Pa] if the law determines it; nan if it is the alpha of the oil."""
         return math.nan
 
     def caution(self) -> str:
-        """Return what to say at once to whoever takes the law, a clause; an empty string if there is nothing."""
+        """Return a warning for users of the law, as a clause; empty if there is none."""
         return ""
 
     def of_oil(self, alpha: str = "tangent", factor: float = 1.0) -> "PressureViscosity":
-        """Return the law as an oil has it.
+        """Return the law with the values of an oil.
 
-        ``alpha`` is one of `ALPHAS`, which a law asks for by `alpha_of_oil`; ``factor`` is that on ln(eta/eta0), which
-        it takes by `factor_of_oil`, or refuses.
+        ``alpha`` is one of `ALPHAS`, for a law with a field by `alpha_of_oil`; ``factor`` multiplies ln(eta/eta0), for
+        a law with a field by `factor_of_oil`, and is refused by other laws.
         """
-        mine: Any = self
+        law: Any = self
         own = {
-            a.name: a.metadata["of_oil"] for a in attrs.fields(type(mine)) if "of_oil" in a.metadata
+            a.name: a.metadata["of_oil"] for a in attrs.fields(type(law)) if "of_oil" in a.metadata
         }
         if factor != 1.0 and "factor" not in own.values():
             raise FieldError(
                 "pressure_exponent_factor", f"law {self.name!r} takes none; leave it out"
             )
-        given = {"alpha": alpha, "factor": factor}
+        values = {"alpha": alpha, "factor": factor}
         changes = {
-            name: given[what] for name, what in own.items() if getattr(self, name) != given[what]
+            name: values[key] for name, key in own.items() if getattr(self, name) != values[key]
         }
-        law: PressureViscosity = attrs.evolve(mine, **changes) if changes else self
-        return law
+        if changes:
+            law = attrs.evolve(law, **changes)
+        return law  # type: ignore[no-any-return]
 
     def evaluate(self, slices: Slices) -> None:
-        """Fill viscosity and its fall with temperature."""
+        """Fill the columns of the viscosity and its fall with temperature."""
         slices.film_viscosity[...], slices.film_thermoviscosity[...] = self.at(
             slices.conditions, slices.pressure
         )
 
 
 @cache
-def law_of_the_box(name: str) -> type[PressureViscosity]:
-    """Return a law that comes with rollslip, by its name; who reads a scene takes those of all packages."""
+def built_in_law(name: str) -> type[PressureViscosity]:
+    """Return a law that comes with rollslip, by its name; the reader of scenes finds those of all packages."""
     points = importlib.metadata.distribution("rollslip").entry_points.select(
         group="rollslip.pressure_viscosity"
     )
@@ -95,12 +96,12 @@ def law_of_the_box(name: str) -> type[PressureViscosity]:
 
 
 def default_law() -> PressureViscosity:
-    """Return the law of an oil that names none."""
-    return law_of_the_box(DEFAULT_LAW)()
+    """Return the law of an oil that states none."""
+    return built_in_law(DEFAULT_LAW)()
 
 
 def alpha_of_oil() -> Any:
-    """Declare which alpha a law takes, one of `ALPHAS`: no key of a scene, the oil says it."""
+    """Declare the definition of alpha that a law uses, one of `ALPHAS`: it is set by the oil and not by a scene."""
     return attrs.field(
         default="tangent",
         kw_only=True,
@@ -110,7 +111,7 @@ def alpha_of_oil() -> Any:
 
 
 def factor_of_oil() -> Any:
-    """Declare the factor on ln(eta/eta0) [1] that a law takes: no key of a scene, the oil says it."""
+    """Declare the factor on ln(eta/eta0) [1] that a law uses: it is set by the oil and not by a scene."""
     return attrs.field(
         default=1.0,
         kw_only=True,
@@ -120,7 +121,7 @@ def factor_of_oil() -> Any:
 
 
 def from_oil() -> Any:
-    """Declare the part of a model that is the oil's law: not a key of a scene, put in when the bearing is assembled."""
+    """Declare a submodel that is the law of the oil: it is set when the bearing is assembled, and not by a scene."""
     return attrs.field(
         factory=default_law,
         kw_only=True,
@@ -129,7 +130,7 @@ def from_oil() -> Any:
 
 
 def slope_of_oil(doc: str) -> Any:
-    """Declare a slope with pressure [1] that is the oil's: no key of a scene, put in when the bearing is assembled."""
+    """Declare a slope with pressure [1] of the oil: it is set when the bearing is assembled, and not by a scene."""
     return attrs.field(
         default=0.0,
         kw_only=True,
@@ -139,7 +140,7 @@ def slope_of_oil(doc: str) -> Any:
 
 
 def with_law(model: Any, law: PressureViscosity, slopes: Mapping[str, float] = NO_SLOPES) -> Any:
-    """Return a model with the oil's law and slopes with pressure in it, and its children, where they ask for them."""
+    """Return a model whose fields for the law and slopes of the oil, and those of its submodels, are set."""
     changes: dict[str, Any] = {}
     for attribute in attrs.fields(type(model)):
         value = getattr(model, attribute.name)
@@ -155,10 +156,10 @@ def with_law(model: Any, law: PressureViscosity, slopes: Mapping[str, float] = N
 
 
 def without_slope(model: Any, name: str) -> list[str]:
-    """Return the names of a model and its children that read a property of the oil but not its slope with pressure."""
+    """Return the names of a model and submodels that read a property of the oil but not its slope with pressure."""
     fields = getattr(type(model), "__attrs_attrs__", ())
     children = [getattr(model, a.name) for a in fields if "kind" in a.metadata]
-    if children:  # it reads what they read
-        return [one for child in children for one in without_slope(child, name)]
+    if children:  # the model reads what its submodels read
+        return [law for child in children for law in without_slope(child, name)]
     takes = any(a.name == f"{name}_slope" and a.metadata.get("slope_of_oil") for a in fields)
     return [] if takes or name not in model.reads else [model.name]

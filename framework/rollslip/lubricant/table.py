@@ -1,4 +1,11 @@
-"""The ``[lubricant]`` table of a scene, and the oil that it describes: a shipped one, the user's own, or both."""
+"""The ``[lubricant]`` table of a scene, and the oil that it describes: a shipped one, the user's own, or both.
+
+1. Read the table (`OilTable`) and its law of viscosity under pressure.
+2. Collect the properties that it states, as laws of temperature (`_laws`), over those of the named oil.
+3. Add properties that the kind of base oil suggests (`OilTable.estimates`).
+4. Fit the viscosity to points or to a grade (`OilTable.fit`, `rollslip.lubricant.fits`).
+5. Intersect the temperature ranges of all data (`_temperature_range`).
+"""
 
 import math
 import re
@@ -25,20 +32,20 @@ from rollslip.fields import (
 from rollslip.lubricant.base_oil import (
     BASE_OILS,
     ISO_GRADES,
-    at_100_of,
-    estimated,
+    estimate_properties,
     exponent_factor,
     falling_density,
+    viscosity_at_100,
     viscosity_index,
 )
 from rollslip.lubricant.fits import fit_vogel, fit_walther
-from rollslip.lubricant.oil import Lubricant, positive_field, scatter_of
+from rollslip.lubricant.oil import SLOPES, Lubricant, positive_field, scatter_of
 from rollslip.lubricant.pressure import (
     ALPHAS,
     DEFAULT_LAW,
     PressureViscosity,
+    built_in_law,
     default_law,
-    law_of_the_box,
 )
 from rollslip.lubricant.temperature import Constant, Product, SmoothTable, Table, TemperatureLaw
 from rollslip.structure import FrozenTable, Location, structure
@@ -46,23 +53,26 @@ from rollslip.units import format_quantity
 
 __all__ = ["OilPoint", "OilTable", "OverTemperature", "lubricant_from_table"]
 
-_MARGIN = 20.0  # K, by which the validity of a fitted law reaches beyond its points
-# K
+#: Range by which a fitted law is extrapolated beyond its points [K]. Doubling it accepts temperatures at which the law
+#: is less certain. Chosen.
+_MARGIN = 20.0
+#: 40 degC [K], the temperature of ISO 3448 grades.
 _AT_40 = 313.15
+#: 100 degC [K], the second temperature of the viscosity index.
 _AT_100 = 373.15
-_ANY = (1.0, 1e4)  # K: constants are taken at the temperature of the scene, whatever it is
+#: Temperature range of an oil whose properties are constants [K]: any temperature of a scene.
+_ANY = (1.0, 1e4)
 
-#: Slope -> the property that it belongs to.
-_SLOPES = {"thermoviscosity": "viscosity", "pressure_thermoviscosity": "pressure_viscosity"}
-
-
-#: What is usual, and what is possible, of properties that stand in several tables.
+#: Usual and possible temperatures of oil data [K].
 _TEMPERATURE: Final[Ranges] = {"usual": (213.15, 573.15), "possible": (123.15, 1273.15)}
+#: Usual and possible factors on properties [1].
 _FACTOR: Final[Ranges] = {"usual": (0.1, 10), "possible": (1e-9, 1e9)}
+#: Usual and possible dynamic viscosities [Pa s]: from hot jet-engine oils to cold gear oils.
 _VISCOSITY: Final[Ranges] = {"usual": (5e-4, 3.0), "possible": (1e-5, 1e6)}
+#: Properties that may be constants or tables over temperature.
 _PROPERTIES = {
-    *_SLOPES,
-    *_SLOPES.values(),
+    *SLOPES,
+    *SLOPES.values(),
     "density",
     "conductivity",
     "eyring_stress",
@@ -76,9 +86,9 @@ _IN_POINTS: Final = (
 
 @frozen(kw_only=True)
 class OilPoint:
-    """A measured viscosity of an own oil."""
+    """A measured viscosity of the user's own oil."""
 
-    #: Keys that are met -> what to do about them.
+    #: Key that users write by mistake -> advice.
     advice: ClassVar[Mapping[str, str]] = {
         "viscosity": "kinematic_viscosity takes a kinematic one",
         "nu": "unknown key; write kinematic_viscosity",
@@ -124,15 +134,16 @@ class OverTemperature:
 
 @frozen
 class _Each:
-    """Validator: every value of a property is allowed."""
+    """Validator: apply a validator to each value of a property."""
 
-    allowed: Callable[[Any, Any, Any], object]
+    validator: Callable[[Any, Any, Any], object]
 
     def __call__(self, instance: object, attribute: "Attribute[Any]", value: object) -> None:
-        for one in (
-            value.value if isinstance(value, OverTemperature) else () if value is None else (value,)
-        ):
-            self.allowed(instance, attribute, one)
+        if isinstance(value, OverTemperature):
+            for element in value.value:
+                self.validator(instance, attribute, element)
+        elif value is not None:
+            self.validator(instance, attribute, value)
 
 
 def _property(
@@ -150,13 +161,13 @@ def _property(
 
 
 Property: TypeAlias = float | OverTemperature | None
-#: Reads a law of viscosity under pressure from a scene: name or table, its place, and a list that takes faults.
+#: Reads a law of viscosity under pressure from a name or table, its location, and a list to which faults are added.
 ReadLaw: TypeAlias = Callable[[object, Location, list[str]], Any]
 
 
 @frozen(kw_only=True)
 class OilTable:
-    """The ``[lubricant]`` table of a scene as written: what it leaves out is None; see `lubricant_from_table`."""
+    """The ``[lubricant]`` table of a scene as it is written, None for missing keys; see `lubricant_from_table`."""
 
     advice: ClassVar[Mapping[str, str]] = {
         "viscosity": _IN_POINTS,
@@ -285,39 +296,8 @@ class OilTable:
 
     def __attrs_post_init__(self) -> None:
         own = self.name is None
-        if own and not self.points and self.viscosity is None and self.iso_grade is None:
-            raise FieldError(
-                "name",
-                "missing; name a shipped oil, or give viscosity, or points with kinematic_viscosity, or iso_grade, "
-                "with base_oil for what a data sheet does not say",
-            )
-        if self.points and self.viscosity is not None:
-            raise FieldError(
-                "viscosity", "not beside points, which are the viscosity; leave one of them out"
-            )
-        if self.iso_grade is not None:
-            if not own or self.points or self.viscosity is not None:
-                raise FieldError(
-                    "iso_grade",
-                    "not beside a name, points or viscosity, which say more; leave it out",
-                )
-            if self.base_oil is None:
-                raise FieldError(
-                    "base_oil",
-                    f"missing; a grade alone is no oil: {', '.join(BASE_OILS)} (kind of base oil)",
-                )
-        elif self.viscosity_index is not None and not (own and self._one_at_40):
-            raise FieldError(
-                "viscosity_index", "goes with iso_grade, or with one point at 40 degC; leave it out"
-            )
-        if len(self.points) == 1 and self.viscosity_index is None and own:
-            point = self.points[0]
-            raise FieldError(
-                "points",
-                f"one viscosity, at {format_quantity(point.temperature, 'K')}, does not say how it falls with "
-                "temperature; give a second point at another temperature"
-                + (", or viscosity_index" if self._one_at_40 else ""),
-            )
+        self._check_sources_of_viscosity(own)
+        self._check_points(own)
         estimable = self.base_oil is not None and own
         if self.points and self.viscosity_law is None and not estimable:
             raise FieldError(
@@ -343,13 +323,53 @@ class OilTable:
                 "missing; it stands between kinematic and dynamic viscosity; give it, or base_oil",
             )
 
+    def _check_sources_of_viscosity(self, own: bool) -> None:
+        """Refuse a table without viscosity, or with two sources of it."""
+        if own and not self.points and self.viscosity is None and self.iso_grade is None:
+            raise FieldError(
+                "name",
+                "missing; name a shipped oil, or give viscosity, or points with kinematic_viscosity, or iso_grade, "
+                "with base_oil for what a data sheet does not say",
+            )
+        if self.points and self.viscosity is not None:
+            raise FieldError(
+                "viscosity", "not beside points, which are the viscosity; leave one of them out"
+            )
+        if self.iso_grade is not None:
+            if not own or self.points or self.viscosity is not None:
+                raise FieldError(
+                    "iso_grade",
+                    "not beside a name, points or viscosity, which say more; leave it out",
+                )
+            if self.base_oil is None:
+                raise FieldError(
+                    "base_oil",
+                    f"missing; a grade alone is no oil: {', '.join(BASE_OILS)} (kind of base oil)",
+                )
+        elif self.viscosity_index is not None and not (own and self._is_point_at_40):
+            raise FieldError(
+                "viscosity_index", "goes with iso_grade, or with one point at 40 degC; leave it out"
+            )
+
+    def _check_points(self, own: bool) -> None:
+        """Refuse a single point from which the slope with temperature does not follow."""
+        if len(self.points) == 1 and self.viscosity_index is None and own:
+            point = self.points[0]
+            raise FieldError(
+                "points",
+                f"one viscosity, at {format_quantity(point.temperature, 'K')}, does not say how it falls with "
+                "temperature; give a second point at another temperature"
+                + (", or viscosity_index" if self._is_point_at_40 else ""),
+            )
+
     @property
-    def _one_at_40(self) -> bool:
+    def _is_point_at_40(self) -> bool:
+        """Whether the only point is at 40 degC, so that a viscosity index completes it."""
         return len(self.points) == 1 and abs(self.points[0].temperature - _AT_40) < 0.5
 
     @property
     def grade(self) -> int:
-        """Grade of ISO 3448 as a number."""
+        """Grade of ISO 3448 as a number [mm2/s]."""
         match = re.fullmatch(
             r"(?:ISO)?[\s-]*(?:VG)?[\s-]*(\d+)(?:\.0)?", str(self.iso_grade).strip(), re.IGNORECASE
         )
@@ -362,13 +382,13 @@ class OilTable:
         return int(match[1])
 
     def rho(self) -> TemperatureLaw | None:
-        """Density law, that of the kind of base oil where none is given; None if neither is."""
+        """Return the density [kg/m3], that of the base oil where none is stated; None without both."""
         if self.density is not None:
             return _law(self.density)
         return None if self.base_oil is None else falling_density(*BASE_OILS[self.base_oil].density)
 
     def nu(self) -> list[tuple[float, float]]:
-        """Temperatures [K] and kinematic viscosities [m2/s] that the table gives; none where it gives other data."""
+        """Return temperatures [K] and kinematic viscosities [m2/s] of the table; empty where it has other data."""
         rho = self.rho()
         if self.iso_grade is not None:
             found = [(_AT_40, 1e-6 * self.grade)]
@@ -388,7 +408,7 @@ class OilTable:
                 if self.viscosity_index is not None
                 else BASE_OILS[self.base_oil].viscosity_index
             )
-            hot = at_100_of(found[0][1], index)
+            hot = viscosity_at_100(found[0][1], index)
             if math.isnan(hot):
                 raise FieldError(
                     "viscosity_index",
@@ -398,7 +418,7 @@ class OilTable:
         return found
 
     def fit(self) -> TemperatureLaw:
-        """Viscosity law through the points, or of the grade."""
+        """Return the viscosity law through the points, or of the grade."""
         rho = self.rho()
         if self.viscosity_law == "vogel":
             eta = [point.viscosity or rho(point.temperature) * (point.kinematic_viscosity or math.nan)  # type: ignore[misc]
@@ -408,11 +428,11 @@ class OilTable:
         if self.base_oil is not None and self.density is None:
             return Product(fit_walther(temperatures, nu, density=1.0), rho)  # type: ignore[arg-type]
         reference = rho(temperatures[0])  # type: ignore[misc]
-        scaled = [rho(T) * one / reference for T, one in zip(temperatures, nu, strict=True)]  # type: ignore[misc]
+        scaled = [rho(T) * v / reference for T, v in zip(temperatures, nu, strict=True)]  # type: ignore[misc]
         return fit_walther(temperatures, scaled, reference)
 
     def estimates(self) -> tuple[dict[str, Any], str]:
-        """Return what the kind of base oil gives of an own oil, and a sentence on where that comes from."""
+        """Return the properties that the base oil suggests for missing ones, and a sentence on their sources."""
         if self.base_oil is None or self.name is not None:
             return {}, ""
         points = self.nu()
@@ -420,19 +440,21 @@ class OilTable:
         if len(points) > 1:
             kinematic = fit_walther([T for T, _ in points], [nu for _, nu in points], density=1.0)
         stated = {key: getattr(self, key) for key in _PROPERTIES}
-        return estimated(self.base_oil, kinematic, stated)
+        return estimate_properties(self.base_oil, kinematic, stated)
 
 
 _WHERE = Location({}, ("lubricant",))
 
 
-def _of_the_box(raw: object, where: Location, problems: list[str]) -> PressureViscosity | None:
-    """Read a law that comes with rollslip, by its name or a table with ``model``; packages of others are not asked."""
+def _read_built_in_law(
+    raw: object, where: Location, problems: list[str]
+) -> PressureViscosity | None:
+    """Read a law that comes with rollslip from a name or a table with ``model``; other packages are not searched."""
     if isinstance(raw, PressureViscosity):
         return raw
     table = dict(raw) if isinstance(raw, Mapping) else {"model": raw}
     try:
-        return structure(law_of_the_box(str(table.pop("model", None))), table, where, problems)
+        return structure(built_in_law(str(table.pop("model", None))), table, where, problems)
     except KeyError as error:
         problems.append(
             where.message(f"no law of viscosity under pressure is called {error.args[0]!r}")
@@ -440,42 +462,43 @@ def _of_the_box(raw: object, where: Location, problems: list[str]) -> PressureVi
         return None
 
 
-_OF_OILS: Final = fields_dict(Lubricant).keys()
-_OF_TABLE: Final = tuple(fields_dict(OilTable))
+_OIL_FIELDS: Final = fields_dict(Lubricant).keys()
+_TABLE_FIELDS: Final = tuple(fields_dict(OilTable))
 
 
 def lubricant_from_table(
     data: Mapping[str, object],
     get_named: Callable[[str], Lubricant],
     where: Location = _WHERE,
-    read_law: ReadLaw = _of_the_box,
+    read_law: ReadLaw = _read_built_in_law,
 ) -> Lubricant:
-    """Make the oil that the ``[lubricant]`` table of a scene describes.
+    """Return the oil that the ``[lubricant]`` table of a scene describes.
 
-    With ``name`` every other key overrides that shipped oil; without it the table describes an own oil, and what it
-    does not give, that oil lacks, or with ``base_oil`` has of its kind: then a data sheet is enough, viscosities at two
-    temperatures or ``iso_grade``. ``viscosity_law`` goes through ``points``, each with a ``temperature`` and either a
-    ``viscosity`` or a ``kinematic_viscosity``. The fit holds over the span of the points and 20 K beyond, within the
-    range of the named oil, unless ``minimum_temperature`` or ``maximum_temperature`` say otherwise.
+    With ``name`` all other keys override the data of that shipped oil. Without it the table describes the user's own
+    oil, which lacks properties that the table does not state, or has those of its ``base_oil``: then a data sheet is
+    sufficient, with viscosities at two temperatures or ``iso_grade``. ``viscosity_law`` is fitted to ``points``, each
+    with a ``temperature`` and either a ``viscosity`` or a ``kinematic_viscosity``. The range of the fit is that of the
+    points and 20 K beyond, within the range of the named oil, unless ``minimum_temperature`` or
+    ``maximum_temperature`` state another one.
 
     A property is a constant, as papers give it at their working temperature, or a table over temperature,
-    ``{ temperature = ["40 degC", "100 degC"], value = ["12 1/GPa", "8 1/GPa"] }``: a smooth curve, which brings its own
-    slope and holds between its ends. A constant replaces the value alone: beside a constant ``viscosity`` or
-    ``pressure_viscosity`` a named oil keeps its own beta0 or gamma; without a named oil gamma of a constant is zero.
-    ``thermoviscosity`` and ``pressure_thermoviscosity`` replace the slopes; `Lubricant.notes` says where they are not
-    those of the laws. The factors are those of `Lubricant`.
+    ``{ temperature = ["40 degC", "100 degC"], value = ["12 1/GPa", "8 1/GPa"] }``: a smooth curve with its own slope,
+    between its ends. A constant replaces the value only: with a constant ``viscosity`` or ``pressure_viscosity`` a
+    named oil retains its beta0 or gamma; without a named oil gamma of a constant is zero. ``thermoviscosity`` and
+    ``pressure_thermoviscosity`` replace the slopes; `Lubricant.notes` reports where they are not those of the laws. The
+    factors are those of `Lubricant`.
 
     Parameters
     ----------
     data : mapping
-        The table as written: numbers in SI, or strings with a unit; its keys are the fields of `OilTable`.
+        The table as it is written: numbers in SI units, or texts with a unit; its keys are the fields of `OilTable`.
     get_named : callable
-        Returns the shipped oil of a name; what it raises for an unknown one is passed on.
+        Returns the shipped oil of a name; its exception for an unknown name is passed on.
     where : Location
-        Place of the table, for messages; with the origins of a scene they name file and line.
+        Location of the table, for messages; with the origins of a scene they name file and line.
     read_law : callable
-        Makes the law of viscosity under pressure of its name or table, which stands at a place, or notes the faults;
-        by default it knows those that come with rollslip.
+        Returns the law of viscosity under pressure of a name or table at a location, and adds faults to a list; by
+        default a law that comes with rollslip.
 
     Returns
     -------
@@ -506,146 +529,176 @@ def lubricant_from_table(
     if table is None or problems:
         raise SceneError(problems)
 
-    given = {key: value for key in _OF_TABLE if (value := getattr(table, key)) not in (None, ())}
+    stated = {
+        key: value for key in _TABLE_FIELDS if (value := getattr(table, key)) not in (None, ())
+    }
     base = None if table.name is None else get_named(table.name)
-    changes = {key: value for key, value in given.items() if key in _OF_OILS} | _laws(given, base)
+    changes = {key: value for key, value in stated.items() if key in _OIL_FIELDS}
+    changes |= _laws(stated, base)
     if law is not None:
         changes["pressure_viscosity_law"] = law
-        if not math.isnan(law.coefficient(300.0)):
-            for key in (
-                "pressure_viscosity",
-                "pressure_thermoviscosity",
-                "pressure_viscosity_kind",
-            ):
-                if key in given:
-                    reason = f"not with law {law.name!r}, which fixes it; leave it out"
-                    raise SceneError([where.at(key).message(reason)])
-    set_here = ", ".join(key for key in given if key not in ("name", "description", "source"))
-    origins = (
-        base.source if base else None,
-        table.source,
-        set_here and f"Set by the scene: {set_here}.",
-    )
+        _check_alpha_of_law(law, stated, where)
     if base is not None:
-        if table.models is not None:
-            over = {key: _over(base.models.get(key), new) for key, new in table.models.items()}
-            changes["models"] = FrozenTable({**base.models, **over})
-        changes["grades"] = FrozenTable(
-            {key: grade for key, grade in base.grades.items() if key not in changes}
-        )
+        changes |= _models_and_grades(table, base, changes)
     try:
-        low, high = _ANY if base is None else (base.minimum_temperature, base.maximum_temperature)
-        guessed, told = table.estimates()
-        changes = guessed | changes
-        changes["source"] = " ".join(filter(None, (*origins, told)))
+        estimates, note = table.estimates()
+        changes = estimates | changes
+        changes["source"] = _source(table, stated, base, note)
         if table.points or table.iso_grade is not None:
-            T = [T for T, _ in table.nu()] or [point.temperature for point in table.points]
-            low = max(low, min(T) - _MARGIN)
-            high = min(high, max(T) + _MARGIN)
             changes["viscosity"] = table.fit()
-        for key, value in given.items():
-            if isinstance(value, OverTemperature):
-                low = max(low, value.temperature[0])
-                high = min(high, value.temperature[-1])
-                if low >= high:
-                    raise FieldError(
-                        key, "has no temperatures in common with the rest of the oil's data"
-                    )
+        low, high = _temperature_range(table, stated, base)
         changes = {"minimum_temperature": low, "maximum_temperature": high} | changes
         if base is not None:
             return evolve(base, **changes)
-        made = Lubricant(**{"name": "own oil", "description": "", **changes})
-        return _with_scatter(made, guessed, graded=table.iso_grade is not None)
+        oil = Lubricant(**{"name": "own oil", "description": "", **changes})
+        return _with_scatter(oil, estimates, graded=table.iso_grade is not None)
     except FieldError as error:
         raise SceneError([where.at(error.field).message(error.reason)]) from error
     except ValueError as error:  # from a fit
         raise SceneError([where.at("points").message(str(error))]) from error
 
 
-def _over(known: object, new: object) -> object:
-    """Constants of a law over those that an oil has."""
-    return (
-        FrozenTable({**known, **new})
-        if isinstance(known, Mapping) and isinstance(new, Mapping)
-        else new
+def _check_alpha_of_law(law: Any, stated: Mapping[str, Any], where: Location) -> None:
+    """Refuse an alpha, or its slope, of an oil whose law of viscosity under pressure determines alpha."""
+    if math.isnan(law.coefficient(300.0)):
+        return
+    for key in ("pressure_viscosity", "pressure_thermoviscosity", "pressure_viscosity_kind"):
+        if key in stated:
+            reason = f"not with law {law.name!r}, which fixes it; leave it out"
+            raise SceneError([where.at(key).message(reason)])
+
+
+def _models_and_grades(
+    table: OilTable, base: Lubricant, changes: Mapping[str, Any]
+) -> dict[str, FrozenTable]:
+    """Return the constants for laws of a named oil with those of the table, and the grades of unchanged properties."""
+    grades = {key: grade for key, grade in base.grades.items() if key not in changes}
+    models = dict(base.models)
+    for key, constants in (table.models or {}).items():
+        own = models.get(key)
+        if isinstance(own, Mapping) and isinstance(constants, Mapping):
+            constants = FrozenTable({**own, **constants})
+        models[key] = constants
+    return {"models": FrozenTable(models), "grades": FrozenTable(grades)}
+
+
+def _source(table: OilTable, stated: Mapping[str, Any], base: Lubricant | None, note: str) -> str:
+    """Return the sources of an oil: those of the named one, of the table, its keys, and of estimates."""
+    keys = ", ".join(key for key in stated if key not in ("name", "description", "source"))
+    parts = (
+        base.source if base else None,
+        table.source,
+        keys and f"Set by the scene: {keys}.",
+        note,
     )
+    return " ".join(filter(None, parts))
+
+
+def _temperature_range(
+    table: OilTable, stated: Mapping[str, Any], base: Lubricant | None
+) -> tuple[float, float]:
+    """Return the range of temperatures [K] that the named oil, the fit and all tables have in common."""
+    low, high = _ANY if base is None else (base.minimum_temperature, base.maximum_temperature)
+    if table.points or table.iso_grade is not None:
+        T = [T for T, _ in table.nu()] or [point.temperature for point in table.points]
+        low = max(low, min(T) - _MARGIN)
+        high = min(high, max(T) + _MARGIN)
+    for key, value in stated.items():
+        if isinstance(value, OverTemperature):
+            low = max(low, value.temperature[0])
+            high = min(high, value.temperature[-1])
+            if low >= high:
+                raise FieldError(
+                    key, "has no temperatures in common with the rest of the oil's data"
+                )
+    return low, high
 
 
 def index_of(data: Mapping[str, object]) -> float:
-    """Return the viscosity index of the points of a table ``[lubricant]``; nan where they tell none."""
+    """Return the viscosity index of the points of a table ``[lubricant]``; nan where it does not follow from them."""
     table = structure(OilTable, _with_grade_as_text(data), _WHERE, [])
     if table is None or len(points := table.nu()) < 2 or not table.points:
         return math.nan
     try:
         law = fit_walther([T for T, _ in points], [nu for _, nu in points], density=1.0)
         return viscosity_index(law(_AT_40), law(_AT_100))
-    except (ValueError, ArithmeticError):  # who reads it says so
+    except (ValueError, ArithmeticError):  # the reader of the oil reports it
         return math.nan
 
 
 def _with_grade_as_text(data: Mapping[str, object]) -> Mapping[str, object]:
-    """Take a grade as a text."""
+    """Return a table whose grade is a text."""
     if isinstance(grade := data.get("iso_grade"), int):  # 68 for "VG 68"
         return {**data, "iso_grade": str(grade)}
     return data
 
 
-def _with_scatter(oil: Lubricant, guessed: Mapping[str, Any], *, graded: bool) -> Lubricant:
-    """Return an own oil with the grades and the scatter of what its kind of base oil gives."""
+def _with_scatter(oil: Lubricant, estimates: Mapping[str, Any], *, graded: bool) -> Lubricant:
+    """Return an own oil with the grades and the scatter of the properties that its base oil suggests."""
     if oil.base_oil is None:
         return oil
-    of = BASE_OILS[oil.base_oil]
+    base = BASE_OILS[oil.base_oil]
     middle = oil.at((max(oil.minimum_temperature, 290.0) + min(oil.maximum_temperature, 390.0)) / 2)
-    known = math.isfinite(middle.pressure_viscosity) and math.isnan(
+    exponent = 0.0
+    if math.isfinite(middle.pressure_viscosity) and math.isnan(
         oil.pressure_viscosity_law.coefficient(300.0)
-    )
-    exponent = (
-        exponent_factor(default_law(), of.exponent, middle.viscosity, middle.pressure_viscosity)
-        if known
-        else 0.0
-    )
+    ):
+        exponent = exponent_factor(
+            default_law(), base.exponent, middle.viscosity, middle.pressure_viscosity
+        )
     scatter = scatter_of(
-        0.1 * graded, "(B)", "ISO 3448 allows a grade 10 % either way",
-        of.alpha_scatter if "pressure_viscosity" in guessed else 0.0, of.alpha_source, exponent,
-    )  # fmt: skip
-    kept = [one for one in scatter if one.quantity in guessed or one.quantity.endswith("_factor")]
-    grades = {key: of.grades[key] for key in guessed}
-    return evolve(oil, scatter=tuple(kept), grades=FrozenTable({**grades, **oil.grades}))
+        0.1 * graded,
+        "(B)",
+        "ISO 3448 allows a grade 10 % either way",
+        base.alpha_scatter if "pressure_viscosity" in estimates else 0.0,
+        base.alpha_source,
+        exponent,
+    )
+    relevant = tuple(
+        datum
+        for datum in scatter
+        if datum.quantity in estimates or datum.quantity.endswith("_factor")
+    )
+    grades = {key: base.grades[key] for key in estimates}
+    return evolve(oil, scatter=relevant, grades=FrozenTable({**grades, **oil.grades}))
 
 
 def _law(value: float | OverTemperature, *, of_any_sign: bool = False) -> TemperatureLaw:
-    """A property as it is given, as a law; one that may be zero or negative is linear between its values."""
+    """Return a stated property as a law of temperature; one that may be zero or negative is linear in its table."""
     if not isinstance(value, OverTemperature):
         return Constant(value)
-    return (Table if of_any_sign else SmoothTable)(value.temperature, value.value)
+    if of_any_sign:
+        return Table(value.temperature, value.value)
+    return SmoothTable(value.temperature, value.value)
 
 
-def _laws(given: Mapping[str, Any], base: Lubricant | None) -> dict[str, Any]:
-    """Laws of the properties that are given, and the slopes that a named oil keeps beside a constant."""
+def _laws(stated: Mapping[str, Any], base: Lubricant | None) -> dict[str, Any]:
+    """Return the laws of stated properties, and the slopes that a named oil retains when a value is a constant."""
     laws: dict[str, Any] = {}
-    for key in _PROPERTIES & given.keys():
-        constant = not isinstance(given[key], OverTemperature)
-        plain = constant and key in (
+    for key in _PROPERTIES & stated.keys():
+        laws[key] = stated[key]
+        # constants of the shear properties remain numbers, which can be varied and fitted
+        if isinstance(stated[key], OverTemperature) or key not in (
             "eyring_stress",
             "shear_modulus",
-        )  # single numbers, which can be varied and fitted
-        laws[key] = given[key] if plain else _law(given[key], of_any_sign=key in _SLOPES)
-    for slope, key in _SLOPES.items():
-        if slope in given:
+        ):
+            laws[key] = _law(stated[key], of_any_sign=key in SLOPES)
+    for slope, key in SLOPES.items():
+        if slope in stated:
             continue
-        if key in given and not isinstance(given[key], OverTemperature) and base is not None:
+        if key in stated and not isinstance(stated[key], OverTemperature) and base is not None:
             laws[slope] = getattr(base, slope) or _Fall(base, slope)
-        elif key in given or (key == "viscosity" and given.keys() & {"points", "iso_grade"}):
+        elif key in stated or (key == "viscosity" and stated.keys() & {"points", "iso_grade"}):
             laws[slope] = None  # that of the new law
     return laws
 
 
 @frozen
 class _Fall:
-    """Slope of a law of a named oil, which a constant of the scene leaves as it is."""
+    """Slope of a law of a named oil, which a constant value in the scene does not change."""
 
     oil: Lubricant
     slope: str
 
     def __call__(self, T: float) -> float:
-        return self.oil.falls(T)[list(_SLOPES).index(self.slope)]
+        return self.oil.falls(T)[list(SLOPES).index(self.slope)]

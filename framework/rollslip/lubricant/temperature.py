@@ -1,9 +1,10 @@
-"""How a property of an oil follows temperature.
+"""Laws of a property of an oil over temperature: formulas and tables, each with its derivative.
 
-- A temperature law is a *form*, not an oil: Walther serves MIL-L-7808 and Santotrac 50, Andrade MIL-L-23699 and SAE 30.
-- Every law brings its analytic derivative: the thermoviscosity beta0 and gamma are derivatives, and they stand in
-  the exponent of the film heating, where a difference quotient would cost digits.
-- Plain ``math``: an oil is evaluated once per inlet temperature, never inside a loop over slices.
+- A temperature law is a formula, not an oil: Walther's describes MIL-L-7808 and Santotrac 50, Andrade's MIL-L-23699 and
+  SAE 30.
+- Every law has its analytic derivative: beta0 and gamma are derivatives, and they are part of the exponent of film
+  heating, where a difference quotient would lose digits.
+- The laws use ``math`` and not NumPy, because an oil is evaluated once per inlet temperature, not for each slice.
 """
 
 import math
@@ -56,7 +57,7 @@ class Constant:
 
 @frozen
 class Table:
-    """Linear interpolation between tabulated values; beyond the table its end value holds.
+    """Linear interpolation between tabulated values; outside the table the property has its end value.
 
     Raises
     ------
@@ -80,7 +81,7 @@ class Table:
         return self.values[i] + self._slope(i) * (T - self.temperatures[i])
 
     def derivative(self, T: float) -> float:
-        """Slope of the segment that holds `T` [K], of the upper one at a node; zero beyond the table."""
+        """Slope of the segment that contains `T` [K], of the upper one at a node; zero outside the table."""
         return (
             self._slope(self._segment(T))
             if self.temperatures[0] <= T < self.temperatures[-1]
@@ -98,11 +99,11 @@ class Table:
 
 @frozen
 class SmoothTable:
-    """Positive tabulated values with a smooth curve between, monotone wherever they are.
+    """Positive tabulated values with a smooth curve between them, which is monotone where the values are.
 
-    ln(value) is a cubic in T between two temperatures, with the slopes of Fritsch and Butland at them: a curve between
-    rising or falling values does not swing, and the slope, on which beta0 and gamma rest, has no jumps. Two values are
-    joined by an exponential. Beyond the table the curve goes on as an exponential with its slope at the end.
+    ln(value) is a piecewise cubic in T (cubic Hermite interpolation) with the slopes of Fritsch and Butland: between
+    rising or falling values it does not oscillate, and its slope, from which beta0 and gamma follow, is continuous. Two
+    values are joined by an exponential. Outside the table the curve is an exponential with the slope at its end.
 
     Error against the law behind the values, for MIL-PRF-7808 at 30, 40, 50, 70 and 100 degC: viscosity 0.32 %, alpha
     0.08 %, beta0 1.9 % and gamma 1.5 % from 40 to 70 degC, 5 and 3.5 % towards the ends
@@ -172,9 +173,9 @@ class SmoothTable:
                 / ((2.0 * above + below) / left + (above + 2.0 * below) / right)
             )
         near, far = (0, 1) if i == 0 else (last - 1, last - 2)
-        one, other = (self.temperatures[k + 1] - self.temperatures[k] for k in (near, far))
+        width, next_width = (self.temperatures[k + 1] - self.temperatures[k] for k in (near, far))
         secant = self._secant(near)
-        slope = secant + (secant - self._secant(far)) * one / (one + other)
+        slope = secant + (secant - self._secant(far)) * width / (width + next_width)
         if slope * secant <= 0.0:
             return 0.0
         return math.copysign(min(abs(slope), 3.0 * abs(secant)), secant)
@@ -184,9 +185,8 @@ class SmoothTable:
 class Product:
     """Product of two laws, as dynamic viscosity is of kinematic viscosity and density."""
 
-    #: first, second: The factors.
-    first: TemperatureLaw
-    second: TemperatureLaw
+    first: TemperatureLaw  #: First factor.
+    second: TemperatureLaw  #: Second factor.
 
     def __call__(self, T: float) -> float:
         """Product at the temperature `T` [K]."""
