@@ -1,1 +1,1 @@
-"""The models in the box; they use the same entry points and the same interfaces as anybody's."""
+"""The built-in models; they use the same entry points and interfaces as models of third parties."""

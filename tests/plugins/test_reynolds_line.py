@@ -232,7 +232,7 @@ def test_the_film_does_not_mind_a_pressure_spike_without_limit():
 
 def test_the_inlet_is_far_enough(monkeypatch):
     contact = solve_line_contact(0.5, 10.0, accuracy=1e-6)
-    monkeypatch.setattr(line_contact, "_REACH", 2 * line_contact._REACH)
+    monkeypatch.setattr(line_contact, "_INLET_LENGTHS", 2 * line_contact._INLET_LENGTHS)
     further = solve_line_contact(0.5, 10.0, accuracy=1e-6)
     for name in LOCATIONS:
         assert contact.thickness[name] == pytest.approx(further.thickness[name], rel=5e-7)

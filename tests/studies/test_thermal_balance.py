@@ -622,7 +622,7 @@ def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
     )
     assert "heat_margin: none; 0 values, 2 without one (no limit up to 150 degC" in "\n".join(said)
     drawn = {name: figure for name, _, figure in account_of(found).figures(found)}
-    (axes,) = drawn["sweep-line-settled-temperature"].axes
+    (axes,) = drawn["sweep-line-stationary-temperature"].axes
     assert [line.get_label() for line in axes.lines] == [*found.node.values]
     shown = axes.lines[0].get_ydata()
     assert shown == pytest.approx(found.stationary_temperature.sel(node="oil").values - 273.15)

@@ -1,4 +1,4 @@
-"""The bearings in the box; each ``source`` says where its values come from, with the grade (D) for an estimate."""
+"""The built-in bearings; each ``source`` states where the values come from, with the grade (D) for an estimate."""
 
 from rollslip.datasets import BearingData
 from rollslip.references import KLEBANOV

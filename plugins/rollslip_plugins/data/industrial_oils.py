@@ -7,7 +7,7 @@ low and 4 to 17 % high (``docs/scripts/oils.py``). Dynamic viscosity is kinemati
 
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant import Constant, Hyperbola, Lubricant, Product, Table, Vogel, fit_walther
-from rollslip.lubricant.base_oil import BASE_OILS, estimated, exponent_factor, falling_density
+from rollslip.lubricant.base_oil import BASE_OILS, estimate_properties, exponent_factor, falling_density
 from rollslip.references import Reference
 from rollslip_plugins.bibliography import (
     ASTM_D341,
@@ -47,7 +47,7 @@ def _correlated(
     )
     rho = falling_density(*density)
     base_oil = BASE_OILS[kind]
-    properties, text = estimated(kind, kinematic, {"density": rho})
+    properties, text = estimate_properties(kind, kinematic, {"density": rho})
     eta = kinematic(333.15) * rho(333.15)
     alpha = properties["pressure_viscosity"](333.15)
     return Lubricant(

@@ -53,7 +53,7 @@ def _compared(quantity: str, low: float, high: float) -> Validity:
         low=low,
         high=high,
         consequence="the resistance is not checked against a numerical solution; inside it is 0 to 36 % low",
-        remedy="none in the box; take it for an estimate",
+        remedy="no built-in model is checked there; take it for an estimate",
         source="a numerical solution, isothermal, Barus: tools/references/rolling_resistance.py",
     )
 

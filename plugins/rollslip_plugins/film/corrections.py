@@ -64,7 +64,7 @@ MILD_HEATING: Final = Validity(
     quantity="thermal_load",
     high=10.0,
     consequence="in pure rolling the film is 15 % too thick at most, with sliding of a fifth up to 89 %",
-    remedy="less speed or a thinner oil; no law of the inlet in the box holds there",
+    remedy="less speed or a thinner oil; no built-in law of the inlet is valid there",
     source="Wilson and Sheu (1983), whose thermal Reynolds equation ends there",
 )
 LAWS["gupta"] = {

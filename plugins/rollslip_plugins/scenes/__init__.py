@@ -1,4 +1,4 @@
-"""Scenes in the box, which ``rollslip run NAME`` finds: the bearing of the paper, a gearbox and a turbine."""
+"""Built-in scenes, which ``rollslip run NAME`` finds: the bearing of the paper, a gearbox and a turbine."""
 
 from rollslip.datasets import SceneData
 from rollslip.hookspecs import hookimpl

@@ -79,7 +79,7 @@ SLOW_SLIDING: Final = Validity(
     high=1.0 / 3.0,
     consequence="surfaces at u + V/2 and u - V/2 have a mean flash temperature {error} higher than at u",
     error=_flash_excess,
-    remedy="none in the box; the film's own share of the heating is not concerned",
+    remedy="no built-in law is better; the heat of the film itself is not affected",
     source="flash temperature in proportion to 1/sqrt(speed), half of the heat into each surface (Jaeger 1942)",
 )
 

@@ -207,7 +207,7 @@ class Tabulated(TractionModel):
 
     Examples
     --------
-    Half way between two rows of the table in the box, (0.120004 + 0.119712)/2.
+    Half way between two rows of the built-in table, (0.120004 + 0.119712)/2.
 
     >>> from rollslip import Conditions, Slices
     >>> slices = Slices(1, Conditions(), rolling_speed=1.0, sliding_speed=0.0105)
@@ -226,7 +226,7 @@ class Tabulated(TractionModel):
 
     file: str = parameter(
         default=KRAGELSKY,
-        doc=f"full path of a CSV file with units in its header; '{KRAGELSKY}' is in the box",
+        doc=f"full path of a CSV file with units in its header; '{KRAGELSKY}' is built in",
     )
     interpolation: str = parameter(
         default="linear",

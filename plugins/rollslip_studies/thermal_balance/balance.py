@@ -575,11 +575,14 @@ class Heated:
         return np.array(times), np.array(rows), slips, ended
 
 
+@attrs.frozen(eq=False)
 class _Scan:
     """Samples of the excess heat of a bearing over the temperature of its leading node.
 
     Attributes
     ----------
+    heated : Heated
+        The bearing.
     excess : dict
         Excess heat [W] by leading temperature [K]; NaN where there is no steady state.
     temperatures : dict
@@ -588,20 +591,19 @@ class _Scan:
         States without a steady slip by leading temperature.
     """
 
-    def __init__(self, heated: Heated) -> None:
-        self._heated = heated
-        self.excess: dict[float, float] = {}
-        self.temperatures: dict[float, Array] = {}
-        self.refused: dict[float, State] = {}
+    heated: Heated
+    excess: dict[float, float] = attrs.field(factory=dict)
+    temperatures: dict[float, Array] = attrs.field(factory=dict)
+    refused: dict[float, State] = attrs.field(factory=dict)
 
     def sample(self, leading: float) -> bool:
         """Evaluate the excess heat at a leading temperature [K]; return whether there is a steady state."""
         if self.temperatures:
             guess = _extrapolated(leading, self.temperatures)
         else:
-            guess = self._heated.model.start(self._heated.scene)
+            guess = self.heated.model.start(self.heated.scene)
         try:
-            self.excess[leading], self.temperatures[leading] = self._heated.excess(leading, guess)
+            self.excess[leading], self.temperatures[leading] = self.heated.excess(leading, guess)
         except _Refused as refusal:
             self.excess[leading] = np.nan
             self.refused[leading] = refusal.state
@@ -632,8 +634,8 @@ class _Scan:
         refused = self.refused
         for a, x, b in zip(grid, grid[1:], grid[2:], strict=False):
             if x in refused and refused[x].not_converged and a not in refused and b not in refused:
-                self._heated.skipped.append(x)
-        for x in self._heated.skipped:
+                self.heated.skipped.append(x)
+        for x in self.heated.skipped:
             grid.remove(x)
             del self.excess[x], refused[x]
 

@@ -69,7 +69,7 @@ class ThermalBalanceAccount(Account):
         "evaluated_temperatures": ("temperatures at which a steady slip was sought", ""),
     }
     units: ClassVar[Mapping[str, str]] = {"temperatures": "K"}
-    drawn = ".figures:thermal_figures"
+    figures_function = ".figures:thermal_figures"
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:

@@ -27,7 +27,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import ConvergenceError
 from rollslip.units import format_quantity
-from rollslip_studies.dynamics.history.temperature_path import with_changes
+from rollslip_studies.dynamics.history.temperature_path import ThermalPath, with_changes
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
@@ -143,6 +143,22 @@ class Axis:
             return self.initial_nodes[interval]
         low, high = self.initial_nodes[interval : interval + 2]
         return low + sixths * (high - low) / _SIXTHS_PER_INTERVAL
+
+
+@attrs.frozen
+class PathAxis(Axis):
+    """Coordinates along a path through temperatures."""
+
+    path: ThermalPath
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the value: K where the clearance is constant, so that all stations share one load map; else m."""
+        return self.path.unit
+
+    def value(self, coordinate: float) -> float:
+        """Return the first temperature [K], or the clearance [m], at a coordinate of the path."""
+        return self.path.value(coordinate)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -308,14 +324,20 @@ class Stations:
         """Return the bearing at a point of the axes; the bearing of the scene where the point is its operation."""
         cached = self._bearings
         if point not in cached:
-            values = {axis.name: axis.value(at) for axis, at in zip(self.axes, point, strict=True)}
+            assembly = self.assembly
+            values = dict[str, float]()
+            for axis, coordinate in zip(self.axes, point, strict=True):
+                if isinstance(axis, PathAxis):
+                    assembly = axis.path.bearing(assembly, coordinate)
+                else:
+                    values[axis.name] = axis.value(coordinate)
             speed = values.pop("speed", None)
             fraction = 1.0 if speed is None else speed / abs(self.speeds[0] - self.speeds[1])
             values |= {
                 "inner_speed": fraction * self.speeds[0],
                 "outer_speed": fraction * self.speeds[1],
             }
-            cached[point] = with_operation(self.assembly, values)
+            cached[point] = with_operation(assembly, values)
         return cached[point]
 
     def _assembled_motion(self, point: Point) -> MovingBearing:

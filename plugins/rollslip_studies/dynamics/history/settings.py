@@ -305,11 +305,11 @@ def _uncovered(time: Array, duration: float, first: str, last: str) -> list[str]
     faults = []
     if time[0] > 0.0:
         faults.append(
-            f"{first}: the history begins at {time[0]:g} s, the run at 0 s; say how it is from there on"
+            f"{first}: the history begins at {time[0]:g} s, after the run, which begins at 0 s; add a row at 0 s"
         )
     if time[-1] < duration:
         faults.append(
-            f"{last}: the history ends at {time[-1]:g} s, before the run does at {duration:g} s; add what comes, or "
+            f"{last}: the history ends at {time[-1]:g} s, before the run does at {duration:g} s; add rows, or "
             "shorten the run with its duration"
         )
     return faults

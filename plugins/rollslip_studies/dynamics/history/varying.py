@@ -32,12 +32,12 @@ from rollslip_kernels.motion.system import System
 from rollslip_kernels.motion.varying import MAX_AXES, Varying
 from rollslip_studies.dynamics.history.interpolated_rates import (
     Axis,
+    PathAxis,
     Stations,
     bearing_resolution,
     with_operation,
 )
 from rollslip_studies.dynamics.history.settings import History
-from rollslip_studies.dynamics.history.temperature_path import ThermalPath
 from rollslip_studies.dynamics.history.time_functions import Course, constant
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
@@ -69,43 +69,6 @@ _BETWEEN_NODES: Final = 0.1
 #: Number of times at which extreme speeds of the rings are sampled, in addition to the nodes of the time functions.
 #: Halving it may miss the peak of a short sine. Chosen; the evaluation is vectorised and costs less than a millisecond.
 _SPEED_SAMPLES: Final = 1001
-
-
-@attrs.frozen
-class PathAxis(Axis):
-    """Coordinates along a path through temperatures."""
-
-    path: ThermalPath
-
-    @property
-    def unit(self) -> str:
-        """SI unit of the value: K where the clearance is constant, so that all stations share one load map; else m."""
-        return self.path.unit
-
-    def value(self, coordinate: float) -> float:
-        """Return the first temperature [K], or the clearance [m], at a coordinate of the path."""
-        return self.path.value(coordinate)
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class PathStations(Stations):
-    """Stations whose last axis is a path through temperatures."""
-
-    def bearing(self, point: tuple[float, ...]) -> Assembly:
-        """Return the bearing at a point of the axes."""
-        cached = self._bearings
-        axis = self.axes[-1]
-        if point not in cached:
-            assert isinstance(axis, PathAxis)
-            on_path = axis.path.bearing(self.assembly, point[-1])
-            fields = {
-                field.name: getattr(self, field.name)
-                for field in attrs.fields(Stations)
-                if field.init
-            }
-            others = Stations(**(fields | {"assembly": on_path, "axes": self.axes[:-1]}))
-            cached[point] = others.bearing(point[:-1])
-        return cached[point]
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -301,7 +264,7 @@ def varying_motion(
     fixed = {name: spans[name][0] for name in history.conditions if name not in history.varies}
     if load_in_rates:
         fixed["radial_load"] = spans["radial_load"][1]
-    stations = (Stations if history.path is None else PathStations)(
+    stations = Stations(
         assembly=_with_fixed_values(assembly, fixed),
         speeds=speeds,
         top_speeds=top_speeds,
