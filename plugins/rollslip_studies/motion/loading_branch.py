@@ -475,9 +475,8 @@ class _Search:
             logit, height = vertex(logits, [known[x].torque for x in logits])
             if logit in known:  # a kink, or the largest sample is at an end
                 break
-            nearest = min(known, key=lambda x, at=logit: abs(x - at))
-            start = known[nearest].fraction[:1]
-            motion = motions.find(np.array([slip_from_logit(logit)]), start)[0][0]
+            nearest = min(known.values(), key=lambda motion: abs(motion.logit_slip - logit))
+            motion = motions.find(np.array([slip_from_logit(logit)]), nearest.fraction[:1])[0][0]
             if not motion.converged:
                 break
             known[logit] = motion

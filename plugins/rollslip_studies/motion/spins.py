@@ -545,7 +545,7 @@ class Motions:
         spins = self.spins(slips, self._march_loads, brakes) if spins is None else spins
         starts = self._march_starts(spins, slips) if starts is None else starts
         tolerance = MARCH.balance if self._inertia else MARCH.balance_without_inertia
-        *reached, status = spins.kernel.sent_round(
+        roller_slips, agree, changes, status = spins.kernel.sent_round(
             np.arange(slips.size),
             self.positions,
             self._inertia * np.abs(1.0 - slips),
@@ -557,7 +557,7 @@ class Motions:
         )
         if spins.check(status) is KernelStatus.NO_BALANCE:
             raise ConvergenceError("rollers that are sent round find no balance on their way")
-        return _March(*reached)
+        return _March(roller_slips, agree, changes)
 
     def _march_widths(self, slips: Array) -> Array:
         """Widths of the search for balances, in roller slips, (n,)."""
