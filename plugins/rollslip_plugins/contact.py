@@ -171,7 +171,7 @@ _OF_STEEL: Final = (
         high=2.5e11,
         consequence="deflections are those of steel on steel, so loads of rollers are others",
         remedy="contact 'lundberg', which takes any elastic material",
-        instead="lundberg",
+        replacement="lundberg",
         source="E/(1 - nu^2) of bearing steels, 200 to 215 GPa at 0.25 to 0.3",
     ),
 )

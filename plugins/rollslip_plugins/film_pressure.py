@@ -90,7 +90,7 @@ class Hertz(PressureModel):
             "at most {error} lower",
             error=Tabled(((0.1, 95.0), (0.2, 90.0), (0.5, 76.0), (1.0, 58.0), (2.0, 36.0))),
             remedy="models.pressure = 'light-contact'",
-            instead="light-contact",
+            replacement="light-contact",
             source="the isoviscous contact, the worst of L = 0 to 15, by reynolds-line (docs/scripts/validity.py)",
         ),
     )

@@ -54,7 +54,7 @@ class Barus(PressureViscosity):
             consequence="the viscosity is {error} above Roelands's (for 8.6 mPa s and an alpha of 10.7 /GPa)",
             error=_above_roelands,
             remedy="lubricant.pressure_viscosity_law = 'roelands', or 'yasutomi' with constants of the oil",
-            instead="roelands",
+            replacement="roelands",
             source="Barus against Roelands at the same alpha; the range is that of most oils (C)",
         ),
     )

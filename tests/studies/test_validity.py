@@ -66,7 +66,7 @@ def test_a_bound_is_told_with_its_error_up_to_three_times_beyond_it(bound, told)
         quantity="load_parameter", consequence="it is {error} off", error=lambda value: 10.0 * value, remedy="measure",
         source="a test", **bound,
     )  # fmt: skip
-    assert made.told == told
+    assert made.consequence_range == told
 
 
 def test_every_bound_of_the_box_has_a_code_of_its_own():
@@ -145,7 +145,7 @@ def test_the_pressure_of_light_contacts_is_that_of_the_table():
 @pytest.mark.parametrize("name", available("film"))
 def test_how_far_a_film_is_off_elsewhere_is_what_the_map_has(name):
     model = get_class("film", name)
-    if getattr(model, "elsewhere", None) is None:
+    if getattr(model, "other_regime_error", None) is None:
         assert name in ("moes", "regime", "reynolds-line", "inlet-correction")
         return
     columns = [column for column in rows("film_error")[0] if column.split(",")[0] == name]
@@ -158,7 +158,7 @@ def test_how_far_a_film_is_off_elsewhere_is_what_the_map_has(name):
         code = int(film_by_regime(speeds / 2, max(group[0], 1e-300), group[1])[1])
         if NAMES[code] != model.regime:
             off += [float(row[column]) for column in columns if row[column]]
-    assert model.elsewhere == (min(off), max(off))
+    assert model.other_regime_error == (min(off), max(off))
 
 
 @pytest.mark.parametrize("name", ["moes", "regime"])

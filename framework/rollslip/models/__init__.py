@@ -1,4 +1,4 @@
-"""What models must offer: base classes, where laws are defined and valid, and what they take from a scene."""
+"""Interface of models: base classes, domains and ranges of validity of laws, and values that they take from a scene."""
 
 from rollslip.models.domains import (
     FINITE,

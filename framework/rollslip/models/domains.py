@@ -1,4 +1,4 @@
-"""Where laws are defined: ranges of what they read, in SI units, and how a value outside of one reads."""
+"""Domains of laws: ranges of the quantities that they read, in SI units, and messages on values outside."""
 
 import sys
 from collections.abc import Mapping
@@ -26,11 +26,11 @@ __all__ = [
 
 Domain = Mapping[str, tuple[float, float]]
 
-#: Range of a quantity that may be any finite number.
+#: Range of any finite number.
 FINITE: Final = (-sys.float_info.max, sys.float_info.max)
-#: Range of a quantity that must be greater than zero.
+#: Range of numbers above zero, from the smallest double.
 POSITIVE: Final = (5e-324, sys.float_info.max)
-#: Range of a quantity that must not be negative.
+#: Range of numbers that are not negative.
 NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
 _RISES: Final = (
@@ -39,23 +39,22 @@ _RISES: Final = (
 
 
 def interval(limits: tuple[float, float] | None) -> str:
-    """Return a range of a domain in words: "> 0", ">= 0 and <= 1e-3", "finite"; nothing where there is none."""
+    """Return a range of a domain as text: "> 0", ">= 0 and <= 1e-3", "finite"; empty where there is none."""
     if limits is None:
         return ""
     low, high = limits
-    lower = (
-        "> 0"
-        if 0.0 < low < sys.float_info.min
-        else ""
-        if low == -sys.float_info.max
-        else f">= {low:g}"
-    )
-    upper = "" if high == sys.float_info.max else f"<= {high:g}"
-    return " and ".join(filter(None, (lower, upper))) or "finite"
+    bounds = []
+    if 0.0 < low < sys.float_info.min:
+        bounds.append("> 0")
+    elif low != -sys.float_info.max:
+        bounds.append(f">= {low:g}")
+    if high != sys.float_info.max:
+        bounds.append(f"<= {high:g}")
+    return " and ".join(bounds) or "finite"
 
 
 def in_unit(value: float, member: str) -> str:
-    """Return a value of a member of the slices with its unit, for messages."""
+    """Return a `value` of a `member` of the slices with the SI unit of that member, for messages."""
     from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
     unit = {**COLUMNS, **CONDITIONS}[member][0]
@@ -63,9 +62,23 @@ def in_unit(value: float, member: str) -> str:
 
 
 def evaluate_arrays(model: Any, column: str, **members: "ArrayLike") -> "NDArray[Any]":
-    """Return one column of a stage for members that broadcast against each other, through its NumPy form.
+    """Return one column that a stage computes in NumPy, for members that broadcast against each other.
 
-    Conditions may be arrays here, which a table cannot hold; that is why the compiled form does not serve.
+    Conditions may be arrays here, unlike in a table of slices, for which reason the compiled form is not used.
+
+    Parameters
+    ----------
+    model : SliceModel
+        The stage.
+    column : str
+        Name of the column.
+    **members : array_like
+        Values of all members that the stage reads, in SI units.
+
+    Raises
+    ------
+    DomainError
+        If a value is outside the domain of the model.
     """
     import numpy as np
 
@@ -74,10 +87,10 @@ def evaluate_arrays(model: Any, column: str, **members: "ArrayLike") -> "NDArray
     arrays = {name: np.asarray(values, dtype=float) for name, values in members.items()}
     for name, values in arrays.items():
         low, high = model.domain[name]
-        good = (values >= low) & (values <= high)
-        if not np.all(good):
+        inside = (values >= low) & (values <= high)
+        if not np.all(inside):
             raise DomainError(
-                f"{model.name}: {name} = {in_unit(np.extract(~good, values)[0], name)} is outside its domain "
+                f"{model.name}: {name} = {in_unit(np.extract(~inside, values)[0], name)} is outside its domain "
                 f"({interval((low, high))})"
             )
     shape = np.broadcast_shapes(*(values.shape for values in arrays.values()))
@@ -93,7 +106,23 @@ def evaluate_arrays(model: Any, column: str, **members: "ArrayLike") -> "NDArray
 def refusal_text(
     law: str, domain: Domain, what: str, member: str, index: int, slices: "Slices"
 ) -> str:
-    """Return in words what a compiled chain refused of a table: which law, which member of which slice, and why."""
+    """Return the message for a value that a compiled chain refuses: law, member, slice and reason.
+
+    Parameters
+    ----------
+    law : str
+        Name of the law.
+    domain : mapping
+        Its domain.
+    what : str
+        Kind of refusal: "status", "output" or another one for an input.
+    member : str
+        Name of the refused member.
+    index : int
+        Index of the slice.
+    slices : Slices
+        The table.
+    """
     from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES
 
     if what == "status":
@@ -108,10 +137,9 @@ def refusal_text(
         return f"{law}: {member} = {in_unit(value, member)} is outside its domain ({allowed})"
     value = float(getattr(slices, member)[index])
     if value != value:
-        apart = "what evaluates it takes rollers or slices together; give it, or take another study or level"
-        remedy = (
-            apart if member in PLACES else "give it, or put a stage that fills it before this one"
-        )
+        remedy = "give it, or put a stage that fills it before this one"
+        if member in PLACES:
+            remedy = "what evaluates it takes rollers or slices together; give it, or take another study or level"
         return f"{law}: slice {index} has no {member} ({COLUMNS[member][1]}, {COLUMNS[member][0]}); {remedy}"
     why = _RISES if member == "film_thermoviscosity" and value < 0.0 else ""
     return f"{law}: {member} = {in_unit(value, member)} at slice {index} is outside its domain ({allowed}){why}"

@@ -1,4 +1,4 @@
-"""What a drag or a law of a contact may take from the scene where nobody sets it."""
+"""Values that a drag or a law of a contact may take from the scene where they are not set."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -9,7 +9,7 @@ import attrs
 
 __all__ = ["SCENE_VALUES", "from_scene", "left_to_scene"]
 
-#: What can be taken -> (SI unit, or None for a text, and meaning).
+#: Name of a value -> SI unit, or None for a text, and meaning.
 SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
     {
         "viscosity": ("Pa s", "viscosity of the oil at operation.temperature and ambient pressure"),
@@ -32,7 +32,7 @@ SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
 
 
 def _given(value: object) -> object | None:
-    """Return a value, None in place of NaN and of an empty text; one NaN does not equal another, but None does."""
+    """Return a value, or None for NaN and an empty text, so that missing values compare equal."""
     return value if value == value and value != "" else None
 
 
@@ -44,14 +44,14 @@ def from_scene(
     usual: tuple[float, float] | None = None,
     possible: tuple[float, float] | None = None,
 ) -> Any:
-    """Declare a parameter of a drag or a law that the scene gives where it is not set: NaN, or no text, until then.
+    """Declare a parameter of a drag or a law that is taken from the scene where it is not set: NaN or "" until then.
 
     Parameters
     ----------
     name
-        What of the scene it is, one of `SCENE_VALUES`; that says the unit too.
+        Name of the value, one of `SCENE_VALUES`, which also state its unit.
     doc, validator, usual, possible
-        As in `rollslip.fields.parameter`; the validator `rollslip.fields.within_possible` refuses what is not possible.
+        As in `rollslip.fields.parameter`; `rollslip.fields.within_possible` is a validator for the possible range.
     """
     unit = SCENE_VALUES[name][0]
 
@@ -74,6 +74,6 @@ def from_scene(
 
 
 def left_to_scene(model: Any) -> "list[attrs.Attribute[Any]]":
-    """Return the parameters of a model that the scene is to give."""
+    """Return the parameters of a model that are not set and have to be taken from the scene."""
     own = (a for a in attrs.fields(type(model)) if "from_scene" in a.metadata)
     return [a for a in own if _given(getattr(model, a.name)) is None]

@@ -1,11 +1,12 @@
-"""What a contact, film, traction, drag or integrator model must offer.
+"""Base classes of contact, film, traction, drag and integrator models.
 
-- A model is an immutable value: same parameters and slices, same result. Its parameters are its attrs fields.
-- Contact, film and traction are the same thing, a stage that reads some members of a table of slices and fills
-  others; so they share one base, one C struct and one binder.
-- ``evaluate`` in NumPy is required because it is the readable reference; ``kernel`` is the same law compiled.
-- Ranges are data: ``domain`` is what a law is defined on (outside it a status, never a number), ``validity`` is what
-  it was made for (outside it a warning), so errors, docs and property tests read the same numbers.
+- A model is an immutable value: equal parameters and slices give the same result. Its parameters are its attrs fields.
+- Contact, film and traction models are stages of a chain, which read some members of a table of slices and fill
+  others. They share a base class, a C struct and a binder.
+- ``evaluate`` in NumPy is required as the readable reference; ``kernel`` is the same law compiled.
+- Ranges are data: ``domain`` is the range in which a law is defined (outside it there is a status and no number),
+  ``validity`` the range for which it was made (outside it there is a warning). So errors, documentation and property
+  tests read the same numbers.
 """
 
 import abc
@@ -34,32 +35,35 @@ def submodel(
 ) -> Any:
     """Declare a parameter that is itself a model of ``kind``: in a scene a name, or a table with ``model``.
 
-    Without a value it is what ``factory`` makes, or the model called ``default``: "muraki", of whatever package.
+    Its default is the result of ``factory``, or the model with the name ``default``, such as "muraki", of any package.
     """
     if (factory is None) == (not default):
         raise TypeError(
             f"a submodel of kind {kind!r} takes a factory or the name of its default, one of them"
         )
 
-    made = factory or (lambda: import_module("rollslip").get_model(kind, default))
-    return attrs.field(factory=made, metadata={"doc": doc, "unit": None, "kind": kind})
+    make = factory or (lambda: import_module("rollslip").get_model(kind, default))
+    return attrs.field(factory=make, metadata={"doc": doc, "unit": None, "kind": kind})
 
 
 class SliceModel(abc.ABC):
-    """A stage: fills the ``writes`` columns of all slices from the members named in ``reads``."""
+    """A stage of a chain: it fills the columns in ``writes`` of all slices from the members in ``reads``."""
 
+    #: Name in scenes.
     name: ClassVar[str]
     #: The law in one line, in the symbols of its docstring.
     equation: ClassVar[str]
-    #: Where it comes from: values of `rollslip.references.Reference`, or texts, one citation each.
+    #: Sources: values of `rollslip.references.Reference`, or texts, one citation each.
     references: ClassVar[tuple[Citation, ...]]
+    #: Members of the slices that the law reads.
     reads: frozenset[str]
+    #: Columns of the slices that the law fills.
     writes: frozenset[str]
-    #: Member -> (low, high), both included, in SI units: where the law is defined.
+    #: Member -> (low, high), both included, in SI units: the range in which the law is defined.
     domain: Domain
-    #: What it was made for: outside of it a warning.
+    #: Ranges for which the law was made; outside them there is a warning.
     validity: ClassVar[tuple[Validity, ...]] = ()
-    #: Quantities of the validity of its submodels that it takes care of, so that they need not be told.
+    #: Quantities in the validity of its submodels that the law corrects, so that their warnings do not apply.
     covers: ClassVar[frozenset[str]] = frozenset()
     #: Rule of the conformance kit that the law breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
@@ -74,13 +78,13 @@ class SliceModel(abc.ABC):
 
     @abc.abstractmethod
     def evaluate(self, slices: "Slices") -> None:
-        """Fill the ``writes`` columns of all slices, with NumPy.
+        """Fill the columns in ``writes`` of all slices, with NumPy.
 
-        The arrays belong to the caller and may be gone after the call: copy what is to be kept.
+        The arrays belong to the caller and may not exist after the call; a model that stores values has to copy them.
         """
 
     def kernel(self) -> object | None:
-        """Return the same law as a capsule of ``rollslip.h``, or None to run ``evaluate``."""
+        """Return the compiled law as a capsule of ``rollslip.h``, or None to run ``evaluate``."""
         return None
 
 
@@ -112,7 +116,7 @@ class ContactModel(SliceModel):
 
     @abc.abstractmethod
     def deflection(self) -> SliceModel:
-        """Return the stage that fills load and stiffness from the approach."""
+        """Return the stage that computes load and stiffness from the approach."""
 
 
 class FilmModel(SliceModel):
@@ -125,33 +129,33 @@ class FilmModel(SliceModel):
     domain = MappingProxyType(
         {**dict.fromkeys(sorted(reads), POSITIVE), "pressure_viscosity": NON_NEGATIVE}
     )
-    #: Which film thickness it returns: "minimum", "central" or "dp/dx = 0".
+    #: Location of the film thickness: "minimum", "central" or "dp/dx = 0".
     location: ClassVar[str]
-    #: Film regime it holds in: "IR", "VR", "IE", "VE", or "all".
+    #: Film regime of the formula: "IR", "VR", "IE", "VE", or "all".
     regime: ClassVar[str] = "all"
-    #: Per cent that its film is off in other regimes, least and largest; None where nobody knows.
-    elsewhere: ClassVar[tuple[float, float] | None] = None
-    #: Whether fronts of error against cost hold it against others where nobody names films.
+    #: Smallest and largest error of the film in other regimes [%]; None where it is unknown.
+    other_regime_error: ClassVar[tuple[float, float] | None] = None
+    #: Whether Pareto fronts of error against cost include it where no films are requested.
     on_fronts: ClassVar[bool] = False
 
     @property
     def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
-        """Its regime, an isothermal inlet and smooth surfaces."""
-        return (*in_regime(self.regime, self.elsewhere), ISOTHERMAL, SMOOTH)
+        """Bounds of its regime, of an isothermal inlet and of smooth surfaces."""
+        return (*in_regime(self.regime, self.other_regime_error), ISOTHERMAL, SMOOTH)
 
     @property
     def inlet_heating(self) -> str:
-        """Law by which shear heating of the inlet thins the film; empty if the inlet is isothermal."""
+        """Name of the law by which shear heating of the inlet thins the film; empty if the inlet is isothermal."""
         return ""
 
     @property
     def isothermal(self) -> "FilmModel":
-        """The same film with a cold inlet; itself if its inlet is isothermal."""
+        """The same film model with an isothermal inlet; the model itself if its inlet is isothermal."""
         return self
 
     @property
     def inlet_starvation(self) -> str:
-        """What a starved inlet is thinned by, in words; empty if it is fully flooded."""
+        """Description of the law by which a starved inlet thins the film; empty if the inlet is fully flooded."""
         return ""
 
     def film_thickness(
@@ -194,12 +198,12 @@ class FilmModel(SliceModel):
 
 
 class PressureModel(SliceModel):
-    """Mean pressure in the film and its half width, which viscosity and traction read; the load stays, w = 2 b p."""
+    """Mean pressure in the film and its half width, which viscosity and traction read, at the same load w = 2 b p."""
 
     reads = FilmModel.reads
     domain = FilmModel.domain
     writes = ContactModel.writes
-    #: Whether it leaves what the contact model fills, so that it is no stage of the chain.
+    #: Whether the pressure is that of the contact model, so that the chain does not need this stage.
     of_contact: ClassVar[bool] = False
 
 
@@ -207,41 +211,42 @@ class TractionModel(SliceModel):
     """Traction coefficient, with the sign of the sliding speed."""
 
     writes = frozenset({"friction"})
-    #: Name of a closed form that may serve in place of the law where the difference is allowed; None if there is none.
+    #: Name of a closed form that may replace the law where the difference is below the tolerance; None without one.
     closed_form: ClassVar[str | None] = None
-    #: Name of the law that solves the equation of which this law is an approximation; None if it is none.
+    #: Name of the law that solves the equation of which this law is an approximation; None for other laws.
     solved_by: ClassVar[str | None] = None
-    #: By what comparisons sort slices, little up to 0.1 and much beyond 1: name -> one of `quantities`, its symbol.
+    #: Regimes by which comparisons sort slices, weak up to 0.1 and strong beyond 1: name -> name of one of `quantities`
+    #: and its symbol.
     regimes: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType({})
-    #: What the conformance kit holds friction over slip to: "cold" and "heated" -> "rises", "one maximum" or "at most
-    #: one maximum", and "bound" -> name of the parameter, or of the method of slices, that it stays below.
+    #: Shape of friction over slip, which the conformance kit checks: "cold" and "heated" -> "rises", "one maximum" or
+    #: "at most one maximum", and "bound" -> name of the parameter, or of the method of slices, that is its upper bound.
     shapes: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     def groups(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":
-        """Return the dimensionless groups of evaluated slices with which the law and its closed form grow apart.
+        """Return the dimensionless groups of evaluated slices on which the error of the closed form depends.
 
-        A plan that takes the closed form watches that no group leaves the range in which it compared the two; where
-        there are no groups, it does not take it.
+        A plan that uses the closed form checks that no group leaves the range in which it compared both laws. Without
+        groups the closed form is not used.
         """
         return {}
 
     def quantities(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":
-        """Return the groups of the law, in which its validity may be stated."""
+        """Return the dimensionless groups of evaluated slices in which the validity of the law may be stated."""
         return self.groups(slices)
 
     @property
     def full_film_from(self) -> float | None:
-        """Film parameter from which on no boundary friction takes part; None if the model has none."""
+        """Film parameter from which on there is no boundary friction; None for a law without boundary friction."""
         return None
 
     @property
     def boundary_up_to(self) -> float:
-        """Film parameter up to which there is boundary friction alone; 0 if a film always has a share."""
+        """Film parameter up to which there is boundary friction only; 0 if the film always carries a fraction."""
         return 0.0
 
     @property
     def full_film(self) -> "TractionModel":
-        """Law of the full film alone; the model itself if it has no boundary friction."""
+        """Law of the full film; the model itself if it has no boundary friction."""
         return self
 
     def with_full_film(self, law: "TractionModel") -> "TractionModel":
@@ -250,14 +255,14 @@ class TractionModel(SliceModel):
 
 
 class Drag(abc.ABC):
-    """What resists the cage or the rollers beside the traction of the raceways: one of the three sorts below."""
+    """A drag on the cage or the rollers other than the traction of the raceways: one of the three sorts below."""
 
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[Citation, ...]]
 
     def check_given(self) -> None:
-        """Raise a `DomainError` where a parameter is still left to a scene."""
+        """Raise a `DomainError` where a parameter has to be taken from a scene."""
         if missing := left_to_scene(self):
             names = ", ".join(a.name for a in missing)
             raise DomainError(
@@ -268,10 +273,10 @@ class Drag(abc.ABC):
 class DragModel(Drag):
     """Torque on the cage [N m], from the speeds of cage and rings."""
 
-    #: Ring that bears the reaction, "inner" or "outer"; empty for what stands still: housing, oil, air.
+    #: Ring on which the reaction acts, "inner" or "outer"; empty for parts at rest: housing, oil, air.
     against: str = ""
-    #: Whether the torque varies in time; ``torque`` then has a fourth argument ``time``, s since the motion began, by
-    #: default any. Only motions in time have such a torque: what asks for a steady one is refused.
+    #: Whether the torque varies over time; ``torque`` then has a fourth argument ``time`` with a default, the time
+    #: since the start of the motion [s]. Such a torque is refused for steady motions.
     varies_in_time: bool = False
     #: Rule of the conformance kit that the law breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
@@ -283,15 +288,15 @@ class DragModel(Drag):
         """Return the torque on the cage [N m], positive where it accelerates the cage; speeds in rad/s."""
 
     def kernel(self) -> object | None:
-        """Return the same law as a capsule ``rs_drag`` of ``rollslip.h``, or None to call ``torque``."""
+        """Return the compiled law as a capsule ``rs_drag`` of ``rollslip.h``, or None to call ``torque``."""
         return None
 
 
 class ResistanceModel(SliceModel, Drag):
-    """Rolling resistance [N/m]: a force F on each of the two surfaces, against its rolling; it takes the power 2 F u.
+    """Rolling resistance [N/m]: a force F on each of the two surfaces, against its rolling, with the power 2 F u.
 
-    The stage runs after that of traction, on loaded slices; where the motion stops or turns back, at a rolling speed
-    of its size with a floor of 1 mm/s.
+    The stage runs after that of traction, on loaded slices. Where the rolling speed is zero or negative, its absolute
+    value is used, at least 1 mm/s.
     """
 
     writes = frozenset({"resistance"})
@@ -305,13 +310,13 @@ class PocketFriction(Drag):
 
 
 class IntegratorModel(abc.ABC):
-    """A factory of ``scipy.integrate.OdeSolver``, so that SciPy's solvers come as they are."""
+    """A factory of ``scipy.integrate.OdeSolver``, so that SciPy's solvers can be used as they are."""
 
     #: Rule of the conformance kit that the solver breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Order of convergence of a method that has a fixed one.
     order: ClassVar[int | None] = None
-    #: Whether its steps solve no equations; a plan then tries it where motions are not stiff.
+    #: Whether the method is explicit; a plan then tries it where motions are not stiff.
     explicit: ClassVar[bool] = False
     name: ClassVar[str]
     equation: ClassVar[str]
@@ -322,7 +327,7 @@ class IntegratorModel(abc.ABC):
         """Return the OdeSolver class."""
 
     def compiled(self) -> type[Any] | None:
-        """Return the class that goes through many steps of a compiled system at once, or None.
+        """Return the class that takes many steps of a compiled system in one call, or None.
 
         Its interface is that of `rollslip_kernels.motion.rosenbrock.Stepper`.
         """

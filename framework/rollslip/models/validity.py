@@ -1,4 +1,4 @@
-"""What a law was made for: bounds of quantities, each with what it costs to leave it, and those that laws share."""
+"""Ranges of validity of laws: bounds of quantities, each with the consequence of exceeding it, and shared bounds."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -15,9 +15,10 @@ __all__ = ["FILM_REGIMES", "ISOTHERMAL", "SMOOTH", "Tabled", "Validity", "in_reg
 
 @attrs.frozen(kw_only=True)
 class Validity:
-    """One thing that a law was made for: a bound of a quantity, and what it costs to leave it.
+    """A bound of the validity of a law: range of a quantity, consequence of leaving it, and remedy.
 
-    Outside of it there is a number and a warning (`rollslip.studies.validity`), outside of the domain an error.
+    Outside the range a law still has a value, with a warning (`rollslip.studies.validity`); outside its domain there is
+    an error.
 
     Examples
     --------
@@ -27,63 +28,65 @@ class Validity:
     ('>= 3', 'roughness changes the film by 10 to 20 %')
     """
 
-    #: What is bounded: one of the law's own `SliceModel.quantities`, one that all laws know
+    #: Name of the bounded quantity: one of the law's own `SliceModel.quantities`, one of all laws
     #: (`rollslip.bearing.regimes.QUANTITIES`), or a member of the slices, in SI units.
     quantity: str
-    #: low, high: Least and largest value that the law was made for.
+    #: Lower limit of the range.
     low: float = -math.inf
+    #: Upper limit of the range.
     high: float = math.inf
-    called: str = (
-        ""  #: What the quantity is called in sentences, by default its name and its symbol.
-    )
-    made_for: str = (
-        ""  #: The bound in words, where a number says little: "the rigid-isoviscous regime".
-    )
-    consequence: str  #: What is so outside, a clause; ``{error}`` in it stands for per cent.
-    #: Per cent, not negative, at a value of the quantity outside; None where nobody knows it.
+    #: Name of the quantity in sentences, by default its meaning and its symbol.
+    quantity_name: str = ""
+    #: The range as text, where a number is not informative: "the rigid-isoviscous regime".
+    made_for: str = ""
+    #: Consequence of leaving the range, a clause; ``{error}`` in it is replaced by a percentage.
+    consequence: str
+    #: Error in per cent, not negative, at a value outside the range; None where it is unknown.
     error: Callable[[float], float] | None = None
-    remedy: str  #: What to take or to do instead.
-    source: str  #: What bound and consequence rest on.
-    #: The law to evaluate in its place, with a dot the parameter that it is then; empty where that takes minutes.
-    instead: str = ""
-    #: Short and the same for ever, such as "W11": by it a note is looked up (``rollslip explain``) and left out.
+    #: Advice on another law or another value.
+    remedy: str
+    #: Source of range and consequence.
+    source: str
+    #: Law to evaluate in place of this one, with a dot the parameter that it is then; empty where it takes minutes.
+    replacement: str = ""
+    #: Short code that never changes, such as "W11", by which ``rollslip explain`` finds a warning, and users hide it.
     code: str = ""
-    #: Whether nearly every bearing leaves it: while its error is not known it is counted, and no warning of its own.
+    #: Whether nearly every bearing leaves the range: a bound of unknown error is then counted, without a warning.
     common: bool = False
 
     @property
     def bound(self) -> str:
-        """The bound, in words or as in ">= 2 and <= 5"."""
+        """The range as text, such as ">= 2 and <= 5"."""
         if self.made_for:
             return self.made_for
-        ends = (
+        limits = (
             f">= {self.low:.3g}" if self.low > -math.inf else "",
             f"<= {self.high:.3g}" if self.high < math.inf else "",
         )
-        return " and ".join(filter(None, ends))
+        return " and ".join(filter(None, limits))
 
     def excess(self, values: "NDArray[Any]") -> "NDArray[Any]":
-        """Return how far values lie outside, 0 inside; NaN for what is not known."""
+        """Return the distance of values from the range, 0 inside; NaN for unknown values."""
         import numpy as np
 
         return np.maximum(np.maximum(self.low - values, values - self.high), 0.0)
 
     def consequence_at(self, *values: float) -> str:
-        """Return the consequence, with the error that it has at values outside, from the least to the largest."""
+        """Return the consequence, with the smallest and the largest error at values outside the range."""
         if self.error is None:
             return self.consequence
         errors = [self.error(value) for value in values]
-        ends = min(errors), max(errors)
         low, high = (
-            f"{end:.1g}" if 0.0 < end < 1.0 or end >= 1e4 else f"{end:.0f}" for end in ends
+            f"{error:.1g}" if 0.0 < error < 1.0 or error >= 1e4 else f"{error:.0f}"
+            for error in (min(errors), max(errors))
         )
         return self.consequence.replace(
             "{error}", f"{high} %" if low == high else f"{low} to {high} %"
         )
 
     @property
-    def told(self) -> str:
-        """The consequence from the bound to three times beyond it, for tables of the catalogue."""
+    def consequence_range(self) -> str:
+        """The consequence from the limit to three times beyond it, for tables of the catalogue."""
         edge, beyond = (self.high, 3.0) if self.high < math.inf else (self.low, 1.0 / 3.0)
         text = self.consequence_at(edge, edge * beyond)
         return text if self.error is None else f"{text} (at {edge:.3g} to {edge * beyond:.3g})"
@@ -91,7 +94,7 @@ class Validity:
 
 @attrs.frozen
 class Tabled:
-    """Per cent over a quantity by points that rise, (value, per cent), linear in its logarithm; beyond them the ends.
+    """Error in per cent over a quantity, by points (value, per cent), linear in ln(value) and constant outside them.
 
     >>> Tabled(((0.1, 90.0), (10.0, 10.0)))(1.0)
     50.0
@@ -100,14 +103,16 @@ class Tabled:
     points: tuple[tuple[float, float], ...]
 
     def __call__(self, value: float) -> float:
-        """Return the per cent at a value."""
+        """Return the error [%] at a value."""
         import numpy as np
 
-        at, percent = zip(*self.points, strict=True)
-        return float(np.interp(math.log(value), np.log(at), percent)) if value > 0.0 else percent[0]
+        values, percent = zip(*self.points, strict=True)
+        if not value > 0.0:
+            return percent[0]
+        return float(np.interp(math.log(value), np.log(values), percent))
 
 
-#: Film regime -> what it is called. Its number, 0 to 3, is its place here.
+#: Film regime -> its name. Its number, 0 to 3, is its index here.
 FILM_REGIMES: Final[Mapping[str, str]] = MappingProxyType(
     {
         "IR": "rigid-isoviscous",
@@ -116,7 +121,7 @@ FILM_REGIMES: Final[Mapping[str, str]] = MappingProxyType(
         "VE": "elastic-piezoviscous",
     }
 )
-#: Validities that film models share: no heat in the inlet, and no roughness.
+#: Validity of film models without heating of the inlet.
 ISOTHERMAL: Final = Validity(
     code="W01",
     quantity="thermal_load",
@@ -124,9 +129,10 @@ ISOTHERMAL: Final = Validity(
     consequence="shear heats the inlet and the film is {error} too thick",
     error=lambda load: 100.0 * load**0.62 / 3.94,
     remedy="film 'inlet-correction' with thermal = 'murch-wilson'",
-    instead="inlet-correction.film",
+    replacement="inlet-correction.film",
     source="Murch and Wilson (1975), C_T = 3.94/(3.94 + Lt^0.62), for pure rolling (B)",
 )
+#: Validity of film models without roughness.
 SMOOTH: Final = Validity(
     code="W02",
     quantity="film_parameter",
@@ -138,18 +144,29 @@ SMOOTH: Final = Validity(
 )
 
 
-def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validity, ...]:
-    """Return the validity of a film that holds in a regime, and is off by per cent in others; nothing for "all"."""
+def in_regime(name: str, error: tuple[float, float] | None) -> tuple[Validity, ...]:
+    """Return the validity of a film formula of one regime; empty for a formula of all regimes.
+
+    Parameters
+    ----------
+    name : str
+        Regime of the formula, one of `FILM_REGIMES`, or "all".
+    error : (float, float) or None
+        Smallest and largest error in the other regimes [%]; None where it is unknown.
+    """
     if name not in FILM_REGIMES:
         return ()
     code = float(list(FILM_REGIMES).index(name))
-    off = "may be far off"
+    deviation = "may be far off"
     source = "what regime a contact is in: Johnson (1970), the law's own word for the rest"
-    if elsewhere is not None:
-        low = math.floor(elsewhere[0])
-        high = math.ceil(elsewhere[1])
-        off = f"is off by {low:+d} to {high:+d} % there, over M of 0.1 to 200 and L of 0 to 15"
+    if error is not None:
+        low = math.floor(error[0])
+        high = math.ceil(error[1])
+        deviation = (
+            f"is off by {low:+d} to {high:+d} % there, over M of 0.1 to 200 and L of 0 to 15"
+        )
         source = "reynolds-line: docs/scripts/film_error_map.py"
+    remedy = "film 'moes', which covers all regimes"
     return (
         Validity(
             code="W09",
@@ -157,9 +174,9 @@ def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validit
             low=code,
             high=code,
             made_for=f"the {FILM_REGIMES[name]} regime",
-            consequence=f"its film {off}",
-            remedy=(remedy := "film 'moes', which covers all regimes"),
-            instead=remedy.split("'")[1],
+            consequence=f"its film {deviation}",
+            remedy=remedy,
+            replacement=remedy.split("'")[1],
             source=source,
         ),
     )

@@ -102,7 +102,7 @@ class Martin(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (MARTIN_1916,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "IR"
-    elsewhere: ClassVar[tuple[float, float] | None] = (-99.7, -31.2)
+    other_regime_error: ClassVar[tuple[float, float] | None] = (-99.7, -31.2)
     law = MARTIN
 
 
@@ -132,7 +132,7 @@ class Blok(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (WEBER_1954, BLOK_1963)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VR"
-    elsewhere: ClassVar[tuple[float, float] | None] = (-92.2, 62.4)
+    other_regime_error: ClassVar[tuple[float, float] | None] = (-92.2, 62.4)
     domain = PIEZOVISCOUS
     law = BLOK
 
@@ -145,7 +145,7 @@ class Blok(_PowerLaw):
             high=17.602,
             consequence="a rigid contact with a Barus oil has no film at all",
             remedy="film 'moes', which covers all regimes",
-            instead="moes",
+            replacement="moes",
             source="quadrature of the rigid contact (docs/trust/film_reference.rst)",
         )
         return (*super().validity, end)
@@ -177,7 +177,7 @@ class Herrebrugh(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (HERREBRUGH_1968,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "IE"
-    elsewhere: ClassVar[tuple[float, float] | None] = (-87.3, -33.2)
+    other_regime_error: ClassVar[tuple[float, float] | None] = (-87.3, -33.2)
     law = HERREBRUGH
 
 
@@ -207,7 +207,7 @@ class DowsonHigginson(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (DOWSON_HIGGINSON_1966,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
-    elsewhere: ClassVar[tuple[float, float] | None] = (-85.9, 2.5)
+    other_regime_error: ClassVar[tuple[float, float] | None] = (-85.9, 2.5)
     domain = PIEZOVISCOUS
     law = PowerLaw(1.6, 0.7, 0.6, -0.13)
 
@@ -239,7 +239,7 @@ class Dowson1968(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (DOWSON_EHD_1968,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
-    elsewhere: ClassVar[tuple[float, float] | None] = (-85.4, 6.3)
+    other_regime_error: ClassVar[tuple[float, float] | None] = (-85.4, 6.3)
     domain = PIEZOVISCOUS
     law = DOWSON_1968
 
@@ -270,7 +270,7 @@ class DowsonToyoda(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (DOWSON_TOYODA_1979,)
     location: ClassVar[str] = "central"
     regime: ClassVar[str] = "VE"
-    elsewhere: ClassVar[tuple[float, float] | None] = (-83.9, 24.3)
+    other_regime_error: ClassVar[tuple[float, float] | None] = (-83.9, 24.3)
     domain = PIEZOVISCOUS
     law = PowerLaw(3.06, 0.69, 0.56, -0.10)
 
@@ -309,7 +309,7 @@ class PanHamrock(FilmModel):
     references: ClassVar[tuple[Reference, ...]] = (PAN_1989,)
     location: ClassVar[str] = "minimum or central, as chosen"
     regime: ClassVar[str] = "VE"
-    elsewhere: ClassVar[tuple[float, float] | None] = (-86.5, 14.6)
+    other_regime_error: ClassVar[tuple[float, float] | None] = (-86.5, 14.6)
     domain = PIEZOVISCOUS
 
     thickness: str = parameter(

@@ -151,7 +151,7 @@ class Muraki(_EyringFluid):
         Validity(
             code="W14",
             quantity="deborah",
-            called="Deborah number D",
+            quantity_name="Deborah number D",
             high=0.1,
             consequence="its linear ramp gives at most {error} too much friction without heat",
             error=Tabled(
@@ -166,13 +166,13 @@ class Muraki(_EyringFluid):
                 )
             ),
             remedy=EXACT,
-            instead="maxwell-eyring",
+            replacement="maxwell-eyring",
             source="maxwell-eyring at sigma 1e-3 to 1e4 (docs/scripts/validity.py)",
         ),
         Validity(
             code="W15",
             quantity="film_heating",
-            called="heating of a Newtonian film Phi sigma",
+            quantity_name="heating of a Newtonian film Phi sigma",
             high=0.03,
             consequence="it gives at most {error} too little friction in a heated film for Phi <= 1",
             error=Tabled(
@@ -188,18 +188,18 @@ class Muraki(_EyringFluid):
                 )
             ),
             remedy=EXACT,
-            instead="maxwell-eyring",
+            replacement="maxwell-eyring",
             source="maxwell-eyring at Phi 1e-4 to 1, D 0 to 0.1 (docs/scripts/validity.py)",
         ),
         Validity(
             code="W16",
             quantity="heating",
-            called="heating Phi",
+            quantity_name="heating Phi",
             high=1.0,
             consequence="it has no Newtonian limit: its largest friction is {error} too low",
             error=Tabled(((1.0, 18.2), (3.0, 36.2), (10.0, 57.3), (100.0, 84.3), (1000.0, 94.8))),
             remedy=EXACT,
-            instead="maxwell-eyring",
+            replacement="maxwell-eyring",
             source="maxwell-eyring at D = 0 (docs/scripts/validity.py)",
         ),
     )
@@ -315,12 +315,12 @@ class Eyring(_EyringFluid):
         Validity(
             code="W18",
             quantity="deborah",
-            called="Deborah number D",
+            quantity_name="Deborah number D",
             high=0.05,
             consequence="without elasticity it gives at most {error} too much friction, most at small sigma",
             error=lambda deborah: 100.0 / _left_by_elasticity(deborah) - 100.0,
             remedy=EXACT,
-            instead="maxwell-eyring",
+            replacement="maxwell-eyring",
             source="small signal of maxwell-eyring, S = sigma [1 - (D/2) (1 - exp(-2/D))]",
         ),
     )

@@ -57,7 +57,7 @@ NO_ASPERITIES: Final = Validity(
     low=1.5,
     consequence="asperities carry load, whose friction the law does not have",
     remedy="the law in a blend: traction 'lambda-blend'",
-    instead="lambda-blend.hydrodynamic",
+    replacement="lambda-blend.hydrodynamic",
     source="limit of the full film of 'lambda-blend' (C)",
 )
 MEAN_PRESSURE: Final = Validity(
@@ -70,7 +70,7 @@ MEAN_PRESSURE: Final = Validity(
         ((1.0, 3.5), (2.0, 12.2), (3.0, 23.1), (4.0, 34.5), (6.0, 54.9), (8.0, 70.3), (12.0, 88.0))
     ),
     remedy="traction 'maxwell-eyring-field', which takes the local pressure",
-    instead="maxwell-eyring-field",
+    replacement="maxwell-eyring-field",
     source="mean of exp(alpha p) over Hertz's ellipse; at large sigma the field (docs/scripts/traction_field_error.py)",
 )
 SLOW_SLIDING: Final = Validity(
