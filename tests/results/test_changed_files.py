@@ -16,7 +16,7 @@ import xarray as xr
 import rollslip
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, RollslipError
-from rollslip.results.accounts import telling
+from rollslip.results.accounts import refuse_unreadable
 from rollslip.results.dataset import open_result, save
 
 #: What came in place of an attribute; None: it is missing.
@@ -259,5 +259,5 @@ def test_an_array_beyond_what_its_file_can_hold_is_refused(result, tmp_path, siz
 def test_what_a_package_raises_about_its_own_model_passes():
     error = KeyError("x")
     error.add_note("raised by package 'theirs'")
-    with pytest.raises(KeyError), telling("r.nc"):
+    with pytest.raises(KeyError), refuse_unreadable("r.nc"):
         raise error

@@ -242,8 +242,8 @@ def test_a_study_without_figures_gives_none_and_no_folder(tmp_path, everything):
 def make_curve(slip, friction, critical_slip, critical_friction):
     return Curve(
         name="a",
-        of="friction coefficient",
-        against="cage slip",
+        quantity="friction coefficient",
+        slip_name="cage slip",
         slip=np.array(slip),
         friction=np.array(friction),
         film_parameter=np.ones(len(slip)),

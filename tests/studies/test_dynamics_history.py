@@ -723,4 +723,4 @@ def test_where_effective_friction_takes_too_many_bearings_along_a_history_fricti
     )
     assert made.choices["dynamics"].resolution.friction == "conventional"
     (part,) = [part for part in made.parts if part.part == "friction of the raceways"]
-    assert "as more than 3 bearings would have to be put together for it" in part.reason
+    assert "as more than 3 bearings would have to be assembled for it" in part.reason

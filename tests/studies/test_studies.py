@@ -92,7 +92,7 @@ def test_a_result_has_the_outputs_that_are_declared(name):
     assert single - ELSEWHERE.get(name, set()) <= set(result.attrs)
     assert {*map(str, result.data_vars)} == cls.outputs.keys() - single - ELSEWHERE.get(name, set())
     assert result.attrs["study"] == name
-    assert Curves.of(result) == cls.curves_of
+    assert Curves.from_dataset(result) == cls.curves_of
 
 
 def test_an_unknown_study_is_answered_with_the_nearest():

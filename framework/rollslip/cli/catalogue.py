@@ -75,7 +75,7 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
     from rollslip.planning.plan import plan
     from rollslip.planning.provenance import citations
     from rollslip.references import as_bibtex, as_dict
-    from rollslip.results.accounts import telling
+    from rollslip.results.accounts import refuse_unreadable
     from rollslip.results.dataset import citations_of, open_result
 
     if bibtex and as_json:
@@ -83,7 +83,7 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
     if target.endswith(".nc"):
         if changes:
             raise click.UsageError("--set changes a scene; a result cannot be changed")
-        with telling(target):
+        with refuse_unreadable(target):
             found = citations_of(open_result(target))
     else:
         found = citations(plan(scene_of(target, changes)))

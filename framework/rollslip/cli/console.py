@@ -356,10 +356,10 @@ def installation() -> Groups:
 
 def result_info(path: Path) -> Groups:
     """Return what a stored result holds and where it comes from."""
-    from rollslip.results.accounts import telling
+    from rollslip.results.accounts import refuse_unreadable
     from rollslip.results.dataset import open_result
 
-    with telling(path):
+    with refuse_unreadable(path):
         return _held(open_result(path))
 
 

@@ -245,7 +245,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             {
                 "code": one.code,
                 "bound": describe_bound(one),
-                "outside": one.told,
+                "outside": one.consequence_range,
                 "remedy": one.remedy,
                 "source": one.source,
             }

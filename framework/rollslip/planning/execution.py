@@ -83,7 +83,7 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
             executed[name] = compute(planned, name, progress=show if in_notebook() else None)
         if executed[name].dataset.attrs.get("outcome") == "interrupted":
             break
-    return Result.of(
+    return Result.from_studies(
         {name: run.dataset for name, run in executed.items()}, partial(_completed, executed)
     )
 

@@ -53,7 +53,7 @@ def load_distribution(scene: Scene | str, n_positions: int = 1) -> "xr.Dataset":
         shape[0] = -loads.deflection[:, :m] @ rings.inner.at(sense * orbit).T
         shape[1] = loads.deflection[:, m:] @ rings.outer.at(sense * orbit).T
         for k, outwards in enumerate((1.0, -1.0)):
-            shape[k] += outwards * rings.formed(k + 1).form(sense * orbit)
+            shape[k] += outwards * rings.with_single_form(k + 1).form(sense * orbit)
     contacts = ("ring", "instant", "roller")
     return xr.Dataset(
         {

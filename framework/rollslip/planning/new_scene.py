@@ -318,7 +318,7 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         "pocket_clearance": format_quantity(make.pocket_clearance * b.roller_diameter, "m", 3),
         "pocket_stiffness": f"{make.pocket_stiffness / 1e6:g} MN/m",
         "supply": supply,
-        "supply_words": SUPPLIES[supply].words,
+        "supply_words": SUPPLIES[supply].description,
         **given,
     }
 

@@ -138,7 +138,7 @@ def _clearance(
         ),
         [],
     )
-    stated = {} if rings is None else rings.yielding
+    stated = {} if rings is None else rings.flexible_rings
     mounted = scene.bearing.mounted
     for ring, shapes in stated.items() if mounted else ():
         for key in shapes.departs:

@@ -24,7 +24,7 @@ from rollslip.fields import submodels
 from rollslip.models import SliceModel
 from rollslip.planning.lines import describe_own_cage
 from rollslip.planning.plan import Plan
-from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
+from rollslip.references import KLEBANOV, Citation, as_dict, unique_works, rollslip_itself
 from rollslip.results.dataset import CITED
 from rollslip.scene.changes import CHANGES, NOTED
 from rollslip.scene.named import surface_name
@@ -300,7 +300,7 @@ def collect_citations(models: Iterable[SliceModel], others: Iterable[Citation]) 
         Citations of studies and data.
     """
     used = (citation for model in models for citation in references_of(model))
-    return once([KLEBANOV, rollslip_itself(), *used, *others])
+    return unique_works([KLEBANOV, rollslip_itself(), *used, *others])
 
 
 def data_references(assembly: "Assembly") -> list[Citation]:

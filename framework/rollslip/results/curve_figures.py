@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from matplotlib.text import Annotation, Text
 
 __all__ = [
+    "annotate_point",
     "draw_curve",
     "finish",
     "new_figure",
     "plain_curves",
-    "write_beside",
 ]
 
 Array = NDArray[np.float64]
@@ -53,7 +53,7 @@ _CRITICAL = "slip at largest traction; friction falls beyond it"
 
 def plain_curves(dataset: "xr.Dataset") -> "Figure":
     """Draw the curves of a dataset over slip, those of small numbers lighter, as its attribute ``curves`` has them."""
-    of = Curves.of(dataset)
+    of = Curves.from_dataset(dataset)
     assert of is not None
     figure, axes = new_figure()
     shown = curves(dataset)
@@ -71,7 +71,7 @@ def plain_curves(dataset: "xr.Dataset") -> "Figure":
 
 def over_slip(dataset: "xr.Dataset", name: str) -> "Figure":
     """Draw a variable of the points of all curves over slip, those of small numbers lighter."""
-    of = Curves.of(dataset)
+    of = Curves.from_dataset(dataset)
     sheet = Sheet()
     assert of is not None
     names = curve_names(dataset)
@@ -112,7 +112,7 @@ def draw_curve(
     return line
 
 
-def write_beside(axes: "Axes", text: str, place: tuple[float, float]) -> "Annotation":
+def annotate_point(axes: "Axes", text: str, place: tuple[float, float]) -> "Annotation":
     """Write a text above a point, in data coordinates."""
     return axes.annotate(
         text,
@@ -151,10 +151,10 @@ def finish(
     )
     written.set_in_layout(False)
     if critical:
-        rests_on = critical[0].rests_on  # on a line of its own, as wide as the figure is
+        assumption = critical[0].assumption  # on a line of its own, as wide as the figure is
         words = (
-            f"slip at largest traction {rests_on};\nfriction falls beyond it"
-            if rests_on
+            f"slip at largest traction {assumption};\nfriction falls beyond it"
+            if assumption
             else _CRITICAL
         )
         handles = [
@@ -175,7 +175,7 @@ def _write_critical(axes: "Axes", critical: Sequence[Curve], rows: Array, writte
         dense = np.linspace(curve.slip[0], curve.slip[-1], 1000)
         points = [np.column_stack((100 * dense, np.interp(dense, curve.slip, row))) for row in rows]
         pixels = axes.transData.transform(np.concatenate(points))
-        label = write_beside(
+        label = annotate_point(
             axes, percent(curve.critical_slip), (100 * curve.critical_slip, curve.critical_friction)
         )
 

@@ -1,6 +1,6 @@
-"""Friction curves of a dataset: what each is of, and what was found of its critical slip.
+"""Friction curves of a dataset: their names, values and critical slips.
 
-A dataset of friction over slip says in its attribute ``curves`` what makes them: JSON with the fields of `Curves`.
+The attribute ``curves`` of a dataset names the variables of its friction curves: JSON with the fields of `Curves`.
 """
 
 import json
@@ -30,21 +30,22 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Share of the largest friction by which the last two points of a curve must differ for a rise that is told.
-_RISES: Final = 1e-4
-#: What a dataset may tell of the first maximum of its curves: place and value.
+#: Difference of the last two points of a curve, relative to the largest friction, from which a rise at its end is
+#: reported. Chosen: above rounding and the tolerance of friction.
+_MIN_RISE: Final = 1e-4
+#: Variables of the first maximum of curves, slip and friction, which a dataset may have.
 FIRST: Final = ("first_maximum_slip", "first_maximum_friction")
 
 
 @attrs.frozen(kw_only=True)
 class Curves:
-    """The names of what makes the friction curves of a study: what is compared and drawn."""
+    """Names of the variables and dimensions of the friction curves of a study."""
 
     variable: str  #: Friction.
     over: str  #: The dimension with one curve for each value.
     slip: str  #: The slip that friction is plotted against.
-    #: Slip of the largest friction of each curve; ``critical_friction`` and ``critical_status`` belong to it, and
-    #: ``first_maximum_slip`` and ``first_maximum_friction`` where friction falls before, if a study tells of them.
+    #: Slip of the largest friction of each curve. The variables ``critical_friction`` and ``critical_status`` belong to
+    #: it, and, if a study has them, ``first_maximum_slip`` and ``first_maximum_friction``.
     critical: str
 
     @property
@@ -53,31 +54,31 @@ class Curves:
         return json.dumps(attrs.asdict(self))
 
     @classmethod
-    def of(cls, dataset: "xr.Dataset") -> "Curves | None":
-        """Return what makes the curves of a result; None if it has none."""
-        said = dataset.attrs.get("curves")
-        return None if said is None else cls(**json.loads(said))
+    def from_dataset(cls, dataset: "xr.Dataset") -> "Curves | None":
+        """Return the names in the attribute ``curves`` of a result; None if it has no curves."""
+        attribute = dataset.attrs.get("curves")
+        return None if attribute is None else cls(**json.loads(attribute))
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class Curve:
-    """One friction curve of a dataset, with what was found of its critical slip."""
+    """A friction curve of a dataset, with its critical slip."""
 
     name: str  #: "300 N" or "inner ring".
-    of: str  #: What is plotted, "friction coefficient", and against what: "cage slip".
-    against: str
-    slip: Array
-    friction: Array
-    film_parameter: Array  #: NaN where the dataset has none; all three of shape (n,).
-    critical_slip: float  #: NaN if there is none, as its friction; `status` says why.
-    critical_friction: float
+    quantity: str  #: Name of what is plotted: "friction coefficient".
+    slip_name: str  #: Name of the slip: "cage slip".
+    slip: Array  #: (n,).
+    friction: Array  #: (n,).
+    film_parameter: Array  #: (n,); NaN where the dataset has none.
+    critical_slip: float  #: Slip of the largest friction; NaN if there is none, `status` says why.
+    critical_friction: float  #: Largest friction; NaN if there is none.
     status: str
     regime: str = ""  #: Film regime in words, empty if it is not a matter of one contact.
-    #: The first maximum, from which friction falls; NaN if there is none, or if the dataset does not tell.
+    #: Slip of the first maximum, from which friction falls; NaN if there is none, or the dataset has no such variable.
     first_slip: float = math.nan
-    first_friction: float = math.nan
-    #: What the curve rests on, of its dataset's attribute ``curves_with``: "with rollers in pure rolling".
-    rests_on: str = ""
+    first_friction: float = math.nan  #: Friction there.
+    #: What the curve assumes, from the attribute ``curves_with``: "with rollers in pure rolling".
+    assumption: str = ""
 
     @property
     def has_critical(self) -> bool:
@@ -85,51 +86,59 @@ class Curve:
         return not np.isnan(self.critical_slip)
 
     @property
-    def falls_before(self) -> bool:
-        """Whether friction falls with slip already before it is largest."""
-        return bool(self.first_slip < (self.critical_slip if self.has_critical else math.inf))
+    def is_preceded_by_fall(self) -> bool:
+        """Whether friction already falls with slip before its maximum."""
+        last = self.critical_slip if self.has_critical else math.inf
+        return bool(self.first_slip < last)
 
     def branches(self) -> tuple[Array, Array, int, int]:
-        """Return the curve through its maximum, and where in it the thermal branch begins and ends.
+        """Return the curve with its maximum as a point, and the indices of start and end of the thermal branch.
 
-        The branch ends where friction is least again: with a thin film it may rise once more.
+        The branch ends at the minimum of friction beyond the maximum: with a thin film friction may rise once more.
+
+        Returns
+        -------
+        slip, friction : arrays, shape (n + 1,) or (n,)
+            The curve; without a maximum its own points.
+        start, end : int
+            Indices of both ends of the branch; of the last point without a maximum.
         """
         if not self.has_critical:
             last = self.slip.size - 1
             return self.slip, self.friction, last, last
-        begin = int(np.searchsorted(self.slip, self.critical_slip))
+        start = int(np.searchsorted(self.slip, self.critical_slip))
         after = int(np.searchsorted(self.slip, self.critical_slip, side="right"))
-        x = np.concatenate((self.slip[:begin], [self.critical_slip], self.slip[after:]))
-        y = np.concatenate((self.friction[:begin], [self.critical_friction], self.friction[after:]))
-        return x, y, begin, begin + int(np.nanargmin(y[begin:]))
+        x = np.concatenate((self.slip[:start], [self.critical_slip], self.slip[after:]))
+        y = np.concatenate((self.friction[:start], [self.critical_friction], self.friction[after:]))
+        return x, y, start, start + int(np.nanargmin(y[start:]))
 
     def finding(self) -> str:
-        """Say in a sentence what was found of the critical slip; its full stop is left out."""
-        quantity = self.against if self.against.endswith(" slip") else "slip"
+        """Return a sentence on the critical slip, without its full stop."""
+        slip_name = self.slip_name if self.slip_name.endswith(" slip") else "slip"
+        slopes = self._describe_slopes()
         if self.has_critical:
+            assumption = f" {self.assumption}" if self.assumption else ""
+            friction = digits(self.critical_friction, 3)
             return (
-                f"{self.name}: {quantity} at largest traction {percent(self.critical_slip)}"
-                f"{self.rests_on and f' {self.rests_on}'}, {self.of} there {digits(self.critical_friction, 3)}"
-                f"{self._first()}"
+                f"{self.name}: {slip_name} at largest traction {percent(self.critical_slip)}{assumption}, "
+                f"{self.quantity} there {friction}{slopes}"
             )
         finite = np.flatnonzero(np.isfinite(self.friction))
         if not finite.size or not np.any(self.friction > 0.0):
             return f"{self.name}: {self.status}"
-        most = self.friction[finite[np.argmax(self.friction[finite])]]
-        return f"{self.name}: {self.status}. In this range the {self.of} reaches {digits(most, 3)}{self._first()}"
+        largest = digits(self.friction[finite[np.argmax(self.friction[finite])]], 3)
+        return f"{self.name}: {self.status}. In this range the {self.quantity} reaches {largest}{slopes}"
 
-    def _first(self) -> str:
-        """Say where friction falls or rises beside its largest value, of which the range may hold a part only."""
-        if not self.falls_before:
+    def _describe_slopes(self) -> str:
+        """Return the clause on a first maximum, or on a rise at the end of the range; empty without both."""
+        if not self.is_preceded_by_fall:
             rises = (
                 self.has_critical
-                and self.friction[-1] - self.friction[-2] > _RISES * self.critical_friction
+                and self.friction[-1] - self.friction[-2] > _MIN_RISE * self.critical_friction
             )
-            return (
-                f"; at the end of the range, {percent(self.slip[-1])}, it rises again"
-                if rises
-                else ""
-            )
+            if not rises:
+                return ""
+            return f"; at the end of the range, {percent(self.slip[-1])}, it rises again"
         return (
             f"; it falls with slip already from {percent(self.first_slip)} on, a first maximum of "
             f"{digits(self.first_friction, 3)}, before it rises once more"
@@ -137,28 +146,28 @@ class Curve:
 
 
 def percent(fraction: float) -> str:
-    """Show a share in percent, with three digits."""
+    """Return a fraction in percent, with three digits."""
     return f"{digits(100 * fraction, 3)} %"
 
 
 def digits(value: float, count: int) -> str:
-    """Show a number with a count of digits, zeros at its end too."""
+    """Return a number with a count of significant digits, trailing zeros included."""
     return f"{value:#.{count}g}".removesuffix(".")
 
 
 def curve_names(dataset: "xr.Dataset") -> list[str]:
-    """Return what the curves of a dataset are called: "inner ring" or "300 N"."""
-    of = Curves.of(dataset)
-    if of is None:
+    """Return the names of the curves of a dataset: "inner ring" or "300 N"."""
+    curves = Curves.from_dataset(dataset)
+    if curves is None:
         return []
-    over = dataset[of.over]
+    over = dataset[curves.over]
     if over.dtype.kind not in "fi":
-        return [f"{value} {of.over}" for value in over.to_numpy()]
+        return [f"{value} {curves.over}" for value in over.to_numpy()]
     return [format_quantity(float(value), over.attrs["units"]) for value in over.to_numpy()]
 
 
 def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
-    """Return how results of each curve are told apart: ", inner ring" or " at 300 N"."""
+    """Return the label of each curve behind the name of a result: ", inner ring" or " at 300 N"."""
     values = dataset[curves.over].to_numpy()
     unit = dataset[curves.over].attrs.get("units", "1")
     if values.dtype.kind in "UO":
@@ -168,67 +177,70 @@ def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
 
 def curves(dataset: "xr.Dataset") -> list[Curve]:
     """Return the friction curves of a dataset, none if its study has no such curves."""
-    of = Curves.of(dataset)
-    if of is None:
+    names = Curves.from_dataset(dataset)
+    if names is None:
         return []
-    found = []
-    for position, name in enumerate(curve_names(dataset)):
-        one = dataset.isel({of.over: position})
-        slip = one[of.slip]
-        first = [float(one[name]) if name in one else math.nan for name in FIRST]
-        film = (
-            one["film_parameter"]
-            if "film_parameter" in one
-            else slip.copy(data=np.full(slip.shape, np.nan))
-        )
-        found.append(
-            Curve(
-                name=name,
-                of=dataset[of.variable].attrs["long_name"],
-                against=slip.attrs["long_name"],
-                slip=slip.to_numpy(),
-                friction=one[of.variable].to_numpy(),
-                film_parameter=film.to_numpy(),
-                critical_slip=float(one[of.critical]),
-                critical_friction=float(one["critical_friction"]),
-                status=str(one["critical_status"].item()),
-                rests_on=str(dataset.attrs.get("curves_with", "")),
-                regime=_regime(one["regime"].to_numpy())
-                if "regime" in one and one["regime"].dims == slip.dims
-                else "",
-                first_slip=first[0],
-                first_friction=first[1],
-            )
-        )
-    return found
+    return [
+        _curve(dataset.isel({names.over: position}), names, label)
+        for position, label in enumerate(curve_names(dataset))
+    ]
+
+
+def _curve(dataset: "xr.Dataset", names: Curves, label: str) -> Curve:
+    """Return the curve of a dataset that has one only."""
+    slip = dataset[names.slip]
+    first_slip, first_friction = (
+        float(dataset[name]) if name in dataset else math.nan for name in FIRST
+    )
+    film_parameter = np.full(slip.shape, np.nan)
+    if "film_parameter" in dataset:
+        film_parameter = dataset["film_parameter"].to_numpy()
+    regime = ""
+    if "regime" in dataset and dataset["regime"].dims == slip.dims:
+        regime = _regime(dataset["regime"].to_numpy())
+    return Curve(
+        name=label,
+        quantity=dataset[names.variable].attrs["long_name"],
+        slip_name=slip.attrs["long_name"],
+        slip=slip.to_numpy(),
+        friction=dataset[names.variable].to_numpy(),
+        film_parameter=film_parameter,
+        critical_slip=float(dataset[names.critical]),
+        critical_friction=float(dataset["critical_friction"]),
+        status=str(dataset["critical_status"].item()),
+        assumption=str(dataset.attrs.get("curves_with", "")),
+        regime=regime,
+        first_slip=first_slip,
+        first_friction=first_friction,
+    )
 
 
 def _regime(codes: NDArray[Any]) -> str:
+    """Return the film regimes of a curve in words."""
     names = [NAMES[code] for code in np.unique(codes).astype(int)]
     return LONG_NAMES[names[0]] if len(names) == 1 else ", ".join(names)
 
 
 def critical_rows(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
-    """Return critical slip, its friction and its status of each curve by name; what has no value is None.
+    """Return critical slip, its friction and its status of each curve by name, for JSON; missing values are None.
 
-    With the first maximum where the dataset tells of it.
+    The first maximum is added where the dataset has it.
     """
-    told = all(name in dataset for name in FIRST)
-    return {
-        curve.name: {
+    has_first = all(name in dataset for name in FIRST)
+    rows = dict[str, dict[str, Any]]()
+    for curve in curves(dataset):
+        row: dict[str, Any] = {
             "critical_slip": or_none(curve.critical_slip),
             "critical_friction": or_none(curve.critical_friction),
             "status": curve.status,
         }
-        | (
-            dict(zip(FIRST, map(or_none, (curve.first_slip, curve.first_friction)), strict=True))
-            if told
-            else {}
-        )
-        for curve in curves(dataset)
-    }
+        if has_first:
+            values = (or_none(curve.first_slip), or_none(curve.first_friction))
+            row |= zip(FIRST, values, strict=True)
+        rows[curve.name] = row
+    return rows
 
 
 def or_none(value: Any) -> float | None:
-    """Return a number as JSON has it: None for one that is not known, or beyond a range."""
+    """Return a number for JSON: None for one that is NaN or infinite."""
     return float(value) if math.isfinite(value) else None

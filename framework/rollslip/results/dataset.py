@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.errors import OutputError
 from rollslip.files import readable, whole_file
-from rollslip.references import Citation, from_dict, once
+from rollslip.references import Citation, from_dict, unique_works
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,7 +56,7 @@ _STRUCTURES: Final = dict.fromkeys(
      "validity"), dict
 )  # fmt: skip
 #: What readers raise where a file, or what it holds, is of another shape than they take for granted.
-OTHERWISE: Final = (
+READ_ERRORS: Final = (
     ArithmeticError,
     AttributeError,
     LookupError,
@@ -199,7 +199,7 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
             raise ValueError(f"it claims {claims:.3g} bytes of values in {len(content)} bytes")
         with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", phony_dims="access") as stored:
             dataset = stored.load()
-    except (OSError, MemoryError, *OTHERWISE) as error:
+    except (OSError, MemoryError, *READ_ERRORS) as error:
         raise OutputError(f"{path}: is not a netCDF file that can be read ({error})") from error
     if dataset.attrs.pop(_MARK[0], None) is not None and not sealed:
         raise OutputError(
@@ -289,7 +289,7 @@ def _check_seal(content: bytes, path: Path) -> bool:
 def citations_of(*datasets: "xr.Dataset") -> list[Citation]:
     """Return what results say is to be cited, each once; texts only, where a result is older than the data."""
     texts, data = CITED
-    return once(
+    return unique_works(
         from_dict(one) if isinstance(one, dict) else one
         for dataset in datasets
         for one in json.loads(dataset.attrs.get(data, dataset.attrs.get(texts, "[]")))

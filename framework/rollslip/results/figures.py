@@ -1,6 +1,6 @@
-"""What shows results: themselves with their answer, figures for publication, and a report.
+"""Results of a run for users: the datasets with their answer, figures for publication, and a report.
 
-Figures are drawn as the account of a study draws them.
+Figures are drawn by the account of a study.
 """
 
 import base64
@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from rollslip.errors import OutputError
-from rollslip.results.accounts import account_of, answer, telling
+from rollslip.results.accounts import account_of, answer, refuse_unreadable
 from rollslip.results.answer import Answer, Note
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import open_result
-from rollslip.results.folder import take_in
+from rollslip.results.folder import add_to_manifest
 from rollslip.results.style import as_svg, save_figures, styled
 from rollslip.results.text import LAW, capitalise, collect_warnings
 from rollslip.units import expect_results
@@ -29,55 +29,63 @@ __all__ = ["Figures", "Result", "plot", "report", "save_plots"]
 
 
 class Result(xr.Dataset):  # type: ignore[no-untyped-call]
-    """What a run gave: the dataset of its first study, which shows the answer of all, and holds every one of them.
+    """The result of a run: the dataset of its first study, with the answer and the datasets of all studies.
 
-    What is computed from it, by ``sel`` for example, shows itself as any dataset of xarray. ``attrs`` has all that is
-    stored, as JSON where it is a structure.
+    A dataset that is computed from it, for example by ``sel``, is an ordinary dataset of xarray. Attributes that are
+    structures are JSON texts.
     """
 
-    __slots__ = ("_complete", "_held")
+    __slots__ = ("_complete", "_documented")
     _complete: Callable[[], dict[str, xr.Dataset]]
-    _held: dict[str, xr.Dataset] | None
+    #: Results of all studies, once they are complete.
+    _documented: dict[str, xr.Dataset] | None
 
     @classmethod
-    def of(
+    def from_studies(
         cls, results: Mapping[str, xr.Dataset], complete: Callable[[], dict[str, xr.Dataset]]
     ) -> "Result":
-        """Return the result of a run, given those of its studies, and what gives them with all that an answer needs.
+        """Return the result of a run.
 
-        Notes, bands and costs take as long as many a study, so they are computed when somebody asks for them.
+        Notes, bands and costs take as long as many studies, so that they are computed when they are first needed.
+
+        Parameters
+        ----------
+        results : mapping of str to xarray.Dataset
+            Result of each study.
+        complete : callable
+            Returns the same with notes, bands and costs.
         """
         first = next(iter(results.values()))
-        made = cls(first.data_vars, first.coords, first.attrs)
-        made._held = None
-        made._complete = complete
-        return made
+        result = cls(first.data_vars, first.coords, first.attrs)
+        result._documented = None
+        result._complete = complete
+        return result
 
     @property
     def is_of_run(self) -> bool:
-        """Whether it is what a run gave; what was computed from it is a dataset like any other."""
-        try:  # not by hasattr, which looks for names among the attributes of a dataset, too
+        """Whether it is the result of a run; a dataset that is computed from one is not."""
+        try:  # hasattr would look for the name among the attributes of the dataset, too
             object.__getattribute__(self, "_complete")
         except AttributeError:
             return False
         return True
 
     def complete(self) -> dict[str, xr.Dataset]:
-        """Return the result of each study, with notes and bands, which are computed and stored once."""
+        """Return the result of each study, with notes and bands, which are computed once."""
         if not self.is_of_run:
             return {str(self.attrs.get("study", "result")): self}
-        if self._held is None:
-            self._held = self._complete()
-            self._attrs = dict(next(iter(self._held.values())).attrs)
-        return self._held
+        if self._documented is None:
+            self._documented = self._complete()
+            self._attrs = dict(next(iter(self._documented.values())).attrs)
+        return self._documented
 
     @property
     def attrs(self) -> dict[Any, Any]:
-        """All that is stored of the first study, with notes and bands."""
+        """The attributes of the first study, with notes and bands."""
         if self.is_of_run:
             self.complete()
-        found: dict[Any, Any] = xr.Dataset.attrs.fget(self)  # type: ignore[attr-defined]
-        return found
+        attributes: dict[Any, Any] = xr.Dataset.attrs.fget(self)  # type: ignore[attr-defined]
+        return attributes
 
     @attrs.setter
     def attrs(self, value: Mapping[Any, Any]) -> None:
@@ -85,35 +93,37 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
 
     @property
     def studies(self) -> xr.DataTree:
-        """Every study that ran, by name."""
+        """The results of all studies, by name."""
         return xr.DataTree.from_dict(self.complete())
 
     @property
     def answer(self) -> Answer:
-        """What has to be known first, of all studies."""
+        """The answer of all studies."""
         return answer(*self.complete().values())
 
     @property
     def notes(self) -> tuple[Note, ...]:
-        """Laws that were left, each once, the worst first."""
+        """Notes on laws outside their ranges of validity, each once, the largest changes first."""
         return self.answer.notes
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a reader has to know, in sentences, each once; of laws the worst, of which `notes` has all."""
+        """Warnings of all studies as sentences, each once; of laws the most severe ones, all of them are in `notes`."""
         return tuple(collect_warnings(self.complete().values())[0])
 
     @property
     def figures(self) -> "Figures":
         """Figures of all studies, by name."""
-        drawn = Figures()
-        for one in map(plot, self.complete().values()):
-            drawn.update(one)
-            drawn.captions |= one.captions
-        return drawn
+        figures = Figures()
+        for dataset in self.complete().values():
+            of_study = plot(dataset)
+            figures.update(of_study)
+            figures.captions |= of_study.captions
+        return figures
 
     def __repr__(self) -> str:
-        return f"{self.answer}\n\n{super().__repr__()}" if self.is_of_run else super().__repr__()
+        text = super().__repr__()
+        return f"{self.answer}\n\n{text}" if self.is_of_run else text
 
     def _repr_html_(self) -> str:
         if not self.is_of_run:
@@ -123,11 +133,11 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
 
 
 class Figures(dict[str, "Figure"]):
-    """Figures of a result by name, which a notebook shows below each other."""
+    """Figures of a result by name; a notebook shows all of them."""
 
     def __init__(self) -> None:
         super().__init__()
-        #: What each shows, by the same names.
+        #: Name -> caption.
         self.captions: dict[str, str] = {}
 
     def __repr__(self) -> str:
@@ -136,7 +146,7 @@ class Figures(dict[str, "Figure"]):
     def _repr_html_(self) -> str:
         with styled():
             drawn = {name: as_svg(figure, self.captions[name], "") for name, figure in self.items()}
-        pictures = {  # each a document of its own: the same ids stand in all of them
+        pictures = {  # separate documents, because all have the same ids
             name: f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
             for name, svg in drawn.items()
         }
@@ -148,7 +158,7 @@ class Figures(dict[str, "Figure"]):
 
 
 def plot(result: "xr.Dataset") -> Figures:
-    """Draw the figures of a result, to look at or to go on with.
+    """Draw the figures of a result, to look at or to edit.
 
     Parameters
     ----------
@@ -158,8 +168,8 @@ def plot(result: "xr.Dataset") -> Figures:
     Returns
     -------
     Figures
-        Matplotlib figures by name, the study's first; none for a study without figures. They belong to no window:
-        ``matplotlib.pyplot`` knows nothing of them, and a notebook shows them as they stand at the end of a cell.
+        Matplotlib figures by name, the study's first; none for a study without figures. They are not
+        registered in ``matplotlib.pyplot``, and a notebook shows them at the end of a cell.
 
     Examples
     --------
@@ -187,9 +197,9 @@ def report(
     Parameters
     ----------
     *results : xarray.Dataset, str or Path
-        Results, files that hold one each, or folders of them; of a run each of its studies is told.
+        Results, files of results, or folders of files; of a run all studies are reported.
     out : str or Path, optional
-        The file; by default ``report.html`` beside results that stand in one folder, else in the current one.
+        The file; by default ``report.html`` in the folder of the results, or, for several folders, in the current one.
     overwrite : bool
         Whether it may replace a report.
 
@@ -205,49 +215,68 @@ def report(
     """
     from rollslip.results.report import is_report, write_report
 
-    if out is None:
-        beside = {
-            Path(one) if _is_folder(one) else Path(one).parent
-            for one in results
-            if isinstance(one, str | Path)
-        }
-        out = (beside.pop() if len(beside) == 1 else Path()) / "report.html"
-    expect_results("report", *(one for one in results if not isinstance(one, str | Path)))
-    if (out := Path(out)).exists() and not overwrite:
+    expect_results("report", *(item for item in results if not isinstance(item, str | Path)))
+    out = _default_report(results) if out is None else Path(out)
+    if out.exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
     if out.exists() and not is_report(out):
         raise OutputError(
             f"{out}: is no report of rollslip, so it is not replaced; name another --out"
         )
-    datasets = dict[str, xr.Dataset]()
-    places = dict[str, str]()
-    stored_too = [sorted(Path(one).glob("*.nc")) if _is_folder(one) else [one] for one in results]
-    if not any(stored_too):
-        raise OutputError("report: there is no result (.nc) in that folder; name that of a run")
-    for number, given in enumerate((one for several in stored_too for one in several), 1):
-        one = given if isinstance(given, xr.Dataset) else open_result(given)
-        stored = one is not given
-        place = str(given) if one is not given else f"result {number}"
-        for study, dataset in (
-            one.complete() if isinstance(one, Result) else {one.attrs["study"]: one}
-        ).items():
-            name = study if study not in datasets else place if stored else f"{study} of {place}"
-            datasets[name] = dataset
-            places[name] = place
+    datasets, sources = _named_datasets(results)
     figures = {}
     with tempfile.TemporaryDirectory() as folder:
         for k, (name, dataset) in enumerate(datasets.items()):
-            (own := Path(folder) / str(k)).mkdir()
-            with telling(places[name]):
-                figures[name] = save_plots(dataset, own)
-        with telling(*dict.fromkeys(places.values())):
+            target = Path(folder) / str(k)
+            target.mkdir()
+            with refuse_unreadable(sources[name]):
+                figures[name] = save_plots(dataset, target)
+        with refuse_unreadable(*dict.fromkeys(sources.values())):
             write_report(datasets, figures, out)
-    take_in(out)
+    add_to_manifest(out)
     return out
 
 
-def _is_folder(given: object) -> bool:
-    return isinstance(given, str | Path) and Path(given).is_dir()
+def _default_report(results: "Sequence[xr.Dataset | str | Path]") -> Path:
+    """Return the file of a report in the folder of the results, or in the current one for several folders."""
+    folders = {
+        Path(item) if _is_folder(item) else Path(item).parent
+        for item in results
+        if isinstance(item, str | Path)
+    }
+    folder = folders.pop() if len(folders) == 1 else Path()
+    return folder / "report.html"
+
+
+def _named_datasets(
+    results: "Sequence[xr.Dataset | str | Path]",
+) -> tuple[dict[str, xr.Dataset], dict[str, str]]:
+    """Return the datasets of results, files and folders, and their sources, by names that are different for each."""
+    items = list[Any]()
+    for item in results:
+        items += sorted(Path(item).glob("*.nc")) if _is_folder(item) else [item]  # type: ignore[arg-type]
+    if not items:
+        raise OutputError("report: there is no result (.nc) in that folder; name that of a run")
+    datasets = dict[str, xr.Dataset]()
+    sources = dict[str, str]()
+    for number, item in enumerate(items, 1):
+        is_stored = not isinstance(item, xr.Dataset)
+        result = open_result(item) if is_stored else item
+        source = str(item) if is_stored else f"result {number}"
+        studies = {result.attrs["study"]: result}
+        if isinstance(result, Result):
+            studies = result.complete()
+        for study, dataset in studies.items():
+            name = study
+            if study in datasets:
+                name = source if is_stored else f"{study} of {source}"
+            datasets[name] = dataset
+            sources[name] = source
+    return datasets, sources
+
+
+def _is_folder(item: object) -> bool:
+    return isinstance(item, str | Path) and Path(item).is_dir()
 
 
 def save_plots(result: "xr.Dataset", folder: Path, formats: Sequence[str] = ("svg",)) -> list[Path]:
@@ -258,9 +287,9 @@ def save_plots(result: "xr.Dataset", folder: Path, formats: Sequence[str] = ("sv
     result : xarray.Dataset
         Result of a study or a campaign.
     folder : Path
-        Where the files go; it is made if it does not exist.
+        Folder of the files; it is created if it does not exist.
     formats : sequence of str
-        Some of "svg", "pdf" and "png".
+        Any of "svg", "pdf" and "png".
 
     Returns
     -------
@@ -271,16 +300,16 @@ def save_plots(result: "xr.Dataset", folder: Path, formats: Sequence[str] = ("sv
     Raises
     ------
     OutputError
-        If a file cannot be written; then nothing is left of it.
+        If a file cannot be written; then the file does not exist.
     """
     return save_figures(_drawn(result), account_of(result).paragraph(result), folder, formats)
 
 
 def _drawn(result: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
-    """Draw what the account of a result draws, then what laws give beside their columns, over the curves."""
+    """Yield the figures of the account of a result, then the outputs of laws over the slip of its curves."""
     account = account_of(result)
     yield from account.figures(result)
-    if Curves.of(result) is not None:
+    if Curves.from_dataset(result) is not None:
         for name, variable in result.data_vars.items():
             if LAW in variable.attrs:
                 from rollslip.results.curve_figures import over_slip

@@ -1,10 +1,10 @@
-"""Folders of results: they appear whole or not at all, and nothing in them is replaced that rollslip did not write.
+"""Folders of results: they are written completely or not at all, and no file of others is replaced.
 
-- What rollslip wrote stands in ``manifest.json`` with a checksum for every file. A folder is replaced only if every
-  file in it is on that list, unchanged; a thesis beside the results, or a report with notes in it, stays.
-- A folder is made beside its place, in a hidden one that is locked as long as its process lives. So two runs into one
-  folder are told of each other, and what a killed run left is cleared away by the next one.
-- A name that is a link is followed: the link stays what it was.
+- ``manifest.json`` lists the files that rollslip wrote, with a checksum for each. A folder is replaced only if all its
+  files are on that list, unchanged: other files, and a report that a user has edited, are never replaced.
+- A folder is written under a hidden name next to the target, and renamed. The hidden folder is locked as long as its
+  process lives. So a second run into one folder is refused, and the next run removes what a killed run has left.
+- A target that is a symbolic link is resolved, and stays a link.
 """
 
 import hashlib
@@ -20,19 +20,41 @@ from typing import Final
 from rollslip.errors import BusyError, OutputError
 from rollslip.files import blamed, whole, whole_file
 
-__all__ = ["MANIFEST", "results_folder", "take_in"]
+__all__ = ["MANIFEST", "add_to_manifest", "results_folder"]
 
+#: File with the list of files in a folder.
 MANIFEST: Final = "manifest.json"
+#: File that is locked while a folder is written.
 _LOCK: Final = ".lock"
-#: What tells a folder that is being made, and one that is being replaced, from whatever else stands beside the target.
+#: Part of the name of a folder that is being written.
 _PARTIAL: Final = "rollslip-partial."
+#: Part of the name of a folder that is being replaced.
 _OLD: Final = "rollslip-old."
+#: What messages on a full disk propose.
 _REMEDY: Final = "free space or name another --out"
+
+#: Names of files in a message at most.
+_MAX_SHOWN: Final = 5
 
 
 @contextmanager
 def results_folder(target: Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Give a new folder that becomes the target when the block ends well, and vanishes when it does not."""
+    """Yield a new folder that becomes the target when the block succeeds, and is removed when it fails.
+
+    Parameters
+    ----------
+    target : Path
+        The folder.
+    overwrite : bool
+        Whether a folder that rollslip wrote may be replaced.
+
+    Raises
+    ------
+    OutputError
+        If the target may not be replaced or cannot be written.
+    BusyError
+        If another process is writing it.
+    """
     from filelock import FileLock
 
     if target.is_symlink():
@@ -47,32 +69,35 @@ def results_folder(target: Path, *, overwrite: bool = False) -> Iterator[Path]:
                 _clear_up(target, partial)
             try:
                 yield partial
-            except OutputError as error:  # of a file in the folder that nobody knows but us
+            except OutputError as error:  # the hidden folder means nothing to a user
                 if str(partial) not in str(error):
                     raise
                 raise OutputError(str(error).replace(str(partial), str(target))) from error
-            _refuse(target, overwrite)  # somebody may have put something there meanwhile
+            _refuse(target, overwrite)  # it may have changed during the run
             with blamed(target, _REMEDY):
                 files = {name: _checksum(partial / name) for name in _files(partial)}
-                told = {"written by": "rollslip", "format": 1, "sha256": files}
-                (partial / MANIFEST).write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+                manifest = {"written by": "rollslip", "format": 1, "sha256": files}
+                (partial / MANIFEST).write_text(
+                    json.dumps(manifest, indent=1) + "\n", encoding="utf-8"
+                )
     finally:
         if lock is not None:
             with suppress(OSError):
                 lock.release()
 
 
-def take_in(path: Path) -> None:
-    """Put a file that was written beside results into their manifest, if they have one."""
+def add_to_manifest(path: Path) -> None:
+    """Add a file that was written into a folder of results to its manifest, if it has one."""
     with suppress(ValueError, KeyError, TypeError, FileNotFoundError):
-        told = json.loads((manifest := path.parent / MANIFEST).read_text(encoding="utf-8"))
-        told["sha256"][path.name] = _checksum(path)
-        with whole_file(manifest) as partial:
-            partial.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        file = path.parent / MANIFEST
+        manifest = json.loads(file.read_text(encoding="utf-8"))
+        manifest["sha256"][path.name] = _checksum(path)
+        with whole_file(file) as partial:
+            partial.write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
 
 
 def _refuse(target: Path, overwrite: bool) -> None:
-    """Refuse a target that holds what may not be replaced."""
+    """Raise an error for a target that may not be replaced."""
     elsewhere = "name another --out"
     with blamed(target, _REMEDY):
         if not target.exists():
@@ -90,9 +115,9 @@ def _refuse(target: Path, overwrite: bool) -> None:
             )
         foreign = _foreign(target)
     if foreign:
-        shown = ", ".join(foreign[:5]) + (
-            f" and {len(foreign) - 5} more" if len(foreign) > 5 else ""
-        )
+        shown = ", ".join(foreign[:_MAX_SHOWN])
+        if len(foreign) > _MAX_SHOWN:
+            shown += f" and {len(foreign) - _MAX_SHOWN} more"
         raise OutputError(
             f"{target}: holds what rollslip did not write there, or what was changed since: {shown}; nothing is "
             f"replaced; move that away, or {elsewhere}"
@@ -100,7 +125,7 @@ def _refuse(target: Path, overwrite: bool) -> None:
 
 
 def _foreign(folder: Path) -> list[str]:
-    """Names of what a folder holds beside the files of its manifest as they were written."""
+    """Return the files of a folder that are not in its manifest, or differ from it."""
     try:
         written = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["sha256"]
         known = {str(name): str(checksum) for name, checksum in written.items()}
@@ -113,19 +138,18 @@ def _foreign(folder: Path) -> list[str]:
     ]
 
 
-def _files(folder: Path, but: str = _LOCK) -> list[str]:
-    """Names of everything in a folder but of sub-folders that hold something, relative to it."""
-    found = list[str]()
-    for path in sorted(
-        folder.iterdir()
-    ):  # glob takes a folder that it may not list for an empty one
+def _files(folder: Path, ignored: str = _LOCK) -> list[str]:
+    """Return the relative names of all files and empty sub-folders of a folder."""
+    names = list[str]()
+    # glob would treat a folder without permission as an empty one
+    for path in sorted(folder.iterdir()):
         inside = [] if path.is_symlink() or not path.is_dir() else _files(path, "")
-        found += [f"{path.name}/{name}" for name in inside] or [path.name]
-    return [name for name in found if name != but]
+        names += [f"{path.name}/{name}" for name in inside] or [path.name]
+    return [name for name in names if name != ignored]
 
 
 def _checksum(path: Path) -> str:
-    """SHA-256 of a file; of what is none, a text that no file has."""
+    """Return the SHA-256 of a file; for anything else a text that is not a checksum."""
     if path.is_symlink() or not path.is_file():
         return "not a file"
     with path.open("rb") as file:
@@ -133,34 +157,34 @@ def _checksum(path: Path) -> str:
 
 
 def _clear_up(target: Path, own: Path) -> None:
-    """Remove what dead runs into a target left beside it, and put back what one was about to replace."""
+    """Remove hidden folders that killed runs have left, and restore a folder that one was about to replace."""
     from filelock import FileLock, Timeout
 
-    for left in _beside(target, _PARTIAL):
-        if left == own:
+    for partial in _hidden_folders(target, _PARTIAL):
+        if partial == own:
             continue
         try:
-            with suppress(FileNotFoundError), FileLock(left / _LOCK, blocking=False):
-                shutil.rmtree(left, ignore_errors=True)
+            with suppress(FileNotFoundError), FileLock(partial / _LOCK, blocking=False):
+                shutil.rmtree(partial, ignore_errors=True)
         except Timeout:
             raise BusyError(
                 f"{target}: another run is writing there; wait for it, or name another --out"
             ) from None
-    for old in _beside(target, _OLD):
+    for old in _hidden_folders(target, _OLD):
         if target.exists():
             shutil.rmtree(old, ignore_errors=True)
         else:
             os.replace(old, target)
 
 
-def _beside(target: Path, sort: str) -> list[Path]:
-    return [
-        path for path in target.parent.iterdir() if path.name.startswith(f".{target.name}.{sort}")
-    ]
+def _hidden_folders(target: Path, kind: str) -> list[Path]:
+    """Return the hidden folders of a kind next to a target."""
+    start = f".{target.name}.{kind}"
+    return [path for path in target.parent.iterdir() if path.name.startswith(start)]
 
 
 def _exchange(partial: Path, target: Path) -> None:
-    """Put a folder in the place of another, which stays where it is if that fails, without its lock."""
+    """Replace a folder by another, and remove its lock; the old one stays if that fails."""
     if not target.exists():
         os.replace(partial, target)
     else:

@@ -1,7 +1,7 @@
-"""Tables of results for a spreadsheet: one row a quantity or a point, in people's units, which stand in the head.
+"""Tables of results for spreadsheets, in engineering units, which are in the head of the columns.
 
-A run gives the rows of its answer; what was computed at many points gives a row a point: what varies first, then what
-came out, a column for each of its values, and in words what has none. A number that is not known is an empty cell.
+The table of a run has the rows of its answer. A result of many points has a row for each point: first what varies, then
+the values, a column for each, and their statuses. A number that is not known is an empty cell.
 """
 
 import csv
@@ -25,14 +25,15 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["FORMATS", "in_people_s_unit", "of_points", "save_tables", "sheet", "table"]
+__all__ = ["FORMATS", "in_shown_unit", "point_rows", "save_tables", "sheet", "table"]
 
-#: Values of one variable at a point that have a column each, at most; more are curves, which stay in the .nc file.
-_COLUMNS: Final = 12
+#: Values of one variable at a point that get a column each, at most. Chosen: variables with more values are curves,
+#: which are in the .nc file only.
+_MAX_COLUMNS: Final = 12
 
 
 def table(*results: "xr.Dataset") -> "pd.DataFrame":
-    """Return results as a table, in people's units: of a run the rows of its answer, of many points a row each.
+    """Return results as a table in engineering units: of a run the rows of its answer, of many points a row each.
 
     Parameters
     ----------
@@ -42,7 +43,7 @@ def table(*results: "xr.Dataset") -> "pd.DataFrame":
     Returns
     -------
     pandas.DataFrame
-        What ``--format csv`` writes; units stand in the heads of columns, or in one of their own.
+        The table of ``--format csv``; units are in the heads of columns, or in a column of their own.
 
     Examples
     --------
@@ -50,7 +51,7 @@ def table(*results: "xr.Dataset") -> "pd.DataFrame":
     >>> rollslip.table(rollslip.run("gearbox", "steady-slip")).loc[0, ["quantity", "in words"]].to_list()
     ['cage slip', '1.5 %']
     """
-    import pandas as pd  # which xarray brings
+    import pandas as pd  # a dependency of xarray
 
     expect_results("table", *results)
     head, rows = sheet(*results)
@@ -59,44 +60,72 @@ def table(*results: "xr.Dataset") -> "pd.DataFrame":
 
 def sheet(*results: "xr.Dataset") -> Sheet:
     """Return head and rows of results, as `table` has them."""
-    for own in account_of(results[0]).sheets(results[0]).values():
-        return own
-    return of_points(results[0]) if _has_points(results[0]) else _of_answer(results)
+    for own_sheet in account_of(results[0]).sheets(results[0]).values():
+        return own_sheet
+    return point_rows(results[0]) if _has_points(results[0]) else _answer_rows(results)
 
 
 def save_tables(
     results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iterable[str]
 ) -> list[Path]:
-    """Write tables into a folder and return the files: ``answer`` of a run, and NAME of what has many points."""
-    found = {
-        f"{name}{more}": of
-        for name, one in results.items()
-        for more, of in account_of(one).sheets(one).items()
+    """Write tables into a folder and return the files: "answer" of a run, NAME of a result of many points.
+
+    Parameters
+    ----------
+    results : mapping of str to xarray.Dataset
+        Results by name.
+    folder : Path
+        Folder of the files.
+    formats : iterable of str
+        Suffixes, of `FORMATS`.
+    """
+    sheets = {
+        f"{name}{suffix}": own_sheet
+        for name, result in results.items()
+        for suffix, own_sheet in account_of(result).sheets(result).items()
     }
-    found |= {
-        name: of_points(one)
-        for name, one in results.items()
-        if _has_points(one) and name not in found
+    sheets |= {
+        name: point_rows(result)
+        for name, result in results.items()
+        if _has_points(result) and name not in sheets
     }
-    written = []
-    for name, of in (found or {"answer": sheet(*results.values())}).items():
-        for ending in formats:
-            path = folder / f"{name}.{ending}"
+    if not sheets:
+        sheets = {"answer": sheet(*results.values())}
+    paths = []
+    for name, (head, rows) in sheets.items():
+        for suffix in formats:
+            path = folder / f"{name}.{suffix}"
             with whole_file(path) as partial:
-                FORMATS[ending](partial, *of)
-            written.append(path)
-    return written
+                FORMATS[suffix](partial, head, rows)
+            paths.append(path)
+    return paths
 
 
-def in_people_s_unit(
+def in_shown_unit(
     name: str, values: Iterable[float], unit: str, given: str = ""
 ) -> tuple[str, list[float | None]]:
-    """Return the unit in which people read the largest of some values, percent of shares, and them in it, or None.
+    """Return the unit in which values are shown, and the values in it.
 
-    That in which they were given comes first.
+    Parameters
+    ----------
+    name : str
+        Name of the quantity: fractions are shown in percent.
+    values : iterable of float
+        Values in SI units.
+    unit : str
+        SI unit.
+    given : str
+        Unit in which the user gave the values; otherwise the unit fits the largest value.
+
+    Returns
+    -------
+    str, list
+        The unit; the values, None for those that are not finite.
     """
     values = list(values)
-    shown = "%" if in_percent(name, unit) else given if given != "1" else ""
+    shown = "" if given == "1" else given
+    if in_percent(name, unit):
+        shown = "%"
     if unit != "1" and not shown:
         shown = shown_unit(
             float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit
@@ -107,61 +136,70 @@ def in_people_s_unit(
 
 
 def _has_points(dataset: "xr.Dataset") -> bool:
+    """Whether a result has many points, each with a status."""
     return "status" in dataset and bool(dataset["status"].dims)
 
 
-def _of_answer(results: Sequence["xr.Dataset"]) -> Sheet:
+def _answer_rows(results: Sequence["xr.Dataset"]) -> Sheet:
+    """Return head and rows of the answer of a run."""
     rows = []
     for row in answer(*results).rows:
-        ends = row.band or (math.nan, math.nan)
-        unit, (value, low, high) = in_people_s_unit(row.key, (row.value, *ends), row.unit)
+        band = row.band or (math.nan, math.nan)
+        unit, (value, low, high) = in_shown_unit(row.key, (row.value, *band), row.unit)
         rows.append([row.label, value, unit, low, high, row.text, row.note])
     return ["quantity", "value", "unit", "low", "high", "in words", "remark"], rows
 
 
-def of_points(dataset: "xr.Dataset") -> Sheet:
-    """Return head and rows of what has many points: a row each."""
-    over = dataset["status"].dims
-    shape = tuple(dataset.sizes[name] for name in over)
+def point_rows(dataset: "xr.Dataset") -> Sheet:
+    """Return head and rows of a result of many points, a row for each."""
+    dims = dataset["status"].dims
+    variables = {str(name): dataset[name] for name in dims if name in dataset.coords}
+    variables |= {str(name): variable for name, variable in dataset.data_vars.items()}
     columns = dict[str, Any]()
-    for name, of in (
-        *((name, dataset[name]) for name in over if name in dataset.coords),
-        *dataset.data_vars.items(),
-    ):
-        inner = [dim for dim in of.dims if dim not in over]
-        if not set(of.dims) & set(over) or math.prod(of.sizes[dim] for dim in inner) > _COLUMNS:
+    for name, variable in variables.items():
+        inner = [dim for dim in variable.dims if dim not in dims]
+        n_columns = math.prod(variable.sizes[dim] for dim in inner)
+        if not set(variable.dims) & set(dims) or n_columns > _MAX_COLUMNS:
             continue
-        for place in itertools.product(*(range(of.sizes[dim]) for dim in inner)):
-            one = of.isel(dict(zip(inner, place, strict=True)))
-            labels = [str(of[dim][k].item() if dim in of.coords else k + 1) for dim, k in zip(inner, place, strict=True)
-                      if of.sizes[dim] > 1]  # fmt: skip
-            missing = [dim for dim in over if dim not in one.dims]
-            whole = (
-                one.expand_dims({dim: dataset.sizes[dim] for dim in missing})
-                .transpose(*over)
-                .to_numpy()
+        for indices in itertools.product(*(range(variable.sizes[dim]) for dim in inner)):
+            at = dict(zip(inner, indices, strict=True))
+            column = variable.isel(at)
+            label = " ".join((str(column.attrs.get("key", name)), *_labels(variable, at)))
+            missing = [dim for dim in dims if dim not in column.dims]
+            expanded = column.expand_dims({dim: dataset.sizes[dim] for dim in missing})
+            values = expanded.transpose(*dims).to_numpy().ravel()
+            if values.dtype.kind != "f":
+                columns[label] = values.tolist()
+                continue
+            unit, shown = in_shown_unit(
+                label.rpartition(".")[2],
+                values.tolist(),
+                str(column.attrs.get("units", "1")),
+                str(column.attrs.get("given", "")),
             )
-            label = " ".join((str(one.attrs.get("key", name)), *labels))
-            if whole.dtype.kind == "f":
-                si = str(one.attrs.get("units", "1"))
-                given = str(one.attrs.get("given", ""))
-                unit, values = in_people_s_unit(
-                    label.rpartition(".")[2], whole.ravel().tolist(), si, given
-                )
-                columns[f"{label} [{unit}]" if unit else label] = values
-            else:
-                columns[label] = whole.ravel().tolist()
-    return list(columns), [list(row) for row in zip(*columns.values(), strict=True)] if math.prod(
-        shape
-    ) else []
+            columns[f"{label} [{unit}]" if unit else label] = shown
+    if not math.prod(dataset.sizes[name] for name in dims):
+        return list(columns), []
+    return list(columns), [list(row) for row in zip(*columns.values(), strict=True)]
+
+
+def _labels(variable: "xr.DataArray", at: Mapping[Any, int]) -> list[str]:
+    """Return the labels of a column of a variable: names or numbers along its dimensions that are longer than one."""
+    return [
+        str(variable[dim][k].item() if dim in variable.coords else k + 1)
+        for dim, k in at.items()
+        if variable.sizes[dim] > 1
+    ]
 
 
 def _csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Write a table as CSV."""
     with path.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([head, *rows])
 
 
 def _xlsx(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Write a table as an Excel workbook with a bold head that stays visible."""
     try:
         from openpyxl import Workbook
         from openpyxl.styles import Font
@@ -179,7 +217,7 @@ def _xlsx(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Non
     book.save(path)
 
 
-#: Ending -> what writes it.
+#: Suffix of a file -> function that writes it.
 FORMATS: Final[Mapping[str, Callable[[Path, Sequence[str], Iterable[Sequence[Any]]], None]]] = (
     MappingProxyType({"csv": _csv, "xlsx": _xlsx})
 )

@@ -379,7 +379,7 @@ def single_value_indices(
     dim = variable.dims[0]
     if (
         variable.ndim > 1
-        or Curves.of(dataset) is not None
+        or Curves.from_dataset(dataset) is not None
         or dim not in dataset.coords
         or dataset[dim].dtype.kind not in "UO"
         or variable.size > _MAX_LISTED_VALUES

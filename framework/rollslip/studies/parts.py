@@ -166,7 +166,7 @@ def rings(assembly: Assembly) -> Part:
     scene = assembly.scene
     both = assembly.rings
     effect = ""
-    stated = {} if both is None else both.yielding
+    stated = {} if both is None else both.flexible_rings
     with contextlib.suppress(RollslipError):  # no plugin, or no room for a ring
         bare, seated = ring_flexibility(scene.bearing, scene.operation.radial_load, stated=stated)
         effect = (

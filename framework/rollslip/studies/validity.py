@@ -536,7 +536,7 @@ def describe_bound(validity: Validity) -> str:
     if validity.made_for:
         return validity.made_for
     name, unit = symbol_of(validity.quantity)
-    name = validity.called or name
+    name = validity.quantity_name or name
     if unit == "1":
         return f"{name} {validity.bound}"
     limits = ((">=", validity.low), ("<=", validity.high))
@@ -606,7 +606,7 @@ def validity_record(
             "values_outside": list(excess.values),
             "consequence": excess.validity.consequence_at(*excess.values)
             if excess.values
-            else excess.validity.told,
+            else excess.validity.consequence_range,
             "remedy": excess.validity.remedy,
             "source": excess.validity.source,
         }

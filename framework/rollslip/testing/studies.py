@@ -170,7 +170,7 @@ def check_its_curves_can_be_compared(study: Study) -> None:
         raise Inapplicable("the study gives no friction curves")
     result = _result(study)
     refuse_unless(
-        Curves.of(result) == curves,
+        Curves.from_dataset(result) == curves,
         "attribute curves is not that of the study; pass attrs=self.attributes",
     )
     both = (curves.over, curves.slip)

@@ -30,7 +30,7 @@ def members(dataset: "xr.Dataset") -> "Iterator[tuple[str, xr.Dataset]]":
 
 def curves_of(dataset: "xr.Dataset") -> Curves:
     """Return the curves that are compared."""
-    curves = Curves.of(dataset)
+    curves = Curves.from_dataset(dataset)
     assert curves is not None, "a comparison is of a study that gives curves"
     return curves
 
@@ -39,7 +39,7 @@ class ComparisonAccount(Account):
     """Reports differences and costs of models, with a table for each curve."""
 
     units: ClassVar[Mapping[str, str]] = {"contribution": "1", "fraction": "1"}
-    drawn = ".figures:figures"
+    figures_function = ".figures:figures"
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -198,8 +198,8 @@ def bin_tables(dataset: "xr.Dataset") -> list[Table]:
 
 def captioned(dataset: "xr.Dataset", name: str) -> str:
     """Return the title of a table or figure of a curve, with the loads or temperatures of its critical slips."""
-    rests_on = dataset.attrs.get("curves_with", "")
-    return f"{name}, slips at largest traction {rests_on}" if rests_on else name
+    assumption = dataset.attrs.get("curves_with", "")
+    return f"{name}, slips at largest traction {assumption}" if assumption else name
 
 
 def _or_dash(value: float | None, form: str) -> str:
@@ -290,7 +290,7 @@ def _compare_slips(row: Mapping[str, Any], best: Mapping[str, Any]) -> str:
 class AlternativesAccount(Account):
     """Reports alternatives of a scene: a row for each, and which slips least."""
 
-    drawn = ".figures:side_by_side"
+    figures_function = ".figures:side_by_side"
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a table with a row for each alternative, best first."""

@@ -89,7 +89,7 @@ class FitAccount(Account):
     units: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("chi2", "correlation", "freedom", "operating_points", "rows", "scatter", "spread"), "1"
     )
-    drawn = ".figures:figures"
+    figures_function = ".figures:figures"
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

@@ -11,7 +11,7 @@ from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along
-from rollslip.results.table import of_points
+from rollslip.results.table import point_rows
 from rollslip.results.text import in_percent
 from rollslip.units import format_quantity
 from rollslip_campaigns.sweep.findings import point_table
@@ -35,7 +35,7 @@ _FLAT_FRACTION: Final = 1e-6
 class LimitAccount(Account):
     """Report of the campaign ``limit``."""
 
-    drawn = ".figures:limit_figures"
+    figures_function = ".figures:limit_figures"
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
@@ -97,7 +97,7 @@ class LimitAccount(Account):
         verdict = np.where(status == "ok", np.where(dataset["keeps"] > 0.0, "yes", "no"), status)
         columns = dataset[["searched", "result"]].assign(kept=("point", verdict))
         details = dataset[["status", "message", "result_status", "seconds"]]
-        return {"": of_points(columns.assign(details))}
+        return {"": point_rows(columns.assign(details))}
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a table with a row for each value, in ascending order, or none if it would be too long."""

@@ -94,7 +94,7 @@ class ParetoAccount(Account):
         "rounds": ("rounds in which choices were timed", "")
     }
     units: ClassVar[Mapping[str, str]] = {"floors": "1"}
-    drawn = ".figures:front_figures"
+    figures_function = ".figures:front_figures"
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

@@ -43,7 +43,7 @@ def axis_keys(dataset: "xr.Dataset") -> dict[str, str]:
 class SweepAccount(Account):
     """Report of a sweep: a table of the points if it is short, and the range of each output."""
 
-    drawn = ".figures:sweep_figures"
+    figures_function = ".figures:sweep_figures"
 
     @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:

@@ -593,7 +593,7 @@ class _Run:
         try:
             while waiting and not interrupts.count:
                 if executor is None:
-                    executor = self._start(engine, engine.alone)
+                    executor = self._start(engine, engine.single_task_executor)
                 number = waiting.popleft()
                 start_time = time.monotonic()
                 try:

@@ -11,7 +11,7 @@ from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import UNITS, rows_along
-from rollslip.results.table import in_people_s_unit
+from rollslip.results.table import in_shown_unit
 from rollslip.results.text import format_force, format_plain, format_slip_band, percent, two_digits
 from rollslip.units import format_quantity
 
@@ -48,7 +48,7 @@ class UncertaintyAccount(Account):
     """Report of the campaign ``uncertainty``."""
 
     units: ClassVar[Mapping[str, str]] = {"probability": "1", "reserve_is_a_lower_bound_in": "1"}
-    drawn = ".figures:uncertainty_figures"
+    figures_function = ".figures:uncertainty_figures"
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
@@ -174,7 +174,7 @@ class UncertaintyAccount(Account):
                 *(_quantile(dataset, name, fraction)[0] for fraction in (0.5, 0.05, 0.95)),
                 *bound,
             )
-            unit, shown = in_people_s_unit(name, values, units.get(name, "1"))
+            unit, shown = in_shown_unit(name, values, units.get(name, "1"))
             counts = [
                 int(dataset[variable].sel(quantity=name))
                 for variable in ("samples", "beyond", "unknown")

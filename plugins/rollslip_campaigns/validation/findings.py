@@ -151,7 +151,7 @@ class ValidationAccount(Account):
     units: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("chi2", "freedom", "probability", "ratio", "ratio_high", "ratio_low"), "1"
     )
-    drawn = ".figures:figures"
+    figures_function = ".figures:figures"
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

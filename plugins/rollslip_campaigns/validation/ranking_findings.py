@@ -58,7 +58,7 @@ class RankingAccount(Account):
     units: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("chance", "conditions", "confidence", "error", "interval", "parameters"), "1"
     )
-    drawn = ".ranking_figures:figures"
+    figures_function = ".ranking_figures:figures"
 
     @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:

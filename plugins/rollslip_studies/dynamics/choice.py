@@ -344,7 +344,7 @@ def choose_motion(study: MotionStudy, assembly: Assembly, named: Collection[str]
         except RollslipError as error:
             choice = Choice(
                 FALLBACKS[name] or getattr(study, name),
-                f"there is no estimate of what a simpler one would leave: {error}",
+                f"the error of a simpler choice cannot be estimated: {error}",
             )
         settings[name] = choice.value
         reasons[name] = choice.reason
@@ -403,12 +403,12 @@ class _Trials:
         if difference > allowed:
             return Choice(
                 "conventional",
-                f"{found}, more than the {allowed:.1e} that effective friction may take",
+                f"{found}, more than the {allowed:.1e} allowed for effective friction",
             )
         if near := describe_near_skidding(self.coarse, max_slip):
             return Choice("conventional", f"{found}, but {near}")
         return Choice(
-            "effective", f"{found}, less than the {allowed:.1e} that it may take", difference
+            "effective", f"{found}, less than the {allowed:.1e} allowed for that", difference
         )
 
     def _friction_difference(
@@ -454,18 +454,18 @@ class _Trials:
         largest_mean = float(means.max())
         allowed = FRACTIONS.level * self.requested
         found = (
-            f"play in the pockets moves the mean speed of the cage by up to {largest_mean:.1e} (and lets it "
-            f"swing by {np.ptp(difference):.1e})"
+            f"play in the pockets changes the mean speed of the cage by up to {largest_mean:.1e} (and lets it "
+            f"oscillate by {np.ptp(difference):.1e})"
         )
-        planar = "; planar only where the scene names it, with the masses it needs"
+        planar = "; planar is taken only if the scene names it, with its masses"
         if largest_mean <= allowed:
             return Choice(
                 "cage-set",
-                f"{found}, less than the {allowed:.1e} that leaving it out may take{planar}",
+                f"{found}, less than the {allowed:.1e} allowed for leaving it out{planar}",
                 largest_mean,
             )
         return Choice(
-            "pocket", f"{found}, more than the {allowed:.1e} that leaving it out may take{planar}"
+            "pocket", f"{found}, more than the {allowed:.1e} allowed for leaving it out{planar}"
         )
 
     def integrator(self, study: MotionStudy) -> Choice:
@@ -488,7 +488,7 @@ class _Trials:
             return _smooth_integrator(strongest, damped, implicit)
         if self.assembly.cage.pocket_contact == "film":
             return Choice(
-                implicit, "the motion is stiff: films in the pockets are, once they are pressed"
+                implicit, "the motion is stiff: films in the pockets are stiff when they are squeezed"
             )
         weakest = min(without_slip)
         if _is_stiff(contact, weakest):
@@ -496,16 +496,16 @@ class _Trials:
         if _is_stiff(contact, strongest):
             return Choice(
                 "rk45",
-                f"{damped}, but for a while only: explicit steps are held to their error there",
+                f"{damped}, but only for a short time, in which explicit steps follow their error",
             )
-        swings = (
-            f"the motion swings, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
+        oscillates = (
+            f"the motion oscillates, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
         )
         if study.relative_tolerance < INTEGRATORS.leapfrog_tolerance:
             return Choice(
-                "rk45", f"{swings}: explicit steps of a high order serve for errors of that size"
+                "rk45", f"{oscillates}: explicit steps of a high order are better at this tolerance"
             )
-        return Choice("leapfrog", f"{swings}: explicit steps that resolve contacts serve")
+        return Choice("leapfrog", f"{oscillates}: explicit steps that resolve contacts are sufficient")
 
 
 def _smooth_integrator(damping: float, damped: str, implicit: str) -> Choice:
@@ -516,7 +516,7 @@ def _smooth_integrator(damping: float, damped: str, implicit: str) -> Choice:
             f"{damped}, more than the {INTEGRATORS.max_smooth_damping:g}/s up to which an explicit method takes "
             "fewer rates",
         )
-    return Choice("rk45", f"{damped}, which does not bind an explicit method")
+    return Choice("rk45", f"{damped}, which does not limit the steps of an explicit method")
 
 
 def _damping(moving: MovingBearing, t: float, y: Array) -> float:
@@ -541,9 +541,8 @@ def _describe_stiffness(contact: float, damping: float) -> str:
     """Describe why damping [1/s] makes a motion with contacts of a frequency [rad/s] stiff."""
     step = INTEGRATORS.contact_step / contact
     return (
-        f"the motion is stiff: its strongest damping, {damping:.2g}/s, takes {damping * step:.2g} in a step of "
-        f"{step:.2g} s that resolves its contacts, more than the {INTEGRATORS.max_damping_per_step:g} up to which "
-        "explicit ones serve"
+        f"the motion is stiff: its strongest damping, {damping:.2g}/s, is {damping * step:.2g} in a step of "
+        f"{step:.2g} s that resolves its contacts, more than the {INTEGRATORS.max_damping_per_step:g} of explicit steps"
     )
 
 

@@ -145,7 +145,7 @@ class DynamicsAccount(Account):
         "limit_drag": "N m", "sliding_distance_inner": "m", "sliding_distance_outer": "m",
         "final_temperatures": "K", "hottest_temperature": "K",
     }  # fmt: skip
-    drawn = ".figures:motion_figures"
+    figures_function = ".figures:motion_figures"
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
@@ -506,7 +506,7 @@ def _describe_cage(dataset: "xr.Dataset") -> list[str]:
     """Describe the drag on the cage, and its contacts."""
     drags = json.loads(dataset.attrs["drag"])
     equations = "; ".join(f"{drag['name']}, {drag['equation']}" for drag in drags)
-    sentences = ["no drag on the cage: nothing holds it back"]
+    sentences = ["no drag acts on the cage"]
     if drags:
         sentences = [f"drag on the cage: {equations}"]
     if "pocket_force" in dataset:
@@ -523,7 +523,7 @@ def _describe_step_error(dataset: "xr.Dataset") -> list[str]:
     rows = json.loads(dataset.attrs.get("accuracy", "[]"))
     return [
         f"the cage speed may be off by {row['estimated']:.1e} of its largest at an instant, more than the tolerance of "
-        f"{row['tolerance']:g}, as motions with other steps come apart; raise accuracy.cage_speed"
+        f"{row['tolerance']:g}, as motions with other steps diverge; raise accuracy.cage_speed"
         for row in rows
         if row["result"] == "cage_speed" and (row["estimated"] or 0.0) > row["tolerance"]
     ]

@@ -260,9 +260,9 @@ def solve_temperatures(
         changes = [*changes[-RELAXATION.depth :], change]
         current = _anderson_step(guesses, changes)
     raise ConvergenceError(
-        f"temperatures do not settle: after {RELAXATION.max_passes} passes through the motion they still change by "
+        f"temperatures do not converge: after {RELAXATION.max_passes} passes through the motion they still change by "
         f"{max_change:.3g} K, more than {tolerance:.2g} K; shorten study.{study.name}.duration, raise "
-        "accuracy.tolerance, or hold temperatures with --set models.thermal=given"
+        "accuracy.tolerance, or give temperatures with --set models.thermal=given"
     )
 
 
@@ -341,8 +341,8 @@ def _motion_error(count: int, message: str) -> ConvergenceError:
     """Return the error of a motion that fails in the pass of a number."""
     origin = "of the start" if count == 1 else f"after pass {count - 1}"
     return ConvergenceError(
-        f"temperatures over the motion are not known: at the temperatures {origin} it fails: {message}; look at it "
-        "with temperatures held, by --set models.thermal=given, or cool the bearing more"
+        f"temperatures over the motion are not known: at the temperatures {origin} it fails: {message}; run it "
+        "at given temperatures with --set models.thermal=given, or cool the bearing more"
     )
 
 

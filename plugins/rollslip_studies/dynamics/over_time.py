@@ -183,7 +183,7 @@ def skidding_along(
     if not history.speeds_in_proportion():
         unknown = np.full(times.size, np.nan)
         reason = (
-            "not worked out where the speeds of both rings change, not in proportion to each other"
+            "not computed because the ratio of the speeds of the rings changes"
         )
         return SkiddingCourse(
             unknown,
@@ -323,7 +323,7 @@ class _OperationGrid:
         """Describe what interpolated values are based on."""
         text = (
             "of the bearing held at the operation of the moment, between "
-            f"{len(self.onsets)} operations that were worked out"
+            f"{len(self.onsets)} operations"
         )
         return f"{text}; at some of them: {min(self.problems)}" if self.problems else text
 
@@ -369,7 +369,7 @@ def onset_of(study: EffectiveFriction, raceways: LoadedRaceways) -> SkiddingOnse
     reason = f"study.{study.name}.skidding_range is 0"
     if rings and rings.turning:
         reason = "a form turns with its ring"
-    return SkiddingOnset(math.nan, math.nan, f"it was not looked where skidding begins: {reason}")
+    return SkiddingOnset(math.nan, math.nan, f"the onset of skidding was not computed: {reason}")
 
 
 def critical_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
@@ -507,10 +507,10 @@ def plan_parts(
         Part(
             part="history",
             choice=", ".join(history.prescribed).replace("_", " "),
-            resolution=f"{axes}; {stations.bearings} bearings put together for them"
+            resolution=f"{axes}; {stations.bearings} bearings assembled for them"
             if stations.axes
             else "nothing to be mapped: rates know the speeds of the rings",
-            reason="the scene gives it; a map has nodes where the motion comes through, until it is right between them",
+            reason="the scene gives it; maps are refined along the motion until they are accurate between their nodes",
             study=study,
             errors={"cage_speed": stations.error} if stations.error else {},
             seconds=costs.pop("history", None),
@@ -584,7 +584,7 @@ def _build_maps(history: History, moving: MovingBearing, max_bearings: float = m
         moving.system(float(t), y)
         if moving.stations.bearings > max_bearings:
             raise ConvergenceError(
-                f"more than {max_bearings:g} bearings would have to be put together for it"
+                f"more than {max_bearings:g} bearings would have to be assembled for it"
             )
 
 
@@ -621,7 +621,7 @@ def steady_slip_along(moving: Any, times: Array, status: tuple[float, str]) -> t
     if not isinstance(moving, VaryingMotion):
         return status
     if math.isnan(moving.epicyclic_speeds(times)[0][-1]):
-        return math.nan, "the rings all but stand at the end"
+        return math.nan, "the rings are nearly at rest at the end"
     last = times[times >= times[-1] - 0.375 * (times[-1] - times[0])]
     operation: Mapping[str, Array] = moving.history.at(last)
     path = moving.history.path

@@ -121,13 +121,13 @@ class Dynamics(Study):
 
     level: str = parameter(
         default="cage-set",
-        doc="what moves; a plan chooses where it is not given",
+        doc="level of detail: what moves; by default a plan chooses",
         validator=choice_of(*LEVELS),
     )
     friction: str = parameter(
         default="effective",
-        doc="of every loaded slice (conventional), effective friction of the raceways, or a constant; a plan "
-        "chooses between the first two where it is not given",
+        doc="friction of every loaded slice (conventional), effective friction of the raceways, or a constant; by "
+        "default a plan chooses between the first two",
         validator=choice_of(*FRICTION),
     )
     effective_over: str = parameter(
@@ -136,7 +136,7 @@ class Dynamics(Study):
         validator=choice_of("sliding-speed", "slips"),
     )
     friction_coefficient: float = parameter(
-        default=0.05, unit="1", doc="of constant friction", validator=non_negative
+        default=0.05, unit="1", doc="coefficient of constant friction", validator=non_negative
     )
     friction_speed: float = parameter(
         default=0.05,
@@ -149,13 +149,15 @@ class Dynamics(Study):
     duration: float = parameter(
         default=1.0,
         unit="s",
-        doc="time to go through",
+        doc="duration of the motion",
         validator=positive,
         usual=(1e-4, 1e4),
         possible=(1e-9, 1e9),
     )
     points: int = parameter(
-        default=1001, doc="instants stored, evenly spread with both ends", validator=at_least(2)
+        default=1001,
+        doc="number of stored times, evenly spread, with both ends",
+        validator=at_least(2),
     )
     cage_slip: float = parameter(
         default=0.0, unit="1", doc="slip of the cage at the start: 1 at rest, 2 backwards"
@@ -165,7 +167,7 @@ class Dynamics(Study):
     )
     integrator: Any = parameter(
         default="rodas5p",
-        doc="integrator, by name or as a table with its parameters; a plan chooses where it is not given",
+        doc="integrator, by name or as a table with its parameters; by default a plan chooses",
     )
     relative_tolerance: float = parameter(
         default=1e-5,
@@ -181,7 +183,7 @@ class Dynamics(Study):
     film_limit: float = parameter(
         default=0.0,
         unit="1",
-        doc="film parameter whose passing is an event; 0 for none",
+        doc="film parameter of which a passage is an event; 0 for none",
         validator=non_negative,
     )
     planar: PlanarSettings | None = attrs.field(
@@ -349,10 +351,10 @@ class Dynamics(Study):
         """
         errors = estimated.errors
         offer = find("integrator", self.method(assembly).name)
-        duration_of_error = "which adds up"
+        duration_of_error = "and it adds up over the duration"
         if self._estimates_decay(self.level, assembly):
-            duration_of_error = "two cages that begin apart how long that lasts"
-        divergence = ", and finer ones how far motions come apart in an orbit"
+            duration_of_error = "and two cages with different speeds how fast it decays"
+        divergence = "; motions with finer steps give the divergence in an orbit"
 
         def reason_of(setting: str) -> str:
             is_named = setting in assembly.scene.study.get(self.name, {})
@@ -364,7 +366,7 @@ class Dynamics(Study):
             part="steps in time",
             choice=f"relative tolerance {assembly.resolution.integrator_tolerance or 0.0:.1e}",
             resolution="every step",
-            reason="two short motions of other tolerances tell what it leaves of the cage speed, "
+            reason="two short motions of different tolerances give the error of the cage speed, "
             f"{duration_of_error}{'' if self.level == 'cage-set' else divergence}",
             errors=errors.get("steps", {}),
             seconds=costs.pop("motion", None) if "steps" in errors else None,
@@ -779,4 +781,4 @@ class Dynamics(Study):
         """Return what the film parameter is of, or why it is not known."""
         if self.friction == "conventional":
             return "of the loaded slices"
-        return f"friction is {self.friction}, which knows no film; --set {self.table}.friction=conventional does"
+        return f"friction is {self.friction}, which has no film; set it with --set {self.table}.friction=conventional"

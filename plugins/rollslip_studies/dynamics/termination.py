@@ -394,4 +394,4 @@ def steady_slip_of(
     if abs(limit - mean) <= allowed:
         return mean, "steady"
     change = f"it was {percent(mean)} over the last orbit and goes to about {percent(limit)}"
-    return math.nan, f"not settled yet: {change}{longer(2.0 * duration)}"
+    return math.nan, f"not steady yet: {change}{longer(2.0 * duration)}"

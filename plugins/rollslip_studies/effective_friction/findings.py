@@ -116,7 +116,7 @@ class EffectiveFrictionAccount(PlainAccount):
             )
         return lines
 
-    drawn = ".figures:figures"
+    figures_function = ".figures:figures"
 
 
 ACCOUNT: Final = EffectiveFrictionAccount("effective-friction")

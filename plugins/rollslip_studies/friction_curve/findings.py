@@ -26,7 +26,7 @@ class FrictionCurveAccount(PlainAccount):
         """Return the critical values of the curves, and the command for the slip of the cage."""
         return attrs.evolve(PlainAccount.answer(dataset), commands=next_of_others(dataset))
 
-    drawn = ".figures:figures"
+    figures_function = ".figures:figures"
 
 
 ACCOUNT: Final = FrictionCurveAccount("friction-curve")

@@ -18,7 +18,7 @@ The sum of squares is exact for a product of powers of independent lognormal qua
 interactions. Samples (`rollslip uncertainty`) have them.
 
 The effect of an exceeded validity range is found on the same coarse model: the law that the range names in its place
-(`Validity.instead`) replaces the law, and the steady slip, the reserve and the friction torque are evaluated once more.
+(`Validity.replacement`) replaces the law, and the steady slip, the reserve and the friction torque are evaluated once more.
 A law without compiled form is evaluated once, on a few slices of each ring in the motion at the steady slip; the ratio
 of both frictions, interpolated over the load, is then a factor on the friction. A range without such a law is not
 evaluated.
@@ -47,7 +47,7 @@ from rollslip.results.curves import or_none
 from rollslip.results.text import Status
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.values import Scene
-from rollslip.search import secants
+from rollslip.search import secant_root
 from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
@@ -309,7 +309,7 @@ def _root_by_secants(
     """
     try:
         slope = slope or (excess(start) - excess(start - _SECANTS.first_step)) / _SECANTS.first_step
-        found = secants(
+        found = secant_root(
             excess,
             start,
             slope,
@@ -469,7 +469,7 @@ def _exceeded_laws(
     for key, model in laws:
         if code == APPROXIMATION and getattr(model, "solved_by", None) == reference:
             yield key, model, reference
-        elif instead := next((v.instead for v in model.validity if v.code == code), ""):
+        elif instead := next((v.replacement for v in model.validity if v.code == code), ""):
             yield key, model, instead
 
 

@@ -682,7 +682,7 @@ class SteadySlipAccount(Account):
     }
     units: ClassVar[Mapping[str, str]] = {"cage_slip": "1", "losses": "W"}
 
-    drawn = ".figures:steady_figures"
+    figures_function = ".figures:steady_figures"
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:

@@ -185,7 +185,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
 class SurfaceDamageAccount(Account):
     """Answer, topics and record of measures of damage."""
 
-    drawn = ".figures:damage_figures"
+    figures_function = ".figures:damage_figures"
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:

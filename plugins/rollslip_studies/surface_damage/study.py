@@ -78,12 +78,18 @@ class SurfaceDamage(Study):
                 default=True,
             ),
             "worst_angle": Output(
-                "measure ring", "rad", "position of the roller there", status="worst_status"
+                "measure ring",
+                "rad",
+                "orbital position of the roller with the worst value",
+                status="worst_status",
             ),
             "worst_place": Output(
-                "measure ring", "m", "place along the roller there", status="worst_status"
+                "measure ring",
+                "m",
+                "position of the worst value along the roller",
+                status="worst_status",
             ),
-            "worst_status": Output("measure ring", "1", "what was found of the measure"),
+            "worst_status": Output("measure ring", "1", "status of the measure"),
             **DESCRIBED,
             "along": Output(
                 "measure ring angle", OWN, "worst value on a roller", status="worst_status"
@@ -91,8 +97,8 @@ class SurfaceDamage(Study):
             "across": Output(
                 "measure ring place", OWN, "value across the worst contact", status="worst_status"
             ),
-            "slip": Output("", "1", "cage slip at which all this is so", status="status"),
-            "status": Output("", "1", "what was found"),
+            "slip": Output("", "1", "cage slip at which damage is measured", status="status"),
+            "status": Output("", "1", "status of the slip"),
         }
     )
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
@@ -105,11 +111,11 @@ class SurfaceDamage(Study):
     cage_slip: float | None = parameter(
         default=None,
         unit="1",
-        doc="cage slip at which damage is measured; by default the least steady one",
+        doc="cage slip at which damage is measured; by default the smallest steady one",
         validator=attrs.validators.optional(in_range(0.0, 1.0, open=True)),
     )
     places: int = parameter(
-        default=81, doc="places across the worst contact that are kept", validator=at_least(3)
+        default=81, doc="number of positions across the worst contact", validator=at_least(3)
     )
     max_cage_slip: float = parameter(
         default=0.9, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
