@@ -5,6 +5,7 @@
   capsule.
 - The form for Cython, .pxd, of the C headers below: their structures, enumerators, functions and constants. Cython sees
   neither macros nor sizes of arrays, so that lists are written out, and arrays stand as pointers.
+- The names that elementary functions have in each instruction set, stages/names.h.
 """
 
 import re
@@ -255,6 +256,13 @@ def declarations(header: Path) -> str:
     return "\n".join(written)
 
 
+def names(header: Path) -> str:
+    """Return macros that name the functions of a header after the instruction set that is compiled, PATH(name)."""
+    found = re.findall(r"^RS_INLINE \w+ (\w+)\(", header.read_text(encoding="utf-8"), re.MULTILINE)
+    head = f"/* Written by setup.py from {header.name}: rs_exp is rs_exp_v3 while v3 is compiled, as not all fuse. */"
+    return "\n".join([head, *(f"#define {name} PATH({name})" for name in found)]) + "\n"
+
+
 def write(path: Path, text: str) -> None:
     """Write a file, unless it is there with this text: what depends on it is not built again."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
@@ -268,3 +276,4 @@ def write_declarations(package: Path) -> None:
     for module, place in HEADERS.items():
         header = package / place
         write(header.with_name(f"{module}.pxd"), declarations(header))
+    write(package / "stages/names.h", names(package / "include/rollslip_math.h"))

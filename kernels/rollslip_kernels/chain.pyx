@@ -68,7 +68,8 @@ cdef struct check_t:
     int stage
     int output
     size_t offset
-    double low, high
+    double low
+    double high
 
 cdef struct refusal_t:
     int status    # what the stage returned; 0 where a check failed
@@ -256,7 +257,9 @@ cdef struct job_t:
     const double *weight
     double *sums
     double *films
-    size_t rows, columns, done
+    size_t rows
+    size_t columns
+    size_t done
     int status
     refusal_t refusal
 
@@ -621,16 +624,15 @@ cdef void _point(rs_slices *s, double *table, Py_ssize_t apart, int first, int e
         columns[k] = table + (k - first) * apart
 
 
-cdef int _call_python(const rs_slices *s, const void *params) noexcept nogil:
+cdef int _call_python(const rs_slices *s, const void *params) noexcept with gil:
     """A Python stage seen from C."""
-    with gil:
-        evaluate, writes = <object>(<void **>params)[0]
-        try:
-            evaluate(_as_slices(s, writes))
-        except BaseException as error:
-            PyErr_SetObject(type(error), error)
-            return PYTHON_RAISED
-    return 0
+    evaluate, writes = <object>(<void **>params)[0]
+    try:
+        evaluate(_as_slices(s, writes))
+        return 0
+    except BaseException as error:
+        PyErr_SetObject(type(error), error)
+        return PYTHON_RAISED
 
 
 cdef object _as_slices(const rs_slices *s, writes):

@@ -72,13 +72,18 @@ cdef struct roller_t:
     search_t search
 
 cdef struct bearing_t:
-    size_t rollers, slices
-    const double *xi      # places of the slices over half the roller's length
+    size_t rollers
+    size_t slices         # of a roller
+    const double *xi      # positions of the slices over half the roller's length
     const double *drop
     const double *weights  # [3 x slices] of the moments of order 0, 1, 2
-    double length, half_clearance, rise, load
+    double length
+    double half_clearance
+    double rise
+    double load
     double centrifugal    # the same for all; with what else acts on a roller at most
-    double seat, rest     # approach under the centrifugal force, shift of a straight roller under it
+    double seat           # approach under the centrifugal force
+    double rest           # shift of a straight roller under it
     double reach          # longest move
     double stiffness      # typical of a contact
     double log_load[SAMPLES]
@@ -86,7 +91,9 @@ cdef struct bearing_t:
     rs_slices table[2]
     double *approach[2]   # [rollers x slices]
     roller_t *roller
-    size_t unknowns, outer, stops  # of the rings: 2 and shapes; the first shape of the outer ring; one-sided springs
+    size_t unknowns       # of the rings: 2 and shapes
+    size_t outer          # the first shape of the outer ring
+    size_t stops          # one-sided springs
     const double *given   # load and pushes on the unknowns
     const double *held    # stiffness of each
     const double *stop    # [stops x unknowns] shapes where stops are
@@ -99,8 +106,10 @@ cdef struct bearing_t:
     double *hessian       # [unknowns x unknowns], upper half
     double *step
     double *move
-    double share, descent  # of the search along the step
-    double least, scale   # scale of the residuals, at least and of this state
+    double share          # part of the step that the line search takes
+    double descent        # slope at its start
+    double least          # smallest scale of the residuals
+    double scale          # scale of the residuals at this state
 
 
 def solve(

@@ -21,37 +21,46 @@ enum { RS_UNKNOWNS = 5, RS_ADDED = 16, RS_MOST_DRAGS = 16 };   /* at most, of a 
  * cell holds the coefficients of the powers of the place in it, 0 to 1.  With rows a node holds mu, dmu/dv, dmu/de and
  * d2mu/dv de, the derivatives times the widths of a cell.  Beyond its ends it is held. */
 typedef struct {
-    const double *values;   /* [cells x 4]; with rows [(rows + 1) x (cells + 1) x 4] */
-    int cells, rows;
-    double sliding_scale, sliding_ratio;   /* V_s [m/s], S */
-    double rolling_scale;   /* u_s [m/s] */
-    double per_cell, before;   /* place v per_cell + before */
-    double per_row, before_row;
+    const double *values;    /* [cells x 4]; with rows [(rows + 1) x (cells + 1) x 4] */
+    int cells;               /* of v */
+    int rows;                /* of e; 0 where friction does not depend on the rolling speed */
+    double sliding_scale;    /* V_s [m/s] */
+    double sliding_ratio;    /* S [1] */
+    double rolling_scale;    /* u_s [m/s] */
+    double per_cell;         /* abscissa in cells = v per_cell + before */
+    double before;
+    double per_row;          /* abscissa in rows = e per_row + before_row */
+    double before_row;
 } rs_friction_table;
 
 /* Friction of all rollers on one raceway; see rollslip_raceway.pxd. */
 typedef struct {
-    int friction;
-    size_t rollers, slices;          /* Z; n, 1 unless friction is conventional */
-    const double *widths;            /* [n] of the slices [m]; only where friction is conventional */
-    const double *position;          /* [n] places of them [m], where a law asks */
-    const double *turns;             /* [Z] places of the rollers on the orbit, 0 to 1, of a motion that has them */
-    double across;                   /* largest transverse sliding speed over the orbit [m/s] */
-    double coefficient, transition;  /* constant: mu_0; V_s [m/s] */
-    rs_friction_table table;         /* effective */
-    rs_slices gathered;              /* conventional: room for Z n slices */
-    rs_model chain;
-    size_t *first;                   /* [Z + 1]: the slices of roller j are first[j] to first[j + 1] */
-    int resists;                     /* the chain fills the rolling resistance */
-    rs_friction_box box;             /* its table; without nodes there is none */
-    size_t evaluated;                /* slices so far; contacts, where friction is not conventional */
+    int friction;                /* RS_CONSTANT, RS_EFFECTIVE or RS_CONVENTIONAL */
+    size_t rollers;              /* Z */
+    size_t slices;               /* n of a roller; 1 unless friction is conventional */
+    const double *widths;        /* [n] of the slices [m]; conventional friction only */
+    const double *position;      /* [n] of the slices along the roller [m], where a law reads it */
+    const double *turns;         /* [Z] positions of the rollers on the orbit, 0 to 1, where a law reads them */
+    double across;               /* largest transverse sliding speed over the orbit [m/s] */
+    double coefficient;          /* constant friction: mu_0 [1] */
+    double transition;           /* constant friction: V_s [m/s] */
+    rs_friction_table table;     /* effective friction */
+    rs_slices gathered;          /* conventional friction: room for Z n slices */
+    rs_model chain;              /* conventional friction: its compiled laws */
+    size_t *first;               /* [Z + 1]: the slices of roller j are first[j] to first[j + 1] */
+    int resists;                 /* whether the chain fills the rolling resistance */
+    rs_friction_box box;         /* table of conventional friction; without nodes there is none */
+    size_t evaluated;            /* slices so far; contacts, where friction is not conventional */
 } rs_raceway;
 
 /* A pocket of the cage; see rollslip_pocket.pxd. */
 typedef struct {
-    double half_clearance, stiffness, damping, friction;
-    double film;        /* 13.33 eta l r^1.5; 0 without a film */
-    double roughness;
+    double half_clearance;   /* [m] */
+    double stiffness;        /* [N/m] */
+    double damping;          /* [N s/m] */
+    double friction;         /* coefficient [1] */
+    double film;             /* 13.33 eta l r^1.5 [N s m^0.5]; 0 without a film */
+    double roughness;        /* least height of the film [m] */
 } rs_pocket;
 
 /* Force of a roller on a raceway without damping, cubic on cells equal in the root of the gap from first touch. */
@@ -61,68 +70,113 @@ typedef struct {
     const double *values;   /* [cells x 4] coefficients of the powers of the place in a cell, 0 to 1 */
 } rs_gap_table;
 
-/* A ring that yields by sum q B(psi) away from the rollers, B = Re sum c_n exp(i n psi), and the form of its raceway
+/* A flexible ring that bends by sum q B(psi) away from the rollers, B = Re sum c_n exp(i n psi), and the form of its raceway
  * towards them, cubic on equal cells of the angle. */
 typedef struct {
-    size_t shapes, at, speeds;    /* how many; where amplitudes and their rates begin in the head */
-    size_t most;                  /* the highest n */
-    const double *re, *im;        /* [shapes x (most + 1)] c_n */
-    const double *mass, *stiffness, *damping, *push;   /* [shapes] */
-    double *place, *rate;         /* [2 (most + 1)] real and imaginary sum q c_n and that of the rates */
-    size_t cells;                 /* 0: it is round */
-    size_t angle;                 /* where in the head it is by which the form has turned with its ring; 0: it stands */
-    double per_angle;
-    const double *form;           /* [cells x 4] */
+    size_t shapes;             /* number of shapes */
+    size_t at;                 /* index in the head of the first amplitude q */
+    size_t speeds;             /* index in the head of the first rate q' */
+    size_t max_order;          /* highest n */
+    const double *re;          /* [shapes x (max_order + 1)] real parts of c_n */
+    const double *im;          /* [shapes x (max_order + 1)] imaginary parts of c_n */
+    const double *mass;        /* [shapes] M */
+    const double *stiffness;   /* [shapes] K */
+    const double *damping;     /* [shapes] D */
+    const double *push;        /* [shapes] constant generalised force */
+    double *place;             /* [2 (max_order + 1)] real and imaginary parts of sum q c_n */
+    double *rate;              /* [2 (max_order + 1)] real and imaginary parts of sum q' c_n */
+    size_t cells;              /* of the form of the raceway; 0: it is round */
+    size_t angle;              /* index in the head of the angle of a form that turns with its ring; 0: it stands */
+    double per_angle;          /* cells per radian */
+    const double *form;        /* [cells x 4] coefficients of the cubics */
 } rs_bent_ring;
 
 typedef struct {
-    size_t rollers, block, slices;           /* Z; unknowns of a roller; slices of one */
-    double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance;
-    double inner_speed, outer_speed, load_direction, load;   /* the operation, which may vary */
-    double roller_mass, roller_inertia, cage_inertia;
-    double gravity_x, gravity_y;
-    double direction;                        /* -1 where the speeds are those of the mirror image */
-    double epicyclic_speed, critical_slip, film_limit;
+    size_t rollers;              /* Z */
+    size_t block;                /* unknowns of a roller */
+    size_t slices;               /* of a roller */
+    double inner_radius;         /* R_i [m] */
+    double outer_radius;         /* R_o [m] */
+    double roller_radius;        /* r [m] */
+    double orbit_radius;         /* R_m [m] */
+    double half_clearance;       /* G_r/2 [m] */
+    double inner_speed;          /* w_i [rad/s]; speeds and load may vary in time */
+    double outer_speed;          /* w_o [rad/s] */
+    double load_direction;       /* [rad] */
+    double load;                 /* [N] */
+    double roller_mass;          /* m [kg] */
+    double roller_inertia;       /* J [kg m2] */
+    double cage_inertia;         /* I_c [kg m2] */
+    double gravity_x;            /* [m/s2] */
+    double gravity_y;            /* [m/s2] */
+    double direction;            /* 1, or -1 where the speeds are those of the mirror image */
+    double epicyclic_speed;      /* of a cage without slip [rad/s] */
+    double critical_slip;        /* slip that is watched for a passage */
+    double film_limit;           /* film parameter that is watched for a passage */
     rs_raceway raceway[2];
-    rs_held held[2];                         /* friction */
-    int still;                               /* the tractions do not follow the speeds */
+    rs_held held[2];             /* linearised friction between evaluations */
+    int still;                   /* whether linearised tractions ignore the change of speeds */
     rs_pocket pocket;
     rs_drag drags[RS_MOST_DRAGS];
     size_t n_drags;
-    int in_time;                             /* a drag varies in time */
-    size_t shares;                           /* of each roller, behind the ledger; 0 or RS_SHARES */
-    int refused;                             /* who refused an evaluation last */
-    double *load_of[2], *room;               /* [Z x slices] loads per length; [5 Z] */
+    int in_time;                 /* whether a drag varies in time */
+    size_t shares;               /* numbers of each roller behind the ledger; 0 or RS_SHARES */
+    int refused;                 /* which part refused the last evaluation */
+    double *load_of[2];          /* [Z x slices] load per length [N/m] */
+    double *room;                /* [5 Z] scratch */
     /* level planar */
-    double damping, lowest_drop;
+    double damping;              /* c of the contacts [s/m] */
+    double lowest_drop;          /* least P of the profile [m] */
     rs_gap_table table[2];
     rs_bent_ring ring[2];
-    int bent;                                /* whether any of these is not rigid and round */
-    size_t most;                             /* the highest n of both */
-    double *wave_cos, *wave_sin;             /* [most x Z] of n psi, from n = 1 on */
-    double pitch, cage_cos, cage_sin;        /* 2 pi/Z; of the cage's angle */
-    int touched;                             /* whether the bars do anything */
-    size_t deepest;                          /* the roller that was, when it was looked for last */
+    int bent;                    /* whether a ring is flexible or out of round */
+    size_t max_order;            /* highest n of both rings */
+    double *wave_cos;            /* [max_order x Z] cos(n psi), from n = 1 on */
+    double *wave_sin;            /* [max_order x Z] sin(n psi) */
+    double pitch;                /* 2 pi/Z [rad] */
+    double cage_cos;             /* of the angle of the cage */
+    double cage_sin;
+    int touched;                 /* whether a bar touches a roller */
+    size_t deepest;              /* most loaded roller of the last search */
     /* levels cage-set and pocket */
-    int pocketed;                            /* level pocket */
-    size_t positions, channels;              /* of the loads: 2, or 4 with rolling resistances */
+    int pocketed;                /* whether the level is pocket */
+    size_t positions;            /* per orbit, of the table of loads */
+    size_t channels;             /* of that table: 2 forces, or 4 with rolling resistances */
     /* columns [Z], one after another in memory */
-    double *unknown[RS_UNKNOWNS], *rate_of[RS_UNKNOWNS];
-    double *force[2], *resistance[2];
-    double *sliding[2], *rolling[2], *traction[2];
-    double *push, *lift, *moment, *stored, *lost;   /* what the bars do; power of their elastic forces, and lost */
-    double *added[RS_ADDED];
-    double *turns;                           /* position in the orbit, 0 to 1 */
-    double *pull;                            /* centrifugal force */
-    double *force_then[4], *force_rate[4];   /* forces and resistances when they were held, and their rates */
-    double *pitch_cos, *pitch_sin;           /* of multiples of the pitch */
-    double *cosine, *sine, *small;
-    double *gap[2], *rate[2];                /* approach of a straight roller; d' */
-    double *elastic[2];                      /* force without damping */
-    double *place, *closing, *height, *rising;   /* in the pocket along the orbit and along the radius, with rates */
-    double *slope[2], *turning;              /* d gap/d psi by form and shapes [m]; torque by them [N m] */
-    double *passing[2], *driven;             /* rate [m/s] at which a form that turns opens a gap; its power [W] */
-    double *behind;                          /* the columns */
+    double *unknown[RS_UNKNOWNS];
+    double *rate_of[RS_UNKNOWNS];
+    double *force[2];            /* normal force [N] */
+    double *resistance[2];       /* rolling resistance [N] */
+    double *sliding[2];          /* V [m/s] */
+    double *rolling[2];          /* u [m/s] */
+    double *traction[2];         /* [N] */
+    double *push;                /* force of the bars along the orbit [N] */
+    double *lift;                /* force of the bars along the radius [N] */
+    double *moment;              /* of the bars on the spin [N m] */
+    double *stored;              /* power of elastic forces of the bars [W] */
+    double *lost;                /* power that the bars dissipate [W] */
+    double *added[RS_ADDED];     /* what a roller adds to head and ledger */
+    double *turns;               /* position on the orbit, 0 to 1 */
+    double *pull;                /* centrifugal force [N] */
+    double *force_then[4];       /* forces and resistances at the time of the linearisation */
+    double *force_rate[4];       /* and their rates [N/s] */
+    double *pitch_cos;           /* of multiples of the pitch */
+    double *pitch_sin;
+    double *cosine;              /* of psi */
+    double *sine;
+    double *small;               /* angle from the roller's place at rest [rad] */
+    double *gap[2];              /* approach d of a straight roller [m] */
+    double *rate[2];             /* d' [m/s] */
+    double *elastic[2];          /* force without damping [N] */
+    double *place;               /* z in the pocket along the orbit [m] */
+    double *closing;             /* z' [m/s] */
+    double *height;              /* z_r in the pocket along the radius [m] */
+    double *rising;              /* z_r' [m/s] */
+    double *slope[2];            /* d gap/d psi by form and shapes [m] */
+    double *turning;             /* torque by these slopes [N m] */
+    double *passing[2];          /* rate at which a form that turns opens a gap [m/s] */
+    double *driven;              /* power of that rate [W] */
+    double *behind;              /* end of the columns */
 } rs_bearing;
 
 #define RS_COLUMNS ((offsetof(rs_bearing, behind) - offsetof(rs_bearing, unknown)) / sizeof(double *))

@@ -50,6 +50,8 @@ from rollslip_pocket cimport rs_bars, rs_pocket_bars
 from rollslip_raceway cimport rs_film_speed
 from rollslip_system cimport rs_new_system, rs_system
 
+from rollslip_kernels.motion.raceway import coefficients
+
 cdef enum:
     RINGS = 2
     MAX_CELLS = 2048
@@ -63,9 +65,9 @@ LEDGER: dict[str, str] = {
 }
 
 cdef struct cell_t:
-    # centrifugal forces, and at each [(positions + 1) x 2 x channels x slices], values and slopes times the step
-    double low, high
-    const double *below
+    double low             # centrifugal forces at the ends [N]
+    double high
+    const double *below    # there [(positions + 1) x 2 x channels x slices], values and slopes times the step
     const double *above
     const double *powers   # of forces, [positions x 2 x 4 x channels], below and above
 
@@ -73,11 +75,10 @@ cdef struct cell_t:
 cdef struct carried_t:
     rs_bearing c
     void *owner
-    # loads, by intervals of centrifugal force up to the top: those known so far, and the one that held a roller last
-    double top
-    cell_t *cells
+    double top        # largest centrifugal force of the table of loads [N]
+    cell_t *cells     # intervals of centrifugal force that are known so far
     size_t n_cells
-    size_t *last
+    size_t *last      # [Z] the interval that was used last for each roller
     size_t refused_roller
     double held_at   # since when forces and friction are held
 
@@ -111,12 +112,9 @@ cdef int _find_cell(carried_t *p, double pull, size_t *last) noexcept nogil:
 cdef inline void _slices(carried_t *p, size_t j, const cell_t *cell, double f) noexcept nogil:
     """Loads of the slices of roller j, at a share of the way from one centrifugal force to the next."""
     cdef double place, x, y0, y1, d0, d1, value
-    cdef size_t k, i, row = p.c.channels * p.c.slices, channel
-    cdef const double *a
-    cdef const double *b
-    cdef const double *e
-    cdef const double *g
-    cdef double *out
+    cdef size_t k, i, at, row = p.c.channels * p.c.slices, channel
+    cdef const double *low = cell.below
+    cdef const double *high = cell.above
     place = p.c.turns[j] * <double>p.c.positions
     k = <size_t>place if place < <double>p.c.positions else p.c.positions - 1
     x = place - <double>k
@@ -124,20 +122,13 @@ cdef inline void _slices(carried_t *p, size_t j, const cell_t *cell, double f) n
     y0 = 1.0 - y1
     d0 = x * (1.0 - x) * (1.0 - x)
     d1 = x * x * (x - 1.0)
-    a = cell.below + 2 * row * k
-    b = a + 2 * row
-    e = cell.above + 2 * row * k
-    g = e + 2 * row
     for channel in range(<size_t>RINGS):   # resistances come with forces that are not conventional
-        out = p.c.load_of[channel] + j * p.c.slices
-        for i in range(p.c.slices):
-            value = ((1.0 - f) * (y0 * a[i] + d0 * a[row + i] + y1 * b[i] + d1 * b[row + i])
-                     + f * (y0 * e[i] + d0 * e[row + i] + y1 * g[i] + d1 * g[row + i]))
-            out[i] = value if value > 0.0 else 0.0
-        a += p.c.slices
-        b += p.c.slices
-        e += p.c.slices
-        g += p.c.slices
+        at = 2 * row * k + channel * p.c.slices
+        for i in range(j * p.c.slices, (j + 1) * p.c.slices):
+            value = ((1.0 - f) * (y0 * low[at] + d0 * low[row + at] + y1 * low[2 * row + at] + d1 * low[3 * row + at])
+                     + f * (y0 * high[at] + d0 * high[row + at] + y1 * high[2 * row + at] + d1 * high[3 * row + at]))
+            p.c.load_of[channel][i] = value if value > 0.0 else 0.0
+            at += 1
 
 
 cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint film, int friction) noexcept nogil:
@@ -505,18 +496,11 @@ cdef class Carried:
                              f"{', '.join(str(np.shape(table)) for table in tables)}")
         if not low <= pull <= high > low:
             raise ValueError(f"{pull:g} N is not between centrifugal forces of {low:g} and {high:g} N")
-        powers = np.stack([self._powers(table) for table in tables], axis=1).ravel()
-        cdef double[::1] coefficients = powers
-        self.tables.append((below, above, coefficients))
-        p.cells[p.n_cells] = cell_t(low, high, &below[0, 0, 0, 0], &above[0, 0, 0, 0], &coefficients[0])
+        sums = [(np.asarray(table) @ np.asarray(self.widths)).swapaxes(0, 1) for table in tables]
+        cdef double[::1] powers = np.stack([coefficients(*values) for values in sums], axis=1).ravel()
+        self.tables.append((below, above, powers))
+        p.cells[p.n_cells] = cell_t(low, high, &below[0, 0, 0, 0], &above[0, 0, 0, 0], &powers[0])
         p.n_cells += 1
-
-    def _powers(self, table):
-        """Coefficients of the place between positions, (K, 4, channels), of the sums over the slices."""
-        value, slope = (np.asarray(table) @ np.asarray(self.widths)).swapaxes(0, 1)
-        nodes = len(value) - 1
-        rise, before, after = np.diff(value, axis=0), slope[:nodes], slope[1:]
-        return np.stack((value[:nodes], before, 3.0 * rise - 2.0 * before - after, before + after - 2.0 * rise), axis=1)
 
     def system(self):
         """Return the capsule "rollslip.system.v1"."""
@@ -526,7 +510,8 @@ cdef class Carried:
         s.head, s.rollers, s.block, s.ledger, s.shares = HEAD, c.rollers, c.block, ALL - HEAD, c.shares
         s.roller_rates, s.head_rates, s.rates, s.drift = _roller_rates, _head_rates, _rates, _drift
         s.watched, s.watch = 1 if c.film_limit != c.film_limit else 2, _watch
-        s.scale, s.kicked, s.autonomous, s.state = &self.scale[0], &self.kicked[0], not c.in_time, &self.p
+        s.scale, s.kicked, s.autonomous = &self.scale[0], &self.kicked[0], not c.in_time
+        s.state = s.speeds_state = &self.p
         if c.pocketed:   # one roller against the cage
             s.contact_frequency = sqrt(c.pocket.stiffness * (
                 1.0 / c.roller_mass + c.orbit_radius * c.orbit_radius / c.cage_inertia))

@@ -12,10 +12,18 @@
 
 typedef struct {
     const double *values[2];   /* traction, rolling resistance or NULL: [speeds x roots x (2 half + 1)] */
-    int speeds, roots, half;   /* nodes of u, of r and on either side of V = 0; at least 4, 4 and 3 */
-    double sliding_scale, per_sliding;           /* V_s; nodes over V/(|V| + V_s) */
-    double root_scale, first_root, per_root, last_root;   /* r_s; r/(r + r_s): nodes from the first on, and its end */
-    double speed_scale, first_speed, per_speed;           /* u_s; u/(u + u_s) */
+    int speeds;             /* nodes of u, at least 4 */
+    int roots;              /* nodes of r, at least 4 */
+    int half;               /* nodes on either side of V = 0, at least 3 */
+    double sliding_scale;   /* V_s */
+    double per_sliding;     /* nodes over V/(|V| + V_s) */
+    double root_scale;      /* r_s */
+    double first_root;      /* r/(r + r_s) at the first node */
+    double per_root;        /* nodes over r/(r + r_s) */
+    double last_root;       /* index of the last node */
+    double speed_scale;     /* u_s */
+    double first_speed;     /* u/(u + u_s) at the first node */
+    double per_speed;       /* nodes over u/(u + u_s) */
 } rs_friction_box;
 
 /* Weights of four nodes at 0 .. 3 */

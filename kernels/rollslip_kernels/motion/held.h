@@ -10,11 +10,15 @@
 
 typedef struct {
     /* columns [Z] */
-    double *by_force, *by_root;              /* b, a [1, N^0.5] */
-    double *force_slope, *root_slope;        /* d, c [s/m, N^0.5 s/m] */
-    double *sliding;                         /* V_0 [m/s] */
-    double *resistance, *resistance_slope;   /* R, S [N, N^0.5] */
-    int rooted, resists;                     /* whether a and c, R and S are there */
+    double *by_force;           /* b [1] */
+    double *by_root;            /* a [N^0.5] */
+    double *force_slope;        /* d [s/m] */
+    double *root_slope;         /* c [N^0.5 s/m] */
+    double *sliding;            /* V_0 [m/s] */
+    double *resistance;         /* R [N] */
+    double *resistance_slope;   /* S [N^0.5] */
+    int rooted;                 /* whether a and c are there */
+    int resists;                /* whether R and S are there */
 } rs_held;
 
 /* Tractions of n rollers by what is held, and resistances that come with the friction. */

@@ -290,7 +290,7 @@ cdef class Leapfrog(Stepper):
             longest = fmin(longest, MOST_DAMPED / fmax(self.damping, self.known[0]))
         if longest < FLIGHT * self.rule:
             return self.rule
-        longest = BEFORE * self.c.flight(self.t, self.y_now, self.f, longest / BEFORE, self.c.state)
+        longest = BEFORE * self.c.flight(self.t, self.y_now, self.f, longest / BEFORE, self.c.speeds_state)
         self.clear = longest > 0.0
         return longest if clear and longest >= FLIGHT * self.rule else self.rule
 
@@ -338,7 +338,7 @@ cdef class Leapfrog(Stepper):
         return status
 
     cdef int _drift(self, double h, double *y) noexcept nogil:
-        return self.c.drift(h, y, self.c.state) if self.c.drift != NULL else 0
+        return self.c.drift(h, y, self.c.speeds_state) if self.c.drift != NULL else 0
 
     cdef int _go(self, double t, double h, double *y, bint clear) noexcept nogil:
         """Places after half a step from t on, and speeds by what touches, gone through in parts unless nothing does."""
@@ -365,7 +365,7 @@ cdef class Leapfrog(Stepper):
         if status != 0:
             return status
         if self.parts:
-            self.clear = self.c.clear(AHEAD * self.rule, self.c.state)
+            self.clear = self.c.clear(AHEAD * self.rule, self.c.speeds_state)
         self.kick(self.n, self.y_new, h, self.kicked, self.f_new, self.y_new)
         status = self._go(self.t + half, half, self.y_new, clear and self.clear)
         if status == 0 and not rs_finite(self.y_new, self.n):

@@ -99,7 +99,9 @@ ctypedef struct planar_t:
     const rs_plane_loops *loops
     size_t heads           # unknowns before the rollers: HEAD, amplitudes of all shapes, their rates, angles of forms
     double *on_shapes      # forces on them
-    double ring_mass, cage_mass, unbalance
+    double ring_mass
+    double cage_mass
+    double unbalance
     rs_pocket guide        # along the radius; its play is infinite where a land holds the cage
     rs_land land
     const double *drop
@@ -353,8 +355,8 @@ cdef int clear(double h, void *state) noexcept nogil:
             and not land_is_touched(p, p.head, h))
 
 
-cdef void drift_near(const planar_t *p, double h, double *y, size_t near) noexcept nogil:
-    """As `drift`, of the head and of the rollers that a bar may touch."""
+cdef void drift_near(const planar_t *p, double h, double *y, const size_t *near, size_t count) noexcept nogil:
+    """As `drift`, of the head and of some rollers; of all if it is not said which."""
     cdef double *roller
     cdef size_t k
     y[RING_X] += h * y[RING_VX]
@@ -364,8 +366,8 @@ cdef void drift_near(const planar_t *p, double h, double *y, size_t near) noexce
     y[CAGE_ANGLE] += h * y[CAGE_SPEED]
     for k in range(HEAD, half_of(p)):
         y[k] += h * y[k + half_of(p) - HEAD]
-    for k in range(near):
-        roller = y + p.heads + p.near[k] * BLOCK
+    for k in range(count):
+        roller = y + p.heads + (near[k] if near != NULL else k) * BLOCK
         roller[POSITION] += h * p.c.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
         roller[RADIAL] += h * roller[RISE]
 
@@ -447,10 +449,10 @@ cdef int go(double t, double h, size_t parts, double *y, void *state) noexcept n
             p.near[near] = j
             near += 1
     for k in range(parts):
-        drift_near(p, part if k else 0.5 * part, y, near)
+        drift_near(p, part if k else 0.5 * part, y, p.near, near)
         turned += (part if k else 0.5 * part) * y[CAGE_SPEED]
         touched(p, part, y, near, turned, metal)
-    drift_near(p, 0.5 * part, y, near)
+    drift_near(p, 0.5 * part, y, p.near, near)
     turned += 0.5 * part * y[CAGE_SPEED]
     for j in range(p.c.rollers):   # the others, of constant speeds
         if not p.touch[j]:
@@ -685,13 +687,7 @@ cdef double until_contact(double t, const double *y, void *state) noexcept nogil
 
 cdef int drift(double h, double *y, void *state) noexcept nogil:
     cdef planar_t *p = <planar_t *>state
-    cdef double *roller
-    cdef size_t j
-    drift_near(p, h, y, 0)
-    for j in range(p.c.rollers):
-        roller = y + p.heads + j * BLOCK
-        roller[POSITION] += h * p.c.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
-        roller[RADIAL] += h * roller[RISE]
+    drift_near(p, h, y, NULL, p.c.rollers)
     return 0
 
 
@@ -847,7 +843,7 @@ cdef class Planar:
             parts = (harmonics.real.ravel(), harmonics.imag.ravel(), *columns, np.zeros(4 * waves))
             numbers = np.concatenate(parts)
             room = &numbers[0]
-            bent.shapes, bent.most = m, waves - 1
+            bent.shapes, bent.max_order = m, waves - 1
             bent.re, bent.im = room, room + m * waves
             room += 2 * m * waves
             bent.mass, bent.stiffness, bent.damping, bent.push = room, room + m, room + 2 * m, room + 3 * m
@@ -855,7 +851,7 @@ cdef class Planar:
             bent.at = HEAD + shapes
             shapes += m
             if m:
-                most = max(most, bent.most)
+                most = max(most, bent.max_order)
             if coefficients is not None:
                 values = np.array(coefficients, dtype=float, order="C")
                 if values.ndim != 2 or values.shape[1] != 4:
@@ -867,7 +863,7 @@ cdef class Planar:
             p.c.bent = p.c.bent or m > 0 or bent.cells > 0
         for ring in range(2):
             p.c.ring[ring].speeds = p.c.ring[ring].at + shapes
-        p.heads, p.c.most = HEAD + 2 * shapes, most
+        p.heads, p.c.max_order = HEAD + 2 * shapes, most
         for ring, (_, _, turns) in enumerate(rings):
             if turns:   # kicked, as its rate may follow time
                 p.c.ring[ring].angle = p.heads
@@ -886,7 +882,8 @@ cdef class Planar:
         s.head, s.rollers, s.block, s.ledger, s.shares = p.heads, p.c.rollers, BLOCK, LEDGER, p.c.shares
         s.roller_rates, s.head_rates, s.rates, s.drift = roller_rates, head_rates, all_rates, drift
         s.watched, s.watch = 3, watch
-        s.scale, s.kicked, s.autonomous, s.state = &self.scale[0], &self.kicked[0], not p.c.in_time, &self.p
+        s.scale, s.kicked, s.autonomous = &self.scale[0], &self.kicked[0], not p.c.in_time
+        s.state = s.speeds_state = &self.p
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
         s.renew, s.held, s.still = renew, held, &self.p.c.still
         s.apart, s.go, s.clear = &self.p.apart, go, clear

@@ -69,7 +69,7 @@ static inline const double *rs_form_cell(const rs_bent_ring *ring, double psi, d
 
 /* Amplitudes of exp(i n psi) by those of the shapes, from a place in the head. */
 static inline void rs_ring_waves(const rs_bent_ring *ring, const double *head, double *to) {
-    const size_t m = ring->most + 1;
+    const size_t m = ring->max_order + 1;
     for (size_t n = 0; n < m; n++) {
         double re = 0.0, im = 0.0;
         for (size_t k = 0; k < ring->shapes; k++) {
@@ -109,7 +109,7 @@ static void rs_plane_one(const rs_bearing *p, size_t j, double *sums) {
 /* Forces on the shapes of a ring by all rollers, sum N B, or by one of them. */
 static void rs_ring_forces(const rs_bearing *p, int ring, double *forces) {
     const rs_bent_ring *r = &p->ring[ring];
-    const size_t Z = p->rollers, m = r->most + 1;
+    const size_t Z = p->rollers, m = r->max_order + 1;
     const double *N = p->force[ring];
     for (size_t k = 0; k < r->shapes; k++) forces[k] = 0.0;
     for (size_t n = 0; n < m; n++) {
@@ -121,7 +121,7 @@ static void rs_ring_forces(const rs_bearing *p, int ring, double *forces) {
 
 static void rs_ring_forces_of(const rs_bearing *p, int ring, size_t j, double *forces) {
     const rs_bent_ring *r = &p->ring[ring];
-    const size_t Z = p->rollers, m = r->most + 1;
+    const size_t Z = p->rollers, m = r->max_order + 1;
     for (size_t k = 0; k < r->shapes; k++) {
         double B = r->re[k * m];
         for (size_t n = 1; n < m; n++)

@@ -43,7 +43,7 @@ static void RS_SET(rs_plane_places)(rs_bearing *p, const double *head, const dou
 static void RS_SET(rs_plane_bent)(rs_bearing *p, const double *head) {
     const size_t Z = p->rollers;
     rs_given c = p->cosine, s = p->sine, w = p->unknown[ORBIT];
-    for (size_t n = 1; n <= p->most; n++) {
+    for (size_t n = 1; n <= p->max_order; n++) {
         rs_column cn = p->wave_cos + (n - 1) * Z, sn = p->wave_sin + (n - 1) * Z;
         if (n == 1) {
             RS_EACH(j, Z) { cn[j] = c[j]; sn[j] = s[j]; }
@@ -57,7 +57,7 @@ static void RS_SET(rs_plane_bent)(rs_bearing *p, const double *head) {
     }
     for (int i = 0; i < 2; i++) {
         const rs_bent_ring *ring = &p->ring[i];
-        const size_t m = ring->most + 1;
+        const size_t m = ring->max_order + 1;
         rs_column gap = p->gap[i], rate = p->rate[i], slope = p->slope[i];
         RS_EACH(j, Z) slope[j] = 0.0;
         if (ring->shapes) {

@@ -44,7 +44,7 @@ def effective(
     *rows, count, values = table.shape
     if (len(rows), values) not in ((0, 2), (1, 4)) or any(size < 2 for size in (*rows, count)):
         raise ValueError(f"a table is of shape (N, 2) or (M, N, 4) with at least two nodes, got {table.shape}")
-    cdef double[::1] flat = (table if rows else _coefficients(table)).ravel()
+    cdef double[::1] flat = (table if rows else coefficients(*table.T)).ravel()
     cdef rs_raceway w = _raceway(RS_EFFECTIVE, rollers, 1)
     (low, high), (low_row, high_row) = limits, row_limits
     w.table.values, w.table.cells, w.table.rows = &flat[0], count - 1, rows[0] - 1 if rows else 0
@@ -56,11 +56,11 @@ def effective(
     return _new(&w, (flat,))
 
 
-def _coefficients(nodes):
-    """Coefficients of the powers of the place in a cell, (N - 1, 4), of values and derivatives at the nodes, (N, 2)."""
-    value, slope = nodes[: len(nodes) - 1].T
-    rise, after = np.diff(nodes[:, 0]), nodes[1:, 1]
-    return np.stack((value, slope, 3.0 * rise - 2.0 * slope - after, slope + after - 2.0 * rise), axis=1)
+def coefficients(value: Array, slope: Array) -> Array:
+    """Return coefficients of the powers of the place in a cell, (N - 1, 4, ...), by nodes (N, ...) and their slopes."""
+    rise, before, after = np.diff(value, axis=0), slope[:len(slope) - 1], slope[1:]
+    return np.stack(
+        (value[:len(rise)], before, 3.0 * rise - 2.0 * before - after, before + after - 2.0 * rise), axis=1)
 
 
 def conventional(

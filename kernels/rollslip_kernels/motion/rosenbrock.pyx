@@ -763,7 +763,8 @@ cdef class DormandPrince(Stepper):
         """Up to where something touches, and from there on a share of its swing."""
         if self.c.contact_frequency == 0.0 or self.direction < 0.0:
             return INFINITY
-        return fmax(IN_CONTACT / self.c.contact_frequency, self.c.until_contact(self.t, self.y_now, self.c.state))
+        return fmax(IN_CONTACT / self.c.contact_frequency,
+                    self.c.until_contact(self.t, self.y_now, self.c.speeds_state))
 
     cdef int _stages(self, double h, double t_new) noexcept nogil:
         cdef const double *a = EXPLICIT

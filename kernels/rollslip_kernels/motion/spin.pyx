@@ -112,7 +112,9 @@ cdef struct ring_t:
     Py_ssize_t loaded          # N
     const double *nodes        # of a curve of friction over V/(|V| + scale), or NULL: value and slope per cell
     Py_ssize_t cells
-    double scale, begin, end
+    double scale
+    double begin               # of the abscissa of that curve
+    double end
     const double *held         # its resistances without slip, (K,)
 
 

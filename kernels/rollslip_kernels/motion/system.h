@@ -23,7 +23,10 @@ typedef struct {
 /* Every function returns 0; -1: a Python error is set; k > 0: refused, the owner's refusal() tells what. All that
    comes in is finite; all of what goes out is written. Called without the GIL. */
 typedef struct {
-    size_t head, rollers, block, ledger;   /* n = head + rollers*(block + shares) + ledger */
+    size_t head;      /* H unknowns before the rollers; n = H + rollers*(block + shares) + ledger */
+    size_t rollers;   /* Z */
+    size_t block;     /* B unknowns of a roller */
+    size_t ledger;    /* L recorded values behind the rollers */
     /* rates of the rollers' unknowns [Z x B], and what each adds to the rates of head and ledger and those of its
        shares [Z x (H+L+S)]; NULL, and never called, without rollers */
     int (*roller_rates)(double t, const double *head, const double *rollers, double *rates, double *added,
@@ -38,17 +41,19 @@ typedef struct {
     const double *scale;   /* [n] typical magnitudes > 0 of the unknowns, for differences */
     int autonomous;        /* 1: no time in the rates */
     void *state;
+    void *speeds_state;    /* of functions that read speeds alone: until_contact, drift, flight, clear */
     /* What moves fast, for steps that have to resolve it; members are appended here and never moved.
        Angular frequencies [rad/s]: of what touches and parts, while it touches; the fastest of what swings all the
        time. 0: there is none, or nobody tells. */
-    double contact_frequency, swing_frequency;
+    double contact_frequency;
+    double swing_frequency;
     /* time [s] after which something touches at the present speeds, 0 while something does, INFINITY if nothing
        will; NULL with a contact_frequency of 0 */
-    double (*until_contact)(double t, const double *y, void *state);
+    double (*until_contact)(double t, const double *y, void *speeds_state);
     /* places: unknowns whose rates are sums of speeds with constant factors, and nothing else. [n] 0 for a place, 1
        for any other; NULL: not told. drift adds h times the rates of the places to them, nothing else moves. */
     const double *kicked;
-    int (*drift)(double h, double *y, void *state);
+    int (*drift)(double h, double *y, void *speeds_state);
     /* all rates at once [n], the same to rounding; NULL: the parts above are summed */
     int (*rates)(double t, const double *y, double *rates, void *state);
     /* What changes slowly, friction above all, may be held between evaluations, linear in time and speeds
@@ -62,7 +67,7 @@ typedef struct {
     /* while not 0, rates and their parts leave friction as it was held: what is damped without it */
     int *still;
     /* time for which nothing touches if the rates stay what they are, at most `most`; NULL: not told */
-    double (*flight)(double t, const double *y, const double *rates, double most, void *state);
+    double (*flight)(double t, const double *y, const double *rates, double most, void *speeds_state);
     /* What touches and parts, apart from all else, so that its swings are resolved in shorter steps than those
        between which all else is evaluated; NULL: not told.
        while *apart is not 0, held leaves out what touches. go drifts by h from t on, and in parts of h adds to
@@ -70,7 +75,7 @@ typedef struct {
        nothing will touch for a time h from where held was asked last, at the speeds there. */
     int *apart;
     int (*go)(double t, double h, size_t parts, double *y, void *state);
-    int (*clear)(double h, void *state);
+    int (*clear)(double h, void *speeds_state);
     /* what is recorded of each roller, as the ledger is of all; 0 of systems that do not say */
     size_t shares;
 } rs_system;

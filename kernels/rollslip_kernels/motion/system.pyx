@@ -74,12 +74,12 @@ cdef class System:
     def until_contact(self, double t, y: ArrayLike) -> float:
         """Return the time [s] after which something touches at the present speeds; 0 while something does."""
         cdef double[::1] given = self._unknowns(y)
-        return self.c.until_contact(t, &given[0], self.c.state) if self.c.until_contact != NULL else np.inf
+        return self.c.until_contact(t, &given[0], self.c.speeds_state) if self.c.until_contact != NULL else np.inf
 
     def flight(self, double t, y: ArrayLike, rates: ArrayLike, double most) -> float:
         """Return for how long nothing touches [s] if the rates stay what they are, at most ``most``; 0 if not told."""
         cdef double[::1] given = self._unknowns(y), going = self._unknowns(rates)
-        return self.c.flight(t, &given[0], &going[0], most, self.c.state) if self.c.flight != NULL else 0.0
+        return self.c.flight(t, &given[0], &going[0], most, self.c.speeds_state) if self.c.flight != NULL else 0.0
 
     def held(
         self, double since, at: ArrayLike, double t, y: ArrayLike, double half=0.0, before: ArrayLike | None = None,
@@ -312,7 +312,7 @@ def python_system(
     made.c.swing_frequency = swing_frequency
     made.c.scale = &made.scale[0] if n else NULL
     made.c.autonomous = autonomous
-    made.c.state = <void *>made  # no reference: the capsule holds the one that counts
+    made.c.state = made.c.speeds_state = <void *>made  # no reference: the capsule holds the one that counts
     return rs_new_system(&made.c, made)
 
 

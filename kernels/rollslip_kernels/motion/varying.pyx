@@ -50,7 +50,8 @@ MAX_AXES: Final[int] = AXES_CAPACITY
 
 
 cdef struct course_t:
-    size_t pieces, last
+    size_t pieces
+    size_t last
     const double *begin   # [pieces]
     const double *powers  # [pieces x 4] of the time since the beginning of the piece
 
@@ -65,17 +66,23 @@ cdef struct box_t:
 
 cdef struct varying_t:
     void *owner
-    size_t rollers, block, rates, row, unknowns   # rates: of head and ledger; row: also of the shares of a roller
-    size_t axes
+    size_t rollers        # Z
+    size_t block          # unknowns of a roller
+    size_t rates          # of head and ledger
+    size_t row            # of head, ledger and the shares of a roller
+    size_t unknowns       # of the whole system
+    size_t axes           # of the table of stations
     int speed_axis        # axis that is |w_i - w_o| in place of a course; -1 for none
     int root_axis         # axis on which the root of its course counts; -1 for none
     course_t course[AXES + AXES_CAPACITY]
-    double floor[AXES_CAPACITY]   # ranges of the axes
-    double top[AXES_CAPACITY]
+    double floor[AXES_CAPACITY]   # lower ends of the axes
+    double top[AXES_CAPACITY]     # upper ends of the axes
     station_t *stations
     box_t *boxes
-    size_t n_boxes, last
-    double inner_fraction, still   # R_i/(R_i + R_o); epicyclic speed below which there is no slip
+    size_t n_boxes
+    size_t last
+    double inner_fraction   # R_i/(R_i + R_o)
+    double still   # epicyclic speed below which there is no slip
     size_t cage_speed     # its place in the head
     size_t watched
     # of the time last looked at
@@ -252,21 +259,6 @@ cdef int _watch(double t, const double *y, double *values, void *state) noexcept
     return 0
 
 
-cdef double _until_contact(double t, const double *y, void *state) noexcept nogil:
-    cdef const rs_system *s = (<varying_t *>state).stations[0].system
-    return s.until_contact(t, y, s.state)
-
-
-cdef int _drift(double h, double *y, void *state) noexcept nogil:
-    cdef const rs_system *s = (<varying_t *>state).stations[0].system
-    return s.drift(h, y, s.state)
-
-
-cdef double _flight(double t, const double *y, const double *rates, double most, void *state) noexcept nogil:
-    cdef const rs_system *s = (<varying_t *>state).stations[0].system
-    return s.flight(t, y, rates, most, s.state)
-
-
 cdef int _renew(double t, const double *y, int compared, double *told, void *state) noexcept nogil:
     cdef const rs_system *s = (<varying_t *>state).stations[0].system
     cdef int status = _look(<varying_t *>state, t)
@@ -283,11 +275,6 @@ cdef int _go(double t, double h, size_t parts, double *y, void *state) noexcept 
     cdef const rs_system *s = (<varying_t *>state).stations[0].system
     cdef int status = _look(<varying_t *>state, t)
     return status if status != 0 else s.go(t, h, parts, y, s.state)
-
-
-cdef int _clear(double h, void *state) noexcept nogil:
-    cdef const rs_system *s = (<varying_t *>state).stations[0].system
-    return s.clear(h, s.state)
 
 
 cdef class Varying:
@@ -423,19 +410,13 @@ cdef class Varying:
         cdef rs_system s = self.v.stations[0].system[0]
         s.roller_rates, s.head_rates, s.watch, s.jacobian = _roller_rates, _head_rates, _watch, NULL
         s.scale, s.autonomous, s.state, s.rates = &self.scale[0], self.autonomous, &self.v, _rates
-        s.swing_frequency = swing_frequency   # the rest of what moves fast is that of any station
-        if s.until_contact != NULL:
-            s.until_contact = _until_contact
-        if s.drift != NULL:
-            s.drift = _drift
-        if s.flight != NULL:
-            s.flight = _flight
+        s.swing_frequency = swing_frequency   # the rest of what moves fast is that of any station, as speeds are
         if self.v.axes or s.renew == NULL:   # what is held is of one system
             s.renew, s.held, s.still, s.go = NULL, NULL, NULL, NULL
         else:
             s.renew, s.held = _renew, _held
             if s.go != NULL:
-                s.go, s.clear = _go, _clear
+                s.go = _go
         return rs_new_system(&s, self)
 
     def values(self, t: ArrayLike) -> Array:

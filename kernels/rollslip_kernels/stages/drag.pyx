@@ -63,7 +63,8 @@ def torque(capsule, double cage_speed, double inner_speed, double outer_speed, t
 
 
 cdef struct constant_t:
-    double size, transition
+    double size
+    double transition
 
 
 # T = -T0 w_c/sqrt(w_c^2 + w_s^2)
@@ -88,16 +89,16 @@ cdef double _churning(double cage, double inner, double outer, const void *param
     return -(<const double *>params)[0] * fabs(cage) * cage
 
 
-cdef double _call_python(double cage, double inner, double outer, const void *params) noexcept nogil:
+cdef double _call_python(double cage, double inner, double outer, const void *params) noexcept with gil:
     """A Python torque seen from C."""
-    with gil:
-        return _called(<object>(<void **>params)[0], (cage, inner, outer))
+    return _called(<object>(<void **>params)[0], (cage, inner, outer))
 
 
-cdef double _call_python_at(double cage, double inner, double outer, double time, const void *params) noexcept nogil:
+cdef double _call_python_at(
+    double cage, double inner, double outer, double time, const void *params
+) noexcept with gil:
     """A Python torque that varies in time seen from C."""
-    with gil:
-        return _called(<object>(<void **>params)[0], (cage, inner, outer, time))
+    return _called(<object>(<void **>params)[0], (cage, inner, outer, time))
 
 
 cdef double _called(object torque, tuple given) noexcept:

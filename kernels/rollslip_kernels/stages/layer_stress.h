@@ -14,9 +14,7 @@
 #define LAYER_STEP 4e-5   /* of the start: the third power of a larger one would show */
 
 RS_INLINE float layer_log(float x) {   /* 0 < x < inf, 2e-7 of 1, near 1 relative */
-    uint32_t one = UINT32_C(0x3f800000), bits = near_bits(x), biased = (bits - UINT32_C(0x3f3504f3) + one) >> 23;
-    float k = near_float(biased | UINT32_C(0x4b000000)) - (8388608.0f + 127.0f);
-    float f = near_float(bits - (biased << 23) + one) - 1.0f, f2 = f * f;
+    float k, f = near_split(x, &k), f2 = f * f;
     float p = RS_FMAF(RS_FMAF(RS_FMAF(0.1165780614f, f2, RS_FMAF(-0.1857384013f, f, 0.2052544362f)), f2,
                               RS_FMAF(-0.2492033626f, f, 0.3331356329f)), f2, RS_FMAF(-0.5000087739f, f, 1.000001027f));
     return RS_FMAF(k, 0.69314718f, f * p);
@@ -93,21 +91,7 @@ RS_INLINE void PATH(layer_root)(
         hf[i] = (float)(0.5 * deborah[i] / s[i]);
     }
     for (size_t i = n; i < whole; i++) sf[i] = sf[n - 1], wf[i] = wf[n - 1], hf[i] = hf[n - 1];
-    EACH(i, whole) {   /* the inelastic stress, as in near_start */
-        float x = sf[i], grow = x + sqrtf(1.0f + x * x);
-        float log_grow = (float)(int32_t)near_bits(grow) * 8.262958e-8f - 87.989971f;
-        int hot = wf[i] * x >= 0.1f && wf[i] >= log_grow;
-        zf[i] = hot ? 1.0f + wf[i] * x : grow;
-        hotf[i] = hot ? 1.0f : 0.0f;
-    }
-    EACH(i, whole) zf[i] = near_log(zf[i]);
-    EACH(i, whole) {
-        float x = sf[i], L = zf[i], ends = 1.0f + 0.110767f * (L * L);
-        int hot = hotf[i] > 0.0f;
-        float over = hot ? L * (ends + 0.64359f * L) : x < 1e-3f ? x : L;
-        float under = hot ? wf[i] * (ends + 1.13514f * L) : 1.0f + wf[i] * (x < 1.0f ? x : 1.0f);
-        zf[i] = over / under;
-    }
+    PATH(inelastic_start)(whole, sf, wf, hotf, zf);
     PATH(layer_step)(whole, sf, wf, hf, zf, 0);
     PATH(layer_step)(whole, sf, wf, hf, zf, elastic);
     EACH(i, n) {

@@ -34,11 +34,16 @@ RS_INLINE uint32_t near_bits(float x) {
     return bits;
 }
 
+/* x = (1 + f) 2^k, 1 + f in [sqrt(1/2), sqrt(2)), for 0 < x < inf; f */
+RS_INLINE float near_split(float x, float *k) {
+    uint32_t one = UINT32_C(0x3f800000), bits = near_bits(x), biased = (bits - UINT32_C(0x3f3504f3) + one) >> 23;
+    *k = near_float(biased | UINT32_C(0x4b000000)) - (8388608.0f + 127.0f);
+    return near_float(bits - (biased << 23) + one) - 1.0f;
+}
+
 /* log(x) for 0 < x < inf to 4e-4 */
 RS_INLINE float near_log(float x) {
-    uint32_t one = UINT32_C(0x3f800000), bits = near_bits(x), biased = (bits - UINT32_C(0x3f3504f3) + one) >> 23;
-    float k = near_float(biased | UINT32_C(0x4b000000)) - (8388608.0f + 127.0f);
-    float f = near_float(bits - (biased << 23) + one) - 1.0f;
+    float k, f = near_split(x, &k);
     return k * 0.69314718f + f * ((0.99973107f - 0.50232366f * f) + f * f * (0.35363207f - 0.22362563f * f));
 }
 
@@ -57,6 +62,27 @@ RS_INLINE double short_exp(double x) {
     return (1.0 + f * p) * rs_of_bits((rs_bits(n) << 52) + RS_ONE);
 }
 #endif
+
+/* The inelastic stress to a few percent: Lambert's W(w s)/w where the film is hot, else asinh(s) and the first heat */
+RS_INLINE void PATH(inelastic_start)(
+    size_t n, const float *__restrict s, const float *__restrict w, float *__restrict hot, float *__restrict stress
+) {
+    EACH(i, n) {
+        float x = s[i], grow = x + sqrtf(1.0f + x * x);
+        float log_grow = (float)(int32_t)near_bits(grow) * 8.262958e-8f - 87.989971f;   /* from the exponent, to 0.06 */
+        int heated = w[i] * x >= 0.1f && w[i] >= log_grow;
+        stress[i] = heated ? 1.0f + w[i] * x : grow;
+        hot[i] = heated ? 1.0f : 0.0f;
+    }
+    EACH(i, n) stress[i] = near_log(stress[i]);
+    EACH(i, n) {
+        float x = s[i], L = stress[i], ends = 1.0f + 0.110767f * (L * L);
+        int heated = hot[i] > 0.0f;
+        float over = heated ? L * (ends + 0.64359f * L) : x < 1e-3f ? x : L;
+        float under = heated ? w[i] * (ends + 1.13514f * L) : 1.0f + w[i] * (x < 1.0f ? x : 1.0f);
+        stress[i] = over / under;
+    }
+}
 
 /* One Halley step of ln S for S = mean(w S) on the model; moved is how far y = w S went. */
 static void PATH(model_step)(
@@ -104,22 +130,10 @@ static void PATH(near_start)(size_t n, given sigma, given deborah, given heat, f
         half_ratio[i] = (float)deborah[i];
     }
     for (size_t i = n; i < whole; i++) s[i] = s[n - 1], w[i] = w[n - 1], half_ratio[i] = half_ratio[n - 1];
+    EACH(i, whole) s[i] = s[i] < (float)NEAR_LINEAR ? (float)NEAR_LINEAR : s[i];
+    PATH(inelastic_start)(whole, s, w, moved, stress);
     EACH(i, whole) {
-        float least = (float)NEAR_LINEAR, x = s[i] < least ? least : s[i], grow = x + sqrtf(1.0f + x * x);
-        float log_grow = (float)(int32_t)near_bits(grow) * 8.262958e-8f - 87.989971f;   /* from the exponent, to 0.06 */
-        int hot = w[i] * x >= 0.1f && w[i] >= log_grow;
-        s[i] = x;
-        stress[i] = hot ? 1.0f + w[i] * x : grow;
-        moved[i] = hot ? 1.0f : 0.0f;
-    }
-    EACH(i, whole) stress[i] = near_log(stress[i]);
-    EACH(i, whole) {
-        /* Lambert's W(w s)/w where the film is hot, else asinh(s) and the first heat */
-        float x = s[i], L = stress[i], ends = 1.0f + 0.110767f * (L * L);
-        int hot = moved[i] > 0.0f;
-        float over = hot ? L * (ends + 0.64359f * L) : x < 1e-3f ? x : L;
-        float under = hot ? w[i] * (ends + 1.13514f * L) : 1.0f + w[i] * (x < 1.0f ? x : 1.0f);
-        float inelastic = over / under, ratio = half_ratio[i] / x, ramp = ratio * inelastic;
+        float inelastic = stress[i], ratio = half_ratio[i] / s[i], ramp = ratio * inelastic, over;
         ramp = ramp > 1e-15f ? ramp : 1e-15f;   /* its square is not denormal */
         over = 0.01f + ramp + 0.887f * (w[i] * inelastic);
         half_ratio[i] = 0.5f * ratio;

@@ -156,13 +156,11 @@ static void PATH(rising_distance)(size_t n, given eps, given at_eps, given gap, 
         PATH(scaled_integral)(n, r, step);
         PATH(scaled_ei)(n, r, step, value);
         EACH(i, n) step[i] = (rs_log(value[i] / gap[i]) - distance[i]) * r[i] * value[i];
-        any = 0;
-        for (size_t i = 0; i < n; i++) {
+        EACH(i, n) {
             double next = rs_clamped(distance[i] + step[i], 0.0, eps[i] - 1.0);
             distance[i] = moving[i] > 0.0 ? next : distance[i];
-            moving[i] = fabs(step[i]) > 1e-9 ? moving[i] : 0.0;   /* quadratic; also ends on NaN */
-            any |= (uint64_t)(moving[i] > 0.0);
         }
+        any = PATH(moves)(n, step, 1e-9, moving);   /* quadratic */
     }
 }
 
@@ -181,12 +179,8 @@ static void PATH(settling_distance)(size_t n, given eps, given gap, filled dista
         EACH(i, n) r[i] = eps[i] * rs_exp(-v[i]);
         PATH(scaled_integral)(n, r, scaled);
         EACH(i, n) step[i] = (target[i] - v[i]) * rs_exp(-r[i]) + scaled[i];
-        any = 0;
-        for (size_t i = 0; i < n; i++) {
-            v[i] += moving[i] > 0.0 ? step[i] : 0.0;
-            moving[i] = fabs(step[i]) > 1e-9 ? moving[i] : 0.0;   /* quadratic; also ends on NaN */
-            any |= (uint64_t)(moving[i] > 0.0);
-        }
+        EACH(i, n) v[i] += moving[i] > 0.0 ? step[i] : 0.0;
+        any = PATH(moves)(n, step, 1e-9, moving);   /* quadratic */
     }
     EACH(i, n) distance[i] = -eps[i] * rs_expm1(-v[i]);
 }

@@ -20,32 +20,38 @@
 #define LINEAR 1e-150
 #endif
 
+/* Which values still move, after a step beyond the tolerance, and whether any does; none whose step is NaN */
+RS_INLINE uint64_t PATH(moves)(size_t n, given step, double tolerance, filled moving) {
+    uint64_t any = 0;
+    for (size_t i = 0; i < n; i++) {
+        moving[i] = fabs(step[i]) > tolerance ? moving[i] : 0.0;
+        any |= (uint64_t)(moving[i] > 0.0);
+    }
+    return any;
+}
+
+/* Parts of asinh(s) and asinh(s)/s; far: some s is so large that its square counts alone */
+RS_INLINE void PATH(asinh_parts)(size_t n, given s, filled k, filled over, filled value, filled by, const int far) {
+    EACH(i, n) {
+        int large = far && s[i] > 0x1p28;
+        double finite = large ? 0.0 : s[i], root = sqrt(RS_FMA(finite, finite, 1.0));
+        double m = rs_split_normal(large ? s[i] : s[i] + root, &k[i]);
+        int small = k[i] == 0.0;
+        over[i] = small ? s[i] : m - 1.0;
+        value[i] = 1.0 + (small ? root : m);
+        by[i] = small ? 1.0 : s[i];
+        k[i] = large ? k[i] + 1.0 : k[i];
+    }
+}
+
 /* asinh(s) and asinh(s)/s of s >= 0, by one division: as rs_asinh, with the conditionals apart from root and division,
  * for else GCC makes a path of each case and a vectorised loop takes both */
 static void PATH(asinh_quotient)(size_t n, given s, filled value, filled quotient) {
     double k[BLOCK], over[BLOCK], by[BLOCK];
     uint64_t beyond = 0;
     for (size_t i = 0; i < n; i++) beyond |= rs_bits(0x1p28 - s[i]);
-    if (beyond >> 63) {
-        EACH(i, n) {
-            int large = s[i] > 0x1p28;
-            double finite = large ? 0.0 : s[i], root = sqrt(RS_FMA(finite, finite, 1.0));
-            double m = rs_split_normal(large ? s[i] : s[i] + root, &k[i]);
-            int small = k[i] == 0.0;
-            over[i] = small ? s[i] : m - 1.0;
-            value[i] = 1.0 + (small ? root : m);
-            by[i] = small ? 1.0 : s[i];
-            k[i] = large ? k[i] + 1.0 : k[i];
-        }
-    } else {
-        EACH(i, n) {
-            double root = sqrt(RS_FMA(s[i], s[i], 1.0)), m = rs_split_normal(s[i] + root, &k[i]);
-            int small = k[i] == 0.0;
-            over[i] = small ? s[i] : m - 1.0;
-            value[i] = 1.0 + (small ? root : m);
-            by[i] = small ? 1.0 : s[i];
-        }
-    }
+    if (beyond >> 63) PATH(asinh_parts)(n, s, k, over, value, by, 1);
+    else PATH(asinh_parts)(n, s, k, over, value, by, 0);
     EACH(i, n) {
         double inverse = 1.0 / (value[i] * by[i]), t = over[i] * (by[i] * inverse), rest = 2.0 + rs_artanh_rest(t);
         double r = RS_FMA(k[i], RS_LN2_HIGH, RS_FMA(k[i], RS_LN2_LOW, t * rest));
@@ -100,11 +106,7 @@ static void PATH(eyring_root)(size_t n, given s, given w, double tolerance, fill
             step[i] = 2.0 * residual * slope / (2.0 * slope * slope - residual * bend);
         }
         EACH(i, n) stress[i] = moving[i] > 0.0 ? stress[i] * rs_exp(-step[i]) : stress[i];
-        any = 0;
-        for (size_t i = 0; i < n; i++) {
-            moving[i] = fabs(step[i]) > tolerance ? moving[i] : 0.0;   /* also ends on NaN */
-            any |= (uint64_t)(moving[i] > 0.0);
-        }
+        any = PATH(moves)(n, step, tolerance, moving);
     }
 }
 
@@ -247,11 +249,8 @@ static void PATH(maxwell_root)(size_t n, given s, given deborah, given w, filled
             next = w[i] == 0.0 ? mean[i] : next;
             stress[i] = moving[i] > 0.0 ? next : stress[i];
         }
-        any = 0;
-        for (size_t i = 0; i < n; i++) {
-            moving[i] = y[i] * fabs(step[i]) > 1e-5 ? moving[i] : 0.0;   /* third order: 1e-16 is left; ends on NaN */
-            any |= (uint64_t)(moving[i] > 0.0);
-        }
+        EACH(i, n) step[i] *= y[i];
+        any = PATH(moves)(n, step, 1e-5, moving);   /* third order: 1e-16 is left */
     }
 }
 
