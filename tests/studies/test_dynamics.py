@@ -128,7 +128,7 @@ def test_steady_is_said_where_the_slip_is_within_the_tolerance_of_its_end(durati
     else:
         assert np.isnan(mean)
         told = re.fullmatch(
-            r"not settled yet: it was (.*) % over the last orbit and goes to about (.*) %", status
+            r"not steady yet: it was (.*) % over the last orbit and goes to about (.*) %", status
         )
         assert float(told[1]) == pytest.approx(100.0 * slip[t > duration - 0.02].mean(), rel=1e-3)
         assert float(told[2]) == pytest.approx(5.0, rel=0.05)
@@ -146,7 +146,7 @@ def test_what_is_not_settled_is_told_with_digits_that_show_it(tolerance):
     )
     assert np.isnan(mean)
     told = re.fullmatch(
-        r"not settled yet: it was (.*) % over the last orbit and goes to about (.*) %; take 2 s",
+        r"not steady yet: it was (.*) % over the last orbit and goes to about (.*) %; take 2 s",
         status,
     )
     assert float(told[1]) < float(told[2])
@@ -377,7 +377,7 @@ def test_film_is_known_to_conventional_friction_alone():
     status = unknown.film_parameter.attrs["film_status"]
     assert (
         status
-        == "friction is effective, which knows no film; --set study.dynamics.friction=conventional does"
+        == "friction is effective, which has no film; set it with --set study.dynamics.friction=conventional"
     )
     with pytest.raises(
         FieldError, match="film_limit: only known to friction = 'conventional', not to 'effective'"

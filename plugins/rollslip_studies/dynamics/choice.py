@@ -488,7 +488,8 @@ class _Trials:
             return _smooth_integrator(strongest, damped, implicit)
         if self.assembly.cage.pocket_contact == "film":
             return Choice(
-                implicit, "the motion is stiff: films in the pockets are stiff when they are squeezed"
+                implicit,
+                "the motion is stiff: films in the pockets are stiff when they are squeezed",
             )
         weakest = min(without_slip)
         if _is_stiff(contact, weakest):
@@ -498,14 +499,14 @@ class _Trials:
                 "rk45",
                 f"{damped}, but only for a short time, in which explicit steps follow their error",
             )
-        oscillates = (
-            f"the motion oscillates, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
-        )
+        oscillates = f"the motion oscillates, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
         if study.relative_tolerance < INTEGRATORS.leapfrog_tolerance:
             return Choice(
                 "rk45", f"{oscillates}: explicit steps of a high order are better at this tolerance"
             )
-        return Choice("leapfrog", f"{oscillates}: explicit steps that resolve contacts are sufficient")
+        return Choice(
+            "leapfrog", f"{oscillates}: explicit steps that resolve contacts are sufficient"
+        )
 
 
 def _smooth_integrator(damping: float, damped: str, implicit: str) -> Choice:

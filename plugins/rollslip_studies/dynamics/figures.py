@@ -100,7 +100,7 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     if history_findings.has_history(dataset):
         caption = (
             f"Cage slip along the history, {which}, with the slip at which skidding begins and that at largest "
-            "traction of the bearing held at the operation of each moment; a curve is missing where it is not known."
+            "traction of a steady state at the operation of each moment; a curve is missing where it is not known."
         )
         yield f"{name}-history", caption, slip_along(dataset)
         caption = (

@@ -291,7 +291,7 @@ def describe_largest_slip(dataset: "xr.Dataset") -> str:
     """Describe the largest slip and its time, and the smallest one if the cage runs ahead."""
     slip, time = largest_slip(dataset)
     if math.isnan(slip):
-        return "no slip is known at any instant: the rings all but stand"
+        return "no slip is known at any time: the rings are nearly at rest"
     known = int(np.isfinite(dataset["cage_slip"].to_numpy()).sum())
     text = f"largest cage slip {100 * slip:.3g} % at t = {time:.3g} s"
     if known < dataset.sizes["time"]:
@@ -310,7 +310,7 @@ def row(dataset: "xr.Dataset") -> Row:
     note = f"at t = {time:.3g} s, of an operation that varies"
     if math.isnan(slip):
         text = "not found"
-        note = "the rings all but stand"
+        note = "the rings are nearly at rest"
     return Row(key="largest_cage_slip", label="largest cage slip", value=slip, text=text, note=note)
 
 

@@ -1,4 +1,4 @@
-"""What study dynamics gives: its variables and single values, with dimensions, units and meanings."""
+"""Outputs of study dynamics: variables and single values, with dimensions, units and meanings."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -12,11 +12,12 @@ _CONTACT = "ring time roller"
 _ROLLER = "time roller"
 
 
-def _nodes(ring: str) -> dict[str, Output]:
-    at = f"nodes of the effective friction of the {ring} raceway"
+def _friction_curve(ring: str) -> dict[str, Output]:
+    """Return the outputs of the effective friction curve of a raceway."""
+    nodes = f"nodes of the effective friction of the {ring} raceway"
     return {
-        f"{ring}_sliding": Output(f"{ring}_node", "m/s", f"sliding speed, {at}"),
-        f"{ring}_friction": Output(f"{ring}_node", "1", f"friction coefficient, {at}"),
+        f"{ring}_sliding": Output(f"{ring}_node", "m/s", f"sliding speed, {nodes}"),
+        f"{ring}_friction": Output(f"{ring}_node", "1", f"friction coefficient, {nodes}"),
     }
 
 
@@ -27,7 +28,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "roller_speed": Output(_ROLLER, "rad/s", "spin of a roller relative to its orbit"),
         "roller_slip": Output(_ROLLER, "1", "roller slip"),
         "orbit_angle": Output(
-            _ROLLER, "rad", "position from the line of load, or its direction 0, in the sense of the orbit"
+            _ROLLER, "rad", "position from the line of load, or from its direction 0, in the sense of the orbit"
         ),
         "normal_force": Output(_CONTACT, "N", "normal force"),
         "traction_force": Output(_CONTACT, "N", "traction, along the orbit"),
@@ -35,9 +36,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "film_parameter": Output(_CONTACT, "1", "smallest film parameter Lambda of a roller"),
         "energy": Output("time", "J", "kinetic energy, and elastic energy of the pockets"),
         "work_done": Output("work time", "J", "work done since the start"),
-        "energy_residual": Output("time", "J", "energy that the ledger does not explain"),
+        "energy_residual": Output("time", "J", "residual of the energy ledger"),
         "angular_momentum": Output("time", "N m s", "angular momentum about the axis"),
-        "momentum_residual": Output("time", "N m s", "angular momentum that the ledger does not explain"),
+        "momentum_residual": Output("time", "N m s", "residual of the ledger of angular momentum"),
         "inner_speed": Output("time", "rad/s", "speed of the inner ring, where a history gives it"),
         "outer_speed": Output("time", "rad/s", "speed of the outer ring, where a history gives it"),
         "radial_load": Output("time", "N", "radial load, where a history gives it"),
@@ -58,17 +59,17 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "ring roller", "m", "distance that a roller slides on a ring along a history, integrated at every step"
         ),
         "roller_frictional_work": Output(
-            "ring roller", "J", "work of a roller's sliding on a ring along a history; all sum to the energy ledger's"
+            "ring roller", "J", "work of sliding of a roller on a ring along a history; all sum to the energy ledger"
         ),
         "event_time": Output("event", "s", "time of the event"),
-        "event_what": Output("event", "1", "what happened"),
+        "event_what": Output("event", "1", "meaning of the event"),
         "event_rising": Output("event", "1", "1 where the watched value rose through its limit, 0 where it fell"),
         "pocket_force": Output(_ROLLER, "N", "force of a roller on its pocket"),
-        "pocket_displacement": Output(_ROLLER, "m", "place of a roller from its pocket's middle"),
-        **_nodes("inner"),
-        **_nodes("outer"),
+        "pocket_displacement": Output(_ROLLER, "m", "displacement of a roller from the middle of its pocket"),
+        **_friction_curve("inner"),
+        **_friction_curve("outer"),
         "ring_displacement": Output("direction time", "m", "displacement of the inner ring"),
-        "ring_deflection": Output("shape time", "m", "amplitude of a shape in which a ring yields, from the rollers"),
+        "ring_deflection": Output("shape time", "m", "amplitude of a deflection shape of a flexible ring"),
         "form_angle": Output("ring time", "rad", "angle by which the form of a raceway has turned with its ring"),
         "cage_displacement": Output("direction time", "m", "displacement of the cage"),
         "land_eccentricity": Output(
@@ -79,10 +80,10 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             for name, unit, meaning in (
                 ("largest_cage_slip", "1", "largest cage slip"),
                 ("largest_cage_slip_time", "s", "time of the largest cage slip"),
-                ("smallest_cage_slip", "1", "least cage slip, negative where the cage runs ahead"),
-                ("smallest_cage_slip_time", "s", "time of the least cage slip"),
-                ("smallest_margin_to_skidding", "1", "least slip that is left until skidding begins, at the moment"),
-                ("smallest_margin_time", "s", "time of that"),
+                ("smallest_cage_slip", "1", "smallest cage slip, negative where the cage runs ahead"),
+                ("smallest_cage_slip_time", "s", "time of the smallest cage slip"),
+                ("smallest_margin_to_skidding", "1", "smallest difference of skidding slip and cage slip"),
+                ("smallest_margin_time", "s", "time of the smallest difference of skidding slip and cage slip"),
                 ("time_beyond_skidding", "s", "time beyond the slip at which skidding begins"),
                 ("sliding_distance_inner", "m", "distance that a roller slides on the inner ring, mean of all"),
                 ("sliding_distance_outer", "m", "distance that a roller slides on the outer ring, mean of all"),
@@ -91,16 +92,16 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             )
         },
         **{
-            name: Output("", unit, f"{meaning} by losses", status="thermal_status", attribute=True)
+            name: Output("", unit, f"{meaning}, with temperatures by losses", status="thermal_status", attribute=True)
             for name, unit, meaning in (
                 ("hottest_temperature", "K", "highest temperature of a part"),
-                ("heat_made", "J", "heat that losses made"),
-                ("heat_stored", "J", "heat that warmed the parts"),
+                ("heat_made", "J", "heat generated by losses"),
+                ("heat_stored", "J", "heat stored in the parts"),
                 ("heat_carried_away", "J", "heat that left the bearing"),
             )
         },
-        "thermal_status": Output("", "1", "what the temperatures rest on", attribute=True),
-        "history_status": Output("", "1", "what these slips along a history rest on", attribute=True),
+        "thermal_status": Output("", "1", "what the temperatures are based on", attribute=True),
+        "history_status": Output("", "1", "what the slips along a history are based on", attribute=True),
         "steady_cage_slip": Output("", "1", "steady cage slip", status="steady_status", default=True, attribute=True),
         "steady_status": Output("", "1", "steady status", attribute=True),
         "skidding_slip": Output(
@@ -109,7 +110,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "limit_drag": Output(
             "", "N m", "limit drag torque", status="skidding_status", attribute=True
         ),
-        "skidding_status": Output("", "1", "what was found of skidding", attribute=True),
+        "skidding_status": Output("", "1", "status of the onset of skidding", attribute=True),
         "critical_cage_slip": Output(
             "", "1", "cage slip at largest traction of the inner ring's curve", status="critical_status", default=True,
             attribute=True,

@@ -182,9 +182,7 @@ def skidding_along(
     """
     if not history.speeds_in_proportion():
         unknown = np.full(times.size, np.nan)
-        reason = (
-            "not computed because the ratio of the speeds of the rings changes"
-        )
+        reason = "not computed because the ratio of the speeds of the rings changes"
         return SkiddingCourse(
             unknown,
             unknown,
@@ -322,7 +320,7 @@ class _OperationGrid:
     def describe(self) -> str:
         """Describe what interpolated values are based on."""
         text = (
-            "of the bearing held at the operation of the moment, between "
+            "of steady states at the operation of the moment, interpolated between "
             f"{len(self.onsets)} operations"
         )
         return f"{text}; at some of them: {min(self.problems)}" if self.problems else text

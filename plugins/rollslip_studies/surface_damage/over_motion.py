@@ -61,18 +61,24 @@ OVER_MOTION: Final[Mapping[str, Output]] = MappingProxyType(
         "worst": Output(
             "measure ring", OWN, "worst value of a measure of damage", status="worst_status"
         ),
-        "worst_time": Output("measure ring", "s", "when it was", status="worst_status"),
+        "worst_time": Output("measure ring", "s", "time of the worst value", status="worst_status"),
         "worst_angle": Output(
-            "measure ring", "rad", "position of the roller then", status="worst_status"
+            "measure ring",
+            "rad",
+            "orbital position of the roller with the worst value",
+            status="worst_status",
         ),
         "worst_place": Output(
-            "measure ring", "m", "place along the roller then", status="worst_status"
+            "measure ring",
+            "m",
+            "position of the worst value along the roller",
+            status="worst_status",
         ),
-        "worst_status": Output("measure ring", "1", "what was found of the measure"),
+        "worst_status": Output("measure ring", "1", "status of the measure"),
         "worst_over_time": Output(
             "measure ring measured_time",
             OWN,
-            "worst value of all contacts at some instants",
+            "worst value of all contacts at some times",
             status="worst_status",
         ),
         **DESCRIBED,

@@ -115,7 +115,7 @@ class BentRings:
             Amplitudes of the shapes of both rings [m].
         """
         outer = self.rings.outer.at(psi) @ deflection[self.rings.inner.stiffness.size :]
-        return np.asarray(outer - self.rings.formed(2).form(psi))
+        return np.asarray(outer - self.rings.with_single_form(2).form(psi))
 
     def energy(self, shapes: Array, speeds: Array) -> Array:
         """Return kinetic and elastic energy of the shapes minus the work of the forces on them [J], (...).
@@ -181,8 +181,8 @@ def bent_rings(assembly: Assembly, speeds: tuple[float, float] | None = None) ->
     _check_ring(RINGS[0], assembly.rings.inner, abs(inner_speed))
     _check_ring(RINGS[1], assembly.rings.outer, abs(outer_speed))
     rings = rotated(assembly.rings, 0.0)
-    inner = _spline(rings.formed(1))
-    outer = _spline(rings.formed(2))
+    inner = _spline(rings.with_single_form(1))
+    outer = _spline(rings.with_single_form(2))
     turns = (inner is not None and inner_speed != 0, outer is not None and outer_speed != 0)
     return BentRings(rings, (inner, outer), turns)
 

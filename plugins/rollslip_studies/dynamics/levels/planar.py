@@ -487,7 +487,7 @@ def _land(a: Assembly, settings: PlanarSettings) -> dict[str, float]:
 
 def _force_tables(a: Assembly, largest_force: float) -> tuple[ForceTable, ...]:
     """Return the tables of both raceways, or none: a law in Python may depend on more than the gap."""
-    if any(raceway.deflection.alone for raceway in a.raceways):
+    if any(raceway.deflection.is_single_threaded for raceway in a.raceways):
         return ()
     tables = [force_table(a, raceway, largest_force) for raceway in a.raceways]
     return tuple(table for table in tables if table is not None) if None not in tables else ()

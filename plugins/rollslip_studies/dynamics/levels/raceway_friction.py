@@ -365,7 +365,7 @@ def _reason_against_table(assembly: Assembly) -> str:
         return f"{assembly.slices} slices cost no more than a table of them"
     if assembly.inner.chain.placed:
         return "a law reads where slices are"
-    if any(raceway.chain.alone for raceway in assembly.raceways):
+    if any(raceway.chain.is_single_threaded for raceway in assembly.raceways):
         return "a law runs in Python, and may depend on more than a table knows"
     return ""
 
