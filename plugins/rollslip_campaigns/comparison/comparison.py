@@ -404,11 +404,18 @@ def _merged(
         str(name): "" for name, values in results[0].variables.items() if values.dtype.kind in "OU"
     }
     dataset = (
-        xr.concat(results, "combination", data_vars="all", coords="minimal", compat="override", join="override",
-                  combine_attrs="override")
+        xr.concat(
+            results,
+            "combination",
+            data_vars="all",
+            coords="minimal",
+            compat="override",
+            join="override",
+            combine_attrs="override",
+        )
         .assign_coords(combination=list(done))
         .reindex(combination=labels, fill_value={"regime": -1, **texts})
-    )  # fmt: skip
+    )
     if "film_thickness" in dataset:
         dataset["film_thickness"].attrs["long_name"] = "film thickness, the one of film_location"
     critical = dataset["critical_status"]

@@ -64,8 +64,9 @@ class ComparisonAccount(Account):
             zip(dataset["film"].to_numpy(), dataset["film_location"].to_numpy(), strict=True)
         )
         films = ", ".join(f"{film} {place}" for film, place in places.items() if place)
+        kind = "errors are against" if dataset.attrs["reference_named"] else "differences are from"
         sentences = [
-            f"{'errors are against' if dataset.attrs['reference_named'] else 'differences are from'} {reference}"
+            f"{kind} {reference}"
             if "bin" in dataset.dims
             else f"there are no differences, because {reference} failed",
             f"cost is the time of the models over that of {cheapest['combination'].item()}, {time} for a slice",
@@ -98,9 +99,16 @@ class ComparisonAccount(Account):
         """Return a table for each curve of a comparison; the film is the thinnest without slip."""
         which = "error" if dataset.attrs["reference_named"] else "difference"
         head = (
-            "combination", "slip at largest traction", "friction", "film", "Lambda", f"rms {which}", f"max {which}",
-            f"critical {which}", "cost",
-        )  # fmt: skip
+            "combination",
+            "slip at largest traction",
+            "friction",
+            "film",
+            "Lambda",
+            f"rms {which}",
+            f"max {which}",
+            f"critical {which}",
+            "cost",
+        )
         rows: dict[str, list[list[str]]] = {name: [] for name in curve_names(dataset)}
         for record in records(dataset):
             critical = record[curves_of(dataset).critical]

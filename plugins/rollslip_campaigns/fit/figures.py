@@ -75,8 +75,14 @@ def _fit(dataset: "xr.Dataset") -> "Figure":
         rows = dataset["operating_point"].to_numpy() == point
         error = dataset["uncertainty"].to_numpy()[rows] if known else None
         axes.errorbar(
-            100 * slip[rows], friction[rows], error, color=colour, linestyle="none", elinewidth=0.6, **_OPEN
-        )  # fmt: skip
+            100 * slip[rows],
+            friction[rows],
+            error,
+            color=colour,
+            linestyle="none",
+            elinewidth=0.6,
+            **_OPEN,
+        )
         selected = dataset.isel(point=point)
         (line,) = axes.plot(
             100 * selected["curve_slip"],

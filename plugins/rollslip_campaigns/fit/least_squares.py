@@ -60,18 +60,12 @@ class _SearchSettings:
     spread : float
         Half width of the cube of these starts: a factor of 5 in a logarithmic parameter. Chosen; a larger one starts
         where laws have no value.
-    ftol, xtol, gtol : float
-        Relative tolerances of chi2, of x, and of the gradient in SciPy's search: close to rounding, because a profile
-        compares values of chi2 that differ by 1e-3 of the variance.
     """
 
     step: float = 1e-5
     max_evaluations: int = 200
     other_starts: int = 8
     spread: float = math.log(5.0)
-    ftol: float = 1e-12
-    xtol: float = 1e-10
-    gtol: float = 1e-12
 
 
 _SEARCH: Final = _SearchSettings()
@@ -336,9 +330,10 @@ def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Min
         bounds=(low, high),
         method="dogbox",  # trf creeps towards a bound
         x_scale="jac",
-        ftol=_SEARCH.ftol,
-        xtol=_SEARCH.xtol,
-        gtol=_SEARCH.gtol,
+        # close to rounding: profiles compare values of chi2 that differ by 1e-3 of the variance
+        ftol=1e-12,
+        xtol=1e-10,
+        gtol=1e-12,
         max_nfev=_SEARCH.max_evaluations,
     )
     return Minimum(
@@ -407,12 +402,9 @@ class _ProfileWalk:
     high: Array
     scale: float
     #: The other parameters by the value of k at which they were fitted: starts of the next searches.
-    others: dict[float, Array] = attrs.field(init=False)
+    others: dict[float, Array] = attrs.field(factory=dict, init=False)
     #: Values of k at which chi2 rises only because the others meet their bounds.
     bounded: dict[float, Stop] = attrs.field(factory=dict, init=False)
-
-    def __attrs_post_init__(self) -> None:
-        self.others = {float(self.best.x[self.k]): np.delete(self.best.x, self.k)}
 
     def rise(self, value: float) -> float:
         """Return the rise of chi2 over the variance at a value of k; infinite where the law has no value."""
@@ -436,12 +428,13 @@ class _ProfileWalk:
         """Return the profile, from a walk to both sides; `error` is the standard error of k, or NaN."""
         k = self.k
         best = self.best.x[k]
+        self.others[float(best)] = np.delete(self.best.x, k)
         limits = np.full((len(quantiles), 2), np.nan)
         ends = list[float]()
         stops = list[Stop]()
         sides = []
         for side, (sign, bound) in enumerate(((-1.0, self.low[k]), (1.0, self.high[k]))):
-            walk, stop = self._walk(sign, quantiles[-1], error)
+            walk, stop = self._walk(sign, bound, quantiles[-1], error)
             end, last = walk[-1]
             for level, quantile in enumerate(quantiles):
                 limits[level, side] = self._limit(walk, quantile)
@@ -464,12 +457,9 @@ class _ProfileWalk:
         )
 
     def _walk(
-        self, sign: float, quantile: float, error: float
+        self, sign: float, bound: float, quantile: float, error: float
     ) -> tuple[list[tuple[float, float]], Stop]:
         """Return the points (value, rise) of one side, and what stopped the last step that was refused."""
-        low = self.low[self.k]
-        high = self.high[self.k]
-        bound = low if sign < 0.0 else high
         value = float(self.best.x[self.k])
         rise = 0.0
         stop: Stop = ()
@@ -479,7 +469,7 @@ class _ProfileWalk:
         smallest = _PROFILE.min_step * step
         walk = [(value, 0.0)]
         while rise < quantile and value != bound and step > smallest:
-            trial = float(np.clip(value + sign * step, low, high))
+            trial = float(np.clip(value + sign * step, self.low[self.k], self.high[self.k]))
             trial_rise = self.rise(trial)
             if math.isinf(trial_rise) or trial in self.bounded:
                 step = step / _PROFILE.shrinkage

@@ -311,9 +311,14 @@ def _search_bounds(start: float, low: float | None, high: float | None) -> dict[
 #: Values of an oil that are not fitted: a factor of them is fitted instead, no law of a contact reads them, or bound
 #: chains store them.
 _NOT_FITTED: Final = (
-    "viscosity", "thermoviscosity", "pressure_thermoviscosity", "density", "eyring_stress_slope", "shear_modulus_slope",
+    "viscosity",
+    "thermoviscosity",
+    "pressure_thermoviscosity",
+    "density",
+    "eyring_stress_slope",
+    "shear_modulus_slope",
     "pressure_exponent_factor",
-)  # fmt: skip
+)
 
 
 def _fittable(problem: RigProblem) -> Iterator[Parameter]:
@@ -339,17 +344,27 @@ def _fittable(problem: RigProblem) -> Iterator[Parameter]:
             doc = f"pressure-viscosity coefficient at {format_quantity(temperature, 'K')}"
         names.add(name)
         yield Parameter(
-            name=name, unit=unit, doc=doc, start=start, key=(key,), of_oil=True, unit_value=unit_value,
+            name=name,
+            unit=unit,
+            doc=doc,
+            start=start,
+            key=(key,),
+            of_oil=True,
+            unit_value=unit_value,
             **_search_bounds(start, 0.0, None),
-        )  # fmt: skip
+        )
     for path, value, attribute in _numbers(problem.traction):
         name = ".".join(path)
         limits = (getattr(attribute.validator, end, None) for end in ("low", "high"))
         yield Parameter(
             name=f"traction.{name}" if name in names else name,
-            unit=attribute.metadata["unit"], doc=attribute.metadata["doc"], start=value, key=path, of_oil=False,
+            unit=attribute.metadata["unit"],
+            doc=attribute.metadata["doc"],
+            start=value,
+            key=path,
+            of_oil=False,
             **_search_bounds(value, *limits),
-        )  # fmt: skip
+        )
 
 
 def _numbers(model: Any) -> "Iterator[tuple[tuple[str, ...], float, attrs.Attribute[Any]]]":

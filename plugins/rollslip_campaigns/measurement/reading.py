@@ -394,8 +394,11 @@ class _Reader:
             return
         source, text = text_named(path)
         stripped = ((number, line.strip()) for number, line in enumerate(text.split("\n"), 1))
-        lines = [(number, next(csv.reader([line], skipinitialspace=True))) for number, line in stripped
-                 if line and not line.startswith("#")]  # fmt: skip
+        lines = [
+            (number, next(csv.reader([line], skipinitialspace=True)))
+            for number, line in stripped
+            if line and not line.startswith("#")
+        ]
         if not lines:
             example = "operation.radial_load [N], measured [%], uncertainty [%]"
             self.problems.append(f"{source}: no header, such as '{example}'")

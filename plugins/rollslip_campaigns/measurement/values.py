@@ -23,9 +23,24 @@ from rollslip.units import format_quantity
 from rollslip_campaigns.measurement.rig import FilmRow, Rig, RigData, TractionRow
 
 __all__ = [
-    "EXPECTED", "FORM", "LICENCES", "MEASUREMENT", "QUANTITIES", "READ", "ContactSeries", "Measured", "Measurement",
-    "Quantity", "Row", "Series", "SeriesTable", "SourceTable", "Statement", "StatementTable", "Step",
-]  # fmt: skip
+    "EXPECTED",
+    "FORM",
+    "LICENCES",
+    "MEASUREMENT",
+    "QUANTITIES",
+    "READ",
+    "ContactSeries",
+    "Measured",
+    "Measurement",
+    "Quantity",
+    "Row",
+    "Series",
+    "SeriesTable",
+    "SourceTable",
+    "Statement",
+    "StatementTable",
+    "Step",
+]
 
 
 @attrs.frozen
@@ -107,9 +122,11 @@ class SeriesTable:
     data: str = _text("file of the rows, beside this one")
     uncertainty: str = _text("what the column of uncertainty rests on")
     reading_error: float | None = field(
-        doc="standard error of reading it off a figure, as a share of the value", unit="1", default=None,
+        doc="standard error of reading it off a figure, as a share of the value",
+        unit="1",
+        default=None,
         validator=attrs.validators.optional(positive),
-    )  # fmt: skip
+    )
 
 
 @attrs.frozen(kw_only=True)
@@ -138,9 +155,11 @@ class StatementTable:
         doc="how the values go along the steps, or where they lie", validator=choice_of(*EXPECTED)
     )
     by: float = field(
-        doc="least change from step to step that counts, as a share of the value before", unit="1", default=0.02,
+        doc="least change from step to step that counts, as a share of the value before",
+        unit="1",
+        default=0.02,
         validator=positive,
-    )  # fmt: skip
+    )
     limit: object = field(doc="of 'below' and 'above', with its unit", default=None)
     key: str = _text("key of the scene that the steps change, where it is one", "")
     values: tuple[object, ...] = field(doc="its values", default=())

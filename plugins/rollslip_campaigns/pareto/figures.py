@@ -133,7 +133,9 @@ def _panel(
         kind = str(part["kind"].values[k])
         planned = bool(labels[k] == PLANNED)
         emphasised = on_front[k] or planned or kind == "film"
-        colour = _COLOURS[kind if kind in kinds else kinds[0]] if emphasised else _GREY
+        colour = _GREY
+        if emphasised:
+            colour = _COLOURS[kind if kind in kinds else kinds[0]]
         style = _marker_style(kind, planned, bool(on_front[k]), colour)
         axes.errorbar(
             time[k],
@@ -154,13 +156,8 @@ def _panel(
 
 def _marker_style(kind: str, planned: bool, on_front: bool, colour: str) -> dict[str, Any]:
     """Return the style of a point: a diamond for the plan, a square for a film, a circle for others."""
-    marker = "o"
-    if planned:
-        marker = "D"
-    elif kind == "film":
-        marker = "s"
     return {
-        "marker": marker,
+        "marker": "D" if planned else {"film": "s"}.get(kind, "o"),
         "markersize": 5 if planned else 3.8,
         "markerfacecolor": "white" if planned and not on_front else colour,
         "markeredgecolor": "black" if planned else colour,
@@ -277,7 +274,15 @@ def _write_numbers(axes: "Axes", points: Sequence[tuple[str, float, float]]) -> 
         obstacles.numbers.append((point + offset - 0.5 * size, point + offset + 0.5 * size))
         if best[0] >= _LEADER:
             axes.annotate(
-                "", (x, y), tuple(points_per_pixel * (offset - 0.5 * size * np.array(best[1]))),
+                "",
+                (x, y),
+                tuple(points_per_pixel * (offset - 0.5 * size * np.array(best[1]))),
                 textcoords="offset points",
-                arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": "0.5", "shrinkA": 0.0, "shrinkB": 2.0},
-            )  # fmt: skip
+                arrowprops={
+                    "arrowstyle": "-",
+                    "linewidth": 0.4,
+                    "color": "0.5",
+                    "shrinkA": 0.0,
+                    "shrinkB": 2.0,
+                },
+            )

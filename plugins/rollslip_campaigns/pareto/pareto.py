@@ -200,9 +200,10 @@ def _dataset(
         family.plan.scene.accuracy.of(by_label[study, REFERENCE].tolerances[name])
         for study, name in results
     ]
-    labels = _attributes(family, "label")
-    kinds = _attributes(family, "kind")
-    owners = _attributes(family, "study")
+    labels, kinds, owners = (
+        np.array([getattr(choice, name) for choice in family.choices])
+        for name in ("label", "kind", "study")
+    )
     seconds, median, low, high = _times(records, family.rounds)
     numbers, statuses, floor = _compare_results(family, records, results)
     fronts = _fronts(family, numbers, floor, median, results)
@@ -251,11 +252,6 @@ def _by_label(family: Family, records: Sequence[Record]) -> dict[tuple[str, str]
     return {(choice.study, choice.label): record for choice, record in pairs}
 
 
-def _attributes(family: Family, name: str) -> NDArray[Any]:
-    """Return an attribute of all choices, (choice,)."""
-    return np.array([getattr(choice, name) for choice in family.choices])
-
-
 def _fronts(
     family: Family,
     numbers: Mapping[str, Array],
@@ -264,13 +260,14 @@ def _fronts(
     results: Sequence[tuple[str, str]],
 ) -> dict[str, NDArray[np.int8]]:
     """Return which choices are on the fronts of errors and of differences, (choice, result) each."""
-    labels = _attributes(family, "label")
-    kinds = _attributes(family, "kind")
-    owners = _attributes(family, "study")
     fronts = {name: np.zeros(values.shape, dtype=np.int8) for name, values in numbers.items()}
     for j, (study, _) in enumerate(results):
         for number, kind in (("error", "numerical"), ("difference", "modelling")):
-            rows = np.flatnonzero((owners == study) & ((kinds == kind) | (labels == PLANNED)))
+            rows = [
+                k
+                for k, choice in enumerate(family.choices)
+                if choice.study == study and (choice.kind == kind or choice.label == PLANNED)
+            ]
             # below the floor no choice is known to be more exact than another
             bounded = np.maximum(numbers[number][rows, j], floor[j])
             fronts[number][rows, j] = front(seconds[rows], bounded)
@@ -307,13 +304,13 @@ def _compare_results(
             if choice.study != study:
                 continue
             base = reference if choice.kind == "film" else exact
-            difference, status = _relative_error(record, base, name)
-            numbers["difference"][k, j] = difference
-            statuses["difference"][k, j] = status
+            numbers["difference"][k, j], statuses["difference"][k, j] = _relative_error(
+                record, base, name
+            )
             if choice.kind == "numerical" or choice.label in (REFERENCE, HALF):
-                error, status = _relative_error(record, reference, name)
-                numbers["error"][k, j] = error
-                statuses["error"][k, j] = status
+                numbers["error"][k, j], statuses["error"][k, j] = _relative_error(
+                    record, reference, name
+                )
     return numbers, statuses, floor
 
 

@@ -77,8 +77,18 @@ _DATE: Final = (1980, 1, 1, 0, 0, 0)
 _GUID_NAMESPACE: Final = uuid.UUID("6f0b1a3c-6c0e-5d0c-9f0e-0a5b7c1d2e3f")
 #: Flags of the compiler: no debugging information and no build id, which hold paths, and no fused multiplications,
 #: which would give other results on another processor.
-_FLAGS: Final = ("-std=c11", "-O2", "-g0", "-ffp-contract=off", "-shared", "-fPIC", "-fvisibility=hidden",
-                 "-Wall", "-Wextra", "-Wl,--build-id=none")  # fmt: skip
+_FLAGS: Final = (
+    "-std=c11",
+    "-O2",
+    "-g0",
+    "-ffp-contract=off",
+    "-shared",
+    "-fPIC",
+    "-fvisibility=hidden",
+    "-Wall",
+    "-Wextra",
+    "-Wl,--build-id=none",
+)
 
 
 #: Files in C that are the same for each bearing.
@@ -190,9 +200,11 @@ class TablesFormat(SceneFormat):
         """
         if result is None or result.attrs.get("study") != "surrogate":
             raise SceneError(
-                [f"format {self.name}: is written from tables; compute them by rollslip surrogate SCENE, and give "
-                 "--result surrogate.nc"]
-            )  # fmt: skip
+                [
+                    f"format {self.name}: is written from tables; compute them by rollslip surrogate SCENE, and give "
+                    "--result surrogate.nc"
+                ]
+            )
         return self.render(result)
 
     @abc.abstractmethod
@@ -263,9 +275,21 @@ def _compile_library(code: Mapping[str, str]) -> tuple[bytes | None, str]:
             if sys.platform.startswith("linux") or not flag.startswith("-Wl")
         ]
         process = subprocess.run(
-            [compiler, *flags, "-Wno-missing-braces", "bearing.c", "fmi2.c", "-o", "bearing.so", "-lm"],
-            cwd=folder, capture_output=True, text=True, check=False,
-        )  # fmt: skip
+            [
+                compiler,
+                *flags,
+                "-Wno-missing-braces",
+                "bearing.c",
+                "fmi2.c",
+                "-o",
+                "bearing.so",
+                "-lm",
+            ],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         if process.returncode:
             return None, f"{compiler} cannot compile it: {process.stderr.strip().splitlines()[-1:]}"
         return (Path(folder) / "bearing.so").read_bytes(), ""
@@ -283,17 +307,26 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
     packages = json.loads(result.attrs["packages"])
     error = 100.0 * float(result.attrs["error"])
     root = ET.Element(
-        "fmiModelDescription", fmiVersion="2.0", modelName="bearing", guid=guid,
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName="bearing",
+        guid=guid,
         description=f"Cage and rollers of a cylindrical roller bearing; friction within {error:.2g} % of "
         f"{result.attrs.get('title') or result.attrs.get('source', 'a scene')}",
-        generationTool=f"rollslip {packages.get('rollslip', '')}".strip(), variableNamingConvention="flat",
+        generationTool=f"rollslip {packages.get('rollslip', '')}".strip(),
+        variableNamingConvention="flat",
         numberOfEventIndicators="0",
-    )  # fmt: skip
+    )
     simulation = ET.SubElement(
-        root, "CoSimulation", modelIdentifier="bearing", canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUstate="true", canSerializeFMUstate="true", canBeInstantiatedOnlyOncePerProcess="false",
+        root,
+        "CoSimulation",
+        modelIdentifier="bearing",
+        canHandleVariableCommunicationStepSize="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+        canBeInstantiatedOnlyOncePerProcess="false",
         canNotUseMemoryManagementFunctions="false",
-    )  # fmt: skip
+    )
     if not binary_only:
         compiled = ET.SubElement(simulation, "SourceFiles")
         for name in ("bearing.c", "fmi2.c"):

@@ -32,8 +32,10 @@ class SurrogateAccount(Account):
         topics = {"error": [_error(dataset)], "ranges": [_ranges(dataset)]}
         skids = np.isnan(dataset["steady_cage_slip"].to_numpy())
         if skids.any():
-            topics["skidding"] = [f"the cage skids at {int(skids.sum())} of {skids.size} nodes of load, speed and "
-                                 "temperature: its drags are more than the rollers carry"]  # fmt: skip
+            topics["skidding"] = [
+                f"the cage skids at {int(skids.sum())} of {skids.size} nodes of load, speed and "
+                "temperature: its drags are more than the rollers carry"
+            ]
         return topics
 
     @staticmethod

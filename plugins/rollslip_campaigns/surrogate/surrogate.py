@@ -252,9 +252,11 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
     assembly = assemble(base)
     if (pocket := assembly.cage.drags.pocket_friction) is not None:
         raise SceneError(
-            [f"cage.drag: {pocket.name}: one mean roller has no force in its pocket, so that its friction there cannot "
-             "be tabulated; leave it out, or go through time at level pocket"]
-        )  # fmt: skip
+            [
+                f"cage.drag: {pocket.name}: one mean roller has no force in its pocket, so that its friction there "
+                "cannot be tabulated; leave it out, or go through time at level pocket",
+            ]
+        )
     ranges = _ranges(base, requested.over)
     error = read_fraction(requested.error)
     if not 1e-4 <= error <= 0.2:
@@ -313,14 +315,18 @@ def _check_drags(
     names = f"cage.drag: {', '.join(model.name for model in assembly.cage.drags.torques)}: "
     if deviation > _MAX_FORM_ERROR:
         raise SceneError(
-            [f"{names}their torque is not a sum of terms in the leads of the rings and in the speed of the cage, so "
-             "that it cannot be tabulated"]
-        )  # fmt: skip
+            [
+                f"{names}their torque is not a sum of terms in the leads of the rings and in the speed of the cage, so "
+                "that it cannot be tabulated"
+            ]
+        )
     if deviation > error:
         raise SceneError(
-            [f"{names}their error between the speeds of the finest table is {100 * deviation:.2g} %; allow a larger "
-             "error, or narrow the ranges of speeds"]
-        )  # fmt: skip
+            [
+                f"{names}their error between the speeds of the finest table is {100 * deviation:.2g} %; allow a larger "
+                "error, or narrow the ranges of speeds"
+            ]
+        )
 
 
 def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
@@ -561,8 +567,10 @@ def run_surrogate(
         tables = _coarsen(fine, strides)
         interpolated = _interpolate_operations(tables, axes, rows, operations)
         errors = _max_errors(_interpolate_all_nodes(interpolated, strides), reference)
-        print_line(f"{len(rows[0])} temperatures and {len(rows[1])} loads: the error at random operations is "
-                   f"{100 * errors.max():.2g} % at most")  # fmt: skip
+        print_line(
+            f"{len(rows[0])} temperatures and {len(rows[1])} loads: the error at random operations is "
+            f"{100 * errors.max():.2g} % at most"
+        )
         if errors.max() <= plan.error:
             break
         fraction *= _REFINEMENT.tightening
@@ -578,8 +586,9 @@ def run_surrogate(
 
 def _drag_error(plan: SurrogatePlan, rolling: Array) -> float:
     """Return the relative error of the drags, tabulated over some rolling speeds [m/s]."""
-    temperatures = np.array(plan.ranges[_KEYS[0]])
-    return _tabulate_drags(plan.sweep.scene, temperatures, plan.ranges, rolling)[2]
+    return _tabulate_drags(plan.sweep.scene, np.array(plan.ranges[_KEYS[0]]), plan.ranges, rolling)[
+        2
+    ]
 
 
 def _row(axis: Axis, level: int) -> list[int]:
@@ -620,9 +629,8 @@ def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[i
 
 def _random_operations(plan: SurrogatePlan) -> dict[str, Array]:
     """Return temperatures [K] and loads [N] of the random operations, (operations,) each."""
-    changes: list[Mapping[str, Any]] = [
-        plan.random.design.changes(k) for k in range(plan.random.design.size)
-    ]
+    design = plan.random.design
+    changes: list[Mapping[str, Any]] = [*map(design.changes, range(design.size))]
     return {
         key.partition(".")[2]: np.array(
             [float(change.get(key, plan.ranges[key][0])) for change in changes]
@@ -638,8 +646,10 @@ def _interpolate_operations(
     operations: Mapping[str, Array],
 ) -> dict[str, Array]:
     """Return tables (temperature, load, ...) interpolated at operations, (operation, ...)."""
-    t, w = (Axis(axes[name].nodes[row], axes[name].logarithmic).weights(operations[name])
-            for name, row in zip(axes, rows, strict=True))  # fmt: skip
+    t, w = (
+        Axis(axes[name].nodes[row], axes[name].logarithmic).weights(operations[name])
+        for name, row in zip(axes, rows, strict=True)
+    )
     return {
         name: np.einsum("pt,pw,tw...->p...", t, w, tables[name], optimize=True) for name in _TABLES
     }
@@ -746,8 +756,10 @@ def _dataset(
 
     scene = plan.sweep.scene
     T, W = (axes[name].nodes[row] for name, row in zip(axes, rows, strict=True))
-    nodes = {name: tables[name][0, 0][::stride] for name, stride in
-             zip(("cage_ratio", "rolling_speed", "slide_roll"), strides, strict=True)}  # fmt: skip
+    nodes = {
+        name: tables[name][0, 0][::stride]
+        for name, stride in zip(("cage_ratio", "rolling_speed", "slide_roll"), strides, strict=True)
+    }
     drags, max_cage_speed, _ = _tabulate_drags(scene, T, plan.ranges, nodes["rolling_speed"])
     dims = ("ring", "temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_roll")
     outputs = RacewayFriction.outputs
@@ -793,11 +805,12 @@ def _dataset(
         for name, value in values.items()
     }
     coords["ring"] = ("ring", ["inner", "outer"], about("1", "raceway"))
-    origin = origin_of_points(attrs.evolve(plan.sweep, scene=plan.scene), [], [], study="surrogate")
     result = xr.Dataset(
         variables,
         coords=coords,
-        attrs=origin
+        attrs=origin_of_points(
+            attrs.evolve(plan.sweep, scene=plan.scene), [], [], study="surrogate"
+        )
         | {
             "error": float(errors.max()),
             "median_error": float(np.median(errors)),
@@ -835,7 +848,6 @@ def _bearing_variables(scene: "Scene") -> dict[str, Any]:
     Z = scene.bearing.rollers
     m = assembly.roller_mass
     orbital = assembly.cage.inertia + Z * m * k.orbit_radius**2
-    spin = Z * 0.5 * m * k.roller_radius**2
     rows = (
         ("inner_radius", k.inner_radius, "m", "radius of the inner raceway"),
         ("outer_radius", k.outer_radius, "m", "radius of the outer raceway"),
@@ -843,7 +855,12 @@ def _bearing_variables(scene: "Scene") -> dict[str, Any]:
         ("orbit_radius", k.orbit_radius, "m", "radius of the orbit"),
         ("roller_mass", m, "kg", "mass of a roller"),
         ("orbital_inertia", orbital, "kg m2", "of cage and rollers"),
-        ("spin_inertia", spin, "kg m2", "of all rollers about themselves"),
+        (
+            "spin_inertia",
+            Z * 0.5 * m * k.roller_radius**2,
+            "kg m2",
+            "of all rollers about themselves",
+        ),
         ("first_load", o.radial_load, "N", "radial load of the scene"),
         ("first_temperature", o.temperature, "K", "temperature of the scene"),
         ("first_inner_speed", o.inner_speed, "rad/s", "speed of the inner ring of the scene"),

@@ -195,9 +195,12 @@ class Tables:
         axes = {
             name: Axis(result[name].to_numpy(), logarithmic)
             for name, logarithmic in (
-                ("temperature", False), ("radial_load", True), ("cage_ratio", True), ("rolling_speed", True)
+                ("temperature", False),
+                ("radial_load", True),
+                ("cage_ratio", True),
+                ("rolling_speed", True),
             )
-        }  # fmt: skip
+        }
         ratio = result["slide_roll"].to_numpy()
         small = float(result.attrs["sliding_small"])
         return cls(

@@ -53,7 +53,7 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 
 def _colours(dataset: "xr.Dataset") -> Mapping[str, tuple[str, str]]:
-    """Return colour and marker of each models."""
+    """Return colour and marker of each combination of models."""
     styles = zip(models_of(dataset), cycle(MODEL_COLOURS), cycle(_MARKS), strict=False)
     return {name: (colour, mark) for name, colour, mark in styles}
 
@@ -64,7 +64,7 @@ def _sheet(rows: int, models: int) -> Sheet:
 
 
 def _ratios(dataset: "xr.Dataset") -> "Figure":
-    """Return a figure of ratios: a line for each row of a data set, a marker for each models."""
+    """Return a figure of ratios: a line for each row of a data set, a marker for each combination of models."""
     keys = unique_texts(dataset, "data_set", "series", "condition")
     colours = _colours(dataset)
     sheet = _sheet(len(keys) * max(1, len(colours) // 2), len(colours))
@@ -176,7 +176,7 @@ def _draw_models(
 
 
 def _statements(dataset: "xr.Dataset") -> "Figure":
-    """Return a figure with a marker for each statement and models."""
+    """Return a figure with a marker for each statement and combination of models."""
     rows = rows_along(dataset, "statement")
     texts, models = (
         list(dict.fromkeys(row[f"statement_{name}"] for row in rows)) for name in ("text", "models")

@@ -131,9 +131,16 @@ def row_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
 
 #: Variables of rows that are numbers.
 _NUMBERS: Final = (
-    "measured", "uncertainty", "calculated", "calculated_low", "calculated_high", "ratio", "ratio_low", "ratio_high",
+    "measured",
+    "uncertainty",
+    "calculated",
+    "calculated_low",
+    "calculated_high",
+    "ratio",
+    "ratio_low",
+    "ratio_high",
     "seconds",
-)  # fmt: skip
+)
 
 
 def statement_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
@@ -155,7 +162,7 @@ class ValidationAccount(Account):
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Return sentences for each models: how many values lie inside and how many statements hold; and reasons."""
+        """Return the counts of verdicts for each combination of models, and reasons of missing verdicts."""
         topics = {name: [_count_verdicts(dataset, name)] for name in models_of(dataset)}
         sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
         estimated = [
@@ -255,12 +262,16 @@ def chi_square_cells(dataset: "xr.Dataset") -> list[list[str]]:
     """Return the cells of the table of chi-square, for each series of several rows that has row."""
     return [
         [
-            row["group_data_set"], row["group_series"], row["group_models"], f"{row['chi2']:.3g}", str(row["freedom"]),
+            row["group_data_set"],
+            row["group_series"],
+            row["group_models"],
+            f"{row['chi2']:.3g}",
+            str(row["freedom"]),
             f"{row['probability']:.2g}",
         ]
         for row in rows_along(dataset, "group")
         if math.isfinite(row["chi2"]) and row["freedom"] > 1
-    ]  # fmt: skip
+    ]
 
 
 ACCOUNT: Final = ValidationAccount("validation")

@@ -29,8 +29,14 @@ from rollslip_campaigns.measurement.values import QUANTITIES, ContactSeries, Row
 from rollslip_campaigns.validation.residuals import Value
 
 __all__ = [
-    "Predictions", "data_set_of", "form", "measurement_named", "predictions_of", "read_predictions", "write_form",
-]  # fmt: skip
+    "Predictions",
+    "data_set_of",
+    "form",
+    "measurement_named",
+    "predictions_of",
+    "read_predictions",
+    "write_form",
+]
 
 #: Standard uncertainty of rows for which the data state none, relative to the largest friction. Doubling it halves all
 #: errors over the uncertainty; the ranking of laws stays. Chosen, typical of traction rigs; reports say so.

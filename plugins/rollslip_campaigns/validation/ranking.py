@@ -386,9 +386,15 @@ def _signs(conditions: int, generator: np.random.Generator) -> Array:
 
 
 def _dataset(
-    plan: Validation, scores: Sequence[_Score], conditions: Sequence[str], names: tuple[str, ...],
-    requested: "RankingSettings", groups: Sequence[str], warnings: Sequence[str], seconds: float,
-) -> "xr.Dataset":  # fmt: skip
+    plan: Validation,
+    scores: Sequence[_Score],
+    conditions: Sequence[str],
+    names: tuple[str, ...],
+    requested: "RankingSettings",
+    groups: Sequence[str],
+    warnings: Sequence[str],
+    seconds: float,
+) -> "xr.Dataset":
     """Return the result, with the smallest error first."""
     import xarray as xr
 

@@ -164,11 +164,22 @@ def _row(
         status = status or f"{unknown:.0%} of the samples have no value"
     ratio = value.value / row.measured if row.measured else math.nan
     return RowResult(
-        **named, quantity=series.quantity, unit=series.unit, condition=row.label, measured=row.measured,
-        uncertainty=row.uncertainty, calculated=value.value, calculated_low=band[0], calculated_high=band[1],
-        ratio=ratio, ratio_low=ratio_band[0], ratio_high=ratio_band[1], verdict=verdict, status=status,
+        **named,
+        quantity=series.quantity,
+        unit=series.unit,
+        condition=row.label,
+        measured=row.measured,
+        uncertainty=row.uncertainty,
+        calculated=value.value,
+        calculated_low=band[0],
+        calculated_high=band[1],
+        ratio=ratio,
+        ratio_low=ratio_band[0],
+        ratio_high=ratio_band[1],
+        verdict=verdict,
+        status=status,
         seconds=value.seconds,
-    )  # fmt: skip
+    )
 
 
 def _quantiles(values: Array) -> tuple[float, float]:

@@ -61,9 +61,14 @@ if TYPE_CHECKING:
     from rollslip_campaigns.validation import RankingSettings, ValidationSettings
 
 __all__ = [
-    "AS_STATED", "Combination", "Validation", "evaluate_statement", "nominal_values", "plan_validation",
+    "AS_STATED",
+    "Combination",
+    "Validation",
+    "evaluate_statement",
+    "nominal_values",
+    "plan_validation",
     "run_validation",
-]  # fmt: skip
+]
 
 
 @attrs.frozen
