@@ -371,7 +371,7 @@ def test_a_task_of_dask_ends_whatever_becomes_of_its_result(fetched, ended):
     """The connection breaks while a result is on its way, or the scheduler forgets the task: no future stays open."""
 
     class Client:
-        read_status = "running"
+        status = "running"
         loop = SimpleNamespace(add_callback=lambda function: asyncio.run(function()))
 
         def submit(self, fn, *arguments, pure):
