@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 #: Unit of a measure that is a difference of temperatures, printed in K.
 RISE = "K, a difference"
+#: Start of the status of a worst value along a motion; the selected times follow, and after semicolons problems.
+_FOUND_AT: Final = f"{Status.FOUND} at"
 #: Variables of the worst value, by measure and ring.
 _WORST = ("worst", "worst_angle", "worst_place", "worst_status")
 
@@ -59,7 +61,7 @@ def over_motion(dataset: "xr.Dataset") -> dict[str, list[str]]:
     if "measure" not in dataset.dims:
         return {}
     statuses = [str(text).partition(";")[0] for text in dataset["worst_status"].to_numpy().ravel()]
-    found = sorted({status for status in statuses if "found at" in status})
+    found = sorted({status for status in statuses if _FOUND_AT in status})
     sentences = [
         f"the worst values were {text}; between instants they may be worse" for text in found[:1]
     ]
@@ -103,7 +105,7 @@ def _location(worst: "xr.Dataset") -> str:
         text += f" and {format_quantity(distance, 'm', 2)} from the middle of the roller"
     if "worst_time" in worst:
         text += f", at t = {float(worst['worst_time']):.3g} s"
-    _, _, problems = worst["worst_status"].item().partition("found at")[2].partition(";")
+    _, _, problems = worst["worst_status"].item().partition(_FOUND_AT)[2].partition(";")
     return str(text + problems)
 
 

@@ -24,6 +24,7 @@ from rollslip.bearing.equilibrium import solve_equilibrium
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, RollslipError
 from rollslip.results.dataset import about
+from rollslip.results.text import Status
 from rollslip.studies.answers import Output
 from rollslip.studies.surface_damage.model import (
     DESCRIBED,
@@ -163,7 +164,7 @@ def over_motion(
         if not np.isfinite(found.over_time[k, i]).any():
             status[k, i] = problem or f"no roller is loaded on the {RINGS[i]} ring at {selection}"
             continue
-        texts = [f"found at {selection}"]
+        texts = [f"{Status.FOUND} at {selection}"]
         if problem:
             texts.append(f"at some: {problem}")
         index = int(np.searchsorted(times, found.extremes[1, k, i]))
