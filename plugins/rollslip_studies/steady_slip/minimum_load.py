@@ -35,7 +35,7 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.text import SWITCHED_OFF, Status
 from rollslip.scene.relations import skf_minimum_load
 from rollslip.scene.values import Scene
-from rollslip.search import illinois_root, secant_root, polynomial_maximum
+from rollslip.search import illinois_root, polynomial_maximum, secant_root
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 
@@ -50,8 +50,8 @@ __all__ = [
 ]
 
 
-# The effects of these constants were measured by 24 searches: in four scenes of the catalogue at acceptable slips of 2 and
-# 30 %, and with a constant drag of 0.6 N m at 50 to 94 %, of which eight loads are those of a maximum.
+# The effects of these constants were measured by 24 searches: in four scenes of the catalogue at acceptable slips of 2
+# and 30 %, and with a constant drag of 0.6 N m at 50 to 94 %, where eight loads are those of a maximum.
 
 
 @attrs.frozen
