@@ -41,7 +41,7 @@ def nothing_for_readers(monkeypatch):
     """Let everything fail that only the reader of an answer needs."""
 
     def refuse(name):
-        def canonical_name(*_, **__):
+        def called(*_, **__):
             raise AssertionError(f"{name} was called though nobody asked for an answer")
 
         return called

@@ -251,7 +251,7 @@ def test_letters_of_figures_are_9_pixels_high_on_a_phone_or_the_page_says_scroll
     seen = []
     for figure in re.findall(r"<figure.*?</figure>", html, re.S):
         width = float(re.search(r'viewBox="0 0 ([\d.]+)', figure)[1])
-        least = re.search(r'class="wide-one" style="--least: (\d+)px"', figure)
+        least = re.search(r'class="wide-one" style="--min-width: (\d+)px"', figure)
         size = min(
             float(one)
             for one in re.findall(r"font(?:-size)?: ?([\d.]+)px", figure)

@@ -148,7 +148,9 @@ def test_forces_are_spread_along_tilted_rollers_as_the_motion_has_them():
         for i in range(len(RINGS)):
             ring = now.isel(ring=i)
             stored = float(np.abs(ring["traction_force"] * ring["sliding_speed"]).sum())
-            contacts, _, column = over_motion._contacts(at, ring, i, over_motion._tilted_loads(at, now))
+            contacts, _, column = over_motion._contacts(
+                at, ring, i, over_motion._tilted_loads(at, now)
+            )
             assert float((contacts.friction_power * at.widths[column]).sum()) == pytest.approx(
                 stored, rel=1e-3
             )
@@ -158,7 +160,9 @@ def test_the_roller_in_the_line_of_the_load_is_pressed_most_wherever_that_turns(
     tilted = assemble(rollslip.evolve(SCENE, {"operation.misalignment": "1 mrad"}))
     now = motion.isel(time=-1)
     for j in (0, 3, 11):
-        loads = over_motion._tilted_loads(tilted, now.assign(load_direction=float(now["orbit_angle"][j])))
+        loads = over_motion._tilted_loads(
+            tilted, now.assign(load_direction=float(now["orbit_angle"][j]))
+        )
         assert (loads @ tilted.widths).argmax(axis=1).tolist() == [j, j]
 
 

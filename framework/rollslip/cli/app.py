@@ -413,13 +413,13 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[ProgressReporter
 
     timer = ProgressTimer(seconds)
     if not sys.stderr.isatty():
-        said = timer.begin
+        said = timer.start
 
         def line(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
             nonlocal said
             timer.update(fraction, left)
-            if timer.at - said >= 30.0:
-                said = timer.at
+            if timer.updated - said >= 30.0:
+                said = timer.updated
                 click.echo(
                     ": ".join([what, ", ".join(filter(None, [text, timer.format_time_left()]))]),
                     err=True,

@@ -19,7 +19,7 @@ from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
 from rollslip.cli.units import with_units
 from rollslip.results.accounts import account_of
-from rollslip.results.answer import COLOURS, Answer
+from rollslip.results.answer import COLOURS, Answer, Verdict
 from rollslip.results.text import confidence, describe_law_outputs, first_line
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
@@ -192,7 +192,7 @@ def print_answer(answer: Answer) -> None:
     for k, line in enumerate(answer.lines()):
         text = Text(line, style="bold" if line.startswith(marked) else "")
         if not k and answer.verdict:
-            ink, ground = COLOURS[answer.verdict]
+            ink, ground = COLOURS[Verdict(answer.verdict)]
             text.stylize(f"bold {ink} on {ground}", 0, len(answer.verdict))
         terminal().print(text, soft_wrap=True)
 

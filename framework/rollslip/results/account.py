@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["ACCOUNT", "Account", "Contact", "Figures", "Sheet", "Story", "Table"]
+__all__ = ["ACCOUNT", "Account", "Contact", "Figures", "SpreadsheetRows", "Story", "Table"]
 
 
 @attrs.frozen
@@ -44,7 +44,7 @@ class Contact:
 #: The findings in the order of a report: texts, lists of sentences without full stops, tables.
 Story: TypeAlias = list[str | list[str] | Table]
 #: Head and rows of a spreadsheet: numbers and texts; None where there is no value.
-Sheet: TypeAlias = tuple[list[str], list[list[Any]]]
+SpreadsheetRows: TypeAlias = tuple[list[str], list[list[Any]]]
 #: Name, caption and figure of each figure of a result.
 Figures: TypeAlias = "Iterator[tuple[str, str, Figure]]"
 
@@ -96,7 +96,7 @@ class Account:
         """Return the tables of a report."""
         return []
 
-    def sheets(self, dataset: "xr.Dataset") -> dict[str, Sheet]:
+    def sheets(self, dataset: "xr.Dataset") -> dict[str, SpreadsheetRows]:
         """Return head and rows of spreadsheets, by name; empty for those of an answer or of each point."""
         return {}
 

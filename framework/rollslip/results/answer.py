@@ -683,7 +683,7 @@ def _varied_quantity(item: Mapping[str, Any]) -> str:
         if key == "factor":
             name = f"drag {table}"
         return f"{name} x {two_digits(bounds[0])} to {two_digits(bounds[1])}"
-    name = key.replace("_", " ")
+    name: str = key.replace("_", " ")
     unit = shown_unit(max(map(abs, bounds)), item["unit"] or "1")
     low, high = (converted(bound, item["unit"], unit) for bound in bounds)
     if low > 0.0 and high < _SMALL_NUMBER:
@@ -777,7 +777,7 @@ def _message_rank(message: Mapping[str, Any]) -> tuple[bool, float]:
 def _note(message: Mapping[str, Any], consequences: Mapping[str, Mapping[str, Any]]) -> Note:
     """Return the note of a message on a range, with the changes by another law, if these were evaluated."""
     code = message.get("code", "")
-    not_evaluated = {"changes": {}} if consequences else {}
+    not_evaluated: dict[str, Any] = {"changes": {}} if consequences else {}
     row = consequences.get(code, not_evaluated)
     changes = row.get("changes")
     if changes is not None:

@@ -1,7 +1,7 @@
-"""Figures of friction curves: what those of several studies draw alike, and one for a study that has none of its own.
+"""Figures of friction curves: functions that several studies share, and a figure for studies without their own.
 
-- Everything reads in grey: curves differ in lightness, and dashed is only ever the thermal branch.
-- What is said in words stands above the curves, in room that is kept free for it, never on them.
+- Figures are readable in grey: curves differ in lightness, and only the thermal branch is dashed.
+- Texts are above the curves, in space that is reserved for them.
 """
 
 import textwrap
@@ -40,21 +40,22 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Where a label may stand, the best first: offset in points from what it belongs to, alignment.
-_PLACES: Final = tuple(
-    (x, y, aligned)
+#: Positions of a label, the best first: offset from its point [pt], alignment. Chosen: close ones first, above before
+#: below.
+_LABEL_POSITIONS: Final = tuple(
+    (x, y, alignment)
     for y in (5, -5, 13, -13)
-    for x, aligned in ((0, "center"), (4, "left"), (-4, "right"), (13, "left"), (-13, "right"))
+    for x, alignment in ((0, "center"), (4, "left"), (-4, "right"), (13, "left"), (-13, "right"))
 )
 
-#: What a marker says that is the largest friction of a curve.
+#: Label of a marker at the largest friction of a curve.
 _CRITICAL = "slip at largest traction; friction falls beyond it"
 
 
 def plain_curves(dataset: "xr.Dataset") -> "Figure":
-    """Draw the curves of a dataset over slip, those of small numbers lighter, as its attribute ``curves`` has them."""
-    of = Curves.from_dataset(dataset)
-    assert of is not None
+    """Draw the curves of a dataset over slip, those of small numbers lighter."""
+    names = Curves.from_dataset(dataset)
+    assert names is not None
     figure, axes = new_figure()
     shown = curves(dataset)
     lines = [
@@ -63,29 +64,29 @@ def plain_curves(dataset: "xr.Dataset") -> "Figure":
             shown, light_to_dark()(np.linspace(1.0, 0.0, len(shown))[::-1]), strict=True
         )
     ]
-    axes.set_xlabel(axis_label(dataset[of.slip], "", "%"))
-    axes.set_ylabel(axis_label(dataset[of.variable], "", "–"))
+    axes.set_xlabel(axis_label(dataset[names.slip], "", "%"))
+    axes.set_ylabel(axis_label(dataset[names.variable], "", "–"))
     finish(figure, axes, shown, lines)
     return figure
 
 
 def over_slip(dataset: "xr.Dataset", name: str) -> "Figure":
     """Draw a variable of the points of all curves over slip, those of small numbers lighter."""
-    of = Curves.from_dataset(dataset)
+    curves = Curves.from_dataset(dataset)
     sheet = Sheet()
-    assert of is not None
-    names = curve_names(dataset)
-    for k, label in enumerate(names):
-        slip = 100.0 * dataset[of.slip]
-        colour = light_to_dark()(1.0 - k / max(len(names) - 1, 1))
+    assert curves is not None
+    labels = curve_names(dataset)
+    for k, label in enumerate(labels):
+        slip = 100.0 * dataset[curves.slip]
+        colour = light_to_dark()(1.0 - k / max(len(labels) - 1, 1))
         sheet.line(slip, dataset[name][k], label, color=colour)
     return sheet.done(
-        axis_label(dataset[of.slip], "", "%"),
+        axis_label(dataset[curves.slip], "", "%"),
         axis_label(dataset[name], "", dataset[name].attrs["units"]),
     )
 
 
-# What they share ----------------------------------------------------------------------------------------------------
+# Shared by studies ----------------------------------------------------------------------------------------------------
 
 
 def new_figure() -> "tuple[Figure, Axes]":
@@ -97,26 +98,52 @@ def new_figure() -> "tuple[Figure, Axes]":
 def draw_curve(
     axes: "Axes", curve: Curve, colour: Any, label: str, *, width: float = 1.4, tinted: bool = False
 ) -> "Line2D":
-    """Draw a curve, its thermal branch dashed and on request tinted down to zero; return what the legend shows."""
-    x, y, begin, end = curve.branches()
+    """Draw a curve with its thermal branch dashed; return the line for the legend.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        The panel.
+    curve : Curve
+        The curve.
+    colour : colour of Matplotlib
+        Its colour.
+    label : str
+        Its label in the legend.
+    width : float
+        Width of the line [pt].
+    tinted : bool
+        Whether the area below the thermal branch is tinted.
+    """
+    x, y, start, end = curve.branches()
     x = 100 * x
-    (line,) = axes.plot(x[: begin + 1], y[: begin + 1], color=colour, linewidth=width, label=label)
+    (line,) = axes.plot(x[: start + 1], y[: start + 1], color=colour, linewidth=width, label=label)
     if curve.has_critical:
-        thermal = slice(begin, end + 1)
+        thermal = slice(start, end + 1)
         if tinted:
             axes.fill_between(x[thermal], 0.0, y[thermal], color=colour, alpha=0.15, linewidth=0.0)
         axes.plot(x[thermal], y[thermal], color=colour, linewidth=width, linestyle="dashed")
         axes.plot(x[end:], y[end:], color=colour, linewidth=width)
-        axes.vlines(x[begin], 0.0, y[begin], color=colour, linewidth=0.7, linestyle="dotted")
-        axes.plot(x[begin], y[begin], color=colour, **MARKER)
+        axes.vlines(x[start], 0.0, y[start], color=colour, linewidth=0.7, linestyle="dotted")
+        axes.plot(x[start], y[start], color=colour, **MARKER)
     return line
 
 
-def annotate_point(axes: "Axes", text: str, place: tuple[float, float]) -> "Annotation":
-    """Write a text above a point, in data coordinates."""
+def annotate_point(axes: "Axes", text: str, point: tuple[float, float]) -> "Annotation":
+    """Write a text above a point.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        The panel.
+    text : str
+        The text.
+    point : tuple of float
+        The point, in data coordinates.
+    """
     return axes.annotate(
         text,
-        place,
+        point,
         (0, 5),
         textcoords="offset points",
         horizontalalignment="center",
@@ -131,7 +158,21 @@ def finish(
     handles: "Sequence[Artist]",
     others: Array | None = None,
 ) -> None:
-    """Set the ranges, with room above the curves for what has to be said in words, and say it."""
+    """Set the ranges of a figure, with space for texts above the curves, and write texts and legend.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    axes : matplotlib.axes.Axes
+        Its panel.
+    shown : sequence of Curve
+        The curves in it.
+    handles : sequence of Artist
+        Items of the legend.
+    others : array, shape (k, n), optional
+        Further rows of friction in the panel, at the same slips.
+    """
     from matplotlib.lines import Line2D
 
     rows = np.vstack([curve.friction for curve in shown] + ([] if others is None else [others]))
@@ -151,25 +192,23 @@ def finish(
     )
     written.set_in_layout(False)
     if critical:
-        assumption = critical[0].assumption  # on a line of its own, as wide as the figure is
-        words = (
-            f"slip at largest traction {assumption};\nfriction falls beyond it"
-            if assumption
-            else _CRITICAL
-        )
+        assumption = critical[0].assumption  # on a line of its own, as long as the figure is wide
+        label = _CRITICAL
+        if assumption:
+            label = f"slip at largest traction {assumption};\nfriction falls beyond it"
         handles = [
             *handles,
-            Line2D([], [], color="0.35", linestyle="dashed", label=words, **MARKER),
+            Line2D([], [], color="0.35", linestyle="dashed", label=label, **MARKER),
         ]
     figure.legend(handles=handles, loc="outside upper left")
     rows_of_legend = sum(1 + str(handle.get_label()).count("\n") for handle in handles)
     figure.set_figheight(SINGLE_COLUMN[1] + ROW * rows_of_legend)
-    lay_out(figure)  # it depends on the place of the axes what a label covers
+    lay_out(figure)  # the position of the axes decides what a label covers
     _write_critical(axes, critical, rows, written)
 
 
 def _write_critical(axes: "Axes", critical: Sequence[Curve], rows: Array, written: "Text") -> None:
-    """Write the critical slips beside their maxima, each where it covers least of curves and of other words."""
+    """Write the critical slips beside their maxima, each where it covers the least of curves and other texts."""
     taken = [written.get_window_extent()]
     for curve in critical:
         dense = np.linspace(curve.slip[0], curve.slip[-1], 1000)
@@ -180,24 +219,25 @@ def _write_critical(axes: "Axes", critical: Sequence[Curve], rows: Array, writte
         )
 
         def covered(
-            place: tuple[float, float, str], label: "Annotation" = label, pixels: Array = pixels
+            position: tuple[float, float, str], label: "Annotation" = label, pixels: Array = pixels
         ) -> int:
-            label.set_position(place[:2])
+            label.set_position(position[:2])
             label.set(
-                horizontalalignment=place[2], verticalalignment="bottom" if place[1] > 0 else "top"
+                horizontalalignment=position[2],
+                verticalalignment="bottom" if position[1] > 0 else "top",
             )
             box = label.get_window_extent()
             inside = np.all((box.min < pixels) & (pixels < box.max), axis=1)
-            words = sum(box.overlaps(other) for other in taken)
-            beyond = not axes.bbox.x0 < box.x0 < box.x1 < axes.bbox.x1
-            return int(np.count_nonzero(inside)) + pixels.size * (words + beyond)
+            overlaps = sum(box.overlaps(other) for other in taken)
+            is_outside = not axes.bbox.x0 < box.x0 < box.x1 < axes.bbox.x1
+            return int(np.count_nonzero(inside)) + pixels.size * (overlaps + is_outside)
 
-        covered(min(_PLACES, key=covered))
+        covered(min(_LABEL_POSITIONS, key=covered))
         taken.append(label.get_window_extent())
 
 
 def _notes(shown: Sequence[Curve], width: int) -> str:
-    """What was found instead of a critical slip; the status without its advice, once for all curves it is true of."""
+    """Return the statuses of curves without a critical slip, without advice, each once for all its curves."""
     without: dict[str, list[str]] = {}
     for curve in shown:
         if not curve.has_critical:

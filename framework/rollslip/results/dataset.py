@@ -1,10 +1,10 @@
-"""Results: what a dataset and its variables say of themselves, and files that hold it without loss.
+"""Datasets of results: attributes of variables, and netCDF files that store them without loss.
 
 - A result is an xarray Dataset; its attributes make it reproducible (`rollslip.planning.provenance`).
-- A file ends with a checksum of all before it, which netCDF does not read, and which is checked when it is opened. A
-  program that changes a file in place cuts it off; the file has a mark inside that it ought to be there.
-- A file appears whole or not at all (`rollslip.files`). It is made in memory: where a disk is full, HDF5 leaves a
-  file that cannot be closed and takes the process down.
+- A file ends with a checksum of all bytes before it, which netCDF does not read, and which is checked when the file is
+  opened. A program that changes a file in place cuts the checksum off; an attribute says that there should be one.
+- A file is written completely or not at all (`rollslip.files`). It is built in memory, because HDF5 on a full disk
+  leaves a file that cannot be closed and ends the process.
 """
 
 import io
@@ -35,9 +35,9 @@ VOLATILE = (
     "integration_seconds",
     "real_time_factor",
 )
-#: Attributes that say what to cite: as it reads, and as data.
+#: Attributes with what to cite: as text, and as data.
 CITED = ("citations", "bibliography")
-#: What attributes are that any result may have: texts, finite numbers from 0 on, and structures as JSON.
+#: Attributes of any result that are texts.
 _TEXTS: Final = (
     "study",
     "scene_hash",
@@ -48,14 +48,16 @@ _TEXTS: Final = (
     "note",
     "scene",
 )
+#: Attributes of any result that are finite numbers, 0 or more.
 _NUMBERS: Final = ("evaluations", "wall_time")
+#: Attribute of any result that is a structure in JSON -> its type.
 _STRUCTURES: Final = dict.fromkeys(
     ("accuracy", "bibliography", "citations", "models", "plan", "reinstated", "warnings"), list
 ) | dict.fromkeys(
     ("conditions", "cost", "curves", "film_limits", "lubricant", "packages", "resolution", "scene_resolved",
      "validity"), dict
 )  # fmt: skip
-#: What readers raise where a file, or what it holds, is of another shape than they take for granted.
+#: Errors that readers raise where a file, or a value in it, has another shape than expected.
 READ_ERRORS: Final = (
     ArithmeticError,
     AttributeError,
@@ -65,22 +67,25 @@ READ_ERRORS: Final = (
     ValueError,
 )
 
-#: Characters of a value that a message shows.
+#: Characters of a value that a message shows, so that it stays a line.
 _SHOWN: Final = 80
-#: By how much deflate packs at most, and bytes of values that any file may claim.
-_MAX_PACKED: Final = 1032
-_FREELY: Final = 1 << 24
-#: Version of what stands in a file of a result, and what its last line says.
+#: Largest ratio of compression by deflate; a file that claims more is damaged or malicious.
+_MAX_COMPRESSION: Final = 1032
+#: Bytes of values that any file may claim, whatever its size. Chosen: a few MB do no harm.
+_MIN_CLAIM: Final = 1 << 24
+#: Version of the format of a file.
 FORMAT: Final = 1
+#: Last line of a file: format and checksum.
 _SEAL: Final = b"\nrollslip result %d sha256 %s\n"
-#: Attribute of a file that has a checksum, and what it says to whoever reads it elsewhere.
+#: Attribute of a file that has a checksum, and its value, for readers by other programs.
 _MARK: Final = ("sealed", "a SHA-256 of all before it follows at the end of the file")
+#: Pattern of the last line.
 _SEALED: Final = re.compile(rb"\nrollslip result (\d+) sha256 ([0-9a-f]{64})\n\Z")
 
 
-#: Attribute of a coordinate of names: the unit of what has each, where they differ, as JSON.
+#: Attribute of a coordinate of names: JSON with the unit of each name, where these differ.
 UNITS: Final = "units_by_name"
-#: Attribute of a variable: which other one says in words why it has no value.
+#: Attribute of a variable: the variable with its status, which says why a value is missing.
 STATUS_VARIABLE: Final = "told_by"
 #: Names of variables, attributes and keys in results that were stored before these were renamed -> present name.
 #: A name is added when a variable is renamed, and stays while results with it may exist.
@@ -133,7 +138,7 @@ FORMER_NAMES: Final[Mapping[str, str]] = {
 }
 #: A former name in the JSON text of an attribute.
 _QUOTED: Final = re.compile(f'"({"|".join(FORMER_NAMES)})"')
-#: A scene has one key that was called so: the number of points of the course of temperatures over time.
+#: Key of a resolved scene that had a former name in another sense: the points of the course of temperatures.
 _KEYS_OF_SCENES: Final = {"instants": "course_points"}
 
 
@@ -143,11 +148,11 @@ def about(unit: str, long_name: str) -> dict[str, Any]:
 
 
 def rows_along(dataset: "xr.Dataset", dim: str) -> list[dict[str, Any]]:
-    """Return the values of all variables that have one dimension alone, by name, for each place along it."""
+    """Return the values of all variables of one dimension, as one mapping of names to values for each of its points."""
     columns = {
-        str(name): one.to_numpy().tolist()
-        for name, one in dataset.variables.items()
-        if one.dims == (dim,)
+        str(name): variable.to_numpy().tolist()
+        for name, variable in dataset.variables.items()
+        if variable.dims == (dim,)
     }
     return [
         dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
@@ -155,30 +160,39 @@ def rows_along(dataset: "xr.Dataset", dim: str) -> list[dict[str, Any]]:
 
 
 def save(dataset: "xr.Dataset", path: Path) -> None:
-    """Write a dataset as netCDF-4; the file appears whole or not at all.
+    """Write a dataset as netCDF-4; the file is written completely or not at all.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result.
+    path : Path
+        The file.
 
     Raises
     ------
     OutputError
         If it cannot be written.
     """
-    told = {
+    attributes = {
         key: readable(value) if isinstance(value, str) else value
         for key, value in dataset.attrs.items()
     }
-    content = bytes(dataset.assign_attrs({**told, _MARK[0]: _MARK[1]}).to_netcdf(engine="h5netcdf"))
+    content = bytes(
+        dataset.assign_attrs({**attributes, _MARK[0]: _MARK[1]}).to_netcdf(engine="h5netcdf")
+    )
     with whole_file(path) as partial:
         partial.write_bytes(content + _SEAL % (FORMAT, sha256(content).hexdigest().encode()))
 
 
 def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
-    """Return a stored result; it is read whole, and the file is closed.
+    """Return a stored result; the whole file is read and closed.
 
     Raises
     ------
     OutputError
-        If the file does not exist, is not a result of rollslip, is not what was written, or was written by a newer
-        version; or if an attribute that any result may have is not what it has to be.
+        If the file does not exist, is not a result of rollslip, was changed, or was written by a newer version; or if
+        an attribute has a wrong type.
     """
     import h5py
     import xarray as xr
@@ -191,11 +205,11 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
         sealed = _check_seal(content, path)
         with h5py.File(io.BytesIO(content)) as file:  # xarray would read dimensions at once
             claims = sum(
-                one.size * one.dtype.itemsize
-                for one in file.values()
-                if isinstance(one, h5py.Dataset)
+                variable.size * variable.dtype.itemsize
+                for variable in file.values()
+                if isinstance(variable, h5py.Dataset)
             )
-        if claims > _MAX_PACKED * len(content) + _FREELY:
+        if claims > _MAX_COMPRESSION * len(content) + _MIN_CLAIM:
             raise ValueError(f"it claims {claims:.3g} bytes of values in {len(content)} bytes")
         with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", phony_dims="access") as stored:
             dataset = stored.load()
@@ -243,7 +257,7 @@ def with_present_names(dataset: "xr.Dataset") -> "xr.Dataset":
 
 
 def _fault(name: str, value: object) -> str:
-    """Say what is wrong with an attribute that any result may have; nothing of others, which their studies know."""
+    """Return what is wrong with an attribute of any result; empty for attributes that only some studies have."""
     if name in _TEXTS and not isinstance(value, str):
         return f"is {shown_short(value)}, and has to be a text"
     if name in _NUMBERS and not (isinstance(value, Real) and 0.0 <= float(value) < math.inf):
@@ -252,24 +266,22 @@ def _fault(name: str, value: object) -> str:
         return ""
     expected = "a list" if _STRUCTURES[name] is list else "a table"
     try:
-        held = json.loads(value) if isinstance(value, str) else None
+        structure = json.loads(value) if isinstance(value, str) else None
     except (ValueError, RecursionError) as error:
         return f"is {shown_short(value)}, and has to be {expected} in JSON ({error})"
-    return (
-        ""
-        if isinstance(held, _STRUCTURES[name])
-        else f"is {shown_short(value)}, and has to be {expected} in JSON"
-    )
+    if isinstance(structure, _STRUCTURES[name]):
+        return ""
+    return f"is {shown_short(value)}, and has to be {expected} in JSON"
 
 
 def shown_short(value: object) -> str:
-    """Return a value of any length as a message shows it."""
+    """Return a value as text for a message, cut to a few words."""
     shown = repr(value)
     return shown if len(shown) <= _SHOWN else f"{shown[:_SHOWN]}... ({len(shown)} characters)"
 
 
 def _check_seal(content: bytes, path: Path) -> bool:
-    """Refuse what is not what was written; return whether there is a checksum, which older files have not."""
+    """Raise an error for a file that was changed; return whether it has a checksum, which older files do not have."""
     seal = _SEALED.search(content, max(0, len(content) - 200))
     if seal is None:
         return False
@@ -287,10 +299,10 @@ def _check_seal(content: bytes, path: Path) -> bool:
 
 
 def citations_of(*datasets: "xr.Dataset") -> list[Citation]:
-    """Return what results say is to be cited, each once; texts only, where a result is older than the data."""
+    """Return the citations of results, each once; as texts only, for results that were stored without data."""
     texts, data = CITED
     return unique_works(
-        from_dict(one) if isinstance(one, dict) else one
+        from_dict(item) if isinstance(item, dict) else item
         for dataset in datasets
-        for one in json.loads(dataset.attrs.get(data, dataset.attrs.get(texts, "[]")))
+        for item in json.loads(dataset.attrs.get(data, dataset.attrs.get(texts, "[]")))
     )

@@ -254,7 +254,7 @@ def _named_datasets(
     """Return the datasets of results, files and folders, and their sources, by names that are different for each."""
     items = list[Any]()
     for item in results:
-        items += sorted(Path(item).glob("*.nc")) if _is_folder(item) else [item]  # type: ignore[arg-type]
+        items += sorted(Path(item).glob("*.nc")) if _is_folder(item) else [item]
     if not items:
         raise OutputError("report: there is no result (.nc) in that folder; name that of a run")
     datasets = dict[str, xr.Dataset]()

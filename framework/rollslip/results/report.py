@@ -1,15 +1,15 @@
-"""The report: everything that is known about a run in one HTML file that opens anywhere and stays readable.
+"""The report of a run: all results in one HTML file that any browser opens and that stays readable for years.
 
-- The answer stands first, on paper on a page of its own: verdict, rows, inputs, one figure, notes. Behind it come the
-  other figures and the warnings with their consequences; all else is folded, on paper too, until a reader opens it.
-- The figures follow the page: light, dark, or printed. Tables become lists where a screen is narrow.
-- One file without scripts and without anything to load; a content security policy in its head lets the browser hold
-  that. The figures stand in it as SVG, their ids made unique, because ids are shared by the whole page.
-- It is written from the datasets alone, so that a stored result gives the same report years later. What a dataset
-  does not say is left out; what all of them say alike is said once.
-- Every text from a scene or a plugin is escaped where it is put into the page: in `_tag`, in cells of `html_table`
-  and around the figures, nowhere else.
-- It is well-formed XML too, which tests can hold more strictly than HTML.
+- The answer is first, in print on a page of its own: verdict, rows, inputs, one figure, notes. The other figures and
+  the warnings with their consequences follow. All other sections are folded until a reader opens them, in print too.
+- The figures follow the page: light, dark, or printed. Tables become lists on narrow screens.
+- The file has no scripts and loads nothing; a content security policy in its head lets the browser enforce that.
+  Figures are embedded as SVG, with unique ids, because ids are shared by the whole page.
+- The report is written from the datasets alone, so that a stored result gives the same report years later. Attributes
+  that are missing are left out; attributes that are the same for all datasets are shown once.
+- Every text from a scene or a plugin is escaped where it is put into the page: in `_tag`, in cells of `html_table` and
+  around the figures, nowhere else.
+- The page is well-formed XML, which tests can check more strictly than HTML.
 """
 
 import contextlib
@@ -59,7 +59,7 @@ if TYPE_CHECKING:
 
 __all__ = ["is_report", "write_report"]
 
-#: Attributes of any study: what they are called in the table of numbers, and their units.
+#: Attribute of any study -> its name in the table of numbers, and its unit.
 _NUMBERS: Final = {
     "n_positions": ("roller positions within a pitch", ""),
     "positions_error": ("relative error left by the roller positions, estimated", "1"),
@@ -71,27 +71,31 @@ _NUMBERS: Final = {
     "wall_time": ("wall time", "s"),
 }
 
-#: Width [pt] from which on a figure takes the whole page, and pixels for a point at which its letters can be read.
+#: Width of a figure [pt] from which it takes the whole width of the page: figures of one column have 255 pt.
 _WIDE: Final = 300.0
+#: Pixels for a point at which letters of 6.5 pt are readable, 9 pixels high; with fewer a page scrolls sideways.
 _READABLE: Final = 1.4
-_LEAST: Final = "--least"  # the variable in the style sheet that has them
-#: What the first page says of the scene, few enough to leave it one page, and how it calls that.
-_GIVEN: Final = {
+#: Variable of the style sheet with the smallest width of a figure.
+_MIN_WIDTH: Final = "--min-width"
+#: Key of the scene that the first page shows -> its name; more would not fit on the page.
+_FIRST_INPUTS: Final = {
     "bearing.rollers": "rollers", "bearing.roller_diameter": "their diameter", "bearing.roller_length": "their length",
     "operation.inner_speed": "inner speed", "operation.outer_speed": "outer speed", "operation.radial_load": "load",
     "operation.misalignment": "misalignment", "operation.temperature": "temperature", "lubricant.name": "oil",
     "lubrication.supply": "oil supply", "cage.make": "cage", "cage.guidance": "guided by",
 }  # fmt: skip
 
-#: Commands that write a report, in a shell and in Python, and what a page that is there names in their place.
-_ITSELF: Final = re.compile(r"^rollslip( run |\.report\(rollslip\.run\()(.*?)( --report|\)\))$")
+#: A command that writes a report, in a shell or in Python; a report proposes a study of uncertainty in its place.
+_REPORT_COMMAND: Final = re.compile(
+    r"^rollslip( run |\.report\(rollslip\.run\()(.*?)( --report|\)\))$"
+)
 
 
-def _beyond(of: re.Match[str]) -> str:
+def _uncertainty_command(report: re.Match[str]) -> str:
+    """Return the command of a study of uncertainty in place of a command that writes a report."""
+    _, _, scene, end = report.group(0, 1, 2, 3)
     return (
-        f"rollslip uncertainty {of[2]}"
-        if of[3].startswith(" ")
-        else f"rollslip.uncertainty({of[2]})"
+        f"rollslip uncertainty {scene}" if end.startswith(" ") else f"rollslip.uncertainty({scene})"
     )
 
 
@@ -101,13 +105,26 @@ def write_report(
     path: Path,
     scene: str = "",
 ) -> None:
-    """Write one self-contained HTML file about the results of a run; `scene` is what its commands are to take."""
-    cases = {case for one in datasets.values() if (case := describe_case(one))}
+    """Write one self-contained HTML file about the results of a run.
+
+    Parameters
+    ----------
+    datasets : mapping of str to xarray.Dataset
+        Results by name.
+    figures : mapping of str to sequence of Path
+        SVG files of each result.
+    path : Path
+        The file.
+    scene : str
+        Argument of the commands in the report.
+    """
+    cases = {describe_case(dataset) for dataset in datasets.values()} - {()}
     first = answer(*datasets.values(), scene=scene) if len(cases) < 2 else Answer()
-    first = attrs.evolve(first, next=tuple(_ITSELF.sub(_beyond, to_do) for to_do in first.next))
+    commands = (_REPORT_COMMAND.sub(_uncertainty_command, command) for command in first.next)
+    first = attrs.evolve(first, next=tuple(commands))
     leading = next((row.study for row in first.rows if row.key == "cage_slip"), "")
     lead, drawings, colours = _figures(figures, leading)
-    shown = [
+    sections = [
         section
         for section in (
             _Section("Figures", "figures", drawings, folded=False),
@@ -131,14 +148,15 @@ def write_report(
             _PAGE.substitute(
                 title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
                 style=_STYLE + colours,
-                verdict=_answered(first, lead, datasets) if first.rows or first.verdict else "",
+                verdict=_first_page(first, lead, datasets) if first.rows or first.verdict else "",
                 introduction="".join(
                     _tag("p", text) for _, text in _distinct(datasets, "description") if text
                 ),
                 contents="".join(
-                    f'<li><a href="#{section.key}">{section.heading}</a></li>' for section in shown
+                    f'<li><a href="#{section.key}">{section.heading}</a></li>'
+                    for section in sections
                 ),
-                sections="".join(section.html for section in shown),
+                sections="".join(section.html for section in sections),
             ),
             encoding="utf-8",
         )
@@ -146,7 +164,7 @@ def write_report(
 
 @attrs.frozen
 class _Section:
-    """A part of the page; a folded one opens where a link leads into it."""
+    """A section of the page; a folded one opens where a link leads into it."""
 
     heading: str
     key: str
@@ -164,59 +182,65 @@ class _Section:
         )
 
 
-def _answered(first: Answer, lead: str, datasets: "Datasets") -> str:
-    """Return what fills the first page: the answer with its notes, and its figure beside what was given."""
+def _first_page(first: Answer, lead: str, datasets: "Datasets") -> str:
+    """Return the first page: the answer with its notes, the leading figure, and the most important inputs."""
     scene = next(
-        (one.attrs["scene_resolved"] for one in datasets.values() if "scene_resolved" in one.attrs),
+        (
+            dataset.attrs["scene_resolved"]
+            for dataset in datasets.values()
+            if "scene_resolved" in dataset.attrs
+        ),
         "{}",
     )
-    given = dict(_flat(json.loads(scene)))
+    inputs = dict(_flat(json.loads(scene)))
     units = _known_keys(())
     rows = [
-        [name, _value(given[key], units.get(key, ("",))[0])]
-        for key, name in _GIVEN.items()
-        if key in given
+        [name, _value(inputs[key], units.get(key, ("",))[0])]
+        for key, name in _FIRST_INPUTS.items()
+        if key in inputs
     ]
     return f'{first.html()}<div class="given">{lead}{html_table(("input", "value"), rows)}</div>'
 
 
-# Sections: each gives its HTML, or nothing if the datasets say nothing about it -------------------------------------
+# Sections: each returns its HTML, empty if the datasets have nothing for it -------------------------------------
 
 
 def _warnings(datasets: "Datasets") -> str:
-    """Those of most consequence, and all others folded below."""
+    """Return the most severe warnings, with all others folded below."""
     first, more = collect_warnings(datasets.values())
     if not more:
         return _list(first)
     body = ""
-    for heading, judged in _per_study(datasets, "validity"):
-        if rest := [one["text"] for one in judged.get("messages", ()) if one["text"] not in first]:
-            body += heading + _list(rest)
+    for heading, record in _per_study(datasets, "validity"):
+        texts = [message["text"] for message in record.get("messages", ())]
+        others = [text for text in texts if text not in first]
+        if others:
+            body += heading + _list(others)
     summary = describe_more_bounds(more).partition(":")[0]
     return f"{_list(first)}<details>{_tag('summary', summary)}{body}</details>"
 
 
 def _findings(datasets: "Datasets") -> str:
+    """Return the findings of each dataset, and the confidence in them."""
     body = ""
     for name, dataset in datasets.items():
-        if told := "".join(
-            _told(part)
-            for part in (*account_of(dataset).story(dataset), describe_law_outputs(dataset))
-            if part
-        ):
-            body += _tag("h3", name) + told
-    sure = confidence(datasets.values())
-    return body + (_tag("p", f"Confidence: {sure}.") if sure and body else "")
+        parts = (*account_of(dataset).story(dataset), describe_law_outputs(dataset))
+        findings = "".join(_finding(part) for part in parts if part)
+        if findings:
+            body += _tag("h3", name) + findings
+    level = confidence(datasets.values())
+    if level and body:
+        body += _tag("p", f"Confidence: {level}.")
+    return body
 
 
-def _told(part: str | list[str] | Table) -> str:
+def _finding(part: str | list[str] | Table) -> str:
+    """Return a part of the findings: a table, a paragraph or a list of sentences."""
     if isinstance(part, Table):
         return html_table(part.head, part.rows, capitalise(part.caption))
-    return (
-        _tag("p", capitalise(part))
-        if isinstance(part, str)
-        else _list(f"{capitalise(text)}." for text in part)
-    )
+    if isinstance(part, str):
+        return _tag("p", capitalise(part))
+    return _list(f"{capitalise(text)}." for text in part)
 
 
 def _figures(figures: Mapping[str, Sequence[Path]], leading: str) -> tuple[str, str, str]:
@@ -224,22 +248,24 @@ def _figures(figures: Mapping[str, Sequence[Path]], leading: str) -> tuple[str, 
     first = [*figures.get(leading, ())][:1]
     files = [*first, *(file for group in figures.values() for file in group if file not in first)]
     named = [(file.stem, file.read_text(encoding="utf-8")) for file in files]
-    named[len(first) :] = sorted(named[len(first) :], key=lambda one: _width(one[1]) > _WIDE)
+    named[len(first) :] = sorted(named[len(first) :], key=lambda item: _width(item[1]) > _WIDE)
     colours = adapting([svg for _, svg in named])
-    drawn = [_figure(svg, number, name) for number, (name, svg) in enumerate(named, 1)]
-    lead = "".join(drawn[: len(first)])
-    others = "".join(drawn[len(first) :])
-    return lead, f'<div class="figures">{others}</div>' if others else "", colours if named else ""
+    parts = [_figure(svg, number, name) for number, (name, svg) in enumerate(named, 1)]
+    lead = "".join(parts[: len(first)])
+    others = "".join(parts[len(first) :])
+    if others:
+        others = f'<div class="figures">{others}</div>'
+    return lead, others, colours if named else ""
 
 
 def _width(svg: str) -> float:
-    """Width of a drawing as it is printed [pt]."""
+    """Return the printed width of a drawing [pt]; infinite where it has none."""
     size = re.search(r'<svg[^>]* width="([\d.]+)pt"', svg)
     return float(size[1]) if size else math.inf
 
 
 def _figure(svg: str, number: int, name: str) -> str:
-    """Put one SVG into the page: without its prologue and metadata, which become caption and label."""
+    """Return an SVG as a figure of the page: its metadata become caption and label, its ids unique."""
 
     def metadata(element: str, default: str) -> str:
         found = re.search(rf"<dc:{element}>(.*?)</dc:{element}>", svg, re.DOTALL)
@@ -252,7 +278,7 @@ def _figure(svg: str, number: int, name: str) -> str:
     drawing = re.sub(r'(\sid="|href="#|url\(#)', rf"\g<1>figure{number}-", drawing)
     width = _width(svg)
     kind = (
-        f' class="wide-one" style="{_LEAST}: {_READABLE * width:.0f}px"'
+        f' class="wide-one" style="{_MIN_WIDTH}: {_READABLE * width:.0f}px"'
         if _WIDE < width < math.inf
         else ""
     )
@@ -265,6 +291,7 @@ def _figure(svg: str, number: int, name: str) -> str:
 
 
 def _plan(datasets: "Datasets") -> str:
+    """Return the lines of the plan, the errors against their tolerances, and the processor time."""
     body = ""
     for heading, parts in _per_study(datasets, "plan"):
         body += heading
@@ -301,7 +328,7 @@ def _plan(datasets: "Datasets") -> str:
                 ]
                 for row in rows
             ],
-            "Whether the plan kept its word",
+            "Whether the errors keep their tolerances",
         )
     for _, cost in _per_study(datasets, "cost"):
         actual, estimated = (
@@ -312,11 +339,13 @@ def _plan(datasets: "Datasets") -> str:
 
 
 def _cost(part: Mapping[str, Any]) -> str:
+    """Return the estimated cost of a part of the plan as text."""
     seconds = part.get("seconds")
     return "" if seconds is None else format_quantity(seconds, "s", 2)
 
 
 def _models(datasets: "Datasets") -> str:
+    """Return the models that were used."""
     return "".join(
         heading
         + html_table(
@@ -337,6 +366,7 @@ def _models(datasets: "Datasets") -> str:
 
 
 def _input(datasets: "Datasets") -> str:
+    """Return all keys of the resolved scene, with values and meanings."""
     body = ""
     for heading, scene in _per_study(datasets, "scene_resolved"):
         rows = []
@@ -351,18 +381,17 @@ def _input(datasets: "Datasets") -> str:
 
 
 def _known_keys(studies: Iterable[str]) -> dict[str, tuple[str, str]]:
-    """Unit and meaning of the keys of a scene, also of the tables that the reader of scenes leaves raw."""
+    """Return unit and meaning of the keys of a scene, those of oil and studies included."""
     rows = [*schema(), *rows_of(OilTable, "lubricant.")]
     for name in studies:
-        with contextlib.suppress(
-            PluginError
-        ):  # the package is not here, or broken: its keys go without a meaning
+        # keys of a study whose package is missing or broken have no meaning
+        with contextlib.suppress(PluginError):
             rows += rows_of(get_class("study", name), f"study.{name}.")
     return {row.key: (row.unit, row.doc) for row in rows}
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Keys with their tables, and their values; a list of tables is numbered from 1, empty lists are left out."""
+    """Yield full keys and values of a table; tables in a list are numbered from 1, empty lists are left out."""
     for key, value in table.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):
             value = {str(number): inner for number, inner in enumerate(value, 1)}
@@ -373,17 +402,20 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any
 
 
 def _oil(datasets: "Datasets") -> str:
+    """Return oil, named data, clearance and the conditions of the contacts."""
     body = ""
     for heading, oil in _per_study(datasets, "lubricant"):
         body += heading + _tag("p", f"Oil {oil['name']}. {oil['source'] or ''}")
-        if grades := oil.get("grades"):  # results of before had none
+        grades = oil.get("grades")  # older results do not have it
+        if grades:
             each = ", ".join(f"{key.replace('_', ' ')} ({grade})" for key, grade in grades.items())
             body += _tag("p", f"Data quality: {each}. {legend(grades.values())}.")
-    for heading, named in _per_study(datasets, "data"):
-        for one in named:
-            body += heading + _tag(
-                "p", f"{one['kind'].capitalize()} {one['name']}. {one['source']} {one['validity']}"
+    for heading, items in _per_study(datasets, "data"):
+        for item in items:
+            text = (
+                f"{item['kind'].capitalize()} {item['name']}. {item['source']} {item['validity']}"
             )
+            body += heading + _tag("p", text)
     for heading, clearance in _per_study(datasets, "clearance"):
         body += heading + _tag("p", f"Clearance in operation: {clearance['text']}.")
     for heading, rings in _per_study(datasets, "conditions"):
@@ -396,6 +428,7 @@ def _oil(datasets: "Datasets") -> str:
 
 
 def _regimes(datasets: "Datasets") -> str:
+    """Return film regimes, film parameters and load parameters of the contacts."""
     rows = []
     for name, dataset in datasets.items():
         if "load_parameter" not in dataset:
@@ -429,7 +462,7 @@ def _regimes(datasets: "Datasets") -> str:
 
 
 def _numbers(datasets: "Datasets") -> str:
-    """Numbers of single studies, then those of any."""
+    """Return the numbers of single studies, then those of any study."""
     numbers = {name: account_of(dataset).numbers for name, dataset in datasets.items()}
     own = dict.fromkeys(item for each in numbers.values() for item in each.items())
     rows = [
@@ -451,6 +484,7 @@ def _numbers(datasets: "Datasets") -> str:
 
 
 def _provenance(datasets: "Datasets") -> str:
+    """Return scene, hash, time of creation and packages."""
     rows = [
         [
             label,
@@ -475,12 +509,13 @@ def _provenance(datasets: "Datasets") -> str:
 
 
 def _citations(datasets: "Datasets") -> str:
-    items = "".join(f"<li>{_linked(one)}</li>" for one in citations_of(*datasets.values()))
+    """Return what is to be cited."""
+    items = "".join(f"<li>{_linked(item)}</li>" for item in citations_of(*datasets.values()))
     return f"<ul>{items}</ul>" if items else ""
 
 
 def _linked(citation: Citation) -> str:
-    """Return how a citation reads, its DOI as a link."""
+    """Return a citation with its DOI as a link."""
     text = escape(str(citation))
     if isinstance(citation, str) or not citation.doi:
         return text
@@ -489,6 +524,7 @@ def _linked(citation: Citation) -> str:
 
 
 def _scene(datasets: "Datasets") -> str:
+    """Return the scenes as they were written."""
     return "".join(
         f"{heading}<details><summary>show</summary>{_tag('pre', text)}</details>"
         for heading, text in _per_study(datasets, "scene", str)
@@ -496,31 +532,30 @@ def _scene(datasets: "Datasets") -> str:
     )
 
 
-# What they share ----------------------------------------------------------------------------------------------------
+# Shared by sections --------------------------------------------------------------------------------------------------
 
 
 def _distinct(datasets: "Datasets", attribute: str) -> list[tuple[list[str], Any]]:
-    """Values of an attribute, each with the names of the datasets that have it."""
-    found: dict[Any, list[str]] = {}
+    """Return the different values of an attribute, each with the names of its datasets."""
+    names_of: dict[Any, list[str]] = {}
     for name, dataset in datasets.items():
         if attribute in dataset.attrs:
-            found.setdefault(dataset.attrs[attribute], []).append(name)
-    return [(names, value) for value, names in found.items()]
+            names_of.setdefault(dataset.attrs[attribute], []).append(name)
+    return [(names, value) for value, names in names_of.items()]
 
 
 def _per_study(
     datasets: "Datasets", attribute: str, read: Callable[[str], Any] = json.loads
 ) -> list[tuple[str, Any]]:
-    """Values of an attribute, each under a heading that says whose it is unless all datasets have the same."""
-    found = _distinct(datasets, attribute)
-    return [
-        (_tag("h3", ", ".join(names)) if len(found) > 1 else "", read(value))
-        for names, value in found
-    ]
+    """Return the different values of an attribute, with headings that name their datasets; without for one value."""
+    values = _distinct(datasets, attribute)
+    if len(values) == 1:
+        return [("", read(value)) for _, value in values]
+    return [(_tag("h3", ", ".join(names)), read(value)) for names, value in values]
 
 
 def _value(value: object, unit: str, digits: int = 6) -> str:
-    """Show a value for people: numbers with their unit, lists item by item, texts as they are."""
+    """Return a value as text: numbers with their unit, lists item by item, texts as they are."""
     if isinstance(value, list):
         return ", ".join(_value(item, unit, digits) for item in value)
     if value is None or (isinstance(value, float) and math.isnan(value)):
@@ -535,10 +570,12 @@ def _value(value: object, unit: str, digits: int = 6) -> str:
 
 
 def _tag(name: str, text: object) -> str:
+    """Return an element of HTML with a text, which is escaped."""
     return f"<{name}>{escape(str(text))}</{name}>"
 
 
 def _list(texts: "Iterator[str] | Sequence[str] | Mapping[str, None]") -> str:
+    """Return texts as a list of HTML; empty without texts."""
     items = "".join(_tag("li", text) for text in texts)
     return f"<ul>{items}</ul>" if items else ""
 
@@ -600,7 +637,7 @@ pre { overflow-x: auto; padding: 1rem; background: var(--tint); font-size: .8rem
 @media screen and (max-width: 46rem) {
   body { padding: 1.25rem 1rem 3rem; }
   .figures, .given { grid-template-columns: minmax(0, 1fr); }
-  .wide-one svg { width: var(--least); max-width: none; }
+  .wide-one svg { width: var(--min-width); max-width: none; }
   .wide-one .sheet::before { content: "scroll sideways \\2192"; position: sticky; left: 0; color: var(--quiet); }
   table, caption, tbody, tr, tbody th, td { display: block; min-width: 0; overflow-wrap: anywhere; }
   thead { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
@@ -658,7 +695,7 @@ $sections</main>
 
 
 def is_report(path: Path) -> bool:
-    """Return whether a file is a report of ours, which another one may replace."""
+    """Whether a file is a report of rollslip, which another report may replace."""
     try:
         with path.open("rb") as file:
             return b'<meta name="generator" content="rollslip"' in file.read(1000)

@@ -1,10 +1,10 @@
-"""What the figures of all studies share: style, colours, sizes, and how they become files.
+"""Style, colours and sizes of all figures, and their files.
 
 - Text is text in SVG and PDF: it can be searched, selected, read aloud, and edited. An SVG names Matplotlib's own font
-  and one of the same widths that most machines have; a PDF brings its font along.
-- The metadata of a file hold caption and findings, which the report uses as caption and alternative text.
+  and one of the same widths that most machines have; a PDF has its font embedded.
+- The metadata of a file have caption and findings, which the report uses as caption and alternative text.
 - The same dataset gives the same bytes: fixed salt for ids, no date, matplotlib's own defaults and its own font, so
-  that nobody's matplotlibrc has a say. Figures are made without pyplot, so that no state outlives them.
+  that a user's matplotlibrc has no effect. Figures are made without pyplot, so that they leave no state.
 - Widths are those of one and of two columns of a journal page; letters have 7 pt in print.
 - Numbers at ticks are plain letters: as mathematical text, in which matplotlib sets them for the sake of a power beside
   the axis, they look the same and take a third of the time of a figure.
@@ -34,8 +34,9 @@ if TYPE_CHECKING:
 #: Okabe & Ito (2008), "Color universal design": the blue and the orange are told apart with every kind of colour
 #: vision, and in grey. Orange and sky blue are darker than theirs, which have too little contrast for lines on white.
 RING_COLOURS: Final = {"inner": "#0072B2", "outer": "#C07F00"}
-#: The same palette for models that are compared, and dashes that tell them apart in grey.
+#: The same palette for models that are compared.
 MODEL_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#C07F00", "#3A92C8")
+#: Dashes of models that are compared, which are different in grey, too.
 DASHES: Final = (
     "solid",
     (0, (4, 1.5)),
@@ -45,9 +46,10 @@ DASHES: Final = (
 )
 #: Nunez, Anderton & Renslow (2018): lightness rises evenly, for grey print and every kind of colour vision.
 SEQUENTIAL: Final = "cividis"
-#: Brewer (2003): for what has a sign, white at zero; blue and red are told apart with every kind of colour vision.
+#: Brewer (2003): for values of both signs, white at zero; blue and red differ for every kind of colour vision.
 DIVERGING: Final = "RdBu_r"
 
+#: Parameters of Matplotlib that differ from its defaults.
 STYLE: Final[Mapping[str, Any]] = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans", "Verdana", "sans-serif"],  # the first comes with matplotlib
@@ -75,11 +77,15 @@ STYLE: Final[Mapping[str, Any]] = {
     "svg.hashsalt": "rollslip",
 }
 
+#: Style of markers.
 MARKER: Final[Mapping[str, Any]] = {"marker": "o", "markersize": 4, "markeredgecolor": "white"}
+#: Millimetre [inch].
 MM: Final = 1 / 25.4
+#: Size of a figure of one column of a journal page [inch].
 SINGLE_COLUMN: Final = (90 * MM, 62 * MM)
+#: Size of a figure of two columns [inch].
 TWO_COLUMNS: Final = (190 * MM, 80 * MM)
-#: Height of a row of the legend, by which a figure grows so that its axes do not shrink.
+#: Height of a row of the legend [inch], by which a figure grows so that its axes do not shrink.
 ROW: Final = 4 * MM
 
 
@@ -89,15 +95,27 @@ def save_figures(
     folder: Path,
     formats: Sequence[str] = ("svg",),
 ) -> list[Path]:
-    """Write figures, given as name, caption and figure; they have to be drawn while they are iterated."""
+    """Write figures and return the files.
+
+    Parameters
+    ----------
+    figures : iterable of (str, str, Figure)
+        Name, caption and figure; each has to be drawn during the iteration, in the style of this function.
+    findings : str
+        Findings of the result, as alternative text.
+    folder : Path
+        Folder of the files; it is created if it does not exist.
+    formats : sequence of str
+        Suffixes, of `FORMATS`.
+    """
     files = []
     with styled():
         for name, caption, figure in figures:
             folder.mkdir(parents=True, exist_ok=True)
-            for one in formats:
-                files.append(folder / f"{name}.{one}")
+            for suffix in formats:
+                files.append(folder / f"{name}.{suffix}")
                 with whole_file(files[-1]) as partial:
-                    FORMATS[one](figure, partial, caption, findings)
+                    FORMATS[suffix](figure, partial, caption, findings)
     return files
 
 
@@ -109,13 +127,23 @@ def styled() -> Any:
 
 
 def as_svg(figure: "Figure", caption: str, findings: str) -> str:
-    """Return a figure as SVG; it is the same text whenever it is the same figure."""
+    """Return a figure as SVG; the same figure gives the same text.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    caption : str
+        Its caption, as metadata.
+    findings : str
+        Its alternative text, as metadata.
+    """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     set_plainly(figure)
     canvas: Any = FigureCanvasSVG(figure)
     with io.StringIO() as text:
-        canvas.print_svg(  # savefig draws every figure once more before
+        canvas.print_svg(  # savefig would draw every figure twice
             text,
             metadata={
                 "Title": caption,
@@ -125,40 +153,44 @@ def as_svg(figure: "Figure", caption: str, findings: str) -> str:
             },
         )
         return re.sub(
-            r"<text>\s*(<tspan.*?</tspan>)\s*</text>", _in_words, text.getvalue(), flags=re.DOTALL
+            r"<text>\s*(<tspan.*?</tspan>)\s*</text>",
+            _join_letters,
+            text.getvalue(),
+            flags=re.DOTALL,
         )
 
 
-def _in_words(text: re.Match[str]) -> str:
-    """Put the letters of mathematical text, which matplotlib writes one by one, together to words."""
+def _join_letters(text: re.Match[str]) -> str:
+    """Return a mathematical text in SVG with its letters, which Matplotlib writes one by one, joined to words."""
     letters = re.findall(
         r'<tspan x="([^"]*)" y="([^"]*)" style="([^"]*)">(.*?)</tspan>', text[1], re.DOTALL
     )
     words: list[list[str]] = []
     for (y, style), some in groupby(
-        sorted(letters, key=lambda one: float(one[0])), key=lambda one: one[1:3]
+        sorted(letters, key=lambda letter: float(letter[0])), key=lambda letter: letter[1:3]
     ):
         run = list(some)
-        while (
-            run and words and run[0][3].isspace()
-        ):  # a space that begins a word would be swallowed
+        # a space at the start of a word would be lost
+        while run and words and run[0][3].isspace():
             run.pop(0)
             words[-1][3] += " "
         if run:
             words.append(
                 [run[0][0], y, style, "".join(letter for *_, letter in run).replace("\u00a0", " ")]
             )
-    said = "".join(
+    spans = "".join(
         f'<tspan x="{x}" y="{y}" style="{style}">{word}</tspan>' for x, y, style, word in words
     )
-    return f"<text>{said}</text>"
+    return f"<text>{spans}</text>"
 
 
 def _svg(figure: "Figure", path: Path, caption: str, findings: str) -> None:
+    """Write a figure as SVG."""
     path.write_text(as_svg(figure, caption, findings), encoding="utf-8")
 
 
 def _pdf(figure: "Figure", path: Path, caption: str, findings: str) -> None:
+    """Write a figure as PDF."""
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
 
     set_plainly(figure)
@@ -175,6 +207,7 @@ def _pdf(figure: "Figure", path: Path, caption: str, findings: str) -> None:
 
 
 def _png(figure: "Figure", path: Path, caption: str, findings: str) -> None:
+    """Write a figure as PNG."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     set_plainly(figure)
@@ -185,16 +218,16 @@ def _png(figure: "Figure", path: Path, caption: str, findings: str) -> None:
     )
 
 
-#: What figures are written as.
+#: Suffix of a file -> function that writes it.
 FORMATS: Final[Mapping[str, Any]] = {"svg": _svg, "pdf": _pdf, "png": _png}
-#: Dots per inch of a PNG: sharp in print at its size, and on screens that are fine.
+#: Dots per inch of a PNG. Chosen: sharp in print and on fine screens; twice as many make files four times as large.
 _DPI: Final = 300
 
 
 def lay_out(figure: "Figure") -> None:
-    """Place the axes of a figure, once; what is added later has to find room in them.
+    """Lay out the axes of a figure once; later additions have to fit into them.
 
-    Matplotlib would lay it out again when it is saved, at the price of half a figure.
+    Matplotlib would lay the figure out again when it is saved, which takes half the time of a figure.
     """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -206,31 +239,33 @@ def lay_out(figure: "Figure") -> None:
         figure.set_layout_engine("none")
 
 
-_RAISED: Final = str.maketrans("0123456789-\N{MINUS SIGN}", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻")
+#: Digits and minus -> superscripts.
+_SUPERSCRIPTS: Final = str.maketrans("0123456789-\N{MINUS SIGN}", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻")
 
 
 @functools.cache
 def _plain_ticks() -> "type[ScalarFormatter]":
+    """Return a class of formatters that write numbers at ticks as plain text."""
     from matplotlib.ticker import ScalarFormatter
 
     class PlainTicks(ScalarFormatter):
-        """Numbers and the power beside the axis without mathematical text, which is slow to set."""
+        """Numbers at ticks, and the power beside the axis, without mathematical text, which is slow."""
 
         def __call__(self, x: float, pos: int | None = None) -> str:
             return super().__call__(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
 
         def get_offset(self) -> str:
-            said = super().get_offset()
+            offset = super().get_offset()
             power = re.fullmatch(
-                r"\$\\times\\mathdefault\{10\^\{(\S+)\}\}\\mathdefault\{\}\$", said
+                r"\$\\times\\mathdefault\{10\^\{(\S+)\}\}\\mathdefault\{\}\$", offset
             )
-            return f"×10{power[1].translate(_RAISED)}" if power else said
+            return f"×10{power[1].translate(_SUPERSCRIPTS)}" if power else offset
 
     return PlainTicks
 
 
 def set_plainly(figure: "Figure") -> None:
-    """Set the numbers at the ticks of linear axes as plain letters, unless somebody has chosen what stands there."""
+    """Write the numbers at the ticks of linear axes as plain text, unless they have a formatter of their own."""
     from matplotlib.ticker import ScalarFormatter
 
     second = [child for axes in figure.axes for child in axes.child_axes]
@@ -241,7 +276,7 @@ def set_plainly(figure: "Figure") -> None:
 
 
 def plain_decades(axis: "Axis") -> None:
-    """Make an axis logarithmic, marked by the plain numbers 1, 2, 5, 10 ..."""
+    """Make an axis logarithmic, with ticks at the plain numbers 1, 2, 5, 10 ..."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})  # type: ignore[attr-defined]
@@ -252,7 +287,7 @@ def plain_decades(axis: "Axis") -> None:
 
 
 def unit_label(unit: str) -> str:
-    """Return a unit as an axis has it: "°C" for "degC", "–" for a plain number.
+    """Return a unit for an axis: "°C" for "degC", "–" for a plain number.
 
     Examples
     --------
@@ -264,38 +299,55 @@ def unit_label(unit: str) -> str:
 
 
 def axis_label(variable: "xr.DataArray", symbol: str, unit: str, name: str = "") -> str:
-    """Return the label of an axis: name, symbol and unit."""
+    """Return the label of an axis: name, symbol and unit.
+
+    Parameters
+    ----------
+    variable : xarray.DataArray
+        The variable, with its ``long_name``.
+    symbol : str
+        Its symbol; may be empty.
+    unit : str
+        The unit that is shown.
+    name : str
+        A name in place of ``long_name``.
+    """
     name = name or variable.attrs["long_name"]
     return f"{name[0].upper()}{name[1:]} {symbol} [{unit}]"
 
 
 def against_zero(low: float, high: float) -> dict[str, Any]:
-    """Return colours and range for values of both signs, of which zero is white; for those of one sign a plain scale.
+    """Return colour map and normalisation for values of both signs, white at zero; for one sign a sequential map.
 
-    What it is goes to `matplotlib.axes.Axes.contourf`, ``pcolormesh`` and the like.
+    Both are arguments of `matplotlib.axes.Axes.contourf` and ``pcolormesh``.
+
+    Parameters
+    ----------
+    low, high : float
+        Range of the values; NaN if no value is known.
     """
     import matplotlib
     from matplotlib.colors import Normalize
 
-    if not low <= high:  # nothing is known
+    if not low <= high:  # no value is known
         low = 0.0
         high = 1.0
     if low < 0.0 < high:
-        most = max(-low, high)
-        return {"cmap": matplotlib.colormaps[DIVERGING], "norm": Normalize(-most, most)}
+        largest = max(-low, high)
+        return {"cmap": matplotlib.colormaps[DIVERGING], "norm": Normalize(-largest, largest)}
     return {"cmap": light_to_dark(), "norm": Normalize(low, high)}
 
 
 def seamless(bar: "Colorbar") -> None:
-    """Leave a colour bar without seams between its colours, and without an outline."""
+    """Remove the seams between the colours of a colour bar, and its outline."""
     bar.outline.set_visible(False)
     bar.solids.set_edgecolor("face")  # type: ignore[union-attr]
 
 
 def light_to_dark() -> Any:
-    """Colours from light to dark for what grows; the palest ones would not be seen on white.
+    """Return a colour map from light to dark, without the palest colours, which are not visible on white.
 
-    They are so few that a colour bar is drawn and not embedded as a bitmap.
+    It has so few colours that a colour bar is drawn and not embedded as a bitmap.
     """
     import matplotlib
     from matplotlib.colors import ListedColormap
@@ -303,15 +355,16 @@ def light_to_dark() -> Any:
     return ListedColormap(matplotlib.colormaps[SEQUENTIAL](np.linspace(0.8, 0.0, 40)))
 
 
-# On a dark ground ----------------------------------------------------------------------------------------------------
-# Lightness is turned round between the ground and the ink of a report in its dark form, in Oklab (Ottosson 2020), whose
-# lightness is close to what people see: what is darker than its neighbour on white is lighter than it here.
+# Dark pages ----------------------------------------------------------------------------------------------------
+# On a dark page the lightness of colours is inverted between ground and ink, in Oklab (Ottosson 2020), whose lightness
+# is close to perception: a colour that is darker than its neighbour on white is lighter than it on a dark page.
 
-#: What white and black become.
+#: Colour of a dark page, in place of white.
 GROUND: Final = "#15181c"
+#: Colour of text on a dark page, in place of black.
 INK: Final = "#e6e9ec"
 
-#: Linear sRGB -> responses of the cones, and their cube roots -> Oklab.
+#: Matrix of linear sRGB -> responses of the cones (Ottosson 2020).
 _CONES: Final = np.array(
     [
         [0.4122214708, 0.5363325363, 0.0514459929],
@@ -319,6 +372,7 @@ _CONES: Final = np.array(
         [0.0883024619, 0.2817188376, 0.6299787005],
     ]
 )
+#: Matrix of the cube roots of these responses -> Oklab (Ottosson 2020).
 _OKLAB: Final = np.array(
     [
         [0.2104542553, 0.7936177850, -0.0040720468],
@@ -326,13 +380,15 @@ _OKLAB: Final = np.array(
         [0.0259040371, 0.7827717662, -0.8086757660],
     ]
 )
-#: Exponent of darkness on white: below one, what is pale there, an orange for instance, is no dark brown here; at 0.55
-#: every colour of the palette has a contrast of 3 to its ground, as WCAG 2.2 (1.4.11) asks for.
+#: Exponent of the darkness on white. With 1 a pale orange would become a dark brown; with 0.55 every colour of the
+#: palette has a contrast of 3 to the ground, as WCAG 2.2 (1.4.11) requires.
 _LIFT: Final = 0.55
-_DRAWN: Final = re.compile(r"\b(fill|stroke): (#[0-9a-f]{6})\b")
+#: A colour of a line or an area in SVG.
+_SVG_COLOUR: Final = re.compile(r"\b(fill|stroke): (#[0-9a-f]{6})\b")
 
 
 def _oklab(colour: str) -> Any:
+    """Return a colour "#rrggbb" in Oklab, (3,)."""
     encoded = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
     linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
     return _OKLAB @ np.cbrt(_CONES @ linear)
@@ -340,7 +396,7 @@ def _oklab(colour: str) -> Any:
 
 @functools.cache
 def on_dark(colour: str) -> str:
-    """Return what a colour "#rrggbb" is on a dark ground.
+    """Return the colour on a dark page in place of a colour "#rrggbb".
 
     Examples
     --------
@@ -350,7 +406,7 @@ def on_dark(colour: str) -> str:
     lightness, *tone = _oklab(colour)
     ground = _oklab(GROUND)
     ink = _oklab(INK)
-    # the faint tone of ground and ink comes with them, so that greys lie between the two
+    # ground and ink have a faint tone, so that greys lie between both
     turned = ground + max(0.0, 1.0 - lightness) ** _LIFT * (ink - ground) + np.array([0.0, *tone])
     linear = np.linalg.solve(_CONES, np.linalg.solve(_OKLAB, turned) ** 3).clip(0.0, 1.0)
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
@@ -358,27 +414,29 @@ def on_dark(colour: str) -> str:
 
 
 def adapting(svgs: list[str]) -> str:
-    """Return the style sheet by which drawings follow a page that is dark.
+    """Return the style sheet that replaces the colours of drawings on a dark page.
 
-    On paper, on a light screen, and where style sheets are not understood, they are as they were.
+    In print, on light pages, and without style sheets they are not changed.
     """
-    drawn = sorted(set().union(*(_DRAWN.findall(svg) for svg in svgs)))
+    colours = sorted(set().union(*(_SVG_COLOUR.findall(svg) for svg in svgs)))
     rules = "".join(
-        f'figure [style*="{part}: {of}"]{{{part}:{on_dark(of)}!important}}' for part, of in drawn
+        f'figure [style*="{part}: {colour}"]{{{part}:{on_dark(colour)}!important}}'
+        for part, colour in colours
     )
-    # black is left out in a drawing wherever it is the default
+    # a drawing does not name black where it is the default
     return f"@media screen and (prefers-color-scheme: dark){{figure svg{{fill:{INK}}}{rules}}}\n"
 
 
-# The frame of a figure ------------------------------------------------------------------------------------------------
+# Frame of a figure ------------------------------------------------------------------------------------------------
 
-#: Width of a letter of a legend and of the line before it [inch]: what is longer than its column is wrapped.
+#: Mean width of a letter of a legend [inch], measured at 7 pt: labels that are longer than their column are wrapped.
 _LETTER: Final = 0.051
+#: Width of the line before a label of a legend [inch].
 _HANDLE: Final = 0.35
 
 
 class Sheet:
-    """A figure that is being drawn: ``axes`` as Matplotlib gives them for panels, ``handles`` of their legend."""
+    """A figure that is being drawn: its panels ``axes``, as Matplotlib returns them, and ``handles`` of its legend."""
 
     def __init__(
         self, size: tuple[float, float] = SINGLE_COLUMN, *panels: Any, **options: Any
@@ -386,24 +444,23 @@ class Sheet:
         from matplotlib.figure import Figure
 
         self.figure = Figure(figsize=size, layout="constrained")
-        place: Any = (
-            self.figure.subplot_mosaic
-            if isinstance(next(iter(panels), 1), list)
-            else self.figure.subplots
-        )
-        self.axes: Any = place(*panels, **options)
+        self.axes: Any
+        if panels and isinstance(panels[0], list):
+            self.axes = self.figure.subplot_mosaic(*panels, **options)
+        else:
+            self.axes = self.figure.subplots(*panels, **options)
         self.handles: list[Artist] = []
 
     def line(self, x: Any, y: Any, label: str, axes: Any = None, **style: Any) -> None:
-        """Draw a line, or points, that the legend shows."""
+        """Draw a line, or points, with a label in the legend."""
         self.handles += (axes or self.axes).plot(x, y, label=label, **style)
 
     def mark(self, x: Any, y: Any, label: str, **style: Any) -> None:
-        """Draw black points that the legend shows."""
+        """Draw black points with a label in the legend."""
         self.line(x, y, label, linestyle="none", color="black", **style)
 
     def key(self, label: str, **style: Any) -> None:
-        """Put into the legend what is drawn otherwise."""
+        """Add a line to the legend only."""
         from matplotlib.lines import Line2D
 
         self.handles.append(Line2D([], [], label=label, **style))
@@ -418,30 +475,44 @@ class Sheet:
         title: str = "",
         **legend: Any,
     ) -> "Figure":
-        """Label the axes of a single panel, put the legend above and make room for it; ``height`` is that without."""
+        """Return the figure, with the axes of a single panel labelled, and the legend above.
+
+        Parameters
+        ----------
+        x, y : str
+            Labels of the axes; empty for several panels.
+        columns : int
+            Columns of the legend.
+        height : float, optional
+            Height of the figure without the legend [inch].
+        title : str
+            Title of the legend.
+        **legend
+            Further arguments of `matplotlib.figure.Figure.legend`.
+        """
         if x:
             self.axes.set_xlabel(x)
             self.axes.set_ylabel(y)
-        each = -(-len(self.handles) // columns) or 1  # Matplotlib fills columns
-        of = [self.handles[k : k + each] for k in range(0, len(self.handles), each)]
-        long = sum(max(len(str(one.get_label())) for one in column) for column in of)
-        if (width := self.figure.get_figwidth()) < _LETTER * long + _HANDLE * len(of):
+        per_column = -(-len(self.handles) // columns) or 1  # Matplotlib fills columns
+        groups = [self.handles[k : k + per_column] for k in range(0, len(self.handles), per_column)]
+        letters = sum(max(len(str(handle.get_label())) for handle in group) for group in groups)
+        width = self.figure.get_figwidth()
+        if width < _LETTER * letters + _HANDLE * len(groups):
+            room = int((width / len(groups) - _HANDLE) / _LETTER)
             for handle in self.handles:
-                room = int((width / len(of) - _HANDLE) / _LETTER)
-                handle.set_label(
-                    textwrap.fill(str(handle.get_label()), room, break_on_hyphens=False)
-                )
+                label = textwrap.fill(str(handle.get_label()), room, break_on_hyphens=False)
+                handle.set_label(label)
         rows = max(
-            (sum(str(one.get_label()).count("\n") + 1 for one in column) for column in of),
+            (sum(str(handle.get_label()).count("\n") + 1 for handle in group) for group in groups),
             default=0,
         )
         if self.handles:
-            about = {"title": title, "alignment": "left"} if title else {}
+            heading = {"title": title, "alignment": "left"} if title else {}
             self.figure.legend(
                 handles=self.handles,
                 ncols=columns,
-                **{"loc": "outside upper left", **about, **legend},
+                **{"loc": "outside upper left", **heading, **legend},
             )
-        without = self.figure.get_figheight() if height is None else height
-        self.figure.set_figheight(without + ROW * (rows + bool(title)))
+        without_legend = self.figure.get_figheight() if height is None else height
+        self.figure.set_figheight(without_legend + ROW * (rows + bool(title)))
         return self.figure

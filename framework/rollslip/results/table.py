@@ -16,7 +16,7 @@ import numpy as np
 
 from rollslip.errors import OutputError
 from rollslip.files import whole_file
-from rollslip.results.account import Sheet
+from rollslip.results.account import SpreadsheetRows
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.text import in_percent
 from rollslip.units import converted, expect_results, shown_unit
@@ -58,7 +58,7 @@ def table(*results: "xr.Dataset") -> "pd.DataFrame":
     return pd.DataFrame(rows, columns=head)
 
 
-def sheet(*results: "xr.Dataset") -> Sheet:
+def sheet(*results: "xr.Dataset") -> SpreadsheetRows:
     """Return head and rows of results, as `table` has them."""
     for own_sheet in account_of(results[0]).sheets(results[0]).values():
         return own_sheet
@@ -140,7 +140,7 @@ def _has_points(dataset: "xr.Dataset") -> bool:
     return "status" in dataset and bool(dataset["status"].dims)
 
 
-def _answer_rows(results: Sequence["xr.Dataset"]) -> Sheet:
+def _answer_rows(results: Sequence["xr.Dataset"]) -> SpreadsheetRows:
     """Return head and rows of the answer of a run."""
     rows = []
     for row in answer(*results).rows:
@@ -150,7 +150,7 @@ def _answer_rows(results: Sequence["xr.Dataset"]) -> Sheet:
     return ["quantity", "value", "unit", "low", "high", "in words", "remark"], rows
 
 
-def point_rows(dataset: "xr.Dataset") -> Sheet:
+def point_rows(dataset: "xr.Dataset") -> SpreadsheetRows:
     """Return head and rows of a result of many points, a row for each."""
     dims = dataset["status"].dims
     variables = {str(name): dataset[name] for name in dims if name in dataset.coords}

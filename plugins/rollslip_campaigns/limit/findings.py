@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.account import Account, Sheet, Table
+from rollslip.results.account import Account, SpreadsheetRows, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along
@@ -91,7 +91,7 @@ class LimitAccount(Account):
             ],
         }
 
-    def sheets(self, dataset: "xr.Dataset") -> dict[str, Sheet]:
+    def sheets(self, dataset: "xr.Dataset") -> dict[str, SpreadsheetRows]:
         """Return a row for each value: the value, its result, and whether the limit is kept."""
         status = dataset["status"].to_numpy()
         verdict = np.where(status == "ok", np.where(dataset["keeps"] > 0.0, "yes", "no"), status)

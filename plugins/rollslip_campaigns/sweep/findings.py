@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.account import Account, Sheet, Table
+from rollslip.results.account import Account, SpreadsheetRows, Table
 from rollslip.results.dataset import STATUS_VARIABLE, UNITS
 from rollslip.results.table import sheet
 from rollslip.results.text import format_plain, in_percent, two_digits, with_unit
@@ -84,7 +84,7 @@ class SweepAccount(Account):
         return point_table(sheet(dataset), set(axis_keys(dataset).values()))
 
 
-def point_table(spreadsheet: Sheet, varied: Collection[str]) -> list[Table]:
+def point_table(spreadsheet: SpreadsheetRows, varied: Collection[str]) -> list[Table]:
     """Return a table for print of a spreadsheet of points, without the columns of statuses; none if it is too large.
 
     Parameters

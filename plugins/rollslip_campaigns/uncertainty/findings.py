@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.results.account import Account, Sheet, Table
+from rollslip.results.account import Account, SpreadsheetRows, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import UNITS, rows_along
@@ -144,7 +144,7 @@ class UncertaintyAccount(Account):
         return topics
 
     @staticmethod
-    def sheets(dataset: "xr.Dataset") -> dict[str, Sheet]:
+    def sheets(dataset: "xr.Dataset") -> dict[str, SpreadsheetRows]:
         """Return a row for each quantity, with its median, its band and its bound, and a row for each input.
 
         The bound holds with the requested probability: slip and load are at most their bound, every other quantity is
