@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.critical import locate, slip_grid
+from rollslip.bearing.critical import find_critical_slip, slip_grid
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import DomainError
 from rollslip.models import NO_LIMITS, TractionModel
@@ -159,7 +159,7 @@ def test_the_short_way_finds_the_maximum_of_the_whole_curve(changes):
     # it looks at a maximum on four times the positions
     balance = rollers(assembly, 16)
     slip = slip_grid(0.95, 30)[1:]
-    whole = locate(balance.torque, slip, balance.torques(slip), "")
+    whole = find_critical_slip(balance.torque, slip, balance.torques(slip), "")
     away = found(assembly)
     # as slices part one by one the torque is rough by 1e-6 and more between the slips that the short way looks at
     assert away.drag == pytest.approx(whole.friction, rel=3e-6)
@@ -362,7 +362,7 @@ def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
     requested = []
     monkeypatch.setattr(
         module,
-        "runaway",
+        "skidding_onset",
         lambda *given, **named: requested.append(given) or SkiddingOnset(0.42, 0.72, "found"),
     )
     assert describe_near_skidding(few(), 0.0) == ""
