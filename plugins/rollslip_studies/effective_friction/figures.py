@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.curve_figures import draw_curve, finish, new_figure, write_beside
+from rollslip.results.curve_figures import annotate_point, draw_curve, finish, new_figure
 from rollslip.results.curves import curves, percent
 from rollslip.results.style import (
     DASHES,
@@ -154,7 +154,7 @@ def _map(dataset: "xr.Dataset") -> "Figure":
                 float(np.interp(curve.critical_slip, curve.slip, line)),
             )
             axes.plot(*point_at, marker="o", markersize=5, color="white", markeredgecolor="black")
-            write_beside(axes, percent(curve.critical_slip), point_at)
+            annotate_point(axes, percent(curve.critical_slip), point_at)
         if np.isfinite(operating_slip):
             point = axes.plot(
                 100 * operating_slip,

@@ -78,7 +78,9 @@ class EffectiveFrictionAccount(PlainAccount):
             reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
             rows.append(reserve_row(*reserve, known=1, within=_WITHIN, slip=slip))
         return Answer(
-            rows=tuple(rows), assumed=describe_assumptions(dataset), commands=next_of_others(dataset)
+            rows=tuple(rows),
+            assumed=describe_assumptions(dataset),
+            commands=next_of_others(dataset),
         )
 
     @staticmethod

@@ -36,22 +36,28 @@ from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.spins import Spins
 
-#: Error of the reduced loads of a map, relative to the tolerance. Twice as much saves no load as a rule; chosen, so
-#: that it does not show beside the other errors.
+# The effects of these constants were measured on four scenes of the catalogue with 25 slices and 4 positions, with free
+# and with epicyclic rollers.
+
+#: Error of the reduced loads of a map, relative to the tolerance. Twice as much changes a map by up to 1e-4, half as
+#: much by 1e-6. Chosen, so that it does not show beside the other errors.
 _MAP_ERROR_FRACTION: Final = 1e-3
-#: Reduced loads in place of all slices of a ring. With half as many some curves differ from those of all slices by more
-#: than `study._REDUCED_ERROR_FRACTION`, and all slices are evaluated. Chosen.
+#: Reduced loads in place of all slices of a ring. Half as many change no critical slip, twice as many change one by
+#: 4e-5. Where they differ from all slices by more than `study._REDUCED_ERROR_FRACTION`, all slices are evaluated.
+#: Chosen.
 _LOADS_OF_RING: Final = 24
-#: Reduced loads in place of the slices of each roller, where rollers have spins of their own; the same holds.
+#: Reduced loads in place of the slices of each roller, where rollers have spins of their own. With half as many all
+#: slices are evaluated more often, for 23 % more time; half or twice as many change slips by less than 1e-8. Chosen.
 _LOADS_OF_ROLLER: Final = 8
-#: Smaller cage slips from which the spins at the next slip are extrapolated: a cubic. With half as many the iteration
-#: takes more steps; more of them extrapolate noise. Chosen.
+#: Smaller cage slips from which the spins at the next slip are extrapolated: a cubic. Half or twice as many change
+#: slips by less than 1e-10. Chosen.
 _MAX_PREDECESSORS: Final = 4
 #: Difference of cage slips, relative to the next one, below which two of them count as one, because differences of
-#: their spins are rounding errors. Chosen.
+#: their spins are rounding errors. Half or twice as much changes slips by less than 1e-10. Chosen.
 _MIN_SLIP_DIFFERENCE: Final = 1e-5
-#: Cage slip at which the continuation starts. Below, friction rises with slip and a roller has one balance only; twice
-#: as much may be beyond the first maximum of thin films. Chosen.
+#: Cage slip at which the continuation starts. Below, friction rises with slip and a roller has one balance only. Half
+#: or twice as much changes slips by less than 1e-10; a start beyond the first maximum of thin films may lead to another
+#: balance. Chosen.
 _START_SLIP: Final = 1e-3
 
 

@@ -18,9 +18,9 @@ The sum of squares is exact for a product of powers of independent lognormal qua
 interactions. Samples (`rollslip uncertainty`) have them.
 
 The effect of an exceeded validity range is found on the same coarse model: the law that the range names in its place
-(`Validity.replacement`) replaces the law, and the steady slip, the reserve and the friction torque are evaluated once more.
-A law without compiled form is evaluated once, on a few slices of each ring in the motion at the steady slip; the ratio
-of both frictions, interpolated over the load, is then a factor on the friction. A range without such a law is not
+(`Validity.replacement`) replaces the law, and the steady slip, the reserve and the friction torque are evaluated once
+more. A law without compiled form is evaluated once, on a few slices of each ring in the motion at the steady slip; the
+ratio of both frictions, interpolated over the load, is then a factor on the friction. A range without such a law is not
 evaluated.
 
 References

@@ -9,7 +9,7 @@ maximum is zero. The search:
 2. The torque that drives loaded rollers is roughly proportional to the square of the load, so take one step to the load
    at which this would balance the drag, and go on by secants over the square of the load to a step of 1e-4.
 3. Where secants fail, widen from the start by factors of 4, up to 1e6, until the sign of the excess torque changes, and
-   find the root between (`illinois_root`). Without a change of sign any load serves, or none.
+   find the root between by the Illinois method. Without a change of sign any load serves, or none.
 4. Below the weight of the rollers stop, because the balance leaves their weight out.
 5. At the load found, look for maxima of the excess torque at smaller slips: on a coarse logarithmic grid first, then on
    the loading branch. Take five slips around each maximum.
