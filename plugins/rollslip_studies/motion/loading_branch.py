@@ -40,7 +40,7 @@ import numpy as np
 
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.search import bracketed, secants, vertex
+from rollslip.search import illinois_root, polynomial_maximum, secant_root
 from rollslip_studies.motion.spins import (
     DISTINCT,
     Motion,
@@ -62,18 +62,18 @@ class SearchTolerances:
     #: Smallest cage slip of the grid. Half and twice the value change largest torques by up to 1.3e-3, within the
     #: errors, and the cost by 5 %; chosen, far below the slips of jumps that matter.
     smallest_slip: float = 1e-4
-    #: Largest step of the grid in logit(S). Twice the value saves 35 % of the evaluations but misses a jump, and a
-    #: torque is off by 2.5 %; half the value costs 75 % more and changes torques within the errors.
+    #: Largest step of the grid in logit(S). Twice the value saves 35 % of the evaluations but misses a jump, and
+    #: changes a torque by 2.5 %; half the value costs 75 % more and changes torques within the errors.
     grid_step: float = 0.25
     #: Width in logit(S) to which a gap at the end of a motion is bisected, nine times from a step of the grid. Half
     #: and twice the value change largest torques by up to 4e-5 and 8e-5; chosen, below `equal_drag`.
     gap_width: float = 0.25 / 512.0
     #: Relative difference up to which torques count as equal, so that no interval is bisected for less. Twice the
-    #: value leaves an error of 4.6 %, because a kink is not found; half the value costs 1 % and changes torques by
-    #: up to 2e-4.
+    #: value does not resolve a step of the torque, which changes it by 4.6 % and its stated error from 1.3 % to 13 %;
+    #: half the value costs 1 % and changes torques by up to 2e-4.
     equal_drag: float = 1e-3
-    #: Factor on the second difference that bounds the torque in an interval. Half the value leaves an error of 4.6
-    #: % at a kink, twice the value costs 1 % and changes torques by up to 2e-5.
+    #: Factor on the second difference that bounds the torque in an interval. Half the value does not resolve that
+    #: step either, twice the value costs 1 % and changes torques by up to 2e-5.
     curvature_factor: float = 2.0
     #: Relative fall of the torque before it is exceeded from which on a motion is a maximum. Half the value adds a
     #: jump, twice the value drops two; chosen, twice `equal_drag`, because smaller falls are within the errors.
@@ -281,7 +281,7 @@ class LoadingBranch:
         """The steady motion in an interval of slips, on all slices, from the excess torques at its ends."""
         excess = _ExcessTorque(self.full_motions, drag, known)
         low, high = interval
-        slip = bracketed(excess, low, high, *excesses, relative=SEARCH.steady_slip)
+        slip = illinois_root(excess, low, high, *excesses, relative=SEARCH.steady_slip)
         distance = min(abs(slip - low), abs(high - slip))
         if distance <= SEARCH.imbalance * abs(slip) and not excess.is_balanced:
             # few loads of a roller give a sign at that end which all slices do not give: the root is outside
@@ -289,7 +289,7 @@ class LoadingBranch:
             first, last = sorted((slip / factor, slip * factor))
             slope = (excesses[1] - excesses[0]) / (high - low)
             tolerance = SEARCH.steady_slip * abs(slip)
-            root = secants(excess, slip, slope, tolerance=tolerance, within=(first, last))
+            root = secant_root(excess, slip, slope, tolerance=tolerance, within=(first, last))
             if root is None:
                 excess(slip)
         motion = excess.motion
@@ -464,7 +464,7 @@ class _Search:
         low = below.logit_slip
         high = above.logit_slip
         ends = below.torque - drag, above.torque - drag
-        return slip_from_logit(bracketed(excess, low, high, *ends, tolerance=SEARCH.regain))
+        return slip_from_logit(illinois_root(excess, low, high, *ends, tolerance=SEARCH.regain))
 
     def _find_vertex(self, motions: Motions, samples: list[Motion]) -> _Maximum:
         """The maximum between samples, by vertices of interpolating polynomials."""
@@ -472,7 +472,7 @@ class _Search:
         error = math.inf
         while len(known) < SEARCH.vertex_samples and error > SEARCH.vertex:
             logits = sorted(known)
-            logit, height = vertex(logits, [known[x].torque for x in logits])
+            logit, height = polynomial_maximum(logits, [known[x].torque for x in logits])
             if logit in known:  # a kink, or the largest sample is at an end
                 break
             nearest = min(known.values(), key=lambda motion: abs(motion.logit_slip - logit))
