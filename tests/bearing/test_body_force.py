@@ -18,7 +18,7 @@ from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.motion.spins import solve_orbits
-from rollslip_studies.motion.torque_balance import rollers
+from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.motion.train import Train
 from rollslip_studies.steady_slip.minimum_load import rollers_weight
 
@@ -166,7 +166,7 @@ def test_a_planet_in_a_mirror_is_the_same():
     other = evolve(one, {"operation.outer_speed": "3000 rpm", "operation.carrier.speed": "-400 rpm",
                          "operation.carrier.direction": "-50 deg"})  # fmt: skip
     assert (assemble(one).kinematics.direction, assemble(other).kinematics.direction) == (1, -1)
-    orbits = [rollers(assemble(scene), 2).orbit(0.02) for scene in (one, other)]
+    orbits = [torque_balance(assemble(scene), 2).orbit(0.02) for scene in (one, other)]
     assert orbits[0].force == pytest.approx(orbits[1].force, rel=1e-9)
     assert orbits[0].torque == pytest.approx(orbits[1].torque, rel=1e-9)
 
@@ -182,7 +182,7 @@ def test_friction_counts_every_roller_where_a_carrier_leaves_no_mirror():
 
 
 def test_over_an_orbit_unloaded_rollers_feel_where_the_carrier_points():
-    balance = rollers(assemble(planet(radius="1.2 m")), 2)
+    balance = torque_balance(assemble(planet(radius="1.2 m")), 2)
     orbit = balance.orbit(0.02)
     a = balance.assembly
     psi = (
@@ -224,7 +224,7 @@ def test_motions_in_time_and_friction_in_pockets_refuse_a_carrier():
     with pytest.raises(SceneError, match="motions in time know no carrier"):
         Dynamics(duration=1e-3).moving(a)
     with pytest.raises(SceneError, match="friction in pockets"):
-        rollers(assemble(evolve(planet(), {"cage.drag": ["pocket-friction"]})), 1).torque(0.1)
+        torque_balance(assemble(evolve(planet(), {"cage.drag": ["pocket-friction"]})), 1).torque(0.1)
 
 
 @pytest.mark.parametrize(

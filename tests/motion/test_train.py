@@ -17,7 +17,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import rollers
+from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.motion.train import Train, slower_by_play
 from rollslip_studies.steady_slip.study import SteadySlip
 from tabled import REFERENCES, rows_of
@@ -95,14 +95,14 @@ def test_where_rubbing_takes_traction_forces_grow_as_in_a_belt():
 def test_without_friction_neighbours_do_what_a_cage_without_friction_does():
     bearing = without_friction(NONE)
     caged = evolve(apart(PAPER, model="cage"), {"bearing.rollers": 37})
-    one, two = (rollers(assemble(scene), 2) for scene in (bearing, caged))
+    one, two = (torque_balance(assemble(scene), 2) for scene in (bearing, caged))
     for slip in (0.0, 0.02, 0.3):
         assert one.torque(slip) == two.torque(slip)
 
 
 @pytest.mark.parametrize("slip", [0.005, 0.05, 0.4])
 def test_what_the_rings_put_in_is_lost_at_neighbours_too(slip):
-    balance = rollers(assemble(NONE), 2, inertia=False)
+    balance = torque_balance(assemble(NONE), 2, inertia=False)
     found = power_balance(balance, balance.orbit(slip))
     lost = {loss.source: loss.power for loss in found.losses}
     assert sum(found.rings) == pytest.approx(found.total + found.stored, rel=1e-9)
@@ -110,7 +110,7 @@ def test_what_the_rings_put_in_is_lost_at_neighbours_too(slip):
 
 
 def test_brakes_are_those_of_the_pushes_of_the_motion_itself():
-    balance = rollers(assemble(NONE), 2, inertia=False)
+    balance = torque_balance(assemble(NONE), 2, inertia=False)
     orbit = balance.orbit(0.05)
     bearing = balance.assembly
     train = Train.of(bearing.kinematics, bearing.scene.bearing.rollers, balance.motions.rubbing)
@@ -123,7 +123,7 @@ def test_brakes_are_those_of_the_pushes_of_the_motion_itself():
 
 def test_more_friction_at_neighbours_lets_rollers_carry_less():
     most = [
-        rollers(assemble(evolve(NONE, {"models.separator.coefficient": mu})), 1).torque(0.1)
+        torque_balance(assemble(evolve(NONE, {"models.separator.coefficient": mu})), 1).torque(0.1)
         for mu in (0.0, 0.02, 0.05, 0.1)
     ]
     assert all(one > other for one, other in itertools.pairwise(most))
@@ -188,7 +188,7 @@ def test_neighbours_bear_what_a_carrier_pulls_along_the_orbit(angle):
     )
     a = assemble(scene)
     mu = 0.1
-    balance = rollers(a, 1)
+    balance = torque_balance(a, 1)
     (along, across) = a.body_force
     k = balance.assembly.kinematics
     orbit = balance.orbit(0.01)
@@ -200,7 +200,7 @@ def test_neighbours_bear_what_a_carrier_pulls_along_the_orbit(angle):
     ahead -= ahead.min()
     brakes = mu * k.roller_radius * (ahead + np.roll(ahead, 1))
     assert orbit.brakes[::2] == pytest.approx(brakes, abs=1e-3 * brakes.max())
-    still = rollers(assemble(NONE), 1).orbit(0.01).brakes[::2]
+    still = torque_balance(assemble(NONE), 1).orbit(0.01).brakes[::2]
     assert abs(brakes - still).max() > 0.2 * still.max()
 
 

@@ -15,7 +15,7 @@ from rollslip.results.text import Status
 from rollslip_studies.dynamics.over_time import onset_of
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.spins import Motions
-from rollslip_studies.motion.torque_balance import RANGE, rollers
+from rollslip_studies.motion.torque_balance import RANGE, torque_balance
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.study import ThermalBalance
 
@@ -59,7 +59,7 @@ def test_all_studies_say_the_same_of_one_bearing(name):
 def test_all_studies_say_the_same_of_random_bearings(number):
     bearing = few((scenes.free, scenes.catalogue)[number % 2](1000 + number))
     try:
-        rollers(bearing, 1).loading_branch()
+        torque_balance(bearing, 1).loading_branch()
     except DomainError as error:
         for study in (SteadySlip(), EffectiveFriction()):
             with pytest.raises(DomainError, match=re.escape(str(error)[:20])):
@@ -112,7 +112,7 @@ def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
 def test_the_least_load_of_a_slip_that_the_cage_on_its_loading_branch_jumps_over_is_that_with_less_of_which_it_jumps():
     """Between the jump and where it leads to, though the rollers of a cage from above would hold it there."""
     bearing = few(HARD["two motions"])
-    jump = rollers(bearing, 1).loading_branch().skidding_jump
+    jump = torque_balance(bearing, 1).loading_branch().skidding_jump
     slip = math.sqrt(jump.slip * jump.slip_after)
     found, _ = SteadySlip(acceptable_slip=slip).partial_result(bearing, frozenset({"minimum_load"}))
     load = found["minimum_load"][1]
@@ -171,7 +171,7 @@ def test_more_slips_of_a_curve_change_nothing_that_is_said_of_it():
 def test_what_is_left_out_under_a_bound_may_be_so_on_the_whole_loading_branch(study):
     """Of a bearing whose film is full at all slips of the curves, and mixed where its cage all but stands."""
     made = plan(load_scene("gearbox"), study)
-    balance = rollers(made.assemblies[study], 1)
+    balance = torque_balance(made.assemblies[study], 1)
     for slip in (0.001, 0.1, 0.6, RANGE):
         thinnest = [
             of.slices.film_thickness.min() for of in balance.evaluate_contacts(balance.orbit(slip))

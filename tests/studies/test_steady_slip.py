@@ -32,7 +32,7 @@ from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.loading_branch import LoadingBranch
-from rollslip_studies.motion.torque_balance import TorqueBalance, rollers, running
+from rollslip_studies.motion.torque_balance import TorqueBalance, running, torque_balance
 from rollslip_studies.steady_slip import findings
 from rollslip_studies.steady_slip.branches import follow
 from rollslip_studies.steady_slip.figures import steady_figures
@@ -405,7 +405,7 @@ def test_a_steady_slip_is_the_last_one_of_dynamics(friction):
     if friction == "conventional":
         slip = float(run(scene).steady_slip[0])
     else:
-        slip = running(rollers(assemble(scene), 2, effective=True)).slip
+        slip = running(torque_balance(assemble(scene), 2, effective=True)).slip
     motion = Dynamics(level="cage-set", friction=friction, duration=5.0, cage_slip=0.05).run(
         assemble(scene)
     )
@@ -746,7 +746,7 @@ def test_the_first_of_two_maxima_of_the_torque_is_told():
 def test_effective_friction_gives_nearly_the_same_slip():
     """Measured for this bearing: 2 % of the slip; friction averaged over rollers is not that of each of them."""
     scene = dragged(PROFILED, brake(0.2))
-    slips = [running(rollers(assemble(scene), 2, effective=one)).slip for one in (False, True)]
+    slips = [running(torque_balance(assemble(scene), 2, effective=one)).slip for one in (False, True)]
     assert slips[1] == pytest.approx(slips[0], rel=0.03)
     assert slips[1] != slips[0]
 

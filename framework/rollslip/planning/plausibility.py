@@ -168,24 +168,31 @@ def _preload(
     keys = " and ".join(f"models.{ring}_ring" for ring in rigid)
     reason = f": {mounted}" if mounted and interference > 0.0 else ""
     excess = "too large"
-    note = " (with the housing and shaft of bearing.mounting, or thick ones)"
     with contextlib.suppress(RollslipError):
-        fractions = []
-        for preload, lobes, part in parts:
-            bare, seated = (
-                100 * flexibility.fraction(lobes)
-                for flexibility in ring_flexibility(scene.bearing, lobes=lobes, stated=stated)
-            )
-            fractions.append(
-                f"of {preload * 1e6:.3g} um{part} about {bare:.0f} % (bare rings) to {seated:.0f} %{note}"
-            )
-            note = ""
-        excess = f"too large: {' and '.join(fractions)} reach the rollers"
+        excess = f"too large: {_describe_fractions(scene, parts, stated)} reach the rollers"
     yield (
         at,
         f"the bearing runs preloaded{reason}; {subject} rigid here, so that forces of rollers are {excess}; give "
         f"{keys}, or take a looser fit or class",
     )
+
+
+def _describe_fractions(
+    scene: Scene, parts: Sequence[tuple[float, int, str]], stated: Mapping[str, Any]
+) -> str:
+    """Return the fractions of preloads [m] that would reach the rollers with flexible rings, bare and seated."""
+    note = " (with the housing and shaft of bearing.mounting, or thick ones)"
+    texts = []
+    for preload, lobes, part in parts:
+        bare, seated = (
+            100 * flexibility.fraction(lobes)
+            for flexibility in ring_flexibility(scene.bearing, lobes=lobes, stated=stated)
+        )
+        texts.append(
+            f"of {preload * 1e6:.3g} um{part} about {bare:.0f} % (bare rings) to {seated:.0f} %{note}"
+        )
+        note = ""
+    return " and ".join(texts)
 
 
 def _form_preload(scene: Scene, rings: Any, interference: float) -> tuple[float, int, str]:

@@ -24,7 +24,7 @@ from rollslip.fields import submodels
 from rollslip.models import SliceModel
 from rollslip.planning.lines import describe_own_cage
 from rollslip.planning.plan import Plan
-from rollslip.references import KLEBANOV, Citation, as_dict, unique_works, rollslip_itself
+from rollslip.references import KLEBANOV, Citation, as_dict, rollslip_itself, unique_works
 from rollslip.results.dataset import CITED
 from rollslip.scene.changes import CHANGES, NOTED
 from rollslip.scene.named import surface_name

@@ -221,10 +221,8 @@ def refuse_unreadable(*paths: str | os.PathLike[str]) -> Iterator[None]:
         is_missing = isinstance(error, KeyError)
         cause: object = error.args[0] if is_missing and error.args else error
         what = str(cause).partition(". ")[0]
-        if is_missing and " " not in what:
-            what = f"there is no {what!r} in it"
-        else:
-            what = shown_short(what)
+        is_name = is_missing and " " not in what
+        what = f"there is no {what!r} in it" if is_name else shown_short(what)
         raise OutputError(
             f"{', '.join(map(str, paths))}: cannot be read as a result of its study: {what} ({type(error).__name__}); "
             "another program has changed it, or another version of its package wrote it: run the scene again"

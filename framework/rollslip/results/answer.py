@@ -678,12 +678,10 @@ def _varied_quantity(item: Mapping[str, Any]) -> str:
     """Return a quantity that scatters, with its range: "Eyring stress 1.1 to 8.9 MPa", "petroff-land x 0.32 to 3.2"."""
     *_, table, key = item["key"].split(".")
     bounds = item["ends"]
-    if key.endswith("factor"):
-        name = key.removesuffix("_factor").replace("_", " ")
-        if key == "factor":
-            name = f"drag {table}"
-        return f"{name} x {two_digits(bounds[0])} to {two_digits(bounds[1])}"
     name: str = key.replace("_", " ")
+    if key.endswith("factor"):
+        name = f"drag {table}" if key == "factor" else name.removesuffix(" factor")
+        return f"{name} x {two_digits(bounds[0])} to {two_digits(bounds[1])}"
     unit = shown_unit(max(map(abs, bounds)), item["unit"] or "1")
     low, high = (converted(bound, item["unit"], unit) for bound in bounds)
     if low > 0.0 and high < _SMALL_NUMBER:

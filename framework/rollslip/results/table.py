@@ -7,7 +7,7 @@ the values, a column for each, and their statuses. A number that is not known is
 import csv
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -157,30 +157,37 @@ def point_rows(dataset: "xr.Dataset") -> SpreadsheetRows:
     variables |= {str(name): variable for name, variable in dataset.data_vars.items()}
     columns = dict[str, Any]()
     for name, variable in variables.items():
-        inner = [dim for dim in variable.dims if dim not in dims]
-        n_columns = math.prod(variable.sizes[dim] for dim in inner)
-        if not set(variable.dims) & set(dims) or n_columns > _MAX_COLUMNS:
-            continue
-        for indices in itertools.product(*(range(variable.sizes[dim]) for dim in inner)):
-            at = dict(zip(inner, indices, strict=True))
-            column = variable.isel(at)
-            label = " ".join((str(column.attrs.get("key", name)), *_labels(variable, at)))
-            missing = [dim for dim in dims if dim not in column.dims]
-            expanded = column.expand_dims({dim: dataset.sizes[dim] for dim in missing})
-            values = expanded.transpose(*dims).to_numpy().ravel()
-            if values.dtype.kind != "f":
-                columns[label] = values.tolist()
-                continue
-            unit, shown = in_shown_unit(
-                label.rpartition(".")[2],
-                values.tolist(),
-                str(column.attrs.get("units", "1")),
-                str(column.attrs.get("given", "")),
-            )
-            columns[f"{label} [{unit}]" if unit else label] = shown
+        if set(variable.dims) & set(dims):
+            columns |= _point_columns(name, variable, dataset.sizes, dims)
     if not math.prod(dataset.sizes[name] for name in dims):
         return list(columns), []
     return list(columns), [list(row) for row in zip(*columns.values(), strict=True)]
+
+
+def _point_columns(
+    name: str, variable: "xr.DataArray", sizes: Mapping[Any, int], dims: Sequence[Any]
+) -> Iterator[tuple[str, list[Any]]]:
+    """Yield head and values of the columns of a variable, for all points in order; none for a curve."""
+    inner = [dim for dim in variable.dims if dim not in dims]
+    if math.prod(variable.sizes[dim] for dim in inner) > _MAX_COLUMNS:
+        return
+    for indices in itertools.product(*(range(variable.sizes[dim]) for dim in inner)):
+        at = dict(zip(inner, indices, strict=True))
+        column = variable.isel(at)
+        label = " ".join((str(column.attrs.get("key", name)), *_labels(variable, at)))
+        missing = [dim for dim in dims if dim not in column.dims]
+        expanded = column.expand_dims({dim: sizes[dim] for dim in missing})
+        values = expanded.transpose(*dims).to_numpy().ravel()
+        if values.dtype.kind != "f":
+            yield label, values.tolist()
+            continue
+        unit, shown = in_shown_unit(
+            label.rpartition(".")[2],
+            values.tolist(),
+            str(column.attrs.get("units", "1")),
+            str(column.attrs.get("given", "")),
+        )
+        yield f"{label} [{unit}]" if unit else label, shown
 
 
 def _labels(variable: "xr.DataArray", at: Mapping[Any, int]) -> list[str]:

@@ -1194,11 +1194,7 @@ def refine_resolution(
     refined: dict[str, Any] = dict(numbers)
     remaining = dict[str, Errors]()
     for part, errors in error.errors.items():
-        lowest = MAX_ORDER if part == "slices" else _min_order(study)
-        orders = {
-            name: max(min(error.orders.get(name, _ASSUMED_ORDER), MAX_ORDER), lowest)
-            for name in errors
-        }
+        orders = _assumed_orders(study, part, error)
         factors = [
             (errors[name] / (_FRACTIONS.refined * accuracy.of(name))) ** (1.0 / orders[name])
             for name in errors
@@ -1221,6 +1217,15 @@ def refine_resolution(
         errors={**choice.errors, **remaining},
         refinement_reason=f"{first} were seen to leave {excess}",
     )
+
+
+def _assumed_orders(study: DiscretisedStudy, part: str, error: ErrorEstimate) -> dict[str, float]:
+    """Return the orders of the errors of a part: the second for slices, the observed ones for positions."""
+    lowest = MAX_ORDER if part == "slices" else _min_order(study)
+    return {
+        name: max(min(error.orders.get(name, _ASSUMED_ORDER), MAX_ORDER), lowest)
+        for name in error.errors[part]
+    }
 
 
 def _with_contact_parts(choice: ResolutionChoice, excess: str) -> ResolutionChoice:

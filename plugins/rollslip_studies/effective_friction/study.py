@@ -49,9 +49,9 @@ from rollslip_studies.motion.torque_balance import (
     TorqueBalance,
     evaluate_on_branch,
     reserve,
-    rollers,
     running,
     skidding_onset,
+    torque_balance,
 )
 
 if TYPE_CHECKING:
@@ -337,7 +337,7 @@ class EffectiveFriction(Study):
             for part, each in times.items()
         }
         if self.skidding_range:
-            costs["skidding"] = rollers(assembly, n_positions).seconds(self.skidding_range)
+            costs["skidding"] = torque_balance(assembly, n_positions).seconds(self.skidding_range)
         if self.map_points:
             small, large = _COST.map_points
             sizes = (small * (2 * small - 1), large * (2 * large - 1))
@@ -554,7 +554,7 @@ class EffectiveFriction(Study):
     def _rollers(self, assembly: Assembly, n_positions: int) -> TorqueBalance:
         """Return the torque balance of the bearing; raise `SceneError` where its motion is not periodic."""
         check_repeats(assembly, f"with study.{self.name}.skidding_range = 0")
-        return rollers(assembly, n_positions)
+        return torque_balance(assembly, n_positions)
 
     def _onset(self, balance: TorqueBalance) -> SkiddingOnset:
         """Return the onset of skidding of a torque balance."""

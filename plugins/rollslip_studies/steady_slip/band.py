@@ -51,7 +51,7 @@ from rollslip.search import secant_root
 from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, rollers
+from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, torque_balance
 from rollslip_studies.steady_slip.evaluated import evaluated_slices
 from rollslip_studies.steady_slip.losses import acceptable_reserve
 from rollslip_studies.variation.distributions import read_uncertainty
@@ -240,7 +240,7 @@ def _log_slips(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
 
     def log_slip(assembly: Assembly, near: float) -> float:
         nonlocal slope, shared
-        balance = rollers(assembly, n_positions=1, inertia=False, similar=shared)
+        balance = torque_balance(assembly, n_positions=1, inertia=False, similar=shared)
         shared = shared or balance
         found, own_slope = _log_steady_slip(balance, near, slope)
         slope = slope or own_slope
@@ -281,14 +281,14 @@ def _log_steady_slip(
 def _log_loads(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
     """Return the logarithms of the load [N] at which a slip is steady; NaN where secants do not find a stable one."""
     slope: float | None = None
-    shared = rollers(nominal, n_positions=1, inertia=False)
+    shared = torque_balance(nominal, n_positions=1, inertia=False)
 
     def log_load(assembly: Assembly, near: float) -> float:
         nonlocal slope
 
         def excess(log: float) -> float:
             bearing = assembly.at_load(math.exp(log))
-            return rollers(bearing, n_positions=1, inertia=False, similar=shared).excess(slip)
+            return torque_balance(bearing, n_positions=1, inertia=False, similar=shared).excess(slip)
 
         found, own_slope = _root_by_secants(excess, near, math.inf, slope)
         slope = slope or own_slope
@@ -402,7 +402,7 @@ def consequences(
     codes = {bound["code"]: bound["made_for"] for bound in exceeded if bound.get("code")}
     acceptable = float(dataset.attrs.get("acceptable_slip", math.nan))
     try:
-        balance = rollers(coarse, n_positions=1, inertia=False)
+        balance = torque_balance(coarse, n_positions=1, inertia=False)
         before = _compared_values(balance, slip, acceptable)
         if math.isnan(before[SLIP]):
             return []
@@ -423,7 +423,7 @@ def consequences(
                 law = other.models.get(key.split(".")[1])
                 if law is not None and _runs_python(law):
                     other = _with_friction_factor(coarse, other, balance, before[SLIP])
-                changed = rollers(other, n_positions=1, inertia=False, similar=balance)
+                changed = torque_balance(other, n_positions=1, inertia=False, similar=balance)
                 after = _compared_values(changed, before[SLIP], acceptable)
             except RollslipError as refusal:
                 row["refused"] = str(refusal)
