@@ -26,7 +26,7 @@ from rollslip.bearing.critical import slip_grid
 from rollslip.errors import RollslipError
 from rollslip.studies.thermal_balance.model import PLACES, thermal_model
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import rollers, skidding_onset
+from rollslip_studies.motion.torque_balance import skidding_onset, torque_balance
 
 COUNT = 128
 WORKERS = 2
@@ -90,7 +90,7 @@ class Coupled:
         """Temperatures at a slip, and the torque that the rollers carry there and the drag of the scene [N m]."""
         before = None
         for _ in range(ROUNDS):
-            balance = rollers(self.at(T), 1)
+            balance = torque_balance(self.at(T), 1)
             orbit = balance.orbit(slip)
             power = power_balance(balance, orbit)
             moved = self.cooled({place: power.heat(place) for place in PLACES}, T) - T
@@ -156,8 +156,8 @@ def look(given):
         what = described(one).rpartition(";")[0]
         coupled = Coupled(one)
         fold, ended, slip, runs = folded(coupled)
-        held = skidding_onset(rollers(coupled.at(runs), 1), RANGE, "")
-        as_given = skidding_onset(rollers(coupled.made, 1), RANGE, "")
+        held = skidding_onset(torque_balance(coupled.at(runs), 1), RANGE, "")
+        as_given = skidding_onset(torque_balance(coupled.made, 1), RANGE, "")
         oil = coupled.model.nodes.index("oil")
         found = fold[0], fold[1], fold[3][oil] - runs[oil]
         warmed = runs[oil] - one.operation.temperature

@@ -18,7 +18,7 @@ from rollslip.errors import RollslipError
 from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location
-from rollslip_studies.motion.torque_balance import reserve, rollers, running, skidding_onset
+from rollslip_studies.motion.torque_balance import reserve, running, skidding_onset, torque_balance
 from rollslip_studies.variation.distributions import read_uncertainty
 from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import with_scatter
@@ -82,7 +82,7 @@ def scene(name):
 
 def found(one, inertia=True):
     """Steady slip, infinite where the cage skids, and reserve of drag."""
-    balance = rollers(assemble(one), 1, inertia=inertia)
+    balance = torque_balance(assemble(one), 1, inertia=inertia)
     away = skidding_onset(balance, LAST, "")
     runs = running(balance, LAST)
     held = reserve(balance, away, runs, LAST)

@@ -23,7 +23,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.errors import RollslipError
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
-from rollslip_studies.motion.torque_balance import rollers, skidding_onset
+from rollslip_studies.motion.torque_balance import skidding_onset, torque_balance
 
 COUNT = 224
 WORKERS = 2
@@ -68,7 +68,7 @@ def maxima_before(assembly, slip):
     if slip != slip:
         return 0
     return sum(
-        jump.slip < slip for jump in rollers(assembly, N_POSITIONS).loading_branch(RANGE).jumps
+        jump.slip < slip for jump in torque_balance(assembly, N_POSITIONS).loading_branch(RANGE).jumps
     )
 
 
@@ -107,7 +107,7 @@ def look(x):
         if assembly is None:
             return Found(what, refused="no roller is loaded")
         begin = time.process_time()
-        fold = skidding_onset(rollers(assembly, N_POSITIONS), RANGE, "")
+        fold = skidding_onset(torque_balance(assembly, N_POSITIONS), RANGE, "")
         seconds = time.process_time() - begin
         of_curves = {closure: critical(assembly, closure) for closure in CLOSURES}
         return Found(what, "", fold, of_curves, maxima_before(assembly, fold.slip), seconds)
@@ -120,9 +120,9 @@ def hold(given):
     x, fold = given
     _, assembly = bearing(x)
     try:
-        effective = skidding_onset(rollers(assembly, N_POSITIONS, effective=True), RANGE, "")
+        effective = skidding_onset(torque_balance(assembly, N_POSITIONS, effective=True), RANGE, "")
         exact, simple = (
-            rollers(assembly, N_POSITIONS, effective=effective) for effective in (False, True)
+            torque_balance(assembly, N_POSITIONS, effective=effective) for effective in (False, True)
         )
         slips = [slip_at(balance, SMALL * fold.drag, fold.slip) for balance in (exact, simple)]
     except RollslipError:

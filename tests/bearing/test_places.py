@@ -24,7 +24,7 @@ from rollslip.models import FINITE, POSITIVE, FilmModel, TractionModel
 from rollslip.studies.law_outputs import law_outputs
 from rollslip_kernels.motion import raceway
 from rollslip_kernels.slices import COLUMNS, PLACES
-from rollslip_studies.motion.torque_balance import rollers
+from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.steady_slip.study import SteadySlip
 from without_bands import run
 
@@ -162,11 +162,11 @@ def test_a_steady_slip_has_places(placed, of):
 )
 def test_rollers_that_are_followed_in_compiled_code_have_them_too(placed, of, factor):
     """Their torques are those of tractions which the laws give of all slices of the motion, called in Python."""
-    balance = rollers(assemble(placed(of, factor, **DRAG)), 2, inertia=False)
+    balance = torque_balance(assemble(placed(of, factor, **DRAG)), 2, inertia=False)
     orbit = balance.orbit(0.1)
     of_each = balance.forces(orbit)[2]
     assert orbit.torque == pytest.approx(28 * of_each.mean() * balance.motions.sense, rel=1e-6)
-    plain = rollers(assemble(placed(of, **DRAG)), 2, inertia=False).orbit(0.1)
+    plain = torque_balance(assemble(placed(of, **DRAG)), 2, inertia=False).orbit(0.1)
     both = ([one.torque, *one.roller_slip] for one in (orbit, plain))
     assert not np.allclose(*both, rtol=1e-6, atol=0.0)
 
@@ -404,7 +404,7 @@ def test_a_law_behind_an_address_reads_places():
 
     class Address(Placed):
         def kernel(self):
-            return capsule_from_address(ctypes.cast(evaluate, ctypes.c_void_p).value, keep=evaluate)
+            return capsule_from_address(ctypes.cast(evaluate, ctypes.c_void_p).value, owner=evaluate)
 
     slices = Slices(5, rolling_speed=1.0, sliding_speed=0.1, roller=np.arange(5.0))
     Chain(Address("roller"))(slices)

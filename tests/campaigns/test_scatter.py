@@ -34,9 +34,9 @@ from rollslip_studies.motion.torque_balance import (
     Running,
     SkiddingOnset,
     reserve,
-    rollers,
     running,
     skidding_onset,
+    torque_balance,
 )
 from rollslip_studies.variation.distributions import LogNormal
 from rollslip_studies.variation.quantities import quantities
@@ -303,14 +303,14 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
 )
 def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
     found = reserve(
-        rollers(assemble(constant(0.5)), 1), SkiddingOnset(*away, max_torque=4.0), Running(*runs)
+        torque_balance(assemble(constant(0.5)), 1), SkiddingOnset(*away, max_torque=4.0), Running(*runs)
     )
     assert found.factor == pytest.approx(factor, nan_ok=True)
     assert found.status.startswith(begins)
 
 
 def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_of_the_way():
-    balance = rollers(assemble(constant(8.0)), 1)
+    balance = torque_balance(assemble(constant(8.0)), 1)
     away = skidding_onset(balance, 0.95, "")
     runs = running(balance)
     found = reserve(balance, away, runs)
@@ -320,7 +320,7 @@ def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_of_the_way():
 
 
 def test_where_nothing_runs_away_the_reserve_is_a_bound_by_the_most_that_is_carried():
-    balance = rollers(assemble(constant(0.5)), 1)
+    balance = torque_balance(assemble(constant(0.5)), 1)
     away = skidding_onset(balance, 0.2, "")
     runs = running(balance, 0.2)
     found = reserve(balance, away, runs, 0.2)

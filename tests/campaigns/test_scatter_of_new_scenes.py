@@ -16,7 +16,7 @@ from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
 from rollslip.structure import Location
-from rollslip_studies.motion.torque_balance import rollers
+from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.steady_slip.band import bands
 from rollslip_studies.variation.distributions import read_uncertainty
 from rollslip_studies.variation.quantities import quantities
@@ -58,7 +58,7 @@ def ends(one, key):
 
 def slip(one):
     """Steady slip of rollers at one instant."""
-    balance = rollers(assemble(one), 1, inertia=False)
+    balance = torque_balance(assemble(one), 1, inertia=False)
     return balance.loading_branch(0.95).find_steady_motions(balance.drag)[0].slip
 
 

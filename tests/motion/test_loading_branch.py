@@ -30,9 +30,9 @@ from rollslip_studies.motion.spins import Motion, Motions, logit_slip, slip_from
 from rollslip_studies.motion.torque_balance import (
     RANGE,
     TorqueBalance,
-    rollers,
     running,
     skidding_onset,
+    torque_balance,
 )
 from tabled import REFERENCES, rows_of
 from without_bands import run
@@ -45,7 +45,7 @@ def balance(
     few = made.at(
         attrs.evolve(made.resolution, slices=slices, quadrature="equal", table_tolerance=1e-3)
     )
-    return rollers(few, n_positions, inertia=inertia, effective=effective)
+    return torque_balance(few, n_positions, inertia=inertia, effective=effective)
 
 
 def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_boundary_friction():
@@ -554,7 +554,7 @@ def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_o
     """By few loads the excess passes zero just below 4.7 %, a slip of the way, and by all slices at 5 %."""
     bearing = assemble(scenes.wide(100_600))
     bearing = bearing.at(attrs.evolve(bearing.resolution, slices=313, quadrature="gauss"))
-    balance = rollers(bearing.at_load(944.574), 21)
+    balance = torque_balance(bearing.at_load(944.574), 21)
     steady = balance.loading_branch().find_steady_motions(balance.drag)[0]
     assert steady.motion.torque == pytest.approx(steady.torque, rel=1e-6)
     assert steady.slip == pytest.approx(0.05, rel=1e-4)  # of which it is the least load

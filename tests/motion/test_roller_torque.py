@@ -21,7 +21,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.fields import non_negative, parameter
 from rollslip.models import POSITIVE, ResistanceModel, from_scene
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import rollers
+from rollslip_studies.motion.torque_balance import torque_balance
 from without_bands import run
 
 SIZE = 2e-3  # N m
@@ -84,7 +84,7 @@ def scene(**changes):
 
 
 def test_it_brakes_the_spin_and_leaves_the_cage_alone():
-    balance = rollers(assemble(scene()), 2)
+    balance = torque_balance(assemble(scene()), 2)
     k = balance.assembly.kinematics
     orbit = balance.orbit(0.05)
     assert (orbit.force > 0.0).all()
@@ -102,7 +102,7 @@ def test_it_brakes_the_spin_and_leaves_the_cage_alone():
 
 def test_the_rings_pay_for_it_what_its_reaction_takes():
     """N w_r for the spin, and the reaction of each ring at the speed at which it passes the rollers."""
-    balance = rollers(assemble(scene()), 2)
+    balance = torque_balance(assemble(scene()), 2)
     k = balance.assembly.kinematics
     orbit = balance.orbit(0.05)
     found = power_balance(balance, orbit)
@@ -126,7 +126,7 @@ def test_the_rings_pay_for_it_what_its_reaction_takes():
 def test_warmer_flanges_brake_less_and_rollers_slip_less():
     slips = []
     for temperature in ("60 degC", "90 degC"):
-        balance = rollers(assemble(scene(**{"operation.temperature": temperature})), 2)
+        balance = torque_balance(assemble(scene(**{"operation.temperature": temperature})), 2)
         _, resistance, _ = balance.forces(balance.orbit(0.0))
         slips.append(float(resistance.sum(axis=0).mean()))
     assert slips[1] / slips[0] == pytest.approx(np.exp(-0.6), rel=1e-6)

@@ -22,9 +22,9 @@ from rollslip_studies.motion.torque_balance import (
     SkiddingOnset,
     describe_near_skidding,
     reserve,
-    rollers,
     running,
     skidding_onset,
+    torque_balance,
 )
 from rollslip_studies.steady_slip.study import SteadySlip
 from tabled import REFERENCES, rows_of
@@ -38,7 +38,7 @@ def bearing(name="1032930-50C", slices=15, n_positions=4, **changes):
 
 
 def found(assembly, largest=0.95, **options):
-    balance = rollers(assembly, assembly.resolution.n_positions, **options)
+    balance = torque_balance(assembly, assembly.resolution.n_positions, **options)
     return skidding_onset(balance, largest, "study.effective-friction.skidding_range")
 
 
@@ -72,7 +72,7 @@ def test_the_motion_that_rollers_hold_does_not_depend_on_the_slips_on_the_way():
         "surface.roller_roughness": "0.1 um",
     }
     assembly = bearing(n_positions=2, **heavy)
-    large, small = (rollers(assembly, 2) for _ in range(2))
+    large, small = (torque_balance(assembly, 2) for _ in range(2))
     for slip in slip_grid(0.9, 561)[1:]:
         small.torque(float(slip))
     slips = slip_grid(0.9, 29)[1:].tolist()
@@ -148,7 +148,9 @@ def test_rollers_without_inertia_balance_as_root_finding_on_the_plain_laws_has_i
             one = pulls(at)
             total += k.inner_radius * one[0] + k.outer_radius * one[1]
         expected.append(total / 2.0)
-    assert rollers(assembly, 2, inertia=False).torques(slips) == pytest.approx(expected, rel=1e-9)
+    assert torque_balance(assembly, 2, inertia=False).torques(slips) == pytest.approx(
+        expected, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize(
@@ -157,7 +159,7 @@ def test_rollers_without_inertia_balance_as_root_finding_on_the_plain_laws_has_i
 def test_the_short_way_finds_the_maximum_of_the_whole_curve(changes):
     assembly = bearing(**changes)
     # it looks at a maximum on four times the positions
-    balance = rollers(assembly, 16)
+    balance = torque_balance(assembly, 16)
     slip = slip_grid(0.95, 30)[1:]
     whole = find_critical_slip(balance.torque, slip, balance.torques(slip), "")
     away = found(assembly)
@@ -238,7 +240,7 @@ def test_a_range_of_nothing_is_not_looked_at():
 
 
 def runs(assembly):
-    return running(rollers(assembly, assembly.resolution.n_positions))
+    return running(torque_balance(assembly, assembly.resolution.n_positions))
 
 
 @pytest.mark.parametrize(
@@ -274,7 +276,7 @@ def test_a_scene_without_a_cage_runs_with_the_one_of_its_bearing():
     scene = attrs.evolve(load_scene("1032930-70C"), cage=None)
     at = [
         running(
-            rollers(
+            torque_balance(
                 assemble(one).at(attrs.evolve(assemble(one).resolution, slices=9, n_positions=4)), 4
             )
         )
@@ -289,7 +291,7 @@ def test_a_drag_that_is_more_than_the_rollers_carry_is_told_beside_it():
     assembly = bearing("1032930-50C", **{"cage.land_clearance": 5e-6})
     at = runs(assembly)
     away = found(assembly)
-    drag = -rollers(assembly, 4).drag(away.slip)
+    drag = -torque_balance(assembly, 4).drag(away.slip)
     assert drag > away.drag
     assert math.isnan(at.slip)
     assert (
@@ -302,7 +304,7 @@ def test_a_drag_that_falls_with_slip_may_be_carried_beyond_the_slip_of_running_a
     assembly = bearing("1032930-50C", **{"cage.land_clearance": 5e-5})
     away = found(assembly)
     at = runs(assembly)
-    assert -rollers(assembly, 4).drag(away.slip) > away.drag
+    assert -torque_balance(assembly, 4).drag(away.slip) > away.drag
     assert at.slip == pytest.approx(float(SteadySlip().run(assembly).steady_slip[0]), rel=1e-4)
     assert at.slip > away.slip
 
@@ -312,7 +314,7 @@ DRIVEN = {"cage.guidance": "inner", "cage.land_radius": "85.5 mm"}
 
 def test_a_cage_that_is_driven_runs_faster_than_its_epicyclic_speed():
     assembly = bearing("1032930-50C", **DRIVEN)
-    balance = rollers(assembly, 4)
+    balance = torque_balance(assembly, 4)
     at = runs(assembly)
     assert at.status == "found"
     assert at.slip == pytest.approx(brentq(balance.excess, -0.5, 0.0, xtol=1e-13), rel=1e-9)
@@ -324,7 +326,7 @@ def test_a_cage_that_runs_ahead_against_drags_carries_what_drags_it_without_slip
     """Rollers drive the cage ahead, where oil drags it more than they carry once it lags: it does not skid."""
     speeds = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "12000 rpm"}
     assembly = bearing("gearbox", **speeds, **{"operation.radial_load": "1 N"})
-    balance = rollers(assembly, 4)
+    balance = torque_balance(assembly, 4)
     at = runs(assembly)
     most = max(balance.torque(slip) for slip in np.geomspace(1e-3, 0.95, 200))
     assert (at.slip < -0.1, at.drag > most) == (True, True)

@@ -15,7 +15,7 @@ from rollslip_studies.motion.torque_balance import (
     SkiddingOnset,
     describe_no_skidding,
     reserve,
-    rollers,
+    torque_balance,
 )
 
 pytestmark = pytest.mark.quick
@@ -64,7 +64,9 @@ def test_a_cage_that_all_but_stands_is_not_looked_at_further(end, told):
 
 def test_rollers_are_followed_on_56_to_512_positions():
     assembly = assemble(load_scene("1032930-50C"))  # 28 rollers
-    assert [rollers(assembly, requested).motions.positions for requested in (1, 7, 1000)] == [
+    assert [
+        torque_balance(assembly, requested).motions.positions for requested in (1, 7, 1000)
+    ] == [
         56,
         196,
         532,
@@ -77,7 +79,9 @@ def test_tractions_are_positive_where_they_drive_whichever_ring_turns(driven):
         f"operation.{ring}_speed": "2000 rpm" if ring == driven else "0 rpm"
         for ring in ("inner", "outer")
     }
-    one = rollers(assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 4, **speeds})), 2)
+    one = torque_balance(
+        assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 4, **speeds})), 2
+    )
     assert one.motions.sense == (1.0 if driven == "inner" else -1.0)
     orbit = one.orbit(0.1)
     assert orbit.torque > 0.0
@@ -85,7 +89,7 @@ def test_tractions_are_positive_where_they_drive_whichever_ring_turns(driven):
 
 
 def test_contacts_are_evaluated_in_the_motion_and_counted_once():
-    one = rollers(assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 4})), 2)
+    one = torque_balance(assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 4})), 2)
     orbit = one.orbit(0.1)
     for contacts, traction in zip(one.evaluate_contacts(orbit), orbit.traction, strict=True):
         found = contacts.per_roller(contacts.slices.friction * contacts.force)
@@ -110,7 +114,7 @@ def test_rollers_that_rub_at_neighbours_slip_without_the_cage():
 )
 def test_resistance_to_rolling_is_that_of_python_also_where_hardly_anything_rolls(effective, speed):
     scene = evolve(load_scene("gearbox"), {"operation.inner_speed": speed})
-    slow = rollers(assemble(scene), 2, inertia=False, effective=effective)
+    slow = torque_balance(assemble(scene), 2, inertia=False, effective=effective)
     assert slow.assembly.inner.chain.resists
     orbit = slow.orbit(0.1)
     count = slow.assembly.scene.bearing.rollers

@@ -18,7 +18,7 @@ from rollslip_studies.dynamics.findings import energy_closure, momentum_closure
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.dynamics.termination import steady_slip_of
-from rollslip_studies.motion.torque_balance import rollers, running
+from rollslip_studies.motion.torque_balance import running, torque_balance
 from rollslip_studies.steady_slip.study import SteadySlip
 
 SHIPPED = load_scene("1032930-50C")
@@ -277,7 +277,7 @@ def test_the_steady_slip_is_that_of_study_steady_slip():
     assembly, one, other = braked(6.0)
     slip = float(SteadySlip().run(assembly).steady_slip[0])
     assert one.attrs["steady_cage_slip"] == pytest.approx(slip, rel=2e-3)
-    slip = running(rollers(assembly, 2, effective=True)).slip
+    slip = running(torque_balance(assembly, 2, effective=True)).slip
     assert other.attrs["steady_cage_slip"] == pytest.approx(slip, rel=2e-3)
 
 

@@ -328,7 +328,7 @@ def minimum_positions(assembly: Assembly) -> int:
     return _positions_within_pitch(assembly, _MIN_POSITIONS)
 
 
-def rollers(
+def torque_balance(
     assembly: Assembly,
     n_positions: int,
     *,
@@ -379,7 +379,7 @@ def evaluate_on_branch(assembly: Assembly, end: float, *, inertia: bool = True) 
     inertia : bool
         With the inertia of the spin.
     """
-    balance = rollers(assembly, 1, inertia=inertia)
+    balance = torque_balance(assembly, 1, inertia=inertia)
     for fraction in _CHECKED_SLIPS:
         try:
             balance.evaluate_contacts(balance.orbit(fraction * end))
@@ -593,12 +593,12 @@ def describe_near_skidding(assembly: Assembly, slip: float) -> str:
     slip : float
         Cage slip.
     """
-    balance = rollers(assembly, 1)
+    balance = torque_balance(assembly, 1)
     conventional = skidding_onset(balance, RANGE, "")
     carried = balance.torque(slip) if slip > 0.0 else 0.0
     if slip < conventional.slip and carried < _FAR * conventional.drag:
         return ""
-    effective = skidding_onset(rollers(assembly, 1, effective=True), RANGE, "")
+    effective = skidding_onset(torque_balance(assembly, 1, effective=True), RANGE, "")
     known = [onset for onset in (conventional, effective) if not math.isnan(onset.slip)]
     if not known:
         return ""
