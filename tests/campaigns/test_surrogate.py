@@ -276,7 +276,7 @@ def test_stiffnesses_are_what_small_forces_say(dataset):
 def test_files_hold_no_scene_and_need_tables(place, capsys):
     with pytest.raises(SceneError, match="contains tables of a bearing and not a scene"):
         format_of("b.fmu").read(b"", "b.fmu")
-    with pytest.raises(SceneError, match="make them by rollslip surrogate SCENE"):
+    with pytest.raises(SceneError, match="compute them by rollslip surrogate SCENE"):
         format_of("b.fmu").write({}, None)
     to_json = ["--out", str(place / "x.json"), "--binary-only"]
     for words, said in ((["--binary-only"], "need an --out"), (to_json, "--binary-only")):
