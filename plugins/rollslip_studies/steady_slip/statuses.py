@@ -48,7 +48,7 @@ def describe_stability(branch: LoadingBranch, state: Orbit, steady: SteadyMotion
     if abs(steady.slope) <= _FOLD_SLOPE * branch.maximum[1]:
         return "a fold: a stable and an unstable slip meet"
     if steady.slope < 0.0:
-        return "unstable: with more slip the rollers drive the cage with less torque than the drag"
+        return "unstable: with more slip the rollers drive the cage less than the drag brakes it"
     return (
         "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
     )
