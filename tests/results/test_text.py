@@ -7,6 +7,7 @@ import pytest
 
 import rollslip
 from rollslip.results.text import (
+    Status,
     collect_warnings,
     confidence,
     describe_running,
@@ -23,6 +24,12 @@ SCENE = rollslip.evolve(
 @pytest.fixture(scope="module")
 def results():
     return {name: rollslip.run(SCENE, name) for name in ("effective-friction", "friction-curve")}
+
+
+@pytest.mark.parametrize("status", Status)
+def test_a_status_is_found_in_its_text_whatever_follows(status):
+    assert Status.of(status) is status
+    assert Status.of(f"{status}, however the rest is worded: found") is status
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along
 from rollslip.results.table import point_rows
-from rollslip.results.text import in_percent
+from rollslip.results.text import Status, in_percent
 from rollslip.units import format_quantity
 from rollslip_campaigns.sweep.findings import point_table
 
@@ -203,7 +203,7 @@ def _describe_jumps(dataset: "xr.Dataset") -> list[str]:
         if abs(results[b] - results[a]) > fraction * float(np.nanmax(results) - np.nanmin(results)):
             sides = [
                 f"{_format_searched(dataset, float(values[k]))}, where {_describe_result(dataset, float(values[k]))}"
-                + (f" ({statuses[k]})" if statuses[k] not in ("", "found") else "")
+                + (f" ({statuses[k]})" if statuses[k] not in ("", Status.FOUND) else "")
                 for k in (a, b)
             ]
             sentences.append(
