@@ -1,6 +1,6 @@
 """Slip of rollers and cage in cylindrical roller bearings under hydrodynamic contact friction.
 
-Names are loaded when they are first used, so that ``rollslip --help`` imports neither SciPy nor xarray.
+Names are imported at their first use, so that ``rollslip --help`` imports neither SciPy nor xarray.
 """
 
 import importlib
@@ -46,7 +46,8 @@ if TYPE_CHECKING:
     sweep = function_of(SweepSettings)
     uncertainty = function_of(UncertaintySettings)
 
-_HOMES = {
+#: Public name -> module that defines it.
+_MODULES = {
     "Chain": "rollslip.bearing.chain",
     "Conditions": "rollslip_kernels.slices",
     "RollslipDeprecationWarning": "rollslip.errors",
@@ -69,44 +70,43 @@ _HOMES = {
     "run": "rollslip.planning.execution",
     "table": "rollslip.results.table",
 }
-#: Functions whose types are of libraries that nothing loads before they are used.
-_OF_DATASETS = {"answer", "info", "load_distribution", "open_result", "run", "table"}
-#: Functions of campaigns that are promised; they are found as those of strangers are.
+#: Functions with types of libraries that are imported at their first use.
+_DATASET_FUNCTIONS = {"answer", "info", "load_distribution", "open_result", "run", "table"}
+#: Public functions of campaigns; they are found like those of third-party packages.
 _CAMPAIGNS = ("compare", "explore", "fit", "limit", "pareto", "sweep", "uncertainty")
-__all__ = sorted((*_HOMES, *_CAMPAIGNS))
+__all__ = sorted((*_MODULES, *_CAMPAIGNS))
 
-logging.getLogger(__name__).addHandler(
-    logging.NullHandler()
-)  # who uses the library decides what becomes of its log
+# the application decides where its log goes
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return importlib.import_module("importlib.metadata").version("rollslip")
     value = (
-        getattr(importlib.import_module(_HOMES[name]), name)
-        if name in _HOMES
-        else _of_campaign(name)
+        getattr(importlib.import_module(_MODULES[name]), name)
+        if name in _MODULES
+        else _campaign_function(name)
     )
     if value is None:
         raise AttributeError(f"module 'rollslip' has no attribute {name!r}")
-    if name in _OF_DATASETS:
+    if name in _DATASET_FUNCTIONS:
         pandas, xarray, figures = map(
             importlib.import_module, ("pandas", "xarray", "rollslip.results.figures")
         )
-        known = {"pd": pandas, "xr": xarray, "Result": figures.Result}
-        value.__annotations__ = importlib.import_module("typing").get_type_hints(value, None, known)
+        types = {"pd": pandas, "xr": xarray, "Result": figures.Result}
+        value.__annotations__ = importlib.import_module("typing").get_type_hints(value, None, types)
     globals()[name] = value
     return value
 
 
-def _of_campaign(name: str) -> Any:
-    """Return the function of a campaign; None where there is no such campaign, or it has none."""
-    if name.startswith("_"):  # Python asks for many of these
+def _campaign_function(name: str) -> Any:
+    """Return the function of a campaign; None where there is no such campaign, or it has no function."""
+    if name.startswith("_"):  # Python looks up many of these
         return None
-    known = importlib.import_module("rollslip.planning.campaign")
-    called = name.replace("_", "-")
-    return known.function_of(known.campaign(called)) if called in known.campaigns() else None
+    module = importlib.import_module("rollslip.planning.campaign")
+    campaign = name.replace("_", "-")
+    return module.function_of(module.campaign(campaign)) if campaign in module.campaigns() else None
 
 
 def __dir__() -> list[str]:

@@ -1,4 +1,4 @@
-"""Bearings and surfaces as values, and named sets of them, each with its source and validity."""
+"""Bearings and surfaces as frozen values, and named data sets of them, each with its source and validity."""
 
 import abc
 import math
@@ -83,7 +83,7 @@ class Material:
 
 @attrs.frozen(kw_only=True)
 class Profile:
-    """How much the roller's radius drops towards its ends."""
+    """Profile of a roller: the drop of its radius towards the ends."""
 
     shape: str = field(
         default="none",
@@ -155,7 +155,7 @@ def _boundary(what: str) -> Any:
 
 @attrs.frozen(kw_only=True)
 class Catalogue:
-    """What a maker's catalogue lists of the bearing: for makers' rules of minimum load and friction torque."""
+    """Catalogue data of a bearing, for makers' rules of minimum load and friction torque."""
 
     series: str = field(
         default="",
@@ -211,7 +211,7 @@ def _fit(of: str, usual: str) -> Any:
 
 @attrs.frozen(kw_only=True)
 class Mounting:
-    """Seats and temperatures of rings: what they leave of the clearance that the bearing has before it is mounted."""
+    """Seats and temperatures of the rings, from which the clearance in operation follows."""
 
     initial_clearance: float | None = _length(
         "clearance before mounting; by default the middle of the clearance class, or what the diameters leave",
@@ -283,7 +283,7 @@ class Mounting:
 
 @attrs.frozen(kw_only=True)
 class FormPart:
-    """A part of how a raceway is out of round: a wave of lobes, or a table over the angle."""
+    """A part of the form error of a raceway: a wave of lobes, or a table over the angle."""
 
     lobes: int | None = field(
         default=None,
@@ -334,7 +334,7 @@ class FormPart:
 
 @attrs.frozen(kw_only=True)
 class Raceway:
-    """What a raceway is of, where that is not the ring of the bearing, and how it is out of round."""
+    """Material of a raceway, where it is not that of the bearing, and its form error."""
 
     without_ring: bool = field(
         default=False,
@@ -352,14 +352,16 @@ class Raceway:
 
 @attrs.frozen
 class MountedClearance:
-    """How the clearance in operation came about."""
+    """The clearance in operation as a sum of terms."""
 
-    #: What each part of it is called, and its share [m], the clearance before mounting first.
+    #: Name and value [m] of each term, the clearance before mounting first.
     terms: tuple[tuple[str, float], ...]
-    #: Standard deviation of the clearance [m]: of class, seats and rings, each even over its tolerance.
+    #: Standard deviation of the clearance [m], of class, seats and rings, each uniform within its tolerance.
     deviation: float
-    assumed: tuple[str, ...] = ()  #: Keys of `Mounting` that nobody stated.
-    rigid: bool = True  #: Whether the outer ring is, so that what rollers widen it by stands here, not in its loads.
+    #: Keys of `Mounting` with assumed values.
+    assumed: tuple[str, ...] = ()
+    #: Whether the outer ring is rigid, so that its widening by the rollers is a term here.
+    rigid: bool = True
 
     @property
     def clearance(self) -> float:
@@ -374,8 +376,8 @@ class MountedClearance:
                 sign = "+" if size > 0.0 else "-"
                 shown = abs(size) * 1e6
                 text += f" {sign} {shown:.{0 if shown >= 9.95 else 1}f} {name}"
-        found = self.clearance * 1e6
-        return f"{text} = {found:.3g} um" if abs(found) < 999.5 else f"{text} = {found:.0f} um"
+        total = self.clearance * 1e6
+        return f"{text} = {total:.3g} um" if abs(total) < 999.5 else f"{text} = {total:.0f} um"
 
 
 @attrs.frozen(kw_only=True)
@@ -435,26 +437,26 @@ class Bearing:
         default=None,
         doc="what the catalogue lists, for makers' rules of minimum load and friction torque",
     )
-    #: How `radial_clearance` came about in a scene; None where that is stated.
+    #: Terms of `radial_clearance` in a scene; None where that is stated.
     mounted: MountedClearance | None = attrs.field(
         default=None, eq=False, repr=False, metadata={"key": None}
     )
 
     @property
     def nominal_clearance(self) -> float:
-        """What the diameters leave [m]."""
+        """Clearance by the diameters [m]."""
         gap = self.outer_raceway_diameter - self.inner_raceway_diameter - 2 * self.roller_diameter
-        # The subtraction leaves rounding noise; on a grid of a picometre a nominal clearance of zero is 0.0, not -0.0.
+        # rounded to a picometre, because the subtraction has rounding errors; the sum makes -0.0 to 0.0
         return round(gap, 12) + 0.0
 
     def material_of(self, ring: str) -> Material:
-        """Return what a raceway is of, by default the bearing's material."""
+        """Return the material of the "inner" or "outer" raceway, by default that of the bearing."""
         raceway: Raceway | None = getattr(self, f"{ring}_raceway")
         return self.material if raceway is None or raceway.material is None else raceway.material
 
     @property
     def boundaries(self) -> tuple[float, float]:
-        """Bore and outside diameter [m]: listed, or estimated half a diameter of a roller from the raceways (D)."""
+        """Bore and outside diameter [m], by default half a roller diameter from the raceways (D)."""
         listed = self.catalogue or Catalogue()
         bore = max(
             self.inner_raceway_diameter - self.roller_diameter, 0.5 * self.inner_raceway_diameter
@@ -466,7 +468,7 @@ class Bearing:
 
     @property
     def width(self) -> float:
-        """Width of the rings [m]: listed, or estimated 1.8 times the length of the rollers (D), 1.87 of the 1032930."""
+        """Width of the rings [m], by default 1.8 times the length of the rollers (D); it is 1.87 in the 1032930."""
         return (self.catalogue and self.catalogue.width) or 1.8 * self.roller_length
 
     def __attrs_post_init__(self) -> None:
@@ -475,21 +477,21 @@ class Bearing:
         diameter = self.roller_diameter
         shown = format_quantity(diameter, "m")
         if inner >= outer:
-            came = f"{format_quantity(outer, 'm')} must be larger than the inner one, {format_quantity(inner, 'm')}"
-            raise FieldError("outer_raceway_diameter", came)
-        room = (outer - inner) / 2
-        if abs(room - diameter) >= diameter / 2:
+            reason = f"{format_quantity(outer, 'm')} must be larger than the inner one, {format_quantity(inner, 'm')}"
+            raise FieldError("outer_raceway_diameter", reason)
+        distance = (outer - inner) / 2
+        if abs(distance - diameter) >= diameter / 2:
             raise FieldError(
                 "roller_diameter",
-                f"rollers of {shown} do not fit raceways that are {format_quantity(room, 'm')} apart",
+                f"rollers of {shown} do not fit raceways that are {format_quantity(distance, 'm')} apart",
             )
         bore, outside = self.boundaries
-        for name, ring, wrong in (
-            ("bore", inner, bore >= inner),
-            ("outside_diameter", outer, outside <= outer),
+        for name, value, ring, is_wrong in (
+            ("bore", bore, inner, bore >= inner),
+            ("outside_diameter", outside, outer, outside <= outer),
         ):
-            if wrong:
-                size = format_quantity(bore if name == "bore" else outside, "m")
+            if is_wrong:
+                size = format_quantity(value, "m")
                 raise FieldError(
                     "catalogue",
                     f"{name} of {size} leaves nothing of a ring at {format_quantity(ring, 'm')}: leave out "
@@ -501,12 +503,12 @@ class Bearing:
                 "radial_clearance",
                 f"must be less than the roller diameter, {shown}, not {clearance}",
             )
-        most = math.ceil(math.pi / math.asin(2 * diameter / (inner + outer))) - 1
-        if self.rollers > most:
+        capacity = math.ceil(math.pi / math.asin(2 * diameter / (inner + outer))) - 1
+        if self.rollers > capacity:
             raise FieldError(
                 "rollers",
                 f"{self.rollers} rollers of {shown} do not fit on a pitch circle of "
-                f"{format_quantity((inner + outer) / 2, 'm')}: at most {most} do",
+                f"{format_quantity((inner + outer) / 2, 'm')}: at most {capacity} do",
             )
 
 
@@ -530,7 +532,7 @@ class Surface:
     roller_roughness: float = _roughness("the rollers", 0.1e-6)
 
 
-#: Surfaces that a scene can name, ``[surface] name = "ground"``: roughness, and between which values it is recalled.
+#: Name of a surface in scenes, ``[surface] name = "ground"`` -> roughness, and its usual range by memory (C).
 SURFACES: Final = {
     "ground": (Surface(), "raceways 0.1 to 0.25 um, rollers 0.05 to 0.15 um"),
     "superfinished": (
@@ -544,15 +546,22 @@ SURFACES: Final = {
 class BearingData:
     """A bearing that a scene can name, ``[bearing] name = "1032930"``; other keys of the table change its values."""
 
-    name: str  #: What a scene calls it.
-    description: str  #: What it is, in one line.
-    source: str  #: Where the values come from, and which are assumed.
-    validity: str  #: What they hold for: whether the clearance is one in operation, for example.
-    references: tuple[Citation, ...] = ()  #: One citation each, see `rollslip.references`.
-    bearing: Bearing  #: The values.
-    #: A letter of `rollslip.lubricant.GRADES` for each key that is not printed in the source.
+    #: Name in scenes.
+    name: str
+    #: Description, in one line.
+    description: str
+    #: Source of the values, and which of them are assumed.
+    source: str
+    #: Conditions of the values, for example, whether the clearance is that in operation.
+    validity: str
+    #: Citations, see `rollslip.references`.
+    references: tuple[Citation, ...] = ()
+    #: The values.
+    bearing: Bearing
+    #: Letter of `rollslip.lubricant.GRADES` for each key that is not printed in the source.
     grades: Mapping[str, str] = attrs.field(default=FrozenTable(), converter=FrozenTable)
-    scatter: tuple[Scatter, ...] = ()  #: What is uncertain of it, for `rollslip uncertainty`.
+    #: Uncertainty of the values, for `rollslip uncertainty`.
+    scatter: tuple[Scatter, ...] = ()
 
     @property
     def data(self) -> Bearing:
@@ -562,55 +571,61 @@ class BearingData:
 
 @attrs.frozen
 class SceneData:
-    """A scene that comes with a package: ``rollslip run NAME`` finds it, as all that takes a scene."""
+    """A scene that a package ships: commands and functions find it by its name, as ``rollslip run NAME``."""
 
-    name: str  #: What commands call it.
-    package: str  #: Importable package in whose folder it stands, as ``NAME.toml``.
+    #: Name for commands.
+    name: str
+    #: Importable package with the file ``NAME.toml`` in its folder.
+    package: str
 
     def read(self) -> bytes:
-        """Return its text; `OSError` if the file is not there."""
-        from importlib.resources import (
-            files,
-        )  # costs 20 ms, and a path given by the user does not need it
+        """Return its content; raise `OSError` if there is no file."""
+        # the import takes 20 ms, which scenes of the user do not need
+        from importlib.resources import files
 
         return (files(self.package) / f"{self.name}.toml").read_bytes()
 
 
 class OwnCage(NamedTuple):
-    """The cage that a designation stands for."""
+    """The cage of a bearing by its designation."""
 
-    make: str  #: What it is of: "brass", "steel" or "polyamide"; empty for a full complement, which has none.
-    guidance: str  #: What guides it: "roller", or the land of the "inner" or "outer" ring.
-    letters: str = ""  #: Those of the designation that say so; empty where it is what makers put into such a bearing.
+    #: Make of the cage: "brass", "steel" or "polyamide"; empty for a full complement, without a cage.
+    make: str
+    #: Guidance of the cage: "roller", or the land of the "inner" or "outer" ring.
+    guidance: str
+    #: Letters of the designation that state the cage; empty where it is the usual one of makers.
+    letters: str = ""
 
 
 class Family(abc.ABC):
-    """Many named sets of one kind behind one entry point, ``NAME = "module:OBJECT"``; each is made when asked for."""
+    """Many named data sets of one kind by one entry point, ``NAME = "module:OBJECT"``; each is created on request."""
 
-    name: str  #: That of the entry point.
-    description: str  #: What it holds, in one line.
+    #: Name of the entry point.
+    name: str
+    #: Description of all sets, in one line.
+    description: str
 
     @property
     @abc.abstractmethod
     def names(self) -> tuple[str, ...]:
-        """All names, in the order of a list."""
+        """All names, in the order of lists."""
 
     @abc.abstractmethod
-    def called(self, written: str) -> str | None:
-        """Return the name that somebody means who writes it in another way; None if there is none."""
+    def canonical_name(self, written: str) -> str | None:
+        """Return the name for another spelling of it; None if there is no such name."""
 
     def cage(self, written: str) -> OwnCage | None:
         """Return the cage of a bearing by its designation; None for one of another family."""
         return None
 
     def clearance_class(self, written: str) -> str | None:
-        """Return the class of radial clearance that a designation says, such as "C3"; None where it says none."""
+        """Return the class of radial clearance in a designation, such as "C3"; None where it states none."""
         return None
 
     def other(self, written: str) -> str | None:
-        """Return what a name is of that is none of these, in words ("a deep groove ball bearing"), where known."""
+        """Return a description of a name outside the family ("a deep groove ball bearing"); None where unknown."""
         return None
 
     @abc.abstractmethod
     def __getitem__(self, name: str) -> Any:
-        """Return the set of this name, one of `names` or what `called` returns."""
+        """Return the data set of a name, one of `names` or a result of `canonical_name`."""

@@ -1,12 +1,12 @@
-"""What an engine of sweeps must offer: a ``concurrent.futures.Executor``, and what it means when a task is lost.
+"""Interface of engines of sweeps: a ``concurrent.futures.Executor``, and the meaning of a lost task.
 
-- A task is a few points of a sweep; the function that computes it catches whatever a point raises. An exception that
-  comes out of a task is therefore the engine's: its worker died, or the connection to it.
-- Whether a death may be the fault of a point, the engine knows (`Engine.killed`). The sweep then computes the lost
-  points one by one (`Engine.alone`), and the one that kills again is found.
+- A task is a few points of a sweep; the function that computes it catches all exceptions of a point. An exception of a
+  task is therefore one of the engine: its worker, or the connection to it, is lost.
+- The engine decides whether a point may have killed the worker (`Engine.killed`). The sweep then computes the lost
+  points one by one (`Engine.single_task_executor`), and so finds the point that kills a worker again.
 - The function, its arguments and its result are plain values that can be pickled.
 
-Threads that share one large table within a process are no engine: `shared`.
+Threads that share one large table within a process are not an engine: `run_in_threads`.
 """
 
 import _thread
@@ -24,39 +24,39 @@ from typing import Any, ClassVar, TypeVar
 from rollslip.errors import RollslipError
 from rollslip.references import Citation
 
-__all__ = ["Engine", "cores", "helps", "shared", "threads"]
+__all__ = ["Engine", "cores", "is_helper_thread", "run_in_threads", "threads"]
 
 T = TypeVar("T")
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @cache
 def threads() -> int:
-    """Return how many threads share a large table: ROLLSLIP_THREADS, or the processors that this process may use."""
-    given = os.environ.get("ROLLSLIP_THREADS")
-    if given is None:
+    """Return the number of threads that share a large table: ROLLSLIP_THREADS, or that of the usable cores."""
+    text = os.environ.get("ROLLSLIP_THREADS")
+    if text is None:
         return cores()
-    if not (given.isascii() and given.isdecimal() and int(given) > 0):
+    if not (text.isascii() and text.isdecimal() and int(text) > 0):
         raise RollslipError(
-            f"ROLLSLIP_THREADS = {given!r} is no number of threads: set a whole number of at least 1, or unset it"
+            f"ROLLSLIP_THREADS = {text!r} is no number of threads: set a whole number of at least 1, or unset it"
         )
-    return int(given)
+    return int(text)
 
 
 class Engine(abc.ABC):
-    """Where the points of a sweep are computed."""
+    """An engine that computes the points of a sweep."""
 
     name: ClassVar[str]
     references: ClassVar[tuple[Citation, ...]] = ()
     #: Rule of the conformance kit that the engine breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
-    #: Whether points run in other processes: one that dies takes no sweep along, and models must be importable there.
+    #: Whether points run in other processes: the sweep survives their death, and models must be importable there.
     separate: ClassVar[bool] = True
-    #: Shortest task that is worth what a task costs [s].
+    #: Shortest duration of a task for which the overhead of a task is small [s].
     task_seconds: ClassVar[float] = 0.2
 
     @abc.abstractmethod
@@ -66,87 +66,106 @@ class Engine(abc.ABC):
         Raises
         ------
         EngineError
-            If there is none to be had: what is missing, and what to do.
+            If there is no executor; the message says what is missing, and what to do.
         """
 
     @abc.abstractmethod
     def workers(self, executor: Executor) -> int:
-        """Return how many tasks run at once, at least 1."""
+        """Return the number of tasks that run at once, at least 1."""
 
-    def alone(self) -> Executor:
-        """Return a new executor for tasks that come one at a time."""
+    def single_task_executor(self) -> Executor:
+        """Return a new executor for tasks that are submitted one at a time."""
         return self.executor()
 
     def killed(self, error: BaseException) -> bool:
-        """Return whether a task was lost because its worker died, maybe through what it computed."""
+        """Return whether a task was lost because its worker died, possibly because of the point that it computed."""
         return isinstance(error, BrokenExecutor)
 
     def end(self, executor: Executor, *, at_once: bool) -> None:
-        """Close an executor; ``at_once`` means without waiting for what runs, which is ended where it can be."""
+        """Close an `executor`; `at_once` without waiting for running tasks, which are ended where that is possible."""
         executor.shutdown(wait=not at_once, cancel_futures=True)
 
 
 # Threads that share one table ----------------------------------------------------------------------------------------
 
-#: What this thread is; one that helps waits for no others, who may wait for it.
-_here = threading.local()
+#: Marks helper threads, which must not wait for others, because the others may wait for them.
+_thread_state = threading.local()
 
 
-def helps() -> bool:
-    """Return whether this thread helps another, and is to wait for none."""
-    return hasattr(_here, "helps")
+def is_helper_thread() -> bool:
+    """Return whether this thread evaluates parts for another one, and must not wait for threads itself."""
+    return hasattr(_thread_state, "is_helper")
 
 
 @cache
 def _helpers(count: int) -> "SimpleQueue[tuple[Future[None], Callable[[], None]]]":
-    """Return a queue from which threads take work, as many as can be started.
+    """Return a queue from which threads take work, as many threads as can be started.
 
-    They are none of `threading`, which waits without end for one that dies for want of memory before it runs, or that
-    a signal let nobody know of. What none of them takes the calling thread does.
+    They are started by `_thread` and not by `threading`, which would wait without end for a thread that dies before it
+    runs because memory is short, or whose start a signal interrupts. The calling thread does the work that none takes.
     """
     work: SimpleQueue[tuple[Future[None], Callable[[], None]]] = SimpleQueue()
-    with suppress(RuntimeError, MemoryError):  # nor does one start at the end of the interpreter
+    with suppress(RuntimeError, MemoryError):  # the interpreter may end, or memory be short
         for _ in range(count):
             _thread.start_new_thread(_help, (work,))
     return work
 
 
 def _help(work: "SimpleQueue[tuple[Future[None], Callable[[], None]]]") -> None:
-    """Do what comes, for ever; nothing, where memory does not suffice for that."""
+    """Do the work of a queue without end; return where memory is too short."""
     try:
-        _here.helps = True
+        _thread_state.is_helper = True
     except MemoryError:
         return
     while True:
-        told, part = work.get()
-        if told.set_running_or_notify_cancel():
+        future, part = work.get()
+        if future.set_running_or_notify_cancel():
             part()
-            told.set_result(None)
-        del told, part  # which hold a table
+            future.set_result(None)
+        del future, part  # their references to a table
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(
-        after_in_child=_helpers.cache_clear
-    )  # the threads of the parent are not in the child
+    # a child process does not have the threads of its parent
+    os.register_at_fork(after_in_child=_helpers.cache_clear)
 
 
-def shared(run: Callable[[int, int], T | None], whole: int, step: int, count: int) -> T | None:
-    """Go through a whole in parts, from and to, in a number of threads, of which this is one.
+def run_in_threads(
+    run: Callable[[int, int], T | None], whole: int, step: int, count: int
+) -> T | None:
+    """Evaluate a range in parts, in this and other threads.
 
-    Returned is what comes first of what parts return that is not None, or raise; all parts before it are gone through.
-    A thread that is late does less: the calling one takes what is left, and waits for parts begun only. Threads are
-    made when the first whole comes, and kept; a forked process makes its own.
+    A thread that starts late evaluates fewer parts: the calling thread takes the parts that are left, and waits only
+    for parts that were started. Threads are started at the first call and used again; a forked process starts its own.
+
+    Parameters
+    ----------
+    run : callable
+        Evaluates a part, from a start to a stop.
+    whole : int
+        End of the range, which starts at 0.
+    step : int
+        Length of a part.
+    count : int
+        Number of threads.
+
+    Returns
+    -------
+    object
+        The first result of a part that is not None, or None. All parts before it are evaluated. An exception of a part
+        counts as a result, and is raised.
     """
     starts = iter(range(0, whole, step))
     outcomes = dict[int, Any]()
     others: list[Future[None]] = []
-    held = [run]  # what is taken back below waits in its queue, and is not to keep a table
+    runner = [
+        run
+    ]  # emptied below: cancelled work remains in its queue, and must not refer to a table
 
     def work() -> None:
         while not outcomes and (start := next(starts, None)) is not None:
             try:
-                outcome = held[0](start, min(whole, start + step))
+                outcome = runner[0](start, min(whole, start + step))
             except BaseException as error:
                 outcomes[start] = error
             else:
@@ -160,9 +179,10 @@ def shared(run: Callable[[int, int], T | None], whole: int, step: int, count: in
         work()
     finally:
         starts = iter(())
-        for other in others:  # no part goes on behind the back of the caller
-            other.cancel() or other.exception()
-        held.clear()
+        for other in others:  # no part runs after the return
+            if not other.cancel():
+                other.exception()
+        runner.clear()
     first: T | BaseException | None = outcomes[min(outcomes)] if outcomes else None
     if isinstance(first, BaseException):
         raise first

@@ -1,4 +1,4 @@
-"""Everything rollslip raises on purpose."""
+"""The exceptions of rollslip, and helpers for their messages."""
 
 from collections.abc import Iterable
 
@@ -19,7 +19,7 @@ class SceneError(RollslipError):
 
 
 class DomainError(RollslipError, ArithmeticError):
-    """A law was asked outside the range in which it is defined."""
+    """A law was evaluated outside the range in which it is defined."""
 
 
 class PluginError(RollslipError):
@@ -27,27 +27,27 @@ class PluginError(RollslipError):
 
 
 class UnknownNameError(PluginError):
-    """Nothing that is installed has this name: a slip of the pen, not a fault of a plugin."""
+    """Nothing that is installed has this name: a wrong name, and not a fault of a plugin."""
 
 
 class ConvergenceError(RollslipError):
-    """An iteration did not reach its tolerance; the message says how far it came."""
+    """An iteration did not reach its tolerance; the message states the residual."""
 
 
 class OutputError(RollslipError):
-    """A result cannot be written or read where it was asked."""
+    """A result cannot be written or read at the requested location."""
 
 
 class BusyError(OutputError):
-    """Another run computes what a folder is for."""
+    """Another run computes the contents of a folder."""
 
 
 class EngineError(RollslipError):
-    """An engine cannot compute points: it cannot be started or reached, or its workers do not have what is here."""
+    """An engine cannot compute points: it cannot be started or reached, or its workers lack packages or models."""
 
 
 class RollslipDeprecationWarning(DeprecationWarning):
-    """Something public will go away; the message says what takes its place. It stays for one minor version at least."""
+    """A public name will be removed, after one minor version at least; the message names its replacement."""
 
 
 def describe_error(error: BaseException) -> str:
@@ -56,19 +56,19 @@ def describe_error(error: BaseException) -> str:
 
 
 def wants_memory(error: BaseException) -> bool:
-    """Return whether an error means that memory is too short; the system and libraries say it in several ways."""
-    ways = ("failed to map segment", "annot allocate memory", "can't start new thread")
-    return isinstance(error, MemoryError) or any(way in str(error) for way in ways)
+    """Return whether an error means that memory is too short, by its type or by a text of system or libraries."""
+    texts = ("failed to map segment", "annot allocate memory", "can't start new thread")
+    return isinstance(error, MemoryError) or any(text in str(error) for text in texts)
 
 
 def nearest(word: str, known: Iterable[str], count: int = 3, cutoff: float = 0.6) -> list[str]:
-    """Return the known words that look most like `word`, the most similar first."""
+    """Return the known names most similar to `word`, in descending order of similarity."""
     import difflib  # only wrong input needs it
 
     return difflib.get_close_matches(word, sorted(known), n=count, cutoff=cutoff)
 
 
 def did_you_mean(near: Iterable[str], otherwise: str) -> str:
-    """Return the question whether one of some words was meant; another hint where there are none."""
-    words = " or ".join(map(repr, near))
-    return f"did you mean {words}?" if words else otherwise
+    """Return the question whether one of some names was meant; another hint where there are none."""
+    names = " or ".join(map(repr, near))
+    return f"did you mean {names}?" if names else otherwise

@@ -1,13 +1,13 @@
-"""Declares the fields of scenes, models and studies: unit, meaning, default and allowed values in one place.
+"""Declare the fields of scenes, models and studies: unit, meaning, default and allowed values in one place.
 
 Decisions:
 
-- A field carries its unit and its meaning as attrs metadata ("unit", "doc"); reading, messages, the schema and the
+- A field has its unit and its meaning as attrs metadata ("unit", "doc"); reading, messages, the schema and the
   documentation all take them from there.
-- A field says what is usual and what is possible of its value. What is not possible is refused; what is not usual is
-  read, and whoever runs the scene is told (`unusual`), with what was likely meant: "0.16 m; did you mean '0.16 um'?"
-- A validator looks at one value only and ignores the instance, so that the reader can report every fault of a table at
-  once. What concerns several fields is checked in ``__attrs_post_init__``. Both raise `FieldError`.
+- A field has a usual and a possible range. A value outside the possible range is refused. A value outside the usual
+  range is accepted, with a warning that proposes another unit (`unusual`): "0.16 m; did you mean '0.16 um'?"
+- A validator checks one value only and ignores the instance, so that the reader can report every fault of a table at
+  once. Relations of several fields are checked in ``__attrs_post_init__``. Both raise `FieldError`.
 """
 
 import math
@@ -41,18 +41,18 @@ __all__ = [
 ]
 
 Span: TypeAlias = tuple[float, float]
-"""Least and largest of something; infinite where it has no end."""
+"""Lower and upper limit of a range; infinite where it has none."""
 
 
 class Ranges(TypedDict):
-    """What is usual, and what is possible, of fields that have it in common: ``field(..., **RANGES)``."""
+    """Usual and possible range that several fields share: ``field(..., **RANGES)``."""
 
     usual: Span
     possible: Span
 
 
 class FieldError(RollslipError, ValueError):
-    """A field does not take the value it was given; ``field`` names it and ``reason`` is the sentence about it."""
+    """A field does not accept its value; ``field`` is its name and ``reason`` the sentence on the fault."""
 
     def __init__(self, field: str, reason: str) -> None:
         super().__init__(f"{field}: {reason}")
@@ -65,16 +65,19 @@ class FieldError(RollslipError, ValueError):
 
 @attrs.frozen(kw_only=True)
 class Scatter:
-    """How uncertain a datum of an oil or a bearing is, or a value that a field has by default, and who says so."""
+    """Uncertainty of a datum of an oil or a bearing, or of the default of a field, with its source."""
 
-    #: Key of the table of a scene, ``[lubricant]`` or ``[bearing]``, that scatters; empty where a field declares it of
-    #: itself: ``parameter(..., scatter=Scatter(...))``.
+    #: Key in the table ``[lubricant]`` or ``[bearing]`` of a scene; empty where a field declares its own uncertainty:
+    #: ``parameter(..., scatter=Scatter(...))``.
     quantity: str = ""
-    distribution: str  #: Name of its distribution, as in the table ``[uncertainty]`` of a scene.
-    #: Its parameters there, with units; a centre that is left out is the value of the scene.
+    #: Name of the distribution, as in the table ``[uncertainty]`` of a scene.
+    distribution: str
+    #: Parameters of the distribution, with units; a centre that is left out is the value of the scene.
     parameters: Mapping[str, object] = attrs.field(converter=FrozenTable)
-    grade: str  #: A letter of `rollslip.lubricant.GRADES` in parentheses.
-    source: str  #: Where it comes from, in a sentence.
+    #: A letter of `rollslip.lubricant.GRADES` in parentheses.
+    grade: str
+    #: Source, in a sentence.
+    source: str
 
 
 def field(
@@ -110,13 +113,13 @@ def field(
     rest
         The field collects all keys that have no field of their own, unread.
     keywords
-        Texts that a scene may say in place of a value -> the value.
+        Texts that a scene may have in place of a value -> the value.
     usual
-        Least and largest value that is met in practice, in `unit`; outside of it a warning. Of each value of a list.
+        Range of values in practice, in `unit`, of each value of a list; a value outside gives a warning.
     possible
-        Least and largest value that anything can have; outside of it an error.
+        Range of possible values; a value outside is an error.
     scatter
-        How uncertain a value is that no scene states, a `rollslip.datasets.Scatter`; None for not.
+        Uncertainty of the default, a `rollslip.datasets.Scatter`; None for an exact one.
     """
     metadata: dict[str, object] = {
         "doc": doc,
@@ -130,13 +133,11 @@ def field(
     }
     if key is not None:
         metadata["key"] = key
-    checks = [
-        check
-        for check in (validator, None if possible is None else within_possible)
-        if check is not None
-    ]
-    both = attrs.validators.and_(*checks) if len(checks) > 1 else checks[0] if checks else None
-    return attrs.field(default=default, validator=both, metadata=metadata)
+    if possible is not None:
+        validator = (
+            attrs.validators.and_(validator, within_possible) if validator else within_possible
+        )
+    return attrs.field(default=default, validator=validator, metadata=metadata)
 
 
 def own_unit(doc: str) -> Any:
@@ -182,7 +183,8 @@ def parameter(
     )
 
 
-def _shown(value: object, attribute: "attrs.Attribute[Any]") -> str:
+def _format(value: object, attribute: "attrs.Attribute[Any]") -> str:
+    """Return a value as text, in the unit in which the user gave it."""
     unit = attribute.metadata.get("unit")
     if unit is None or isinstance(value, bool) or not isinstance(value, int | float):
         return as_written(value)
@@ -203,12 +205,12 @@ class _Range:
         if not (above and below):
             raise FieldError(
                 attribute.name,
-                f"must be {self._allowed(attribute)}, not {_shown(value, attribute)}",
+                f"must be {self._allowed(attribute)}, not {_format(value, attribute)}",
             )
 
     def _allowed(self, attribute: "attrs.Attribute[Any]") -> str:
         low, high = (
-            bound if bound == 0 else _shown(bound, attribute) for bound in (self.low, self.high)
+            bound if bound == 0 else _format(bound, attribute) for bound in (self.low, self.high)
         )
         if self.high is None:
             return f"above {low}" if self.open else f"at least {low}"
@@ -229,7 +231,7 @@ class _ChoiceOf:
         if value not in self.options:
             options = ", ".join(as_written(option) for option in self.options)
             raise FieldError(
-                attribute.name, f"must be one of {options}, not {_shown(value, attribute)}"
+                attribute.name, f"must be one of {options}, not {_format(value, attribute)}"
             )
 
 
@@ -251,7 +253,7 @@ def in_range(low: float, high: float, *, open: bool = False) -> _Range:
 
 
 def not_empty(instance: object, attribute: "attrs.Attribute[Any]", value: Any) -> None:
-    """Validator: a list is not empty."""
+    """Validator: a list `value` of a field `attribute` is not empty; the `instance` is not used."""
     if not value:
         raise FieldError(attribute.name, "is an empty list; at least one value is needed")
 
@@ -265,31 +267,78 @@ def choice_of(*options: object) -> _ChoiceOf:
 
 
 def within_possible(instance: object, attribute: "attrs.Attribute[Any]", value: object) -> None:
-    """Validator: a value, or each of a list, lies within what its field declares to be possible."""
+    """Validator: a `value`, or each of a list, is in the possible range of its field; the `instance` is not used.
+
+    Parameters
+    ----------
+    instance : object
+        Not used, so that a value can be checked on its own.
+    attribute : attrs.Attribute
+        The field.
+    value : object
+        The value in SI units.
+
+    Raises
+    ------
+    FieldError
+        If a number is outside the range.
+    """
     span: Span = attribute.metadata["possible"]
-    for one in value if isinstance(value, tuple) else (value,):
-        if isinstance(one, int | float) and not span[0] <= one <= span[1]:
-            came = f"must be {format_span(span, *_unit_and_given(attribute))}, not {_told(one, attribute)}"
-            raise FieldError(attribute.name, came + _hint(one, attribute))
+    for number in value if isinstance(value, tuple) else (value,):
+        if isinstance(number, int | float) and not span[0] <= number <= span[1]:
+            possible = format_span(span, *_unit_and_given(attribute))
+            reason = f"must be {possible}, not {_format_number(number, attribute)}"
+            raise FieldError(attribute.name, reason + _hint(number, attribute))
 
 
 def unusual(attribute: "attrs.Attribute[Any]", value: float, given: str | None = None) -> str:
-    """Say that a value of a field is outside what is usual, and what was likely meant; nothing where it is not."""
+    """Return a message on a value outside the usual range of its field; empty where it is inside.
+
+    Parameters
+    ----------
+    attribute : attrs.Attribute
+        The field.
+    value : float
+        The value in SI units.
+    given : str, optional
+        Unit in which the user gave it.
+    """
     span: Span | None = attribute.metadata.get("usual")
     if span is None or span[0] <= value <= span[1]:
         return ""
-    told = attribute.evolve(metadata={**attribute.metadata, "given": given})
-    usual = format_span(span, *_unit_and_given(told))
-    return f"{as_given(value, attribute, given)} is unusual ({usual} is usual)" + _hint(value, told)
+    field_as_given = attribute.evolve(metadata={**attribute.metadata, "given": given})
+    usual = format_span(span, *_unit_and_given(field_as_given))
+    hint = _hint(value, field_as_given)
+    return f"{as_given(value, attribute, given)} is unusual ({usual} is usual)" + hint
 
 
 def as_given(value: float, attribute: "attrs.Attribute[Any]", given: str | None = None) -> str:
-    """Show a value of a field as it was given; what was given in SI units as people read it too."""
-    return _told(value, attribute.evolve(metadata={**attribute.metadata, "given": given}))
+    """Return a value of a field in the unit in which the user gave it, and SI values in the usual unit too.
+
+    Parameters
+    ----------
+    value : float
+        The value in SI units.
+    attribute : attrs.Attribute
+        The field.
+    given : str, optional
+        Unit in which the user gave it; by default the SI unit.
+    """
+    return _format_number(value, attribute.evolve(metadata={**attribute.metadata, "given": given}))
 
 
 def format_span(span: Span, unit: str | None, given: str | None = None) -> str:
-    """Say from what to what: "from 5 nm to 3 um", "at most 4 GPa"."""
+    """Return a range as text: "from 5 nm to 3 um", "at most 4 GPa".
+
+    Parameters
+    ----------
+    span : (float, float)
+        Limits in SI units; infinite where there is none.
+    unit : str or None
+        The SI unit.
+    given : str, optional
+        Unit of the text; by default one that suits the size.
+    """
     low, high = (_bound(end, unit, given) for end in span)
     if math.isinf(span[1]):
         return f"at least {low}"
@@ -303,25 +352,26 @@ def _bound(value: float, unit: str | None, given: str | None) -> str:
 
 
 def _unit_and_given(attribute: "attrs.Attribute[Any]") -> tuple[str | None, str | None]:
-    """Unit of a field, and that in which a person gave its value, where it is another."""
+    """Return the SI unit of a field, and the unit in which the user gave its value, where it is another."""
     unit = attribute.metadata.get("unit")
     given = attribute.metadata.get("given")
     return unit, None if given in (unit, "1") else given
 
 
-def _told(value: float, attribute: "attrs.Attribute[Any]") -> str:
+def _format_number(value: float, attribute: "attrs.Attribute[Any]") -> str:
+    """Return a number in the unit in which the user gave it; in SI units also in the usual unit: "0.16 m = 160 mm"."""
     unit, given = _unit_and_given(attribute)
     if unit is None or unit == "1":
         return f"{value:.6g}"
     if given is not None:
         return format_quantity(value, unit, given=given)
     plain = format_quantity(value, unit, given=unit)
-    read = format_quantity(value, unit)
-    return plain if plain == read else f"{plain} = {read}"
+    usual = format_quantity(value, unit)
+    return plain if plain == usual else f"{plain} = {usual}"
 
 
 def _hint(value: float, attribute: "attrs.Attribute[Any]") -> str:
-    """Ask whether the same number with another unit was meant, one that makes it usual."""
+    """Return the question whether the same number in another unit, with which it is usual, was meant."""
     unit, given = _unit_and_given(attribute)
     span: Span | None = attribute.metadata.get("usual")
     if unit is None or span is None:
@@ -331,7 +381,7 @@ def _hint(value: float, attribute: "attrs.Attribute[Any]") -> str:
 
 
 def submodels(model: Any) -> Iterator[tuple[str, Any]]:
-    """Yield kind and model of all models that a model holds as parameters, and of theirs."""
+    """Yield kind and model of all models among the parameters of a model, and of their submodels."""
     for attribute in attrs.fields(type(model)) if attrs.has(type(model)) else ():
         if "kind" in attribute.metadata and (child := getattr(model, attribute.name)) is not None:
             yield attribute.metadata["kind"], child

@@ -1,8 +1,8 @@
-"""Files: text and columns of numbers read strictly, and files and folders that appear whole or not at all.
+"""Read text and columns of numbers strictly, and write files and folders atomically.
 
-- The unit of a column stands in its header, from the closed table of `rollslip.units`; a cell is a number and nothing
-  else. A header or a cell that is not understood is an error.
-- What is written is written beside its place and moved there.
+- The unit of a column is part of its header, one of the closed table of `rollslip.units`; a cell is a number and
+  nothing else. Any other header or cell is an error.
+- Files and folders are written under a temporary name in the same folder, and then renamed.
 """
 
 import csv
@@ -23,7 +23,7 @@ from rollslip.fields import FieldError
 from rollslip.units import UnitError, as_written, expectation, quantity
 
 _REMEDY: Final = "free space, or name another place"
-#: Ending of a file that is taken for a scene -> what it is, and what takes it.
+#: Suffix of a file that is not a scene -> what it is, and which command takes it.
 NO_SCENES: Final = {
     ".nc": "a result; rollslip info, cite and report take it, and its attribute 'scene' holds the scene",
     ".csv": "a table; rollslip fit, rank and validate take measured ones",
@@ -45,57 +45,60 @@ def decoded(content: bytes, source: str) -> str:
 
 
 def readable(name: str) -> str:
-    """Return the name of a file, or an argument, as text that can be stored and shown.
+    """Return the name of a file, or an argument, as text that can be stored and printed.
 
-    What the system gives in bytes that its encoding does not have, Python keeps in halves of characters, which nothing
-    can write: most often it is UTF-8 in a C locale.
+    Bytes that the encoding of the system does not have are surrogates in Python, which cannot be written; most often
+    they are UTF-8 in a C locale.
     """
     return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
 
 
 def content_of(path: Path) -> bytes:
-    """Return what stands in a file of some pages, or comes through a pipe."""
+    """Return the content of a file or a pipe of at most 64 MB."""
     if stat.S_ISFIFO(path.stat().st_mode) and hasattr(os, "O_NONBLOCK"):
-        return _through_pipe(path)
+        return _content_of_pipe(path)
     with path.open("rb") as file:
-        return _small(file.read(_LARGEST + 1))
+        return _limited(file.read(_MAX_BYTES + 1))
 
 
-def _small(read: bytes) -> bytes:
-    if len(read) > _LARGEST:
-        raise OSError(0, f"has more than {_LARGEST >> 20} MB")
-    return read
+def _limited(content: bytes) -> bytes:
+    """Return a content; raise `OSError` if it is too large."""
+    if len(content) > _MAX_BYTES:
+        raise OSError(0, f"has more than {_MAX_BYTES >> 20} MB")
+    return content
 
 
-def _through_pipe(path: Path) -> bytes:
-    """Read a pipe to its end; one that nobody writes to would be waited for without end."""
+def _content_of_pipe(path: Path) -> bytes:
+    """Return the content of a pipe; raise `OSError` where no process writes to it."""
     import select
 
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     try:
-        waiting = select.poll()
-        read = b""
-        waiting.register(descriptor, select.POLLIN)
-        while len(read) <= _LARGEST:
-            if not waiting.poll(1e3 * _PATIENCE):
-                raise OSError(0, f"is a pipe through which nothing came for {_PATIENCE:g} s")
+        poll = select.poll()
+        content = b""
+        poll.register(descriptor, select.POLLIN)
+        while len(content) <= _MAX_BYTES:
+            if not poll.poll(1e3 * _PIPE_TIMEOUT):
+                raise OSError(0, f"is a pipe through which nothing came for {_PIPE_TIMEOUT:g} s")
             if not (part := os.read(descriptor, 1 << 16)):
-                return read
-            read += part
-        return _small(read)
+                return content
+            content += part
+        return _limited(content)
     finally:
         os.close(descriptor)
 
 
-#: Bytes that a text for a person does not have.
-_LARGEST: Final = 1 << 26
-#: Seconds for which nothing may come through a pipe.
-_PATIENCE: Final = 10.0
+#: Largest size of a text file [bytes]: 64 MB. Doubling it reads larger files by mistake, such as results. Chosen far
+#: above any scene or measurement.
+_MAX_BYTES: Final = 1 << 26
+#: Time without data after which reading a pipe fails [s]. Doubling it makes users wait longer for a pipe without a
+#: writer; a slow writer needs it. Chosen.
+_PIPE_TIMEOUT: Final = 10.0
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 
 
 def named_text(file: str) -> str:
-    """Return the text of a file that a parameter names by its full path; a `FieldError` of ``file`` says what fails."""
+    """Return the text of a file that a parameter names by its full path; raise `FieldError` for the field ``file``."""
     path = Path(file)
     if not path.is_absolute():
         raise FieldError(
@@ -109,8 +112,8 @@ def named_text(file: str) -> str:
             "file", f"{file}: not UTF-8 text; save the file in the encoding UTF-8"
         ) from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path
-        said = getattr(error, "strerror", None) or error
-        raise FieldError("file", f"{file}: cannot be read: {said}") from None
+        reason = getattr(error, "strerror", None) or error
+        raise FieldError("file", f"{file}: cannot be read: {reason}") from None
 
 
 def read_columns(
@@ -120,10 +123,10 @@ def read_columns(
     faults: list[str],
     check: Callable[[Collection[str]], str] = lambda names: "",
 ) -> tuple[dict[str, list[float]], tuple[int, ...]]:
-    """Read comma-separated values under a header ``name [unit], name [unit], ...``.
+    """Return the columns of comma-separated values under a header ``name [unit], name [unit], ...``, and line numbers.
 
-    Lines that start with ``#`` are comments. The columns are the fields of an attrs class, in any order; those without
-    a default are required.
+    Lines that start with ``#`` are comments. The columns are the fields of the attrs class ``row``, in any order; those
+    without a default are required. Faults are added to ``faults``; ``check`` returns a fault of the names of columns.
     """
     known = {attribute.name: attribute for attribute in attrs.fields(row)}
     required = [name for name, attribute in known.items() if attribute.default is attrs.NOTHING]
@@ -137,24 +140,26 @@ def read_columns(
         where = f"{source}:{number}"
         units = [_header(cell, known, where, faults) for cell in header]
         names = [name for name, _ in units]
-        faults += [
-            f"{where}: {name}: stands there twice"
-            for name in dict.fromkeys(names)
-            if names.count(name) > 1
-        ]
-        faults += [
-            f"{where}: {name}: missing, but required ({known[name].metadata['doc']})"
-            for name in required
-            if name not in names
-        ]
-        if fault := check(names):
-            faults.append(f"{where}: {fault}")
+        faults += [f"{where}: {fault}" for fault in _header_faults(names, required, known, check)]
     if not rows and not faults:
         example = ", ".join(f"{name} [{known[name].metadata['unit']}]" for name in required)
         faults.append(
             f"{source}: no data; a header such as '{example}' and rows of numbers are expected"
         )
     columns: dict[str, list[float]] = {name: [] for name, _ in units}
+    _append_rows(columns, rows, units, known, source, faults)
+    return columns, tuple(number for number, _ in rows)
+
+
+def _append_rows(
+    columns: dict[str, list[float]],
+    rows: list[tuple[int, list[str]]],
+    units: list[tuple[str, str]],
+    known: "dict[str, attrs.Attribute[Any]]",
+    source: str,
+    faults: list[str],
+) -> None:
+    """Append the values of all rows, with their line numbers, to the columns; a row of another length is a fault."""
     for number, cells in rows:
         if len(cells) != len(units):
             hint = "; a decimal comma is not read, write 0.05" if len(cells) > len(units) else ""
@@ -167,11 +172,27 @@ def read_columns(
                 columns[name].append(
                     _value(cell, unit, known[name], f"{source}:{number}: {name}", faults)
                 )
-    return columns, tuple(number for number, _ in rows)
+
+
+def _header_faults(
+    names: list[str],
+    required: list[str],
+    known: "dict[str, attrs.Attribute[Any]]",
+    check: Callable[[Collection[str]], str],
+) -> Iterator[str]:
+    """Yield faults of the names in a header: repeated and missing columns, and the fault that ``check`` finds."""
+    for name in dict.fromkeys(names):
+        if names.count(name) > 1:
+            yield f"{name}: stands there twice"
+    for name in required:
+        if name not in names:
+            yield f"{name}: missing, but required ({known[name].metadata['doc']})"
+    if fault := check(names):
+        yield fault
 
 
 def _cells(line: str) -> list[str]:
-    """Cells of a line, without their quotes; a line that is no CSV is one cell, which no column takes."""
+    """Return the cells of a line without quotes; a line that is not CSV is one cell, which no column accepts."""
     try:
         return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
     except csv.Error:
@@ -181,7 +202,7 @@ def _cells(line: str) -> list[str]:
 def _header(
     cell: str, known: "dict[str, attrs.Attribute[Any]]", where: str, faults: list[str]
 ) -> tuple[str, str]:
-    """Name and unit of a column; no unit where the column cannot be read."""
+    """Return name and unit of a column; an empty unit where the column cannot be read."""
     name, bracket, rest = (part.strip() for part in cell.partition("["))
     if ";" in cell or "\t" in cell:
         faults.append(
@@ -209,7 +230,7 @@ def _header(
 def _value(
     cell: str, unit: str, column: "attrs.Attribute[Any]", where: str, faults: list[str]
 ) -> float:
-    """SI value of a cell, or NaN after noting what is wrong with it."""
+    """Return the SI value of a cell; NaN, with a message in ``faults``, where it is wrong."""
     try:
         number = _NUMBER.match(cell)
         if number is not None and number[0] != cell and "," not in cell:
@@ -217,7 +238,7 @@ def _value(
                 f"{as_written(cell)} is not a number alone; its unit stands in the header"
             )
         if number is None or number[0] != cell:
-            quantity(cell, "1")  # says what is wrong with it
+            quantity(cell, "1")  # raises with the reason
         value = quantity(f"{cell} {unit}", column.metadata["unit"])
         if column.validator is not None:
             column.validator(None, column, value)
@@ -238,8 +259,8 @@ def whole(
     put: Callable[[Path, Path], None] | None = None,
     remedy: str = _REMEDY,
 ) -> Iterator[Path]:
-    """Give an empty folder that becomes the new folder ``target`` when the block ends well, else vanishes."""
-    # named before it is made, so that an interrupt right after that finds it too
+    """Yield an empty folder that is renamed to ``target`` when the block ends, and removed when it raises."""
+    # named before it is created, so that an interrupt right after its creation removes it too
     partial = target.parent / f".{target.name}.{sort}{os.urandom(4).hex()}"
     try:
         with blamed(target, remedy):
@@ -255,7 +276,7 @@ def whole(
 
 @contextmanager
 def blamed(target: Path, remedy: str = _REMEDY) -> Iterator[None]:
-    """Turn what the system says against writing into one error that names what was to be written, and a remedy."""
+    """Convert errors of the system while writing into an `OutputError` that names the target and a remedy."""
     try:
         yield
     except OSError as error:
@@ -265,7 +286,7 @@ def blamed(target: Path, remedy: str = _REMEDY) -> Iterator[None]:
 
 
 def umask() -> int:
-    """Return the mask that new files get their rights by."""
+    """Return the mask of the access rights of new files."""
     mask = os.umask(0)
     os.umask(mask)
     return mask
@@ -273,7 +294,7 @@ def umask() -> int:
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Give the place of a new file that becomes ``target`` when the block ends well, and vanishes when it does not."""
+    """Yield the path of a new file that is renamed to ``target`` when the block ends, and removed when it raises."""
     partial = target.with_name(f".{target.name}.partial")
     with blamed(target):
         try:

@@ -1,7 +1,7 @@
-"""Kernels from elsewhere: the struct of ``rollslip.h`` for ctypes and Numba, and a capsule from an address.
+"""Kernels from other languages: the struct of ``rollslip.h`` for ctypes and Numba, and a capsule from an address.
 
-- The struct is made from the columns, the conditions and the offsets that the C compiler chose, so it cannot drift.
-- Who gives an address vouches for it: nothing can check that a function of the right signature is there.
+- The struct is derived from the columns, the conditions and the offsets of the C compiler, so that it always agrees.
+- The caller is responsible for an address: a function of another signature cannot be detected.
 """
 
 import ctypes
@@ -16,22 +16,14 @@ __all__ = ["EVALUATE", "NumbaSlices", "SlicesStruct", "capsule_from_address", "n
 
 _SIZE, _OFFSETS = layout()
 _MEMBERS = sorted(_OFFSETS, key=_OFFSETS.__getitem__)
+#: Types of the members that are not columns.
+_TYPES: dict[str, Any] = {"n": ctypes.c_size_t} | dict.fromkeys(CONDITIONS, ctypes.c_double)
 
 
 class SlicesStruct(ctypes.Structure):
     """``rs_slices``: ``n``, a double for each condition, and a pointer to ``n`` doubles for each column."""
 
-    _fields_ = [
-        (
-            name,
-            ctypes.c_size_t
-            if name == "n"
-            else ctypes.c_double
-            if name in CONDITIONS
-            else ctypes.POINTER(ctypes.c_double),
-        )
-        for name in _MEMBERS
-    ]
+    _fields_ = [(name, _TYPES.get(name, ctypes.POINTER(ctypes.c_double))) for name in _MEMBERS]
 
 
 #: ``rs_evaluate`` for ctypes: a function of a pointer to `SlicesStruct` and of the parameters.
@@ -56,9 +48,9 @@ _pointer_in = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char
 
 
 def capsule_from_address(
-    evaluate_address: int, params_address: int = 0, keep: object = None
+    evaluate_address: int, params_address: int = 0, owner: object = None
 ) -> object:
-    """Return what ``kernel()`` of a model returns, for a C function at an address.
+    """Return the capsule of a C function at an address, as ``kernel()`` of a model returns it.
 
     Parameters
     ----------
@@ -66,9 +58,9 @@ def capsule_from_address(
         Address of an ``rs_evaluate``: ``int f(const rs_slices *slices, const void *params)``, re-entrant, called
         without the GIL.
     params_address : int
-        Address that is handed to it as ``params``.
-    keep : object
-        What must live as long as the capsule: the library, the compiled function, the memory of the parameters.
+        Address that is passed to it as ``params``.
+    owner : object
+        Object that must exist as long as the capsule: the library, the compiled function, the memory of the parameters.
 
     Examples
     --------
@@ -78,12 +70,12 @@ def capsule_from_address(
     ...     ctypes.memset(s.friction, 0, 8 * s.n)
     ...     return 0
     >>> function = EVALUATE(no_friction)
-    >>> capsule_from_address(ctypes.cast(function, ctypes.c_void_p).value, keep=function)  # doctest: +ELLIPSIS
+    >>> capsule_from_address(ctypes.cast(function, ctypes.c_void_p).value, owner=function)  # doctest: +ELLIPSIS
     <capsule object "rollslip.slice_model.v1" at 0x...>
     """
-    # A Python stage's capsule has the right ABI and size, keeps its callee, and is freed in C: only its function and
-    # parameters are exchanged here, and the callee, never called, is what has to be kept.
-    capsule: Any = python_stage(keep, ())  # type: ignore[arg-type]
+    # The capsule of a Python stage has the right ABI and size, owns its callee, and is freed in C. Here its function
+    # and parameters are replaced, and its callee, which is never called, is the owner.
+    capsule: Any = python_stage(owner, ())  # type: ignore[arg-type]
     table = _Model.from_address(_pointer_in(capsule, _name_of(capsule)))
     table.evaluate = evaluate_address
     table.params = params_address
@@ -91,14 +83,14 @@ def capsule_from_address(
 
 
 class NumbaSlices(NamedTuple):
-    """What a kernel in Numba needs: see `numba_slices`."""
+    """Signature and helper function of a kernel in Numba, see `numba_slices`."""
 
     signature: Any
     column: Any
 
 
 def numba_slices() -> NumbaSlices:
-    """Return the signature of a ``numba.cfunc`` that is a kernel, and what turns a member into a column.
+    """Return the signature of a ``numba.cfunc`` that is a kernel, and a function that converts a member to a column.
 
     ::
 
@@ -115,7 +107,7 @@ def numba_slices() -> NumbaSlices:
                 mu[i] = 0.05 * V[i] / u[i]
             return 0
 
-    and in the model ``kernel()`` returns ``capsule_from_address(ramp.address, keep=ramp)``. Conditions are read as
+    and in the model ``kernel()`` returns ``capsule_from_address(ramp.address, owner=ramp)``. Conditions are read as
     ``s.viscosity``; ``carray(column(s.load), s.n)`` is a NumPy array.
 
     Raises
@@ -126,7 +118,7 @@ def numba_slices() -> NumbaSlices:
     types = importlib.import_module("numba").types
     pointer = types.CPointer(types.float64)
     kinds = {"n": types.uintp} | dict.fromkeys(CONDITIONS, types.float64)
-    # a record of Numba holds numbers only: columns are addresses in it
+    # a record of Numba has numbers only: columns are addresses in it
     record = types.Record.make_c_struct([(name, kinds.get(name, types.uintp)) for name in _MEMBERS])
 
     def column(typing: Any, address: Any) -> Any:

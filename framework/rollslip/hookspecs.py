@@ -1,6 +1,6 @@
-"""The hooks a plugin may implement: one per kind, and each only collects what the plugin offers.
+"""The hooks that a plugin may implement: one per kind, which returns the objects that the plugin offers.
 
-What a thing of a kind has to be, its base class says (`rollslip.catalogue.kinds`); nothing of it is imported here.
+The base class of each kind is in `rollslip.catalogue.kinds`; it is not imported here.
 """
 
 from collections.abc import Callable, Iterable
@@ -11,7 +11,7 @@ import pluggy
 hookspec = pluggy.HookspecMarker("rollslip")
 hookimpl = pluggy.HookimplMarker("rollslip")
 
-#: Name of a hook -> what a plugin offers by it: classes derived from one, or values of one.
+#: Name of a hook -> objects that a plugin offers by it: classes derived from a base class, or its instances.
 HOOKS: Final = {
     "contact_models": "Contact models: classes derived from `rollslip.models.ContactModel`.",
     "film_models": "Film models: classes derived from `rollslip.models.FilmModel`.",
@@ -39,10 +39,10 @@ HOOKS: Final = {
 
 
 def _hook(name: str, offered: str) -> Callable[[], Iterable[Any]]:
-    """Return the hook of a name, a function without arguments that a plugin has under it too."""
+    """Return the specification of a hook, a function without arguments as plugins implement it."""
 
     def hook() -> Iterable[Any]:
-        raise NotImplementedError(name)  # pluggy calls those of plugins
+        raise NotImplementedError(name)  # pluggy calls the implementations of plugins
 
     hook.__name__ = name
     hook.__qualname__ = name

@@ -1,4 +1,4 @@
-"""Roller profiles: how far the surface falls back from a straight cylinder along the roller."""
+"""Roller profiles: the drop of the surface below a straight cylinder along the roller (ISO/TS 16281)."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,7 @@ SHAPES = ("none", "iso16281", "circular", "table")
 
 
 def slice_positions(length: float, slices: int) -> Floats:
-    """Midpoints [m] of equal slices of a roller of effective length [m], from its middle (ISO/TS 16281)."""
+    """Return the midpoints of equal slices of a roller, from its middle [m], (slices,), by its effective length [m]."""
     if not 0.0 < length < np.inf or slices < 1:
         raise ValueError(
             f"a roller of length {length} m cannot be cut into {slices} slices: both must be positive"
@@ -27,17 +27,29 @@ def profile_drop(
     radius: float | None = None,
     table: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Floats:
-    """Radial distance between a roller's surface and the straight cylinder.
+    """Return the radial distance of the surface of a roller from a straight cylinder, P [m].
 
     - ``none``: a straight roller, P = 0.
     - ``iso16281``: the logarithmic reference profile of ISO/TS 16281,
-      P(x) = 0.00035 D ln(1 / (1 - (2 x / L)^2)). It diverges at the ends; midpoints of slices never reach them.
+      P(x) = 0.00035 D ln(1 / (1 - (2 x / L)^2)). It diverges at the ends, which are not midpoints of slices.
     - ``circular``: a circular arc along the full length, P(x) = R - sqrt(R^2 - x^2).
     - ``table``: measured or designed, interpolated by monotone cubics (PCHIP), which pass through every point, do not
-      overshoot and leave no kinks to concentrate pressure. It need not be symmetric.
+      overshoot and have no kinks, at which pressure would concentrate. It need not be symmetric.
 
-    P [m] at x, positions from the roller's middle [m]; L and D are its effective length and its diameter, R the radius
-    of the crown [m]. A table has positions that ascend and cover the roller, and the drop there [m].
+    Parameters
+    ----------
+    shape : str
+        One of these.
+    positions : array_like
+        Positions x from the middle of the roller [m].
+    roller_length : float
+        Effective length L of the roller [m].
+    roller_diameter : float
+        Diameter D of the roller [m].
+    radius : float, optional
+        Radius R of the circular arc [m].
+    table : (array_like, array_like), optional
+        Ascending positions that cover the roller, and the drop there [m], (n,) each.
 
     References
     ----------
@@ -91,7 +103,7 @@ def _interpolated(x: Floats, half: float, position: Floats, drop: Floats) -> Flo
         raise ValueError("the positions and drops of a profile table must be finite")
     if not np.all(np.diff(position) > 0.0):
         raise ValueError("the positions of a profile table must ascend")
-    slack = 1e-9 * half  # what the rounding of a unit may cost
+    slack = 1e-9 * half  # rounding of converted units
     if position[0] > -half + slack or position[-1] < half - slack:
         raise ValueError(
             f"the profile table spans {position[0]} to {position[-1]} m from the roller's middle: "
@@ -99,9 +111,8 @@ def _interpolated(x: Floats, half: float, position: Floats, drop: Floats) -> Flo
         )
     from scipy.interpolate import PchipInterpolator
 
-    with np.errstate(
-        over="ignore", divide="ignore"
-    ):  # of a slope's reciprocal, where drops are denormal
+    # the reciprocal of a slope overflows where drops are denormal
+    with np.errstate(over="ignore", divide="ignore"):
         interpolated: Floats = PchipInterpolator(position, drop)(
             np.clip(x, position[0], position[-1])
         )

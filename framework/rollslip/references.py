@@ -1,8 +1,8 @@
-"""What to cite, as data: publications with authors, title and place, how they read, and their BibTeX.
+"""References as data: publications with authors, title and place, as text and as BibTeX.
 
-A model, an oil or a bearing names its sources in ``references``: values of `Reference`, or texts, which are told as
-they are. Those of the framework's own laws stand in ``references.bib``; packages keep theirs in one place too, so that
-no source is written twice. What could not be confirmed is named in the reference and told with it.
+A model, an oil or a bearing names its sources in ``references``: values of `Reference`, or texts, which are printed as
+they are. Publications of the framework's own laws are in ``references.bib``; a package has its own file, so that no
+source is written twice. Data that could not be confirmed are named in the reference and printed with it.
 """
 
 import re
@@ -29,12 +29,12 @@ __all__ = [
     "as_bibtex",
     "as_dict",
     "from_dict",
-    "once",
-    "published",
+    "read_bibliography",
     "rollslip_itself",
+    "unique_works",
 ]
 
-#: Kind of publication -> type of its BibTeX entry, and where that keeps who published it; a remark is none.
+#: Kind of publication -> type of its BibTeX entry, and its field for the publisher; a remark has no entry.
 _ENTRIES: Final = MappingProxyType(
     {
         "article": ("article", "publisher"),
@@ -47,7 +47,7 @@ _ENTRIES: Final = MappingProxyType(
         "remark": ("", ""),
     }
 )
-#: What a kind cannot do without: BibTeX and readers miss it.
+#: Kind of publication -> required fields.
 _REQUIRED: Final = MappingProxyType(
     {
         "article": ("authors", "journal", "year"),
@@ -60,9 +60,9 @@ _REQUIRED: Final = MappingProxyType(
         "remark": (),
     }
 )
-#: What stands in BibTeX for a title that nobody could find out.
+#: Title in BibTeX of a publication with an unknown title.
 UNKNOWN_TITLE: Final = "[title not confirmed]"
-#: What can be found out about a publication and may have stayed open.
+#: Fields that may be named as not confirmed.
 _CHECKABLE: Final = (
     "authors",
     "title",
@@ -83,10 +83,10 @@ class Reference:
     Parameters
     ----------
     kind : str
-        article, book, proceedings (a paper in them), thesis, report, standard, software; or remark, where a law has no
-        publication behind it: the title then says what it rests on, and BibTeX leaves it out.
+        article, book, proceedings (a paper in them), thesis, report, standard, software; or remark for a law without a
+        publication: its title then states the basis of the law, and BibTeX does not have it.
     authors : tuple of str
-        "Family name, initials" each, as printed; a name without a comma is that of a body.
+        "Family name, initials" each, as printed; a name without a comma is that of an institution.
     title : str
         As printed.
     journal : str
@@ -100,17 +100,17 @@ class Reference:
     doi : str
         Without a resolver, as "10.3103/S1068366622010068".
     note : str
-        What a reader has to know, such as through whom it is cited.
+        Note for readers, such as the work through which it is cited.
     place : str
-        What part of it is meant, see `at`.
+        Part of the publication, see `at`.
     unconfirmed : tuple of str
-        Which of these could not be confirmed, or not be found out: it is told wherever the reference is.
+        Fields that could not be confirmed, or are unknown; they are printed with the reference.
 
     Raises
     ------
     ValueError
-        If a value is of the wrong type, the kind is unknown, something that it cannot do without is missing and not
-        named in ``unconfirmed``, or the DOI is none.
+        If a value is of the wrong type, the kind is unknown, a required field is missing and not named in
+        ``unconfirmed``, or the DOI is not valid.
 
     Examples
     --------
@@ -143,18 +143,7 @@ class Reference:
     unconfirmed: tuple[str, ...] = ()
 
     def __attrs_post_init__(self) -> None:
-        for name, value in attrs.asdict(self, recurse=False).items():
-            if name in ("authors", "unconfirmed"):
-                fits = isinstance(value, tuple) and all(isinstance(one, str) for one in value)
-                wanted = "a tuple of texts"
-            elif name == "year":
-                fits = value is None or (isinstance(value, int) and value > 999)
-                wanted = "a year such as 1992"
-            else:
-                fits = isinstance(value, str)
-                wanted = "a text"
-            if not fits:
-                raise self._fault(name, f"must be {wanted}, not {value!r}")
+        self._check_types()
         if self.kind not in _ENTRIES:
             raise self._fault("kind", f"{self.kind!r} is not one of {', '.join(_ENTRIES)}")
         if unknown := [name for name in self.unconfirmed if name not in _CHECKABLE]:
@@ -175,7 +164,22 @@ class Reference:
                 f"{self.doi!r} is no DOI such as '10.3103/S1068366622010068', without a resolver",
             )
 
+    def _check_types(self) -> None:
+        """Raise `ValueError` for a value of a wrong type."""
+        for name, value in attrs.asdict(self, recurse=False).items():
+            is_valid = isinstance(value, str)
+            expected = "a text"
+            if name in ("authors", "unconfirmed"):
+                is_valid = isinstance(value, tuple) and all(isinstance(x, str) for x in value)
+                expected = "a tuple of texts"
+            elif name == "year":
+                is_valid = value is None or (isinstance(value, int) and value > 999)
+                expected = "a year such as 1992"
+            if not is_valid:
+                raise self._fault(name, f"must be {expected}, not {value!r}")
+
     def _fault(self, name: str, reason: str) -> ValueError:
+        """Return the error of a field."""
         return ValueError(f"reference {self.title or self.authors!r}: {name}: {reason}")
 
     def at(self, place: str) -> "Reference":
@@ -184,12 +188,12 @@ class Reference:
 
     @property
     def work(self) -> "Reference":
-        """The publication as a whole, which a bibliography lists."""
+        """The publication without the place in it, as a bibliography lists it."""
         return attrs.evolve(self, place="")
 
     @property
     def link(self) -> str:
-        """Address under which it is found, empty without a DOI."""
+        """Address of the publication, empty without a DOI."""
         return f"https://doi.org/{quote(self.doi, safe='/();:')}" if self.doi else ""
 
     def __str__(self) -> str:
@@ -216,28 +220,33 @@ class Reference:
                 ),
             )
         )
-        open_ = f"not confirmed: {', '.join(self.unconfirmed)}" if self.unconfirmed else ""
-        notes = "; ".join(filter(None, (self.note, open_)))
+        notes = "; ".join(filter(None, (self.note, self._unconfirmed_text)))
         text = " ".join(f"{part.rstrip('.')}." for part in (authors, title, where) if part)
         return " ".join(
             filter(None, (text, self.doi and f"doi:{self.doi}", notes and f"({notes})"))
         )
 
+    @property
+    def _unconfirmed_text(self) -> str:
+        """The fields that are not confirmed, as text; empty where all are."""
+        return f"not confirmed: {', '.join(self.unconfirmed)}" if self.unconfirmed else ""
 
-#: What a package may name as a source; a text is told as it is.
+
+#: A source of a model, an oil or a bearing; a text is printed as it is.
 Citation = Reference | str
 
 
 def _short(author: str) -> str:
+    """Return an author as "Family A.B."."""
     family, _, given = author.partition(", ")
     return f"{family} {given.replace('. ', '.')}" if given else family
 
 
-def once(citations: Iterable[Citation]) -> list[Citation]:
-    """Return each work once, in the order of their first appearance; works are the same if they or their DOIs are."""
+def unique_works(citations: Iterable[Citation]) -> list[Citation]:
+    """Return each work once, in the order of the first citations; works with equal DOIs are the same work."""
     works: dict[object, Citation] = {}
-    for one in citations:
-        work = one.work if isinstance(one, Reference) else one
+    for citation in citations:
+        work = citation.work if isinstance(citation, Reference) else citation
         works.setdefault((isinstance(work, Reference) and work.doi.lower()) or work, work)
     return list(works.values())
 
@@ -246,7 +255,7 @@ def once(citations: Iterable[Citation]) -> list[Citation]:
 
 
 def as_dict(citation: Citation) -> dict[str, Any]:
-    """Return a citation as plain values: ``text`` as it reads, and what is known of a reference."""
+    """Return a citation as plain values: its ``text``, and the fields of a reference that are not empty."""
     if isinstance(citation, str):
         return {"text": citation}
     return {"text": str(citation)} | attrs.asdict(
@@ -255,20 +264,20 @@ def as_dict(citation: Citation) -> dict[str, Any]:
 
 
 def from_dict(values: Mapping[str, Any]) -> Citation:
-    """Return the citation that `as_dict` told; the text where there is no more, or more than this version knows."""
-    known: dict[str, Any] = {
+    """Return the citation of the values of `as_dict`; its text where fields are missing or unknown to this version."""
+    fields: dict[str, Any] = {
         k: tuple(value) if isinstance(value, list) else value for k, value in values.items()
     }
-    text = known.pop("text", "")
+    text = fields.pop("text", "")
     try:
-        return Reference(**known)
+        return Reference(**fields)
     except (TypeError, ValueError):
         return str(text)
 
 
 # BibTeX -------------------------------------------------------------------------------------------------------------
 
-#: Characters that LaTeX reads as its own; a brace would end the value, escaped or not.
+#: Special characters of LaTeX -> their commands; a brace would end the value of a field even if it were escaped.
 _SPECIAL: Final = str.maketrans(
     {c: f"\\{c}" for c in "&%$#_"}
     | {"\\": r"{\textbackslash}", "{": r"{\textbraceleft}", "}": r"{\textbraceright}"}
@@ -284,58 +293,55 @@ _SPECIAL: Final = str.maketrans(
     }
     | {"\u2013": "--", "\u2014": "---", "\u2019": "'"}  # dashes and the apostrophe of typography
 )
-_NAMED: Final = frozenset(map(chr, _SPECIAL))
-#: Combining accents -> command of LaTeX.
+_SPECIAL_CHARACTERS: Final = frozenset(map(chr, _SPECIAL))
+#: Combining accent -> command of LaTeX.
 _ACCENTS: Final = dict(zip("\u0300\u0301\u0302\u0303\u0308\u030c\u0327", "`'^~\"vc", strict=True))
 
 
 def as_bibtex(citations: Iterable[Citation]) -> str:
     """Return BibTeX entries of citations, each work once: a text as ``@misc`` with a note, a remark as a comment.
 
-    Keys are the first author's family name with the year, and a letter where two have the same. All is ASCII that LaTeX
-    can set, but for letters that have no command here.
+    Keys are the family name of the first author and the year, with a letter where two are equal. The text is ASCII for
+    LaTeX, except for letters without a command here.
     """
     entries = []
     keys = set[str]()
-    for one in once(citations):
-        if isinstance(one, Reference) and one.kind == "remark":
-            entries.append(
-                "% " + " ".join(str(one).replace("@", " at ").split())
-            )  # "@" begins an entry anywhere
+    for work in unique_works(citations):
+        if isinstance(work, Reference) and work.kind == "remark":
+            # "@" starts an entry, even in a comment
+            entries.append("% " + " ".join(str(work).replace("@", " at ").split()))
             continue
-        stem = _key(one)
-        others = chain(ascii_lowercase, map("-{}".format, count(2)))
+        stem = _key(work)
+        suffixes = chain(ascii_lowercase, map("-{}".format, count(2)))
         key = next(
-            key for key in chain([stem], (stem + other for other in others)) if key not in keys
+            key for key in chain([stem], (stem + suffix for suffix in suffixes)) if key not in keys
         )
         keys.add(key)
-        entry, fields = _entry(one)
+        entry, fields = _entry(work)
         body = "".join(f",\n  {name} = {{{value}}}" for name, value in fields.items() if value)
         entries.append(f"@{entry}{{{key}{body}\n}}")
     return "\n\n".join(entries)
 
 
 def _entry(citation: Citation) -> tuple[str, dict[str, str]]:
-    """Return type and fields of an entry."""
+    """Return type and fields of the BibTeX entry of a citation."""
     if isinstance(citation, str):
         return "misc", {"key": _key(citation), "note": _latex(citation)}
     entry, publisher = _ENTRIES[citation.kind]
-    open_ = f"not confirmed: {', '.join(citation.unconfirmed)}" if citation.unconfirmed else ""
     version = (
         f"version {citation.number}" if citation.kind == "software" and citation.number else ""
     )
-    notes = "; ".join(filter(None, (version, citation.note, open_)))
+    notes = "; ".join(filter(None, (version, citation.note, citation._unconfirmed_text)))
     published = {publisher: _latex(citation.publisher)}
     if citation.kind == "standard":
         published = {"howpublished": _latex(citation.number)}
     return entry, {
-        "key": ""
-        if citation.authors
-        else _key(citation),  # by which styles sort what has no author
+        # styles sort entries without an author by their key
+        "key": "" if citation.authors else _key(citation),
         "author": " and ".join(
             _latex(a) if ", " in a else f"{{{_latex(a)}}}" for a in citation.authors
         ),
-        # in braces its capitals stay; styles set no entry without one
+        # braces preserve capitals; styles require a title
         "title": f"{{{_latex(citation.title or UNKNOWN_TITLE)}}}",
         "booktitle" if citation.kind == "proceedings" else "journal": _latex(citation.journal),
         "volume": _latex(citation.volume),
@@ -344,12 +350,13 @@ def _entry(citation: Citation) -> tuple[str, dict[str, str]]:
         "year": str(citation.year or ""),
         "edition": _latex(citation.edition),
         **published,
-        "doi": citation.doi,  # as it is: styles make a link of it
+        "doi": citation.doi,  # not escaped, because styles make it a link
         "note": _latex(notes),
     }
 
 
 def _key(citation: Citation) -> str:
+    """Return the key of a BibTeX entry: first author, or first word, and year."""
     if isinstance(citation, str):
         who = citation
         years = re.findall(r"\b(1[89]\d\d|20\d\d)\b", citation)
@@ -357,33 +364,33 @@ def _key(citation: Citation) -> str:
     else:
         who = (citation.authors or (citation.number or citation.title,))[0].partition(",")[0]
         when = str(citation.year or "")
-    plain = (
+    ascii_name = (
         unicodedata.normalize("NFD", who.replace("ø", "o").replace("The ", ""))
         .encode("ascii", "ignore")
         .decode()
     )
-    words = re.findall("[a-z]+", plain.lower())
-    return (words[0] if words else "source") + when
+    name_parts = re.findall("[a-z]+", ascii_name.lower())
+    return (name_parts[0] if name_parts else "source") + when
 
 
 def _latex(text: str) -> str:
-    """Return a text for a value in braces: on one line, with LaTeX's characters escaped, accents as its commands."""
+    """Return a text for a value in braces: on one line, with escaped special characters and accents as commands."""
     letters: list[str] = []
     for letter in unicodedata.normalize("NFC", " ".join(text.split())):
         plain, *accents = list(unicodedata.normalize("NFD", letter))
-        if letter not in _NAMED and len(accents) == 1 and accents[0] in _ACCENTS:
+        if letter not in _SPECIAL_CHARACTERS and len(accents) == 1 and accents[0] in _ACCENTS:
             letters.append(f"{{\\{_ACCENTS[accents[0]]}{{{plain}}}}}")
         else:
             letters.append(letter.translate(_SPECIAL))
     return "".join(letters)
 
 
-# What rollslip itself rests on --------------------------------------------------------------------------------------
+# References of rollslip itself --------------------------------------------------------------------------------------
 
 
 @cache
 def rollslip_itself() -> Reference:
-    """Return how rollslip is cited, from the metadata of what is installed; ``CITATION.cff`` says the same."""
+    """Return the reference of rollslip by the metadata of the installed package, as in ``CITATION.cff``."""
     import importlib.metadata
 
     about = importlib.metadata.metadata("rollslip")
@@ -395,31 +402,28 @@ def rollslip_itself() -> Reference:
     )
 
 
-def published(path: Path) -> dict[str, Reference]:
-    """Return the publications of a file by their keys; the file has BibTeX's layout, `Reference` its kinds and fields.
+def read_bibliography(path: Path) -> dict[str, Reference]:
+    """Return the publications of a file by their keys; it has the layout of BibTeX, and the fields of `Reference`.
 
-    Texts are plain, without braces; "and" stands between authors, a comma between what is not confirmed.
+    Texts are plain, without braces. Authors are separated by "and", fields that are not confirmed by commas.
     """
-    found = {}
+    works = {}
     entry = re.compile(r"@(\w+)\{(\w+)((?:,\s*\w+ = \{[^{}]*\})*)\}")
     for kind, key, fields in entry.findall(path.read_text(encoding="utf-8")):
-        told: dict[str, Any] = {"kind": kind}
+        values: dict[str, Any] = {"kind": kind}
         for name, value in re.findall(r"(\w+) = \{([^{}]*)\}", fields):
-            text = " ".join(value.split())
-            told[name] = (
-                int(text)
-                if name == "year"
-                else tuple(text.split(", "))
-                if name == "unconfirmed"
-                else text
-            )
-        if authors := told.pop("author", ""):
-            told["authors"] = tuple(authors.split(" and "))
-        found[key] = Reference(**told)
-    return found
+            values[name] = " ".join(value.split())
+        if "year" in values:
+            values["year"] = int(values["year"])
+        if "unconfirmed" in values:
+            values["unconfirmed"] = tuple(values["unconfirmed"].split(", "))
+        if authors := values.pop("author", ""):
+            values["authors"] = tuple(authors.split(" and "))
+        works[key] = Reference(**values)
+    return works
 
 
-_OWN: Final = published(Path(__file__).with_suffix(".bib"))
+_OWN: Final = read_bibliography(Path(__file__).with_suffix(".bib"))
 #: The paper that rollslip follows.
 KLEBANOV: Final = _OWN["KLEBANOV"]
 BARUS: Final = _OWN["BARUS"]

@@ -1,11 +1,11 @@
-"""Rings that yield and raceways out of round: what a model of kind ``ring`` hands over, and what rollers feel of it.
+"""Flexible rings and raceways that are out of round: the data of a model of kind ``ring``, and the gaps of the rollers.
 
-- A model hands over data: shapes as Fourier sums, each with a stiffness, what pushes on them, and one-sided stops. It
-  solves nothing: the equilibrium stays one convex problem of all rollers and both rings, the framework's.
-- The form of a raceway is geometry, of the bearing, and goes with every model. It stands in the line of load, or turns
-  with its ring. How far it has turned is independent of where rollers are in their pitch, if one waits for long. So a
-  mean is one over both, and instants of a pitch are a lattice of rank 1 in both, (m/M, k m/M mod 1), whose k is such
-  that all waves that it takes for constants are short (`_step`).
+- A model provides data: shapes as Fourier sums, each with a stiffness, the forces on them, and one-sided stops. It does
+  not solve anything: the framework solves the equilibrium of all rollers and both rings as one convex problem.
+- The form of a raceway is geometry of the bearing, with any model. It is at rest, or turns with its ring. Over a long
+  time its angle is independent of the position of the rollers within their pitch, so that a mean is one over both. The
+  roller positions are therefore a rank-1 lattice in both phases, (m/M, k m/M mod 1), with k such that the waves which
+  the lattice cannot distinguish from constants are short (`_step`).
 """
 
 import abc
@@ -25,18 +25,24 @@ from rollslip.references import Citation
 __all__ = ["RingModel", "RingShapes", "Rings", "Stops"]
 
 Floats = NDArray[np.float64]
-# waves that are looked at, and steps that are tried
+#: Highest number of waves of a form that is taken into account in the choice of a lattice. Doubling it takes four times
+#: as long and distinguishes lattices by waves which hardly change loads. Chosen.
 _HIGHEST = 60
+#: Number of lattice steps k that are tried. Doubling it takes twice as long, once for each number of positions; it
+#: matters for more than 257 positions only. Chosen.
 _STEPS = 257
 
 
 @attrs.frozen(eq=False)
 class Stops:
-    """A seat with clearance: springs round a ring that press on it only where it has closed the gap."""
+    """A seat with clearance: springs around a ring that act on it only where it has closed the gap."""
 
-    angles: Floats  #: Where they are [rad], from the line of load, (s,).
-    stiffness: float  #: Of each [N/m].
-    gap: float  #: By how much the ring yields before one presses [m].
+    #: Angles of the springs from the line of load [rad], (s,).
+    angles: Floats
+    #: Stiffness of each spring [N/m].
+    stiffness: float
+    #: Deflection of the ring at which a spring starts to act [m].
+    gap: float
 
 
 def _none(shapes: "RingShapes") -> Floats:
@@ -45,27 +51,29 @@ def _none(shapes: "RingShapes") -> Floats:
 
 @attrs.frozen(eq=False)
 class RingShapes:
-    """Shapes in which the raceway of a ring yields, away from the rollers.
+    """Shapes in which the raceway of a ring deforms, away from the rollers.
 
     Raises
     ------
     ValueError
-        A stiffness is not positive though nothing else holds its shape, or arrays do not fit each other.
+        A stiffness is not positive although there are no stops, or the shapes of arrays do not agree.
     """
 
-    #: c of B(psi) = Re sum c_n exp(i n psi) for each shape, complex, (m, N + 1): 1 is a cosine, -i a sine.
+    #: Coefficients c of B(psi) = Re sum c_n exp(i n psi) of each shape, (m, N + 1): 1 is a cosine, -i a sine.
     harmonics: NDArray[np.complex128] = attrs.field(factory=lambda: np.zeros((0, 1), complex))
-    #: Of each shape [N/m], (m,): K q = sum Q B(psi) at rest. Zero where stops alone hold it.
+    #: Stiffness of each shape [N/m], (m,): K q = sum Q B(psi) in equilibrium. Zero where only stops resist it.
     stiffness: Floats = attrs.field(factory=lambda: np.zeros(0))
-    #: Loads on the shapes beside those of the rollers [N], (m,).
+    #: Forces on the shapes other than those of the rollers [N], (m,).
     pushes: Floats = attrs.field(default=attrs.Factory(_none, takes_self=True))
-    stops: Stops | None = None  #: A seat with clearance.
-    #: Of each shape [kg], (m,): kinetic energy sum M (dq/dt)^2/2. None where nobody knows; plane motion needs it.
+    #: A seat with clearance.
+    stops: Stops | None = None
+    #: Mass of each shape [kg], (m,), in the kinetic energy sum M (dq/dt)^2/2. None where it is unknown; plane motion
+    #: needs it.
     mass: Floats | None = None
-    damping_ratio: float = 0.0  #: Of critical damping, the same for all shapes [1].
-    departs: tuple[
-        str, ...
-    ] = ()  #: Keys of the model by which its seat is not that of ``bearing.mounting``.
+    #: Fraction of critical damping of all shapes [1].
+    damping_ratio: float = 0.0
+    #: Keys of the model that describe another seat than ``bearing.mounting``.
+    departs: tuple[str, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         m = self.stiffness.size
@@ -75,55 +83,68 @@ class RingShapes:
             )
         if self.mass is not None and not (self.mass.shape == (m,) and np.all(self.mass > 0.0)):
             raise ValueError(f"{m} shapes need as many masses above 0 kg, not {self.mass}")
-        least = 0.0 if self.stops else np.finfo(float).tiny
-        if not (np.all(self.stiffness >= least) and np.all(np.isfinite(self.stiffness))):
+        minimum = 0.0 if self.stops else np.finfo(float).tiny
+        if not (np.all(self.stiffness >= minimum) and np.all(np.isfinite(self.stiffness))):
             raise ValueError(
                 f"a ring has a shape of stiffness {self.stiffness.min():g} N/m: nothing holds it; it must be above 0"
             )
 
     def at(self, psi: Floats) -> Floats:
-        """Return B at angles [rad], (..., m)."""
+        """Return the values B of the shapes at angles [rad], (..., m)."""
         waves = np.exp(1j * np.multiply.outer(psi, np.arange(self.harmonics.shape[1])))
         return np.real(waves @ self.harmonics.T)
 
     @property
     def parity(self) -> Floats:
-        """1 for shapes that are their mirror image in the line of load, -1 for odd ones, 0 for others, (m,)."""
-        even, odd = (
+        """1 for shapes that are even about the line of load, -1 for odd ones, 0 for others, (m,)."""
+        is_even, is_odd = (
             np.all(part == 0.0, axis=1) for part in (self.harmonics.imag, self.harmonics.real)
         )
-        return np.where(even, 1.0, np.where(odd, -1.0, 0.0))
+        return np.where(is_even, 1.0, np.where(is_odd, -1.0, 0.0))
 
     @property
     def symmetric(self) -> bool:
-        """Whether the ring with all that acts on it mirrors itself in the line of load."""
+        """Whether the ring, with all forces and stops, is symmetric about the line of load."""
         parity = self.parity
-        at = np.zeros(1) if self.stops is None else self.stops.angles
-        mirrored = np.abs(np.exp(1j * np.subtract.outer(at, -at)) - 1.0).min(axis=1).max() < 1e-9
-        return bool(np.all(parity != 0.0) and not np.any(self.pushes[parity < 0.0]) and mirrored)
+        angles = np.zeros(1) if self.stops is None else self.stops.angles
+        distances = np.abs(np.exp(1j * np.subtract.outer(angles, -angles)) - 1.0)
+        has_images = distances.min(axis=1).max() < 1e-9
+        return bool(np.all(parity != 0.0) and not np.any(self.pushes[parity < 0.0]) and has_images)
 
 
 class RingModel(abc.ABC):
-    """How a ring yields in its seat; its parameters are its attrs fields."""
+    """Model of the flexibility of a ring in its seat; its parameters are its attrs fields."""
 
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[Citation, ...]]
-    #: Whether the ring changes its shape in the equilibrium; a rigid one widens with the clearance of the scene.
-    yields: ClassVar[bool] = True
+    #: Whether the ring deforms in the equilibrium; the widening of a rigid ring is part of the clearance of the scene.
+    is_flexible: ClassVar[bool] = True
     #: Rule of the conformance kit that the model breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @abc.abstractmethod
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
-        """Return the shapes of the "inner" or "outer" ring of a bearing, which ``turns`` against the load or stands.
+        """Return the shapes of a ring.
 
-        A parameter that does not fit the bearing is a `FieldError`, whose reason names what to change.
+        Parameters
+        ----------
+        bearing : Bearing
+            The bearing.
+        ring : str
+            "inner" or "outer".
+        turns : bool
+            Whether the ring turns relative to the load.
+
+        Raises
+        ------
+        FieldError
+            If a parameter does not fit the bearing; its reason names what to change.
         """
 
 
 def _lattice(n_positions: int, rollers: int, periods: int, ring: int) -> Floats:
-    """Return by how much a form of some periods a turn has turned at M instants [rad], (M,)."""
+    """Return the angle of a form with some periods per turn at M roller positions [rad], (M,)."""
     step = _step(n_positions, round(rollers / periods)) ** ring % n_positions
     return np.asarray(
         2.0 * np.pi / periods * (np.arange(n_positions) * step % n_positions / n_positions)
@@ -132,21 +153,22 @@ def _lattice(n_positions: int, rollers: int, periods: int, ring: int) -> Floats:
 
 @cache
 def _step(n_positions: int, rollers: int) -> int:
-    """Return k of the lattice for so many rollers in a period of a form.
+    """Return the step k of the rank-1 lattice for a number of rollers in a period of a form.
 
-    What loads depend on are places of the form against the load, waves s of its period, and against rollers, waves n of
-    their pitch: exp(2 pi i (n x + (s - n Z) y)) of the phases x, y. The lattice takes those for constants for which n +
-    k (s - n Z) is 0 mod M. The k is the one whose least 10 n + |s| of these is largest.
+    The loads are a Fourier series of the angle of the form against the load, with waves s of its period, and against
+    the rollers, with waves n of their pitch: exp(2 pi i (n x + (s - n Z) y)) of the phases x and y. A lattice cannot
+    distinguish waves with n + k (s - n Z) = 0 mod M from a constant (aliasing). The k with the largest minimum of
+    10 n + |s| over these waves is returned.
     """
     n, s = (
-        of.ravel()[_HIGHEST + 1 :] for of in np.mgrid[: _HIGHEST // 5, -_HIGHEST : _HIGHEST + 1]
+        grid.ravel()[_HIGHEST + 1 :] for grid in np.mgrid[: _HIGHEST // 5, -_HIGHEST : _HIGHEST + 1]
     )
 
-    def least(k: int) -> float:
-        taken = (n + k * (s - n * rollers)) % n_positions == 0
-        return float((10 * n + np.abs(s))[taken].min(initial=10 * _HIGHEST))
+    def lowest_aliased_order(k: int) -> float:
+        is_aliased = (n + k * (s - n * rollers)) % n_positions == 0
+        return float((10 * n + np.abs(s))[is_aliased].min(initial=10 * _HIGHEST))
 
-    return max(range(1, min(n_positions, _STEPS), 2), key=least, default=1)
+    return max(range(1, min(n_positions, _STEPS), 2), key=lowest_aliased_order, default=1)
 
 
 @attrs.frozen(eq=False)
@@ -155,34 +177,34 @@ class Rings:
 
     inner: RingShapes
     outer: RingShapes
-    #: Forms of both raceways: number of waves, amplitude [m], angle [rad], and tables of angles [rad] and heights [m].
+    #: Waves of both forms: number of lobes, amplitude [m], angle [rad].
     waves: tuple[tuple[int, float, float], ...] = ()
+    #: Tables of both forms: angles [rad] and heights [m], (n,) each.
     tables: tuple[tuple[Floats, Floats], ...] = ()
-    left: float = (
-        0.0  #: Relative error of friction that shapes which were left out are estimated to leave.
-    )
-    #: Of each of these how many periods a turn of its ring has, 0 if it stands, and 1 for the inner ring, 2 for the
-    #: outer one; where they are empty all stand.
+    #: Estimated relative error of friction by the shapes that were left out [1].
+    left: float = 0.0
+    #: Periods per turn of each wave and table, 0 at rest, and 1 for the inner ring, 2 for the outer one; empty if all
+    #: are at rest.
     turns: tuple[tuple[int, int], ...] = ()
 
     @property
-    def yielding(self) -> dict[str, RingShapes]:
-        """The rings that have shapes, by "inner" and "outer"."""
+    def flexible_rings(self) -> dict[str, RingShapes]:
+        """The shapes of the flexible rings, by "inner" and "outer"."""
         return {
-            ring: one
-            for ring, one in (("inner", self.inner), ("outer", self.outer))
-            if one.stiffness.size
+            ring: shapes
+            for ring, shapes in (("inner", self.inner), ("outer", self.outer))
+            if shapes.stiffness.size
         }
 
     @property
     def parity(self) -> Floats:
-        """That of all shapes, those of the inner ring first."""
+        """Parity of all shapes, those of the inner ring first, (m,)."""
         return np.concatenate((self.inner.parity, self.outer.parity))
 
     def form(self, psi: Floats) -> Floats:
-        """Return how far both raceways stand out of round towards a roller [m], at angles [rad].
+        """Return the sum of the heights of both raceways towards a roller [m] at angles [rad].
 
-        Forms that turn do so from one instant to the next of those of a whole pitch, (M, Z).
+        Forms that turn do so from one roller position to the next, for angles of all positions of a pitch, (M, Z).
         """
         form = np.zeros(psi.shape)
         turned: list[Floats] = [np.zeros(1)] * (len(self.waves) + len(self.tables))
@@ -198,8 +220,8 @@ class Rings:
             form += np.interp(psi - turn, angles, heights, period=2.0 * np.pi)
         return form
 
-    def formed(self, ring: int) -> "Rings":
-        """Return them with the form of one ring alone, 1 for the inner one, 2 for the outer one, as it stands."""
+    def with_single_form(self, ring: int) -> "Rings":
+        """Return the rings with the form of a single one, 1 for the inner and 2 for the outer ring, at rest."""
         own = [number == ring for _, number in self.turns]
         waves = tuple(compress(self.waves, own))
         tables = tuple(compress(self.tables, own[len(self.waves) :]))
@@ -207,9 +229,9 @@ class Rings:
 
     @property
     def image(self) -> "Rings":
-        """The same rings in a mirror along the line of load."""
+        """The mirror image of the rings about the line of load."""
 
-        def seen(ring: RingShapes) -> RingShapes:
+        def mirror(ring: RingShapes) -> RingShapes:
             stops = (
                 None if ring.stops is None else attrs.evolve(ring.stops, angles=-ring.stops.angles)
             )
@@ -218,43 +240,42 @@ class Rings:
         waves = tuple((lobes, amplitude, -angle) for lobes, amplitude, angle in self.waves)
         tables = tuple((-angles, heights) for angles, heights in self.tables)
         return attrs.evolve(
-            self, inner=seen(self.inner), outer=seen(self.outer), waves=waves, tables=tables
+            self, inner=mirror(self.inner), outer=mirror(self.outer), waves=waves, tables=tables
         )
 
     @property
     def turning(self) -> bool:
-        """Whether a form turns against the load."""
+        """Whether a form turns relative to the load."""
         return any(periods for periods, _ in self.turns)
 
     def mirrored(self, psi: Floats) -> bool:
-        """Whether what rollers at these angles feel mirrors itself in the line of load."""
+        """Whether gaps and shapes at these angles [rad] are symmetric about the line of load."""
         if self.turning:
             return False
-        here = self.form(psi)
-        there = self.form(-psi)
-        same = bool(
-            np.all(np.abs(here - there) <= 1e-12 * max(np.abs(here).max(initial=0.0), 1e-12))
+        form = self.form(psi)
+        image = self.form(-psi)
+        is_even = bool(
+            np.all(np.abs(form - image) <= 1e-12 * max(np.abs(form).max(initial=0.0), 1e-12))
         )
-        return same and self.inner.symmetric and self.outer.symmetric
+        return is_even and self.inner.symmetric and self.outer.symmetric
 
     def directions(self, psi: Floats) -> Floats:
-        """Return what gap each unknown of the rings closes at angles [rad]: cos, sin and -B, (..., 2 + m)."""
+        """Return the gap that each unknown of the rings closes at angles [rad]: cos, sin and -B, (..., 2 + m)."""
         along = np.cos(psi)[..., None], np.sin(psi)[..., None]
         return np.concatenate((*along, -self.inner.at(psi), -self.outer.at(psi)), axis=-1)
 
     def reach(self, load: float) -> float:
-        """Return how far rings may yield under a load [N] and what pushes on them [m], to measure steps by."""
-        far = 0.0
+        """Return an upper estimate of the deflection of the rings under a load [N] [m], as the scale of steps."""
+        deflection = 0.0
         for ring in (self.inner, self.outer):
-            held = ring.stiffness > 0.0
-            far += float(
-                ((np.abs(ring.pushes) + load)[held] / ring.stiffness[held]).max(initial=0.0)
-            )
-            far += 0.0 if ring.stops is None else abs(ring.stops.gap)
-        return far
+            is_elastic = ring.stiffness > 0.0
+            forces = (np.abs(ring.pushes) + load)[is_elastic]
+            deflection += float((forces / ring.stiffness[is_elastic]).max(initial=0.0))
+            deflection += 0.0 if ring.stops is None else abs(ring.stops.gap)
+        return deflection
 
     def stops(self) -> Floats:
-        """Return shapes, stiffness and gap of all stops, by unknowns of the rings, (s, 2 + m + 2)."""
+        """Return the values of the shapes at all stops by unknown of the rings, stiffness and gap, (s, 2 + m + 2)."""
         m = self.parity.size
         rows = [np.zeros((0, self.parity.size + 4))]
         for first, ring in ((2, self.inner), (2 + self.inner.stiffness.size, self.outer)):

@@ -1,6 +1,6 @@
-"""TOML text read so that faults can name their line, what tomllib gives and the line of every key; and tables kept.
+"""Read TOML with the line of every key, so that messages can name it, and store tables read-only.
 
-tomllib gives no line of a key, so a scanner notes them; it relies on tomllib having accepted the text.
+tomllib does not return the lines of keys. A scanner finds them in a text that tomllib has accepted.
 """
 
 import contextlib
@@ -26,18 +26,19 @@ __all__ = [
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 
-#: Tables and lists within each other: far more than any scene has, and far less than Python's stack.
+#: Largest depth of nested tables and lists. Doubling it changes nothing for scenes, which have less than ten; it has to
+#: be far below the depth of Python's stack.
 DEEPEST: Final = 32
 
 _PART = r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'"""
 _KEY = re.compile(rf"(?:{_PART})(?:[ \t]*\.[ \t]*(?:{_PART}))*")
 _PARTS = re.compile(_PART)
-#: A key over which tomllib takes minutes: its time grows with the square of the parts.
+#: A key of 1000 parts or more, for which tomllib would take minutes: its time is quadratic in the number of parts.
 _ENDLESS = re.compile(rf"(?<![A-Za-z0-9_.-])(?<!\. )(?:(?:{_PART})[ \t]*\.[ \t]*){{1000}}")
 
 
 class FrozenTable(Mapping[str, object]):
-    """A read-only, hashable table of values as they stand in the file; inner tables and lists are frozen too."""
+    """A read-only, hashable table of values as they are written; inner tables and lists are frozen too."""
 
     __slots__ = ("_data",)
 
@@ -61,7 +62,7 @@ class FrozenTable(Mapping[str, object]):
 
 
 def _freeze(value: object) -> object:
-    if isinstance(value, str | float | int | FrozenTable):  # the last is dear to ask for
+    if isinstance(value, str | float | int | FrozenTable):  # before the slow check for a Mapping
         return value
     if isinstance(value, Mapping):
         return FrozenTable(value)
@@ -69,9 +70,9 @@ def _freeze(value: object) -> object:
 
 
 def thawed(value: object) -> Any:
-    """Return a copy of tables and lists that can be changed; arrays and ranges of numbers become such lists.
+    """Return a copy of tables and lists that can be changed; arrays and ranges of numbers become lists.
 
-    An array of xarray that says its unit becomes texts with it.
+    The values of an xarray array with a unit become texts with that unit.
     """
     if isinstance(value, str | float | int):
         return value
@@ -86,14 +87,12 @@ def thawed(value: object) -> Any:
         unit = getattr(value, "attrs", {}).get("units")
         if not unit:
             return plain
-        return (
-            [f"{one!r} {unit}" for one in plain] if isinstance(plain, list) else f"{plain!r} {unit}"
-        )
+        return [f"{x!r} {unit}" for x in plain] if isinstance(plain, list) else f"{plain!r} {unit}"
     return [thawed(inner) for inner in value] if isinstance(value, list | tuple | range) else value
 
 
 def loads(text: str) -> dict[str, Any]:
-    """Return a document as tomllib does, in a time that grows with its length alone."""
+    """Return a document as tomllib does, but refuse keys for which tomllib would take minutes."""
     if text.count(".") >= 1000 and (endless := _ENDLESS.search(text)):
         line = text.count("\n", 0, endless.start()) + 1
         raise tomllib.TOMLDecodeError(f"a key has more than 1000 parts (at line {line}, column 1)")
@@ -101,7 +100,20 @@ def loads(text: str) -> dict[str, Any]:
 
 
 def parse(text: str, source: str) -> tuple[dict[str, Any], dict[KeyPath, str]]:
-    """Return a document as nested tables, and the place in the file that each of its keys came from."""
+    """Return a document as nested tables, and file and line of each of its keys.
+
+    Parameters
+    ----------
+    text : str
+        The text of the file.
+    source : str
+        Name of the file, for messages.
+
+    Raises
+    ------
+    SceneError
+        If the text is not TOML; the message names the line and often the remedy.
+    """
     try:
         raw = loads(text)
     except (ValueError, RecursionError) as error:
@@ -118,14 +130,13 @@ _BARE_TEXT = re.compile(r"=\s*[A-Za-z]")
 
 
 def _syntax_error(error: Exception, text: str, source: str) -> str:
-    """Say where the text is not TOML; tomllib gives the place in words only."""
-    if not isinstance(error, tomllib.TOMLDecodeError):  # endless digits or brackets
+    """Return the message on a text that is not TOML; tomllib states the position as text."""
+    if not isinstance(error, tomllib.TOMLDecodeError):  # too many digits or brackets
         return f"{source}: not valid TOML: {error}"
-    message, _, place = str(error).rpartition(" (at ")
-    message = (
-        message if len(message) <= 200 else message[:197] + "..."
-    )  # it may spell a whole key out
-    position = re.fullmatch(r"line (\d+), column (\d+)\)", place)
+    message, _, where = str(error).rpartition(" (at ")
+    if len(message) > 200:  # it may contain a whole key
+        message = message[:197] + "..."
+    position = re.fullmatch(r"line (\d+), column (\d+)\)", where)
     line = int(position[1]) if position else text.count("\n") + 1
     column = f" (column {position[2]})" if position else " (at the end of the file)"
     unquoted = _UNQUOTED.search(text.split("\n")[line - 1])
@@ -151,9 +162,9 @@ _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 
 
 def key_lines(text: str) -> dict[KeyPath, int]:
-    """Map each key of a valid TOML document to its line; keys inside a value count with the key that holds them."""
+    """Return the line of each key of a valid TOML document, except keys inside values."""
     lines: dict[KeyPath, int] = {}
-    tables: dict[KeyPath, int] = {}  # how many elements each array of tables has so far
+    tables: dict[KeyPath, int] = {}  # number of elements so far of each array of tables
     table: KeyPath = ()
     position = 0
     line = 1
@@ -164,7 +175,7 @@ def key_lines(text: str) -> dict[KeyPath, int]:
         position = target
 
     def note(start: KeyPath, parts: tuple[str, ...]) -> KeyPath:
-        """Note the line of a dotted key and, where they are new, of the tables that it opens."""
+        """Record the line of a dotted key, and of new tables that it opens."""
         path = start
         for number, part in enumerate(parts[:DEEPEST], 1):  # a deeper key is refused later
             path = (*path, part)
@@ -196,12 +207,14 @@ def key_lines(text: str) -> dict[KeyPath, int]:
 
 
 def _blank_end(text: str, start: int) -> int:
+    """Return the end of blanks and comments."""
     blank = _BLANK.match(text, start)
     assert blank is not None
     return blank.end()
 
 
 def _value_end(text: str, start: int) -> int:
+    """Return the end of a value: the end of its line, outside brackets and quotes."""
     depth = 0
     for token in _VALUE_TOKEN.finditer(text, start):
         if token[0] in ("[", "{"):

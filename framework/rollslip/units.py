@@ -1,21 +1,21 @@
-"""Reads and writes quantities with a unit: "15 mm" for a length gives 0.015, and 0.015 m is shown as "15 mm".
+"""Read and format quantities with a unit: "15 mm" for a length is 0.015, and 0.015 m is formatted as "15 mm".
 
 Decisions:
 
-- The table is closed: a short list of symbols, each with the few prefixes in use, combined as "W/(m K)" or "mm2/s".
-  "J/kg K" is not read because it is ambiguous.
-- A field declares its SI unit, and the dimension of what was written has to agree. The angle counts as a dimension of
-  its own, so that 1/s never passes for rad/s.
-- Conversion is done with fractions and rounded once: "15 mm" is the same float as 0.015.
-- A field in K is an absolute temperature. Only there are degC, C, degF and F read: an offset has no meaning in a
+- The table is closed: a short list of symbols, each with its usual prefixes, combined as "W/(m K)" or "mm2/s".
+  "J/kg K" is refused because it is ambiguous.
+- A field declares its SI unit, and the dimension of a quantity has to agree. The angle counts as a dimension, so that
+  1/s is not accepted for rad/s.
+- Conversion uses fractions and rounds once: "15 mm" is the same float as 0.015.
+- A field in K is an absolute temperature. Only such a field accepts degC, C, degF and F: an offset has no meaning in a
   product.
-- Catalogues give speeds as 1/min, min-1 or Hz and mean turns. So these are turns in a field of rad/s, and only there;
-  1/s stays refused, which some take for turns and some for radians.
-- Two factors that data sheets print together, "Nm" or "W/mK", are read where the field has the dimension of their
-  product, and only there: in others mK are millikelvins.
+- Catalogues give speeds in revolutions as 1/min, min-1 or Hz. These are revolutions in a field of rad/s, and only
+  there. 1/s is refused, because some users mean revolutions and some radians.
+- Two factors that data sheets print without a space, "Nm" or "W/mK", are accepted where the field has the dimension of
+  their product, and only there: elsewhere mK are millikelvins.
 - Nothing is guessed: a decimal comma, a missing unit or an unknown one is an error that shows what to write.
-- A number in a file or from Python is in SI units. One that is typed on a command line without a unit is none: who
-  types 3000 for a speed means rpm (`typed`).
+- A number in a file or from Python is in SI units. A number without unit on a command line is refused, because users
+  who type 3000 for a speed mean rpm (`typed`).
 """
 
 import contextlib
@@ -69,13 +69,14 @@ _PREFIXES = {
     "G": Fraction(10**9),
 }
 
-#: Standard acceleration of free fall [m/s2].
+#: Standard acceleration of free fall [m/s2], by definition (CGPM 1901).
 GRAVITY: Final = 9.80665
-#: A kilogram and a pound by that, all by definition [N].
+#: Weight of a kilogram [N].
 _KILOGRAM = Fraction(str(GRAVITY))
+#: Weight of a pound [N].
 _POUND = Fraction("0.45359237") * _KILOGRAM
 
-# symbol: size in SI units, dimension, prefixes in use
+#: Symbol -> size in SI units, dimension, prefixes in use.
 _SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
     "1": (Fraction(1), (0, 0, 0, 0, 0), ""),
     "%": (Fraction(1, 100), (0, 0, 0, 0, 0), ""),
@@ -113,14 +114,14 @@ _ATOMS: dict[str, tuple[Fraction, Dimension]] = {
     for prefix in ("", *prefixes)
 }
 
-#: How rotational speeds are written besides, and what they mean in a field of rad/s.
+#: Other spellings of rotational speeds -> unit that they mean in a field of rad/s.
 _TURNS = {
     **dict.fromkeys(("1/min", "min-1", "r/min", "rev/min", "U/min", "RPM"), "rpm"),
     **dict.fromkeys(("Hz", "r/s", "rev/s"), "turns"),
 }
 _ATOMS["turns"] = (2 * Fraction(math.pi), (0, 0, -1, 0, 1))
 
-# SI unit: what it measures, an example, the units in which people read it (small to large)
+#: SI unit -> quantity, an example, and the units for users (small to large).
 _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "1": ("a plain number", "0.1", ()),
     "m": ("a length", "15 mm", ("um", "mm", "m")),
@@ -161,10 +162,11 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "W/(m K)": ("a thermal conductivity", "46 W/(m K)", ("W/(m K)",)),
 }
 
-#: The least number that people write before a unit, and the largest without an exponent.
+#: Smallest number that users write before a unit: for a smaller one no other unit is proposed. Chosen.
 _WRITTEN_MIN = 1e-3
+#: Numbers below this one are printed without an exponent. Chosen; it changes texts only.
 _WRITTEN_MAX = 1e6
-#: SI unit, or one that was given -> units in which the same number is likely meant, the likeliest first.
+#: SI unit, or unit that was given -> units in which the same number was likely meant, the most likely first.
 _MEANT: Mapping[str, tuple[str, ...]] = {
     "1": ("%",),
     "m": ("um", "mm", "m"),
@@ -188,11 +190,15 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "W/(m K)": ("W/(m K)", "mW/(m K)"),
 }
 
-_LONGEST = 80  # characters of a value that a message repeats
-_LONGEST_UNIT = 12  # characters of one whose factors may stand together
-_MAX_FACTORS = 8  # above or below the line; exact fractions of thousands take minutes
+#: Largest number of characters of a value in a message; the rest is cut off.
+_LONGEST = 80
+#: Largest number of characters of a unit that is tried with a space between any two of them. Units are shorter; the
+#: time grows with the length.
+_LONGEST_UNIT = 12
+#: Largest number of factors above or below the slash of a unit: exact fractions of thousands of them take minutes.
+_MAX_FACTORS = 8
 _CELSIUS_ZERO = Fraction("273.15")
-#: Scales of temperature: size of a degree, and their zero [K].
+#: Unit of a temperature scale -> size of a degree and zero of the scale [K].
 _OFFSETS = {
     **dict.fromkeys(("degC", "C"), (Fraction(1), _CELSIUS_ZERO)),
     **dict.fromkeys(("degF", "F"), (Fraction(5, 9), Fraction("459.67") * Fraction(5, 9))),
@@ -207,20 +213,20 @@ _POINT = re.compile(r"(?<=[A-Za-z0-9])\.(?=[A-Za-z])")
 
 @lru_cache
 def _unit(text: str) -> tuple[Fraction, Dimension]:
-    """Size in SI units and dimension of a unit."""
-    above, slash, below = _POINT.sub(" ", text.translate(_SPELLINGS)).partition("/")
-    below = below.strip()
-    if below.startswith("(") and below.endswith(")"):
-        below = below[1:-1]
-    elif " " in below:
+    """Return size in SI units and dimension of a unit."""
+    numerator, slash, denominator = _POINT.sub(" ", text.translate(_SPELLINGS)).partition("/")
+    denominator = denominator.strip()
+    if denominator.startswith("(") and denominator.endswith(")"):
+        denominator = denominator[1:-1]
+    elif " " in denominator:
         raise UnitError(f"{as_written(text)} is ambiguous without parentheses")
-    (top, dimension) = _product(above, text)
-    (bottom, divisor) = _product(below if slash else "1", text)
-    return top / bottom, tuple(a - b for a, b in zip(dimension, divisor, strict=True))
+    (size, dimension) = _product(numerator, text)
+    (divisor, divisor_dimension) = _product(denominator if slash else "1", text)
+    return size / divisor, tuple(a - b for a, b in zip(dimension, divisor_dimension, strict=True))
 
 
 def _unit_in(text: str, unit: str) -> tuple[Fraction, Dimension]:
-    """Size and dimension of a unit in a field: turns are those of speeds, and factors may stand together."""
+    """Return size and dimension of a unit in a field: 1/min is a speed in rad/s, and factors may lack their space."""
     spelled = text.translate(_SPELLINGS)
     if unit == "rad/s" and spelled in _TURNS:
         return _ATOMS[_TURNS[spelled]]
@@ -238,33 +244,34 @@ def _unit_in(text: str, unit: str) -> tuple[Fraction, Dimension]:
     return known or _unit(text)
 
 
-def _product(factors: str, unit: str) -> tuple[Fraction, Dimension]:
+def _product(text: str, unit: str) -> tuple[Fraction, Dimension]:
+    """Return size and dimension of a product of symbols; ``unit`` is the whole unit, for messages."""
     size, dimension = _ATOMS["1"]
-    words = factors.split() or [""]
-    if words == ["1"]:
+    factors = text.split() or [""]
+    if factors == ["1"]:
         return size, dimension
-    if len(words) > _MAX_FACTORS:
-        raise UnitError(f"{as_written(unit)} is not a unit, it has {len(words)} factors")
-    for word in words:
-        factor = _FACTOR.fullmatch(word)
-        if factor is None or factor[1] not in _ATOMS or factor[1] == "turns":
-            other = [atom for atom in _ATOMS if atom.casefold() == word.casefold()]
-            hint = f" (did you mean {' or '.join(map(repr, other))}?)" if other else ""
+    if len(factors) > _MAX_FACTORS:
+        raise UnitError(f"{as_written(unit)} is not a unit, it has {len(factors)} factors")
+    for factor in factors:
+        match = _FACTOR.fullmatch(factor)
+        if match is None or match[1] not in _ATOMS or match[1] == "turns":
+            similar = [atom for atom in _ATOMS if atom.casefold() == factor.casefold()]
+            hint = f" (did you mean {' or '.join(map(repr, similar))}?)" if similar else ""
             raise UnitError(f"{as_written(unit)} is not a unit that is known here{hint}")
-        one, exponents = _ATOMS[factor[1]]
-        power = int(factor[2] or 1)
-        size *= one**power
+        atom_size, exponents = _ATOMS[match[1]]
+        power = int(match[2] or 1)
+        size *= atom_size**power
         dimension = tuple(a + power * b for a, b in zip(dimension, exponents, strict=True))
     return size, dimension
 
 
-def _known_as(dimension: Dimension) -> str | None:
-    """SI unit under which a dimension is listed."""
+def _listed_unit(dimension: Dimension) -> str | None:
+    """Return the SI unit of a dimension in `_QUANTITIES`; None if it is not listed."""
     return next((unit for unit in _QUANTITIES if _unit(unit)[1] == dimension), None)
 
 
 def as_written(value: object) -> str:
-    """Show a value the way a scene writes it, short enough for one line of a message.
+    """Return a value as a scene has it, shortened to one line of a message.
 
     Examples
     --------
@@ -277,25 +284,24 @@ def as_written(value: object) -> str:
         return "a table"
     if isinstance(value, list | tuple):
         return "a list"
-    if (
-        isinstance(value, int) and value.bit_length() > 256
-    ):  # beyond some thousand digits Python writes none
+    if isinstance(value, int) and value.bit_length() > 256:
+        # Python refuses to print some thousand digits
         return "a whole number of more than 77 digits"
     text = repr(value) if isinstance(value, str) else str(value)
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
-def expect_results(asks: str, *given: object) -> None:
-    """Refuse, for the function that asks, what is no result."""
-    if bad := [as_written(one) for one in given if not hasattr(one, "data_vars")]:
+def expect_results(function: str, *arguments: object) -> None:
+    """Raise `RollslipError` where an argument of a function is not a result."""
+    if wrong := [as_written(value) for value in arguments if not hasattr(value, "data_vars")]:
         raise RollslipError(
-            f"{asks}: a result is expected, as rollslip.run gives, not {bad[0]}; {asks}(run({bad[0]}))"
+            f"{function}: a result is expected, as rollslip.run gives, not {wrong[0]}; {function}(run({wrong[0]}))"
         )
 
 
 @lru_cache
 def check_unit(unit: str) -> str:
-    """Return the unit of a field, if it is one of the table and without a factor: that of SI."""
+    """Return the unit of a field; raise `UnitError` if it is not an SI unit."""
     if _unit(unit)[0] != 1:
         raise UnitError(
             f"{unit!r} is not an SI unit: a field declares the unit in which its value is kept"
@@ -304,8 +310,16 @@ def check_unit(unit: str) -> str:
 
 
 def expectation(unit: str, number: str = "") -> str:
-    """Say what a field with this SI unit expects, of a number if given: "a length is expected, such as '15 mm'"."""
-    known = unit if unit in _QUANTITIES else _known_as(_unit(check_unit(unit))[1])
+    """Return the text on the expected value of a field: "a length is expected, such as '15 mm'".
+
+    Parameters
+    ----------
+    unit : str
+        SI unit of the field.
+    number : str
+        Number of the example; by default a typical one.
+    """
+    known = unit if unit in _QUANTITIES else _listed_unit(_unit(check_unit(unit))[1])
     if known is None:
         return f"a quantity in {unit} is expected, such as '1 {unit}'"
     name, example, _ = _QUANTITIES[known]
@@ -321,7 +335,7 @@ def quantity(value: object, unit: str) -> float:
     Parameters
     ----------
     value
-        A number, which is taken to be in SI units already, or a string "NUMBER UNIT".
+        A number in SI units, or a text "NUMBER UNIT".
     unit
         The SI unit of the field: "m", "Pa s", "W/(m K)"; "1" for a plain number; "K" for an absolute temperature.
 
@@ -333,7 +347,7 @@ def quantity(value: object, unit: str) -> float:
     Raises
     ------
     UnitError
-        In one sentence: what came, what is expected and an example.
+        If the value is not such a quantity; the message states the value, what is expected, and an example.
 
     Examples
     --------
@@ -357,21 +371,22 @@ def quantity(value: object, unit: str) -> float:
 
 
 class _TypedWhole(int):
-    """A whole number as it was typed, without a unit."""
+    """A whole number of a command line, without a unit."""
 
 
 class _TypedNumber(float):
-    """Any other number as it was typed, without a unit."""
+    """Any other number of a command line, without a unit."""
 
 
 class TypedRange(str):
-    """A range, "LOW:HIGH", as it was typed on a command line: its ends need units where a quantity has one."""
+    """A range of a command line, "LOW:HIGH": its ends need units where a quantity has one."""
 
 
 def typed(value: object) -> Any:
-    """Return what was typed on a command line such that no number of it is taken for a quantity in SI units.
+    """Return a value of a command line, marked so that `quantity` refuses its numbers where a unit is required.
 
-    Zero, which is the same in every unit but those of temperature, is. Plain numbers and counts stay what they are.
+    Zero is accepted, because it is the same in every unit except those of temperature. Plain numbers and counts are
+    accepted too.
 
     Examples
     --------
@@ -394,33 +409,59 @@ def typed(value: object) -> Any:
 
 
 def check_typed(text: str, ends: Sequence[str], unit: str) -> None:
-    """Refuse ends of a typed range that have no unit; of any other text nothing."""
+    """Raise `UnitError` where an end of a range of a command line has no unit.
+
+    Parameters
+    ----------
+    text : str
+        The text; only a `TypedRange` is checked.
+    ends : sequence of str
+        Its ends.
+    unit : str
+        SI unit of the quantity.
+    """
     for end in ends if isinstance(text, TypedRange) and unit != "1" else ():
         if _NUMBER.fullmatch(end.strip()):
             raise UnitError(no_unit(end.strip(), unit))
 
 
 def no_unit(number: str, unit: str) -> str:
-    """Say that a number has no unit, which ones there are, and what it would be in SI units."""
-    what = expectation(unit).partition(",")[0]
+    """Return the message on a number without a unit, with usual units and the value in SI units.
+
+    Parameters
+    ----------
+    number : str
+        The number as it was typed.
+    unit : str
+        SI unit of the quantity.
+    """
+    expected = expectation(unit).partition(",")[0]
     try:
         float(number)
-    except ValueError:  # too long to be written out
+    except ValueError:  # it is shortened
         return f"{number} has no unit, here {expectation(unit)}"
-    told = format_quantity(float(number), unit)
+    formatted = format_quantity(float(number), unit)
     plain = f"{number} {unit}"
-    size = "" if told == plain else f", which is {told}"
+    size = "" if formatted == plain else f", which is {formatted}"
     usual = f"{number} {_QUANTITIES.get(unit, ('', plain))[1].partition(' ')[2]}"
     degrees = [f"{number} deg"] if unit == "rad" else []
-    either = " or ".join(map(repr, dict.fromkeys((usual, *degrees, plain))))
-    return f"{number} has no unit, here {what}: write {either}{size}"
+    choices = " or ".join(map(repr, dict.fromkeys((usual, *degrees, plain))))
+    return f"{number} has no unit, here {expected}: write {choices}{size}"
 
 
 def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:
-    """Return quantities spread evenly between two, both included; each is correctly rounded.
+    """Return quantities at equal distances between two, both included; each is correctly rounded.
 
-    So the middle one of "60 degC", "80 degC" is the same float as "70 degC". A text without a unit is taken to be in
-    SI units.
+    So the middle one of "60 degC", "80 degC" is the same float as "70 degC".
+
+    Parameters
+    ----------
+    low, high : str
+        The ends; a text without a unit is in SI units.
+    count : int
+        Number of quantities.
+    unit : str
+        SI unit of the quantity.
 
     Raises
     ------
@@ -440,7 +481,7 @@ def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:
             f"{as_written(without)} has no unit, the other end has one; write it at both ends"
         )
     for end, plain in zip(ends, bare, strict=True):
-        quantity(float(end) if plain else end, unit)  # refuses what no field can hold
+        quantity(float(end) if plain else end, unit)  # raises for values that no field accepts
     first, last = (
         Fraction(end) if plain else _from_text(end, unit)
         for end, plain in zip(ends, bare, strict=True)
@@ -450,6 +491,7 @@ def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:
 
 @lru_cache
 def _from_text(text: str, unit: str) -> Fraction:
+    """Return the exact SI value of a text with a unit."""
     stripped = text.strip()
     if "," in stripped:
         raise UnitError(
@@ -458,7 +500,7 @@ def _from_text(text: str, unit: str) -> Fraction:
     number = _NUMBER.match(stripped)
     try:
         value = Fraction(number[0]) if number else None
-        float(value or 0)  # beyond all floats it cannot be told in its own unit either
+        float(value or 0)  # raises where the number exceeds all floats
     except ValueError:  # more digits than Python reads
         value = None
     if number is None or value is None:
@@ -479,7 +521,7 @@ def _from_text(text: str, unit: str) -> Fraction:
     except UnitError as error:
         raise UnitError(f"{as_written(text)}: {error}; here {expectation(unit)}") from None
     if dimension != _unit(unit)[1]:
-        known = _known_as(dimension)
+        known = _listed_unit(dimension)
         name = (
             f"a quantity in {' '.join(symbol.split())}" if known is None else _QUANTITIES[known][0]
         )
@@ -488,17 +530,25 @@ def _from_text(text: str, unit: str) -> Fraction:
 
 
 def _without_comma(text: str, unit: str) -> str:
+    """Return the advice on a number with a decimal comma."""
     number = _DECIMAL_COMMA.fullmatch(text)
     if number is None or len(text) > _LONGEST:
         return f"here {expectation(unit)}"
     whole, digits, rest = number.groups(default="")
-    # Three digits may as well be thousands: show both.
+    # three digits may be thousands: show both
     thousands = f" or '{whole}{digits}{rest}'" if len(digits) == 3 else ""
     return f"write '{whole}.{digits}{rest}'{thousands}"
 
 
 def unit_given(value: object, unit: str) -> str:
-    """Return the unit in which a quantity was given: that of its text, the SI unit of a number.
+    """Return the unit in which a quantity was given.
+
+    Parameters
+    ----------
+    value : object
+        A number in SI units, or a text with a unit.
+    unit : str
+        SI unit of the quantity, the result for a number.
 
     Examples
     --------
@@ -512,7 +562,7 @@ def unit_given(value: object, unit: str) -> str:
 
 
 def format_quantity(value: float, unit: str, digits: int = 6, given: str | None = None) -> str:
-    """Show an SI value to people: with the prefix that suits its size, temperatures in degC, speeds in rpm.
+    """Return an SI value as text: with the prefix that suits its size, temperatures in degC, speeds in rpm.
 
     Parameters
     ----------
@@ -523,7 +573,7 @@ def format_quantity(value: float, unit: str, digits: int = 6, given: str | None 
     digits
         Significant digits.
     given
-        The unit in which a person gave it, see `unit_given`, to be told in that.
+        Unit of the text, in which the user gave the value, see `unit_given`.
 
     Examples
     --------
@@ -532,28 +582,36 @@ def format_quantity(value: float, unit: str, digits: int = 6, given: str | None 
     """
     if given is not None and given != "1":
         size, zero = _scale(given, unit)
-        told = given.translate(_SPELLINGS) if zero else given
+        symbol = given.translate(_SPELLINGS) if zero else given
         number = float((Fraction(value) - zero) / size) if math.isfinite(value) else value
-        return f"{_shown(number, digits)} {told}"
+        return f"{_shown(number, digits)} {symbol}"
     if unit == "1":
         return f"{value:.{digits}g}"
     if unit == "K":
         return f"{_shown(value - float(_CELSIUS_ZERO), digits)} degC"
     smallest, *larger = _QUANTITIES.get(unit, ("", "", (unit,)))[2]
     shown = next(
-        (one for one in reversed(larger) if (abs(value) or 1.0) >= float(_unit(one)[0])), smallest
+        (name for name in reversed(larger) if (abs(value) or 1.0) >= float(_unit(name)[0])),
+        smallest,
     )
     return f"{_shown(value / float(_unit(shown)[0]), digits)} {shown}"
 
 
 def _shown(number: float, digits: int) -> str:
-    """A rounded number as people write it before a unit: 22040, where Python would write 2.204e+04."""
+    """Return a rounded number without an exponent up to a million: 22040, where Python would write 2.204e+04."""
     text = f"{number:.{digits}g}"
     return f"{float(text):.0f}" if "e+0" in text and abs(number) < _WRITTEN_MAX else text
 
 
 def shown_unit(value: float, unit: str) -> str:
-    """Return the unit in which `format_quantity` shows an SI value; "" for a plain number.
+    """Return the unit of `format_quantity` for an SI value; "" for a plain number.
+
+    Parameters
+    ----------
+    value : float
+        The value in `unit`.
+    unit : str
+        Its SI unit.
 
     Examples
     --------
@@ -564,7 +622,16 @@ def shown_unit(value: float, unit: str) -> str:
 
 
 def converted(values: Any, unit: str, given: str) -> Any:
-    """Return SI values, one or an array, in another unit; a temperature counts from the zero of its scale.
+    """Return SI values in another unit; temperatures are relative to the zero of their scale.
+
+    Parameters
+    ----------
+    values : float or array
+        Values in `unit`.
+    unit : str
+        Their SI unit.
+    given : str
+        The other unit; values are returned as they are if it is empty.
 
     Examples
     --------
@@ -578,7 +645,7 @@ def converted(values: Any, unit: str, given: str) -> Any:
 
 
 def _scale(given: str, unit: str) -> tuple[Fraction, Fraction]:
-    """Size of a unit in which a quantity was given, and its zero, in the SI unit of its field."""
+    """Return size and zero of a unit in which a quantity was given, in the SI unit of its field."""
     spelled = given.translate(_SPELLINGS)
     if unit == "K" and spelled in _OFFSETS:
         return _OFFSETS[spelled]
@@ -586,7 +653,18 @@ def _scale(given: str, unit: str) -> tuple[Fraction, Fraction]:
 
 
 def likely(value: float, given: str, unit: str, usual: Callable[[float], bool]) -> str | None:
-    """Return the same number with another unit that makes it a usual value; None if no unit does.
+    """Return the same number with another unit, with which it is a usual value; None if there is no such unit.
+
+    Parameters
+    ----------
+    value : float
+        The value in `unit`.
+    given : str
+        Unit in which the user gave it.
+    unit : str
+        Its SI unit.
+    usual : callable
+        Whether an SI value is usual.
 
     Examples
     --------

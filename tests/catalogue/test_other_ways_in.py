@@ -437,7 +437,7 @@ def test_a_function_of_ctypes_is_a_kernel():
         return 0
 
     friction = filled(
-        Foreign(capsule_from_address(address_of(evaluate), keep=evaluate)), viscosity=1.0
+        Foreign(capsule_from_address(address_of(evaluate), owner=evaluate)), viscosity=1.0
     )
     np.testing.assert_array_equal(friction, EXPECTED + 1.0)
 
@@ -485,7 +485,7 @@ def library(tmp_path_factory):
 def ramp(library, factor):
     parameters = ctypes.c_double(factor)
     return capsule_from_address(
-        address_of(library.ramp), ctypes.addressof(parameters), keep=(library, parameters)
+        address_of(library.ramp), ctypes.addressof(parameters), owner=(library, parameters)
     )
 
 
@@ -510,7 +510,7 @@ def test_a_capsule_keeps_what_it_needs_and_lets_it_go(library):
 
     kept = Kept()
     alive = weakref.ref(kept)
-    chain = Chain(Foreign(capsule_from_address(address_of(library.ramp), keep=kept)))
+    chain = Chain(Foreign(capsule_from_address(address_of(library.ramp), owner=kept)))
     del kept
     gc.collect()
     assert alive() is not None
@@ -548,7 +548,7 @@ def test_a_function_of_numba_is_a_kernel():
             friction[i] = 0.5 * V[i] / u[i] + s.viscosity
         return 0
 
-    friction = filled(Foreign(capsule_from_address(evaluate.address, keep=evaluate)), viscosity=1.0)
+    friction = filled(Foreign(capsule_from_address(evaluate.address, owner=evaluate)), viscosity=1.0)
     np.testing.assert_array_equal(friction, EXPECTED + 1.0)
 
 

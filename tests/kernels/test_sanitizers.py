@@ -152,7 +152,7 @@ from rollslip import Chain
 from rollslip.foreign import capsule_from_address
 from foreign_stages import Stage
 library = ctypes.CDLL("./overrun.so")
-capsule = capsule_from_address(ctypes.cast(library.overrun, ctypes.c_void_p).value, keep=library)
+capsule = capsule_from_address(ctypes.cast(library.overrun, ctypes.c_void_p).value, owner=library)
 slices = stages.table(stages.typical(7))
 CALL
 """

@@ -44,7 +44,7 @@ def scene(bearing, load="2 kN"):
 def test_every_name_is_a_bearing_in_all_groups_of_clearance():
     assert len(CATALOGUE.names) == len(set(CATALOGUE.names)) > 400
     for name in CATALOGUE.names:
-        assert CATALOGUE.called(name) == name
+        assert CATALOGUE.canonical_name(name) == name
         made = CATALOGUE[name]
         assert made.name == name
         tighter, looser = (
@@ -89,7 +89,7 @@ def test_designations_are_read_as_makers_write_them(written, meant):
 
 @pytest.mark.parametrize("written", ["NU2199", "NU2210ZZ", "N1010-old", "6210", "NU", ""])
 def test_what_is_no_designation_is_refused(written):
-    assert CATALOGUE.called(written) is None
+    assert CATALOGUE.canonical_name(written) is None
     with pytest.raises(UnknownNameError, match="no bearing is called"):
         find("bearing", written)
 
@@ -177,7 +177,7 @@ def test_clearances_are_those_of_a_second_list():
 
 def test_printed_static_ratings_are_met_series_by_series():
     def bearing_of(name):
-        called = CATALOGUE.called(name)
+        called = CATALOGUE.canonical_name(name)
         return None if called is None else CATALOGUE[called].bearing
 
     found = ratios(REFERENCES / "catalogue_ratings.csv", bearing_of)

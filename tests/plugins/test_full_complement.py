@@ -21,8 +21,8 @@ def test_every_name_is_a_bearing_with_a_full_complement():
     for name in CATALOGUE.names:
         data = CATALOGUE[name]
         assert isinstance(data, BearingData)
-        assert CATALOGUE.called(name) == name
-        assert CAGED.called(name) is None
+        assert CATALOGUE.canonical_name(name) == name
+        assert CAGED.canonical_name(name) is None
         b = data.bearing
         # a gap of 0.2 % of a diameter between all, along the orbit
         assert train_play(b) == pytest.approx(0.002 * b.roller_diameter * b.rollers, rel=0.05)
@@ -44,7 +44,7 @@ def test_every_name_is_a_bearing_with_a_full_complement():
     ],
 )
 def test_designations_of_makers_are_understood(written, name):
-    assert CATALOGUE.called(written) == name
+    assert CATALOGUE.canonical_name(written) == name
     assert find("bearing", written).name == name
     assert CATALOGUE.cage(written).make == ""
 
@@ -53,7 +53,7 @@ def test_designations_of_makers_are_understood(written, name):
     "written", ["NCF 2299 V", "SL045010", "NCF2210", "NNCF5010V", "SL182210-XYZ"]
 )
 def test_others_are_refused(written):
-    assert CATALOGUE.called(written) is None
+    assert CATALOGUE.canonical_name(written) is None
     with pytest.raises(UnknownNameError):
         find("bearing", written)
 

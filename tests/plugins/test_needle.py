@@ -17,8 +17,8 @@ def test_every_name_is_a_bearing_of_needles_three_to_eleven_diameters_long():
     assert len(CATALOGUE.names) > 150
     for name in CATALOGUE.names:
         b = CATALOGUE[name].bearing
-        assert CATALOGUE.called(name) == name
-        assert CYLINDRICAL.called(name) is None
+        assert CATALOGUE.canonical_name(name) == name
+        assert CYLINDRICAL.canonical_name(name) is None
         assert 3.0 < b.roller_length / b.roller_diameter < 11.0
         assert b.outer_raceway_diameter < b.catalogue.outside_diameter
         assert b.roller_length < b.catalogue.width
@@ -32,7 +32,7 @@ def test_every_name_is_a_bearing_of_needles_three_to_eleven_diameters_long():
      ("SKF HK 0810", "HK0810")],
 )  # fmt: skip
 def test_designations_of_makers_are_understood(written, name):
-    assert CATALOGUE.called(written) == name
+    assert CATALOGUE.canonical_name(written) == name
     assert find("bearing", written).name == name
     assert CATALOGUE.cage(written).make == "steel"
 

@@ -401,7 +401,7 @@ def test_temperatures_of_rings_take_the_place_of_the_usual_difference():
 def test_more_interference_and_more_heat_leave_less_clearance(
     name, shaft, housing, warm, more, smoothing
 ):
-    b = CATALOGUE[CATALOGUE.called(name)].bearing
+    b = CATALOGUE[CATALOGUE.canonical_name(name)].bearing
 
     def left(**mounting):
         given = attrs.evolve(

@@ -26,8 +26,8 @@ from rollslip.references import (
     as_bibtex,
     as_dict,
     from_dict,
-    once,
-    published,
+    unique_works,
+    read_bibliography,
     rollslip_itself,
 )
 from rollslip.results.dataset import citations_of
@@ -38,7 +38,7 @@ pytestmark = pytest.mark.quick
 ROOT = Path(__file__).parents[2]
 #: All that is written down, by its name.
 FILES = [Path(module.__file__).with_suffix(".bib") for module in (references, plugins_bibliography)]
-WRITTEN = {f"{path.stem}.{key}": one for path in FILES for key, one in published(path).items()}
+WRITTEN = {f"{path.stem}.{key}": one for path in FILES for key, one in read_bibliography(path).items()}
 #: What LaTeX would take for its own, and letters that it has commands for.
 AWKWARD = Reference(
     authors=("Nørsett, S. P.", "Müller & Söhne", "Šá Ç, X."),
@@ -145,7 +145,7 @@ def test_what_is_no_reference_is_refused(changes, says):
 def test_a_work_is_listed_once_whatever_its_place_and_whoever_wrote_it_down():
     book = plugins_bibliography.HAIRER_1996
     other = attrs.evolve(book, title="The same by another hand", doi=book.doi.upper())
-    assert once([book.at("section 1"), "a text", other, book, "a text", KLEBANOV]) == [
+    assert unique_works([book.at("section 1"), "a text", other, book, "a text", KLEBANOV]) == [
         book,
         "a text",
         KLEBANOV,
@@ -166,7 +166,7 @@ def test_plain_values_come_back_as_they_were():
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_entry_of_a_file_is_read(path):
     text = path.read_text(encoding="utf-8")
-    assert len(published(path)) == len(re.findall(r"^@", text, re.MULTILINE)) == text.count("@")
+    assert len(read_bibliography(path)) == len(re.findall(r"^@", text, re.MULTILINE)) == text.count("@")
 
 
 def test_what_a_later_version_knows_is_told_as_text():
@@ -304,7 +304,7 @@ REMARKS = {
 
 
 def test_no_publication_is_written_down_twice():
-    assert len(once(WRITTEN.values())) == len(WRITTEN)
+    assert len(unique_works(WRITTEN.values())) == len(WRITTEN)
     titles = [one.title.lower() for one in WRITTEN.values() if one.title]
     assert len(set(titles)) == len(titles)
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from scipy.optimize.elementwise import find_minimum
 
-from rollslip.search import bracketed, largest, secants, vertex
+from rollslip.search import illinois_root, find_maxima, secant_root, polynomial_maximum
 
 pytestmark = pytest.mark.quick
 
@@ -43,7 +43,7 @@ class Counted:
     def found(self, x):
         """What is found between samples (n, 3)."""
         y = np.array([[curve(at) for at in of] for curve, of in zip(self.curves, x, strict=True)])
-        return largest(self, np.array(x, dtype=float), y)
+        return find_maxima(self, np.array(x, dtype=float), y)
 
 
 def sampled(curve, points=21):
@@ -169,7 +169,7 @@ def test_a_gap_is_nowhere_larger(a, b, recwarn):
 @pytest.mark.parametrize("apart", [0.1, 1e-4, 1e-8, 1e-11])
 def test_a_vertex_among_places_however_near_is_that_of_their_polynomial(apart, recwarn):
     x = (0.2 * apart + np.array([-1.0, -apart, 0.0, apart, 1.0])).tolist()
-    at, height = vertex(x, [1.0 - t**2 + 0.1 * t**3 for t in x])
+    at, height = polynomial_maximum(x, [1.0 - t**2 + 0.1 * t**3 for t in x])
     assert at == pytest.approx(0.0, abs=1e-8)
     assert height == pytest.approx(1.0, abs=1e-14)
     assert not recwarn.list
@@ -181,7 +181,7 @@ def test_a_vertex_is_where_the_derivative_of_the_polynomial_is_zero_to_thirty_di
     a, b, c = terms
     curve = lambda t: 5 - 8 * (t - middle) ** 2 + a * t**3 / 9 + b * t**4 / 9 + c * t / 9  # noqa: E731
     y = [curve(t) for t in x]
-    at, height = vertex(x, y)
+    at, height = polynomial_maximum(x, y)
     if 0 < int(np.argmax(y)) < 4:
         with mpmath.workdps(30):
             want = mpmath.findroot(lambda t: mpmath.diff(curve, t), at, tol=1e-20, verify=False)
@@ -190,11 +190,11 @@ def test_a_vertex_is_where_the_derivative_of_the_polynomial_is_zero_to_thirty_di
 
 
 def test_the_vertex_of_three_samples_is_that_of_the_parabola_and_of_ends_or_level_ones_the_largest_sample():
-    assert vertex([0.0, 1.0, 3.0], [1.0, 2.0, 1.0]) == (pytest.approx(1.5), pytest.approx(2.125))
-    assert vertex([0.0, 1.0, 3.0], [3.0, 2.0, 1.0]) == (0.0, 3.0)
-    assert vertex([0.0, 1.0, 3.0], [1.0, 2.0, 3.0]) == (3.0, 3.0)
-    assert vertex([0.0, 1.0, 3.0, 4.0], [2.0, 2.0, 2.0, 2.0]) == (0.0, 2.0)
-    assert vertex([1.0, 2.0], [0.0, 1.0]) == (2.0, 1.0)
+    assert polynomial_maximum([0.0, 1.0, 3.0], [1.0, 2.0, 1.0]) == (pytest.approx(1.5), pytest.approx(2.125))
+    assert polynomial_maximum([0.0, 1.0, 3.0], [3.0, 2.0, 1.0]) == (0.0, 3.0)
+    assert polynomial_maximum([0.0, 1.0, 3.0], [1.0, 2.0, 3.0]) == (3.0, 3.0)
+    assert polynomial_maximum([0.0, 1.0, 3.0, 4.0], [2.0, 2.0, 2.0, 2.0]) == (0.0, 2.0)
+    assert polynomial_maximum([1.0, 2.0], [0.0, 1.0]) == (2.0, 1.0)
 
 
 # Roots ----------------------------------------------------------------------------------------------------------------
@@ -215,7 +215,7 @@ def test_a_bracketed_root_is_that_of_the_library(name, turned):
     curve, root = ROOTS[name]
     low, high = (1.0, 0.0) if turned else (0.0, 1.0)
     requested = []
-    found = bracketed(
+    found = illinois_root(
         lambda x: requested.append(x) or curve(x),
         low,
         high,
@@ -232,14 +232,14 @@ def test_a_bracketed_root_is_that_of_the_library(name, turned):
 
 
 def test_a_jump_past_zero_and_an_end_that_is_zero_are_roots_and_a_level_end_is_none():
-    jump = bracketed(lambda x: -1.0 if x < 0.123 else 5.0, 0.0, 1.0, -1.0, 5.0, tolerance=1e-9)
+    jump = illinois_root(lambda x: -1.0 if x < 0.123 else 5.0, 0.0, 1.0, -1.0, 5.0, tolerance=1e-9)
     assert jump == pytest.approx(0.123, abs=1e-8)
-    level = bracketed(lambda x: x**5 - 1e-6, 0.0, 1.0, -1e-6, 1.0 - 1e-6, tolerance=1e-4)
+    level = illinois_root(lambda x: x**5 - 1e-6, 0.0, 1.0, -1e-6, 1.0 - 1e-6, tolerance=1e-4)
     assert level == pytest.approx(10.0**-1.2, abs=1e-4), (
         "where a curve is level, steps are short far from its root"
     )
-    assert bracketed(lambda x: x, 0.0, 1.0, 0.0, 1.0, relative=1e-10) == 0.0
-    assert bracketed(lambda x: x - 1.0, 0.0, 1.0, -1.0, 0.0, relative=1e-10) == 1.0
+    assert illinois_root(lambda x: x, 0.0, 1.0, 0.0, 1.0, relative=1e-10) == 0.0
+    assert illinois_root(lambda x: x - 1.0, 0.0, 1.0, -1.0, 0.0, relative=1e-10) == 1.0
 
 
 @pytest.mark.parametrize(
@@ -247,7 +247,7 @@ def test_a_jump_past_zero_and_an_end_that_is_zero_are_roots_and_a_level_end_is_n
     [(0.1, 2.0, 0.12), (0.118, 5.0, 0.12), (0.5, 1.0, None), (0.1, 0.3, None)],
 )
 def test_a_root_is_found_from_near_it_or_not_at_all(start, slope, found):
-    told = secants(
+    told = secant_root(
         lambda x: np.tanh(3.0 * (x - 0.12)),
         start,
         slope,
@@ -260,14 +260,14 @@ def test_a_root_is_found_from_near_it_or_not_at_all(start, slope, found):
 
 @pytest.mark.parametrize("curve", [lambda x: 1.0, lambda x: math.nan, lambda x: 1.0 + x * x])
 def test_secants_lead_nowhere_where_there_is_no_root(curve):
-    assert secants(curve, 0.1, 1.0, tolerance=1e-9, within=(-10.0, 10.0)) is None
-    assert secants(curve, 0.1, 0.0, tolerance=1e-9, within=(-10.0, 10.0)) is None
+    assert secant_root(curve, 0.1, 1.0, tolerance=1e-9, within=(-10.0, 10.0)) is None
+    assert secant_root(curve, 0.1, 0.0, tolerance=1e-9, within=(-10.0, 10.0)) is None
 
 
 def test_steps_of_secants_are_no_longer_than_they_may_be():
     requested = []
     within = (-9.0, 9.0)
-    root, _ = secants(
+    root, _ = secant_root(
         lambda x: requested.append(x) or math.atan(x - 3.0),
         0.0,
         0.1,

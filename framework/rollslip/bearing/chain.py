@@ -1,6 +1,6 @@
 """Bind models into one compiled pass over slices: contact -> film -> traction, with compiled and NumPy stages.
 
-- A large table is divided between blocks, and threads evaluate its parts in order (`rollslip.engine.shared`), each
+- A large table is divided between blocks, and threads evaluate its parts in order (`rollslip.engine.run_in_threads`), each
   without the GIL. Stages are pure functions and a block is the same in any part, so that the number of threads does not
   change a bit of the result. All parts before one that is refused are evaluated, so that it does not change the
   refusal either.
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.catalogue.discovery import origin
-from rollslip.engine import helps, shared, threads
+from rollslip.engine import is_helper_thread, run_in_threads, threads
 from rollslip.errors import DomainError, PluginError, RollslipError, describe_error
 from rollslip.models import SliceModel
 from rollslip.models.domains import FINITE, refusal_text
@@ -170,7 +170,7 @@ class Chain:
         return self._chain.evaluated
 
     @property
-    def alone(self) -> bool:
+    def is_single_threaded(self) -> bool:
         """Whether only one thread at a time may evaluate the chain, as where a model runs in Python."""
         return self._threads == 1
 
@@ -211,12 +211,12 @@ class Chain:
 
     def _run_large(self, slices: Slices) -> "kernels.Refusal | None":
         """Evaluate a table in this and other threads; return the refusal of the first part that has one."""
-        count = 1 if not self.block or helps() else self._threads or threads()
+        count = 1 if not self.block or is_helper_thread() else self._threads or threads()
         if count == 1:
             return self._chain.run(slices)
         if self.placed:
             slices.places()  # allocated before threads read them
-        return shared(
+        return run_in_threads(
             partial(self._chain.run, slices),
             len(slices),
             -(-_PART // self.block) * self.block,

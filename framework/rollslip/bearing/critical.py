@@ -2,7 +2,7 @@
 
 1. On the grid of a curve take the largest value, and the first maximum behind which friction falls (`_grid_maxima`).
 2. Between the neighbours of each of these points refine the maximum by successive parabolic interpolation
-   (`rollslip.search.largest`). All curves are refined at once, so that their friction is evaluated in one call.
+   (`rollslip.search.find_maxima`). All curves are refined at once, so that their friction is evaluated in one call.
 3. A maximum counts if friction at the end of the range is below it by more than rounding; otherwise the status says
    whether friction still rises there.
 """
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.errors import DomainError
-from rollslip.search import Rows, largest
+from rollslip.search import Rows, find_maxima
 
 Array = NDArray[np.float64]
 
@@ -132,7 +132,7 @@ def find_critical_slips(curves: Sequence[Curve], evaluate: Evaluate) -> list[Cri
                 evaluate([(owners[k], slips[i : i + 1]) for i, k in enumerate(rows.tolist())])
             )
 
-        slips, heights = largest(
+        slips, heights = find_maxima(
             friction,
             np.array([curves[k].slip[near] for k, near in zip(owners, brackets, strict=True)]),
             np.array([curves[k].friction[near] for k, near in zip(owners, brackets, strict=True)]),

@@ -515,7 +515,7 @@ def _rigid(choice: Any) -> bool:
     from rollslip.catalogue.discovery import get_class  # only a ring that is named needs a plugin
 
     with contextlib.suppress(PluginError):
-        return choice is None or not get_class("ring", choice.name).yields
+        return choice is None or not get_class("ring", choice.name).is_flexible
     return True
 
 
