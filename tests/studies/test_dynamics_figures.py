@@ -204,7 +204,7 @@ def test_events_are_marked_at_the_foot_once_for_each_place():
 def test_cells_hold_the_load_of_their_position():
     dataset = motion(rollers=1000, points=301)
     force = dataset["normal_force"].sel(ring="inner").to_numpy()
-    cells = _Cells.of(dataset, force, np.mean)
+    cells = _Cells.summarise(dataset, force, np.mean)
     assert cells.values.shape == (60, 48)
     assert (cells.edges[0], cells.edges[-1]) == (0.0, 0.5)
     position = 2.0 * np.pi * np.arange(48) / 48
@@ -223,16 +223,16 @@ def test_cells_without_values_are_left_blank_and_smallest_is_smallest():
     dataset = motion(rollers=12, points=1, duration=0.0)
     values = np.full((1, 12), np.nan)
     values[0, 3] = 5.0
-    found = _Cells.of(dataset, values, np.min).values
+    found = _Cells.summarise(dataset, values, np.min).values
     assert np.flatnonzero(np.isfinite(found)).tolist() == [3]
     many = motion(rollers=1, points=600, duration=0.01)
-    least = _Cells.of(many, np.arange(600.0)[:, None], np.min)
+    least = _Cells.summarise(many, np.arange(600.0)[:, None], np.min)
     assert np.nanmin(least.values, axis=1).tolist() == list(range(0, 600, 10))
 
 
 def test_rectangles_cover_exactly_the_chosen_cells():
     dataset = motion(rollers=13, points=40)
-    cells = _Cells.of(dataset, dataset["roller_slip"].to_numpy(), np.mean)
+    cells = _Cells.summarise(dataset, dataset["roller_slip"].to_numpy(), np.mean)
     chosen = np.random.default_rng(5).random(cells.values.shape) < 0.4
     corners = cells.rectangles(chosen)
     time = np.repeat(0.5 * (cells.edges[1:] + cells.edges[:-1]), 360)

@@ -405,8 +405,8 @@ class _Trials:
                 "conventional",
                 f"{found}, more than the {allowed:.1e} allowed for effective friction",
             )
-        if near := describe_near_skidding(self.coarse, max_slip):
-            return Choice("conventional", f"{found}, but {near}")
+        if reason_near_skidding := describe_near_skidding(self.coarse, max_slip):
+            return Choice("conventional", f"{found}, but {reason_near_skidding}")
         return Choice(
             "effective", f"{found}, less than the {allowed:.1e} allowed for that", difference
         )

@@ -84,33 +84,33 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     The names contain the friction, so that motions of one run do not overwrite each other's figures.
     """
     name = f"dynamics-{dataset.attrs['friction']}"
-    which = f"level {dataset.attrs['level']}, {dataset.attrs['friction']} friction"
-    yield name, f"Speed of cage and rollers against time, {which}.", _speeds(dataset)
+    motion = f"level {dataset.attrs['level']}, {dataset.attrs['friction']} friction"
+    yield name, f"Speed of cage and rollers against time, {motion}.", _speeds(dataset)
     caption = (
-        f"Contacts with the inner ring over orbit and time, {which}; 0 is the line of load, and blank is where no "
+        f"Contacts with the inner ring over orbit and time, {motion}; 0 is the line of load, and blank is where no "
         "roller was loaded or the value is not known; pocket forces are the largest."
     )
     yield f"{name}-orbit", caption, _orbit(dataset)
     if "measure" in dataset.dims and np.isfinite(dataset["worst"]).any():
-        caption = f"Worst value of each measure of damage over the contacts at a moment, {which}; dashed are limits."
+        caption = f"Worst value of each measure of damage over the contacts at a moment, {motion}; dashed are limits."
         yield f"{name}-damage", caption, over_time(dataset)
     if history_findings.has_heating(dataset):
-        caption = f"Bulk temperatures that the losses of the motion lead to, {which}."
+        caption = f"Bulk temperatures that the losses of the motion lead to, {motion}."
         yield f"{name}-temperatures", caption, course(dataset)
     if history_findings.has_history(dataset):
         caption = (
-            f"Cage slip along the history, {which}, with the slip at which skidding begins and that at largest "
+            f"Cage slip along the history, {motion}, with the slip at which skidding begins and that at largest "
             "traction of a steady state at the operation of each moment; a curve is missing where it is not known."
         )
         yield f"{name}-history", caption, slip_along(dataset)
         caption = (
-            f"Cage slip against that at which skidding begins at that moment, {which}: beyond the diagonal the cage "
+            f"Cage slip against that at which skidding begins at that moment, {motion}: beyond the diagonal the cage "
             "skids. Numbers are times in seconds; a moment at which either is not known is left out."
         )
         yield f"{name}-phase", caption, phase(dataset)
-    yield f"{name}-energy", f"Energy ledger since the start, {which}.", _energy(dataset)
+    yield f"{name}-energy", f"Energy ledger since the start, {motion}.", _energy(dataset)
     if "ring_displacement" in dataset:
-        caption = f"Tracks of the centres of inner ring and cage, {which}; colours tell the time, a circle is the end."
+        caption = f"Tracks of the centres of inner ring and cage, {motion}; colours tell the time, a circle is the end."
         yield f"{name}-centres", caption, _centres(dataset)
 
 
@@ -268,20 +268,28 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
     rows = [
         (
             "Sliding speed [m/s]",
-            _Cells.of(dataset, np.where(loaded, sliding, np.nan), np.mean),
+            _Cells.summarise(dataset, np.where(loaded, sliding, np.nan), np.mean),
             nothing,
         ),
-        ("Normal force [N]", _Cells.of(dataset, np.where(loaded, force, np.nan), np.mean), nothing),
+        (
+            "Normal force [N]",
+            _Cells.summarise(dataset, np.where(loaded, force, np.nan), np.mean),
+            nothing,
+        ),
         (
             "Sliding power [W]",
-            _Cells.of(dataset, np.where(loaded, np.abs(power), np.nan), np.mean),
+            _Cells.summarise(dataset, np.where(loaded, np.abs(power), np.nan), np.mean),
             nothing,
         ),
-        ("Smallest Λ [–]", _Cells.of(dataset, film, np.min), status if loaded.any() else nothing),
+        (
+            "Smallest Λ [–]",
+            _Cells.summarise(dataset, film, np.min),
+            status if loaded.any() else nothing,
+        ),
     ]
     if "pocket_force" in dataset:
         pocket = np.abs(dataset["pocket_force"].to_numpy())
-        cells = _Cells.of(dataset, np.where(pocket > 0.0, pocket, np.nan), np.max)
+        cells = _Cells.summarise(dataset, np.where(pocket > 0.0, pocket, np.nan), np.max)
         rows.append(("Pocket force [N]", cells, "no roller touches the cage"))
     size = (TWO_COLUMNS[0], (32 * len(rows) + 8) * MM)
     sheet = Sheet(size, len(rows), 1, sharex=True, sharey=True, squeeze=False)
@@ -416,7 +424,7 @@ class _Cells:
     values: Array
 
     @classmethod
-    def of(cls, dataset: "xr.Dataset", values: Array, summary: Any) -> "_Cells":
+    def summarise(cls, dataset: "xr.Dataset", values: Array, summary: Any) -> "_Cells":
         """Return the map of a summary, such as the mean, of the values (time, roller) in each cell, without NaN."""
         time = _time(dataset)
         groups = np.array_split(np.arange(time.size), min(time.size, _MAX_TIME_CELLS))

@@ -466,7 +466,7 @@ def _temperatures(
     n = start.size
     rows = [start]
     carried = [0.0]
-    known: tuple[Array, Array] | None = None
+    cached: tuple[Array, Array] | None = None
     for k, duration in enumerate(np.diff(times)):
         current = rows[-1]
         power = {
@@ -480,9 +480,9 @@ def _temperatures(
             augmented[: n + 1, j] = duration * difference / _TEMPERATURE_STEP
         augmented[: n + 1, n + 1 :] = duration * np.eye(n + 1)
         rounding = _ROUNDING * float(np.abs(augmented).max())
-        if known is None or not np.allclose(augmented, known[0], rtol=_ROUNDING, atol=rounding):
-            known = augmented, expm(augmented)[: n + 1, n + 1 :]
-        step = known[1] @ rates
+        if cached is None or not np.allclose(augmented, cached[0], rtol=_ROUNDING, atol=rounding):
+            cached = augmented, expm(augmented)[: n + 1, n + 1 :]
+        step = cached[1] @ rates
         rows.append(current + step[:n])
         carried.append(carried[-1] + float(step[n]))
     return np.array(rows), np.array(carried)

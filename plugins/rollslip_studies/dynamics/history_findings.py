@@ -136,11 +136,13 @@ def describe_heating(dataset: "xr.Dataset") -> list[str]:
     )
     made, stored, carried = (format_energy(abs(float(a[name]))) for name in _HEAT[1:])
     warmed = "warmed the parts" if float(a["heat_stored"]) >= 0.0 else "came out of the parts"
-    left = "left the bearing" if float(a["heat_carried_away"]) >= 0.0 else "came into the bearing"
+    direction = (
+        "left the bearing" if float(a["heat_carried_away"]) >= 0.0 else "came into the bearing"
+    )
     duration = float(dataset["time"][-1])
     sentences = [
         f"temperatures follow from the losses by the model {a['thermal']} in {duration:.4g} s: {ends}",
-        f"losses made {made} of heat, {stored} {warmed}, and {carried} {left}",
+        f"losses made {made} of heat, {stored} {warmed}, and {carried} {direction}",
         f"the highest temperature is {format_quantity(float(a['hottest_temperature']), 'K', 4)}, of the "
         f"{a['hottest_node']}; they were {a['thermal_status']}",
     ]

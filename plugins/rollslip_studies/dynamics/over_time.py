@@ -614,8 +614,8 @@ def steady_slip_along(moving: Any, times: Array, status: tuple[float, str]) -> t
     status : tuple of float and str
         Slip and status of the end of the motion, for an operation that does not change (`steady_slip_of`).
     """
-    if why := moving.assembly.cage.drags.in_time:
-        return math.nan, why
+    if reason := moving.assembly.cage.drags.in_time:
+        return math.nan, reason
     if not isinstance(moving, VaryingMotion):
         return status
     if math.isnan(moving.epicyclic_speeds(times)[0][-1]):

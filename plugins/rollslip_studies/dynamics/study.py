@@ -266,10 +266,10 @@ class Dynamics(Study):
 
     def _with_choice(self, estimated: ResolutionChoice, assembly: Assembly) -> ResolutionChoice:
         """Return a choice with friction, level and integrator, where the scene does not name them."""
-        given = [*assembly.scene.study.get(self.name, {})]
+        named_settings = [*assembly.scene.study.get(self.name, {})]
         history = self.course(assembly)
-        settings, named = over_time.fixed_settings(history, given, self.level)
-        reasons = over_time.reasons_of_history(history, settings, self.level, given)
+        settings, named = over_time.fixed_settings(history, named_settings, self.level)
+        reasons = over_time.reasons_of_history(history, settings, self.level, named_settings)
         resolved_bearing = assembly.at(estimated.resolution)
         if problem := over_time.tabulation_problem(
             history, self.with_settings(**settings).friction, lambda: self.moving(resolved_bearing)
@@ -427,11 +427,11 @@ class Dynamics(Study):
         drags = (("drag", model) for model in assembly.cage.drags)
         heat = heating.model_of(assembly)
         measures = damage_of(assembly)
-        more = [
+        others = [
             *([] if heat is None else [("thermal", heat)]),
             *(("damage", model) for model in measures),
         ]
-        return *drags, ("integrator", self.method(assembly)), *more
+        return *drags, ("integrator", self.method(assembly)), *others
 
     @property
     def validity_state(self) -> str:

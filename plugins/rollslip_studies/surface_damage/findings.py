@@ -195,8 +195,10 @@ class SurfaceDamageAccount(Account):
         slip = float(dataset["slip"]) if "slip" in dataset else math.nan
         status = str(dataset["status"].item()) if math.isnan(slip) else ""
         text = "not found" if status else percent(slip)
-        own = Row(key="cage_slip", label="cage slip", value=slip, rank=1, text=text, note=status)
-        return Answer(rows=(own, *rows(dataset)), commands=next_of_others(dataset))
+        cage_slip = Row(
+            key="cage_slip", label="cage slip", value=slip, rank=1, text=text, note=status
+        )
+        return Answer(rows=(cage_slip, *rows(dataset)), commands=next_of_others(dataset))
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

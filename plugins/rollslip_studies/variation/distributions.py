@@ -21,7 +21,7 @@ import numpy as np
 
 from rollslip.errors import did_you_mean, nearest
 from rollslip.fields import FieldError, in_range, parameter, positive
-from rollslip.scene.changes import Quantity, unknown
+from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.search import Array
 from rollslip.structure import Location, structure
 from rollslip.units import UnitError, as_written, format_quantity, quantity
@@ -365,7 +365,7 @@ def read_uncertainty(
                 )
             )
         elif key not in known:
-            problems.append(location.message(unknown(key, known)))
+            problems.append(location.message(describe_unknown_key(key, known)))
         elif (distribution := _distribution(table, known[key], location, problems)) is not None:
             distributions[known[key].key] = distribution
     return Uncertainty(
@@ -399,8 +399,8 @@ def _distribution(
         return None
     name = table.get("distribution")
     if not isinstance(name, str) or name not in DISTRIBUTIONS:
-        near = nearest(name, DISTRIBUTIONS, count=1) if isinstance(name, str) else []
-        hint = did_you_mean(near, f"there are: {', '.join(DISTRIBUTIONS)}")
+        similar_names = nearest(name, DISTRIBUTIONS, count=1) if isinstance(name, str) else []
+        hint = did_you_mean(similar_names, f"there are: {', '.join(DISTRIBUTIONS)}")
         problems.append(
             where.at("distribution").message(
                 f"no distribution is called {as_written(name)}; {hint}"
