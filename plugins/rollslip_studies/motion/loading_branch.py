@@ -175,11 +175,6 @@ class LoadingBranch:
     torque_without_slip: float  # of the rollers on a cage that does not slip [N m]
     refusal: str = ""  # why the range ends early, empty if it does not
 
-    @property
-    def full_motions(self) -> Motions:
-        """Motions on all slices of the rollers."""
-        return self._search.full_motions
-
     @cached_property
     def jumps(self) -> list[Jump]:
         """Maxima of the torque from which the slip jumps, by increasing slip and drag."""
@@ -231,17 +226,14 @@ class LoadingBranch:
         drag : callable
             Torque of all drags at a cage slip [N m], negative where it resists.
         """
-        lower_excess = self.torque_without_slip + drag(0.0)
-        steady = self._find_driven_motion(drag, lower_excess) if lower_excess > 0.0 else []
+        slips, torques = (values.tolist() for values in self.curve)
+        excesses = [torque + drag(slip) for slip, torque in zip(slips, torques, strict=True)]
+        steady = self._find_driven_motion(drag, excesses[0]) if excesses[0] > 0.0 else []
         for k, motion in enumerate(self.motions):
-            excess = motion.torque + drag(motion.slip)
-            if (lower_excess < 0.0) != (excess < 0.0) and (k == 0 or motion.linked):
+            low, high = excesses[k : k + 2]
+            if (low < 0.0) != (high < 0.0) and (k == 0 or motion.linked):
                 known = self.motions[max(k - 1, 0) : k + 1]
-                low = 0.0 if k == 0 else known[0].slip
-                steady.append(
-                    self._balance(known, drag, (low, motion.slip), (lower_excess, excess))
-                )
-            lower_excess = excess
+                steady.append(self._balance(known, drag, (slips[k], slips[k + 1]), (low, high)))
         return steady
 
     def interpolate(self, slips: Sequence[float]) -> list[Motion]:
@@ -262,7 +254,7 @@ class LoadingBranch:
         high = 0.0
         low = -SEARCH.first_negative_slip
         while high > -1.0:
-            motion = self.full_motions.find(np.array([low]))[0][0]
+            motion = self._search.full_motions.find(np.array([low]))[0][0]
             lower_excess = motion.torque + drag(low)
             if lower_excess < 0.0:
                 return [self._balance([motion], drag, (low, high), (lower_excess, upper_excess))]
@@ -279,7 +271,7 @@ class LoadingBranch:
         excesses: tuple[float, float],
     ) -> SteadyMotion:
         """The steady motion in an interval of slips, on all slices, from the excess torques at its ends."""
-        excess = _ExcessTorque(self.full_motions, drag, known)
+        excess = _ExcessTorque(self._search.full_motions, drag, known)
         low, high = interval
         slip = illinois_root(excess, low, high, *excesses, relative=SEARCH.steady_slip)
         distance = min(abs(slip - low), abs(high - slip))
@@ -317,9 +309,8 @@ class _ExcessTorque:
     @property
     def is_balanced(self) -> bool:
         """Whether the torques balance at the last slip."""
-        motion = self.motion
-        imbalance = abs(motion.torque + self.drag(motion.slip))
-        return not imbalance > SEARCH.imbalance * abs(motion.torque)
+        torque = self.motion.torque
+        return not abs(torque + self.drag(self.motion.slip)) > SEARCH.imbalance * abs(torque)
 
     def slope(self) -> float:
         """Derivative with respect to the slip at the last slip [N m], by the central difference."""

@@ -44,9 +44,8 @@ class PowerBalance:
     """Losses of a bearing and the power that supplies them."""
 
     losses: tuple[Loss, ...]  # by source, in one order for all states of a scene
-    rings: tuple[
-        float, float
-    ]  # power that inner and outer ring supply [W]; negative where one receives power
+    #: Power that inner and outer ring supply [W]; negative where a ring receives power.
+    rings: tuple[float, float]
     #: Power that accelerates cage and rollers [W]: at a steady slip, rounding and the discretisation error in
     #: position.
     stored: float
