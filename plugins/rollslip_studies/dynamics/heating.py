@@ -78,7 +78,7 @@ class CostOfHeating:
     The time of a run is passes times (slowdown times the time of a motion, and bearings times that of assembling one).
     """
 
-    #: Passes. Typical of the scenes of the tests; doubled, the estimated time doubles.
+    #: Passes. Doubled, the estimated time doubles. Chosen; the reason was not recorded.
     passes: int = 4
     #: Bearings that are assembled for the maps of a pass. Chosen, likewise.
     bearings: int = 30
