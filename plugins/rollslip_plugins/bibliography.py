@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Final
 
-from rollslip.references import Reference, published
+from rollslip.references import Reference, read_bibliography
 
-_WRITTEN: Final = published(Path(__file__).with_suffix(".bib"))
+_WRITTEN: Final = read_bibliography(Path(__file__).with_suffix(".bib"))
 
 
 def __getattr__(name: str) -> Reference:

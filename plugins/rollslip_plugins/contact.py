@@ -61,7 +61,7 @@ class PowerDeflection(SliceModel):
     )
 
     def evaluate(self, slices: Slices) -> None:
-        """Fill load and stiffness from the approach; surfaces apart carry nothing."""
+        """Fill load and stiffness from the approach; surfaces without contact carry no load."""
         length = slices.conditions.length
         per_metre = self.coefficient * length ** (8 / 9) / length
         approach = np.maximum(slices.approach, 0.0)
@@ -111,7 +111,7 @@ class LundbergDeflection(SliceModel):
     )
 
     def evaluate(self, slices: Slices) -> None:
-        """Fill load and stiffness from the approach; surfaces apart carry nothing."""
+        """Fill load and stiffness from the approach; surfaces without contact carry no load."""
         c = slices.conditions
         compliance = 4 / (np.pi * c.modulus)
         k = 0.5 + np.log(2 * c.length) - 0.5 * np.log(8 * c.radius / (np.pi * c.modulus))

@@ -42,7 +42,7 @@ def check_gives_back_what_its_tasks_return(engine: Engine) -> None:
 
 @rule(Engine)
 def check_hands_on_what_a_task_raises(engine: Engine) -> None:
-    """A sweep tells by the error of a task what was lost with it, and other tasks go on."""
+    """The error of a task is raised by its future, and other tasks continue."""
     found = _outcomes(engine, [(int, "1"), (int, "one"), (int, "2")])
     refuse_unless(
         isinstance(found[1], ValueError)

@@ -116,7 +116,7 @@ class Processes(Engine):
         """Return a pool of spawned processes."""
         return self._pool(self.count or cores())
 
-    def alone(self) -> Executor:
+    def single_task_executor(self) -> Executor:
         """Return a pool of one process."""
         return self._pool(1)
 

@@ -293,9 +293,8 @@ class Yasutomi(PressureViscosity):
         """Return viscosity and its fall with temperature."""
         c = conditions
         p = np.asarray(pressure, dtype=float)
-        x0 = (
-            np.float64(c.temperature) - self.glass_temperature
-        )  # whose square may overflow without a word
+        # whose square may overflow without a word
+        x0 = np.float64(c.temperature) - self.glass_temperature
         fraction = 1 - self.b1 * np.log1p(self.b2 * p)
         x = (x0 - self.a1 * np.log1p(self.a2 * p)) * fraction
         glass = ~((fraction > 0) & (x >= 0) & (x0 > 0))

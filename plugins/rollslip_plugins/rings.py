@@ -197,24 +197,35 @@ def wave_numbers(bearing: Bearing, highest: int | None) -> list[int]:
 
 def _size(doc: str, **more: Any) -> Any:
     return parameter(
-        default=None, unit="m", doc=doc, validator=attrs.validators.optional(positive), usual=(1e-3, 5),
-        possible=(1e-5, 100), **more,
-    )  # fmt: skip
+        default=None,
+        unit="m",
+        doc=doc,
+        validator=attrs.validators.optional(positive),
+        usual=(1e-3, 5),
+        possible=(1e-5, 100),
+        **more,
+    )
 
 
 def _modulus(of: str) -> Any:
     return parameter(
-        default=None, unit="Pa", doc=f"Young's modulus of {of}, by default that of bearing.mounting, or of the rings",
-        validator=attrs.validators.optional(positive), usual=(1e9, 500e9), possible=(1e3, 2e12),
-    )  # fmt: skip
+        default=None,
+        unit="Pa",
+        doc=f"Young's modulus of {of}, by default that of bearing.mounting, or of the rings",
+        validator=attrs.validators.optional(positive),
+        usual=(1e9, 500e9),
+        possible=(1e3, 2e12),
+    )
 
 
 def _damping() -> Any:
     return parameter(
-        default=0.02, unit="1",
+        default=0.02,
+        unit="1",
         doc="damping of the shapes in plane motion, of the critical one: 0.001 of bare steel to 0.05 in seats (D)",
-        validator=in_range(0, 1), usual=(0, 0.2),
-    )  # fmt: skip
+        validator=in_range(0, 1),
+        usual=(0, 0.2),
+    )
 
 
 def _highest() -> Any:
@@ -246,7 +257,7 @@ class Rigid(RingModel):
     """
 
     name: ClassVar[str] = "rigid"
-    yields: ClassVar[bool] = False
+    is_flexible: ClassVar[bool] = False
     equation: ClassVar[str] = "w = 0"
     references: ClassVar[tuple[Reference, ...]] = (
         Reference(kind="remark", title="No law: the ring keeps its shape."),
@@ -290,21 +301,31 @@ class Annulus(RingModel):
         "outside diameter of the housing of an outer ring; by default that of bearing.mounting, or thick"
     )
     bore: float | None = parameter(
-        default=None, unit="m", doc="bore of the shaft of an inner ring; by default that of bearing.mounting, or solid",
-        validator=attrs.validators.optional(non_negative), usual=(0, 5), possible=(0, 100),
-    )  # fmt: skip
+        default=None,
+        unit="m",
+        doc="bore of the shaft of an inner ring; by default that of bearing.mounting, or solid",
+        validator=attrs.validators.optional(non_negative),
+        usual=(0, 5),
+        possible=(0, 100),
+    )
     width: float | None = _size(
         "width of ring and seat; by default that of the catalogue, or 1.8 times the rollers (D)"
     )
     modulus: float | None = _modulus("housing or shaft")
     poisson_ratio: float | None = parameter(
-        default=None, unit="1", doc="Poisson's ratio of housing or shaft, by default as the modulus",
+        default=None,
+        unit="1",
+        doc="Poisson's ratio of housing or shaft, by default as the modulus",
         validator=attrs.validators.optional(in_range(0, 0.5)),
-    )  # fmt: skip
+    )
     density: float | None = parameter(
-        default=None, unit="kg/m3", doc="density of housing or shaft, by default as the modulus",
-        validator=attrs.validators.optional(positive), usual=(1000, 9000), possible=(1e-12, 25e3),
-    )  # fmt: skip
+        default=None,
+        unit="kg/m3",
+        doc="density of housing or shaft, by default as the modulus",
+        validator=attrs.validators.optional(positive),
+        usual=(1000, 9000),
+        possible=(1e-12, 25e3),
+    )
     damping_ratio: float = _damping()
     harmonics: int | None = _highest()
 
@@ -367,8 +388,12 @@ class Annulus(RingModel):
             for n in wave_numbers(bearing, self.harmonics)
         }
         mass = {n: mass_of_annulus(n, layers, width, densities) for n in k}
-        seat = {"outside": m.housing_outside_diameter, "bore": m.shaft_bore,
-                "modulus": other.elastic_modulus, "poisson_ratio": other.poisson_ratio}  # fmt: skip
+        seat = {
+            "outside": m.housing_outside_diameter,
+            "bore": m.shaft_bore,
+            "modulus": other.elastic_modulus,
+            "poisson_ratio": other.poisson_ratio,
+        }
         departs = tuple(key for key, of in seat.items() if getattr(self, key) not in (None, of))
         return modal(layers[0][0], k, mass, damping_ratio=self.damping_ratio, departs=departs)
 
@@ -442,17 +467,28 @@ class Thin(RingModel):
         "width; by default that of the catalogue, or 1.8 times the rollers (D)"
     )
     section_inertia: float | None = parameter(
-        default=None, doc="moment of inertia of the section; by default width times thickness^3/12",
-        validator=attrs.validators.optional(positive), unit="m4", possible=(1e-20, 1.0),
-    )  # fmt: skip
+        default=None,
+        doc="moment of inertia of the section; by default width times thickness^3/12",
+        validator=attrs.validators.optional(positive),
+        unit="m4",
+        possible=(1e-20, 1.0),
+    )
     seat_stiffness: float = parameter(
-        default=0.0, unit="Pa", doc="load of the arc per displacement of the seat", validator=non_negative,
-        usual=(0, 1e12), possible=(0, 1e15),
-    )  # fmt: skip
+        default=0.0,
+        unit="Pa",
+        doc="load of the arc per displacement of the seat",
+        validator=non_negative,
+        usual=(0, 1e12),
+        possible=(0, 1e15),
+    )
     fit_clearance: float | None = parameter(
-        default=None, unit="m", doc="play of the ring in its seat, of diameters; by default they do not part",
-        validator=attrs.validators.optional(non_negative), usual=(0, 3e-4), possible=(0, 1e-2),
-    )  # fmt: skip
+        default=None,
+        unit="m",
+        doc="play of the ring in its seat, of diameters; by default they do not part",
+        validator=attrs.validators.optional(non_negative),
+        usual=(0, 3e-4),
+        possible=(0, 1e-2),
+    )
     forces: tuple[ToothForce, ...] = parameter(default=(), doc="forces of teeth on the rim")
     damping_ratio: float = _damping()
     harmonics: int | None = _highest()
@@ -562,9 +598,13 @@ class Compliance(RingModel):
         doc="full path of a CSV file: N rows of N numbers [m/N] at equal angles, the first in the line of load"
     )
     mass: float | None = parameter(
-        default=None, unit="kg", doc="mass that moves with the ring, even all round, for plane motion",
-        validator=attrs.validators.optional(positive), usual=(1e-3, 1e4), possible=(1e-9, 1e9),
-    )  # fmt: skip
+        default=None,
+        unit="kg",
+        doc="mass that moves with the ring, even all round, for plane motion",
+        validator=attrs.validators.optional(positive),
+        usual=(1e-3, 1e4),
+        possible=(1e-9, 1e9),
+    )
     damping_ratio: float = _damping()
 
     def matrix(self) -> Floats:
@@ -628,6 +668,8 @@ class Compliance(RingModel):
             return RingShapes(harmonics, 1.0 / values[flexible])
         largest = np.abs(harmonics).max(axis=1)  # an amplitude of 1 m, not of 1 m kg^0.5
         return RingShapes(
-            harmonics / largest[:, None], 1.0 / (values[flexible] * largest**2), mass=largest**-2,
+            harmonics / largest[:, None],
+            1.0 / (values[flexible] * largest**2),
+            mass=largest**-2,
             damping_ratio=self.damping_ratio,
-        )  # fmt: skip
+        )

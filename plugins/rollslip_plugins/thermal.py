@@ -31,8 +31,8 @@ _REFERENCE_AREA = 0.05
 _FLUX_EXPONENT = -0.34
 #: Temperature of the surroundings at the reference conditions of ISO 15312 [K].
 _AMBIENT: Final = 293.15
-#: Conductance of a seat with an interference or transition fit [W/(m2 K)] (D). Doubling it hardly changes temperatures:
-#: shaft and housing resist more.
+#: Conductance of a seat with an interference or transition fit [W/(m2 K)] (D). Doubling it changes the temperatures of
+#: housing and shaft, but not the conductance from a ring to the surroundings, which is that of ISO 15312.
 _SEAT_CONDUCTANCE: Final = 2000.0
 #: Width of a bearing over the length of its rollers (D): 1.87 of the 1032930.
 _WIDTH: Final = 1.8
@@ -77,7 +77,7 @@ class Given(ThermalModel):
 
     - T: temperatures of oil, rings and rollers [K]
 
-    Range: any; the study then tells what heat would have to be carried away.
+    Range: any; the study then reports the heat that would have to be carried away.
 
     Examples
     --------
@@ -198,7 +198,7 @@ class Network(ThermalModel):
     follows from the diameters alone, ``expansion`` a lets it change with the temperatures of the parts: it holds at
     those of the scene, and changes by a (E_o dT_o - E_i dT_i - 2 D dT_r). 0 leaves it as it is.
 
-    Range: one temperature for each part, which is what lumped nodes can say; no radiation by itself, no boiling oil.
+    Range: one temperature for each part, as lumped nodes have; no radiation by itself, no boiling oil.
 
     Raises
     ------
@@ -333,9 +333,13 @@ class Network(ThermalModel):
         """Return the temperatures of the scene, and those of the surroundings for housing and shaft."""
         o = scene.operation
         every = [
-            o.temperature, o.inner_ring_temperature, o.roller_temperature, o.outer_ring_temperature,
-            self.ambient_temperature, self.ambient_temperature,
-        ]  # fmt: skip
+            o.temperature,
+            o.inner_ring_temperature,
+            o.roller_temperature,
+            o.outer_ring_temperature,
+            self.ambient_temperature,
+            self.ambient_temperature,
+        ]
         return np.array(every)[self._present]
 
     def capacities(self) -> Array:

@@ -144,7 +144,7 @@ class Skf(TorqueFormula):
     none. The 2006 form is printed (A), that of later catalogues recalled (C). The older one gives up to 3.6 times as
     much, which the same maker's reference speeds leave no room for.
 
-    Range: loads above the least load that SKF asks for, constant in size and direction, usual clearance, aligned.
+    Range: loads above the minimum load of SKF, constant in size and direction, usual clearance, aligned.
 
     Raises
     ------

@@ -17,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from rollslip.search import Array, vertex
+from rollslip.search import Array, polynomial_maximum
 
 __all__ = ["FAST", "largest_rise", "rise"]
 
@@ -86,7 +86,10 @@ def _largest(peclet: Array) -> Array:
         np.maximum(best - step, -1.0), np.minimum(best + step, 1.0), _FINE_POSITIONS, axis=1
     )
     return np.array(
-        [vertex(x, y)[1] for x, y in zip(fine, rise(peclet[:, None], fine), strict=True)]
+        [
+            polynomial_maximum(x, y)[1]
+            for x, y in zip(fine, rise(peclet[:, None], fine), strict=True)
+        ]
     )
 
 

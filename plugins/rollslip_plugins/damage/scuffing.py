@@ -23,9 +23,13 @@ __all__ = ["ScuffingAgma", "ScuffingIso"]
 _CELSIUS: Final = 273.15
 #: Kind of oil -> its factor in X_L, equation 27 (B).
 _KINDS: Final = {
-    "mineral": 1.0, "polyalphaolefin": 0.8, "polyglycol": 0.7, "water-soluble polyglycol": 0.6,
-    "phosphate ester": 1.3, "traction fluid": 1.5,
-}  # fmt: skip
+    "mineral": 1.0,
+    "polyalphaolefin": 0.8,
+    "polyglycol": 0.7,
+    "water-soluble polyglycol": 0.6,
+    "phosphate ester": 1.3,
+    "traction fluid": 1.5,
+}
 #: Kind of base oil of a data set -> kind of the standard; it has no esters of engines.
 _OF_BASE: Final = {"mineral": "mineral", "pao": "polyalphaolefin", "pag": "polyglycol"}
 #: Advice for an oil of which a standard has no kind.
@@ -42,7 +46,7 @@ _SCATTER: Final = 0.15
 
 @attrs.frozen(kw_only=True)
 class ScuffingIso(BulkAndFlash):
-    """Contact temperature, held against that at which the oil scuffs a gear, after ISO/TR 13989-1 (ISO/TS 6336-20).
+    """Contact temperature, compared with that at which the oil scuffs a gear, after ISO/TR 13989-1 (ISO/TS 6336-20).
 
     T = (m_1 T_1 + m_2 T_2)/(m_1 + m_2) + dT,   T_S = 80 degC + (0.85 + 1.4 X_W) X_L S^2 K,
     X_L = k (eta/1 mPa s)^-0.05
@@ -95,9 +99,13 @@ class ScuffingIso(BulkAndFlash):
     )
     taken: str = attrs.field(default="", repr=False, metadata={"key": None})
     structural_factor: float = parameter(
-        default=1.0, unit="1", doc="structural factor X_W of the steel", validator=positive, usual=(0.45, 1.5),
+        default=1.0,
+        unit="1",
+        doc="structural factor X_W of the steel",
+        validator=positive,
+        usual=(0.45, 1.5),
         possible=(0.1, 5),
-    )  # fmt: skip
+    )
     viscosity: float | None = parameter(
         default=None,
         unit="Pa s",
@@ -146,7 +154,7 @@ class ScuffingIso(BulkAndFlash):
 
 @attrs.frozen(kw_only=True)
 class ScuffingAgma(BulkAndFlash):
-    """Contact temperature, held against that at which some of the gears scuff in an oil of its kind, after AGMA 925.
+    """Contact temperature, compared with that at which a fraction of gears scuff in an oil of its kind, after AGMA 925.
 
     T = (m_1 T_1 + m_2 T_2)/(m_1 + m_2) + dT,   T_S = T_m (1 + 0.15 z(P)),
     T_m = 63 + 33 ln(nu_40)  or  118 + 33 ln(nu_40), 205, 220  [degC]

@@ -196,7 +196,7 @@ class FilmParameter(DamageModel):
     - sigma: composite roughness 1.25 sqrt(Ra1^2 + Ra2^2) [m]
 
     Range: Hamrock and Anderson report smearing, or deformation with wear, of rolling bearings below Lambda of 1 (grade
-    B), whatever the sliding: ``allowed`` is that until the scene says otherwise.
+    B), whatever the sliding: ``allowed`` is that unless the scene gives another value.
     """
 
     name: ClassVar[str] = "film-parameter"

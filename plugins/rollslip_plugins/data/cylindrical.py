@@ -1,7 +1,7 @@
 """Cylindrical roller bearings of standard size by their designation: boundary dimensions exact, the inside estimated.
 
 - Bore, outside diameter and width are boundary dimensions of ISO 15, the clearance groups those of ISO 5753-1.
-- What is inside, no standard says, and makers differ. It is estimated (D) by rules of each series, `RULES`: diameter
+- No standard gives the inside, and makers differ. It is estimated (D) by rules of each series, `RULES`: diameter
   and pitch circle of the rollers over those of the bearing; the pitch between two rollers, which is a share of their
   diameter and a bar that gets no thinner than its fixed part; and the length, a share of the width less what two ribs
   and two chamfers take of any bearing. The rules were read off 156 bearings of one maker, whose raceways are printed
@@ -245,7 +245,7 @@ class CylindricalRollerBearings(Family):
             for kind in _TYPES.get(series, _ALL)
         )
 
-    def called(self, written: str) -> str | None:
+    def canonical_name(self, written: str) -> str | None:
         """Return the designation of the catalogue for another spelling: "NU2210E-C3" for "NU 2210 ECP/C3"."""
         read = read_designation(written)
         if read is None:
@@ -262,7 +262,7 @@ class CylindricalRollerBearings(Family):
     def cage(self, written: str) -> OwnCage | None:
         """Return the cage of a bearing, by its letters or by what makers put into it; see `OwnCage`."""
         read = read_designation(written)
-        name = self.called(written)
+        name = self.canonical_name(written)
         if read is None or name is None:
             return None
         if read.cage is not None:
@@ -274,7 +274,7 @@ class CylindricalRollerBearings(Family):
         return OwnCage("polyamide" if small else "brass", "roller")
 
     def clearance_class(self, written: str) -> str | None:
-        """Return the group of clearance that a designation says: "C3" of "NU 2210 ECP/C3"; None where it says none."""
+        """Return the group of clearance of a designation: "C3" of "NU 2210 ECP/C3"; None without one."""
         read = read_designation(written)
         return None if read is None else read.group
 

@@ -2,15 +2,16 @@
 
 A designation is read from the left: a maker or none, the type, series and code of the bore, then what stands behind
 them, in any spelling: "SKF NU 205 ECP/C3", "nu205-e-xl-tvp2-c3", "NU205.E.M1.C3", "NU205ETVP2C3". What is not known
-behind the number is not passed over: the designation is then none that is known, and it is said which part is not.
+behind the number is not ignored: the designation is then unknown, and the message names the part.
 
 - Letters of the cage (SKF, Schaeffler, NKE, NSK, NTN, SNR, Koyo, Nachi, ZVL, URB; C) say what it is of and what guides
   it. Behind M, M1 and M6 stands a cage of two parts on the rollers, MA, MPA on the outer and MB, MPB on the inner ring;
-  ML and MP are on the ring that has the ribs. PEEK (PH) is none of the makes here, and says nothing.
+  ML and MP are on the ring that has the ribs. PEEK (PH) is none of the makes here, and has no effect.
 - C2, CN, C3, C4, C5 are the groups of ISO 5753-1, the same for all makers. L, M, H behind one are its lower half,
   its middle and its upper half (SKF; C). NSK's CC and CM and tapered bores (K) have ranges of their own, and are not
   read.
-- Other bearings are told by the first digits of their number (ISO 15 with the makers' common scheme, DIN 623-1; C).
+- Other bearings are recognised by the first digits of their number (ISO 15 with the common scheme of makers, DIN 623-1;
+  C).
 """
 
 import re
@@ -66,7 +67,7 @@ _NUMBER: Final = re.compile(
 
 
 class Designation(NamedTuple):
-    """What a designation says of a cylindrical roller bearing."""
+    """Type, size, cage and clearance of a cylindrical roller bearing by its designation."""
 
     #: type, series, code: "NU", "22", "10" of an NU 2210 ECP/C3.
     type: str
@@ -93,7 +94,7 @@ def packed(written: str) -> str:
 
 
 def read_designation(written: str) -> Designation | None:
-    """Return what a designation says, however it is spelled; None if it is none of a bearing NU, NJ, NUP or N.
+    """Return what a designation means, in any spelling; None if it is not one of a bearing NU, NJ, NUP or N.
 
     Examples
     --------

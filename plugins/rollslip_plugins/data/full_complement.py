@@ -101,7 +101,7 @@ class FullComplementBearings(Family):
         code = match[f"{prefix}_code"]
         return (series, code, match["group"]) if (series, code) in self._sizes else None
 
-    def called(self, written: str) -> str | None:
+    def canonical_name(self, written: str) -> str | None:
         """Return the designation of the catalogue for another spelling: "NCF2210V-C3" for "SL182210-C3"."""
         read = self._read(written)
         return read and _name(read[0], read[1], read[2] or "CN")

@@ -7,7 +7,12 @@ low and 4 to 17 % high (``docs/scripts/oils.py``). Dynamic viscosity is kinemati
 
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant import Constant, Hyperbola, Lubricant, Product, Table, Vogel, fit_walther
-from rollslip.lubricant.base_oil import BASE_OILS, estimate_properties, exponent_factor, falling_density
+from rollslip.lubricant.base_oil import (
+    BASE_OILS,
+    estimate_properties,
+    exponent_factor,
+    falling_density,
+)
 from rollslip.references import Reference
 from rollslip_plugins.bibliography import (
     ASTM_D341,
@@ -156,11 +161,23 @@ fva_3 = Lubricant(
     ),
     references=(WINGERTSZAHN_2023.at("Table A1"),),
     scatter=scatter_of(
-        0.074, 0.03, "(D)", "one oil, measured", 0.05, "measured: slope at no pressure against the reciprocal mean, 4 %"
+        0.074,
+        0.03,
+        "(D)",
+        "one oil, measured",
+        0.05,
+        "measured: slope at no pressure against the reciprocal mean, 4 %",
     ),
-    grades={"viscosity": "A", "density": "A", "pressure_viscosity": "A", "conductivity": "A", "eyring_stress": "C",
-            "shear_modulus": "C", "pressure_viscosity_kind": "A"},
-)  # fmt: skip
+    grades={
+        "viscosity": "A",
+        "density": "A",
+        "pressure_viscosity": "A",
+        "conductivity": "A",
+        "eyring_stress": "C",
+        "shear_modulus": "C",
+        "pressure_viscosity_kind": "A",
+    },
+)
 
 
 @hookimpl

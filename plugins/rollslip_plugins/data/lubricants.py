@@ -1,8 +1,8 @@
 """The built-in oils.
 
-The temperature laws are published fits; what stands beside them in scenes of slip, Eyring stress and shear modulus, is
-rarely measured for a named oil. Each ``source`` says so, and each datum has a grade of `rollslip.lubricant.GRADES`: no
-oil lacks what a model of the box reads, but what was not found with a source is graded (C) or (D). ``scatter`` says how
+The temperature laws are published fits. Eyring stress and shear modulus, which scenes of slip need too, are rarely
+measured for a named oil. Each ``source`` states that, and each datum has a grade of `rollslip.lubricant.GRADES`: no oil
+lacks a value that a built-in model reads, but values without a source are graded (C) or (D). ``scatter`` states how
 uncertain the data are, with grades of its own.
 """
 

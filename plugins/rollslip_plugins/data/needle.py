@@ -53,9 +53,8 @@ _NEEDLES: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0)
 class _Rule(NamedTuple):
     """How the inside of a bearing follows from its boundary dimensions."""
 
-    needle: (
-        float  # diameter of a needle over half of outside diameter less circle under the rollers
-    )
+    #: Diameter of a needle over half of outside diameter less circle under the rollers.
+    needle: float
     spacing: float  # from one needle to the next, over its diameter
     length: float  # of a needle over the width
     grade: int  # of the circle under the rollers, a tolerance F
@@ -107,13 +106,13 @@ class NeedleBearings(Family):
         """All designations."""
         return tuple(self._sizes)
 
-    def called(self, written: str) -> str | None:
+    def canonical_name(self, written: str) -> str | None:
         """Return the designation of the catalogue for another spelling: "NK20/16" for "INA NK20/16-XL"."""
         return self._packed.get(re.sub(r"(XL|B|TV|TN)$", "", packed(written)))
 
     def cage(self, written: str) -> OwnCage | None:
         """Return that it is of sheet steel, which the rollers guide."""
-        return None if self.called(written) is None else OwnCage("steel", "roller")
+        return None if self.canonical_name(written) is None else OwnCage("steel", "roller")
 
     def __getitem__(self, name: str) -> BearingData:
         """Return a bearing by its designation."""

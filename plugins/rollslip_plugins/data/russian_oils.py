@@ -68,9 +68,16 @@ def _of_limits(
             0.3,
             "no measurement was found; formulas for esters and polyalphaolefins differ by 30 %",
         ),
-        grades={"viscosity": "C", "density": "D", "pressure_viscosity": "D", "conductivity": "C", "eyring_stress": "D",
-                "shear_modulus": "C", "pressure_viscosity_kind": "D"},
-    )  # fmt: skip
+        grades={
+            "viscosity": "C",
+            "density": "D",
+            "pressure_viscosity": "D",
+            "conductivity": "C",
+            "eyring_stress": "D",
+            "shear_modulus": "C",
+            "pressure_viscosity_kind": "D",
+        },
+    )
 
 
 _ESTER = _kinematic(12500.0, 5.0)

@@ -1,4 +1,4 @@
-"""What a drag is multiplied with: 1 by default, so that what is known of its size can be said, and scatter."""
+"""The factor of a drag: 1 by default, so that a known size can be given, and its scatter."""
 
 from typing import Any
 

@@ -28,7 +28,7 @@ def _ranges(cls: Any, key: str) -> Ranges:
 class ConstantTorque(DragModel):
     """Torque of one size against the motion of the cage: T = -T0 w_c/sqrt(w_c^2 + w_s^2).
 
-    It stands for all that brakes the cage when the sum is known, by a measurement say.
+    It stands for all drags of the cage when their sum is known, for example by a measurement.
 
     Symbols:
 

@@ -133,8 +133,8 @@ class InletCorrection(FilmModel):
 
     Range: heavily loaded contacts, with an inlet of Grubin's kind. Against a numerical one with the thermal Reynolds
     equation that Wilson and Sheu print, in pure rolling with Lt from 0.1 to 10, ``murch-wilson`` is 4 % low to 8 %
-    high, ``gupta`` without its pressure 2 % low to 15 % high. Sliding heats more than either says: at S = 0.2 both are
-    within 9 % up to Lt = 1, but 89 and 57 % high at Lt = 10. At high pressure and thermal load ``gupta`` turns
+    high, ``gupta`` without its pressure 2 % low to 15 % high. Sliding heats more than either predicts: at S = 0.2 both
+    are within 9 % up to Lt = 1, but 89 and 57 % high at Lt = 10. At high pressure and thermal load ``gupta`` turns
     negative and is refused; the range it was fitted in, and numbers of its own source, were not at hand. Far beyond
     Lt = 10 the film gets thinner with speed. A layer is taken at the density of the film: at 1 GPa oil is a fifth
     denser, and the film that much thinner. With g = 5 the film is 13 % below that without flow to the sides where

@@ -22,9 +22,8 @@ _FAR_DISTANCE: Final = 4.0
 
 def _radau() -> Array:
     """Return the Radau points on [-1, 1], the right end among them."""
-    points: Array = np.sort(
-        np.real(legendre.legroots([0.0] * (DEGREE - 1) + [-1.0, 1.0]))
-    )  # complex from NumPy 2.5 on
+    # the roots are of complex type from NumPy 2.5 on
+    points: Array = np.sort(np.real(legendre.legroots([0.0] * (DEGREE - 1) + [-1.0, 1.0])))
     points[-1] = 1.0
     return points
 

@@ -3,7 +3,7 @@
 - One convention: E' = 2/sum((1-nu^2)/E), w = Q/l, u the mean entrainment speed, U = eta0 u/(E'R), W = w/(E'R),
   G = alpha E'. Formulas published for the sum of speeds are converted, never mixed.
 - All but two formulas are a power law of U, G, W; a class is its numbers, one evaluation and one loop serve them all.
-- Each class says which thickness it returns and in which regime it holds; outside it, the study warns.
+- Each class states which thickness it returns and in which regime it is valid; outside it, the study warns.
 """
 
 from types import MappingProxyType
@@ -371,7 +371,7 @@ class Moes(FilmModel):
 
     @property
     def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
-        """That of all films, and where it was held against a solution."""
+        """The validity of all films, and the range in which it was compared with a numerical solution."""
         return (*super().validity, *_mapped("-6 to +5 %"))
 
     def evaluate(self, slices: Slices) -> None:
@@ -441,7 +441,7 @@ class Regime(FilmModel):
 
     @property
     def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
-        """That of all films, and where it was held against a solution."""
+        """The validity of all films, and the range in which it was compared with a numerical solution."""
         return (*super().validity, *_mapped("-37 to +3 %"))
 
     def evaluate(self, slices: Slices) -> None:

@@ -32,7 +32,7 @@ from numpy.polynomial import legendre
 
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.models import interval
-from rollslip.search import Array, vertex
+from rollslip.search import Array, polynomial_maximum
 from rollslip_plugins.film.elements import DEGREE, Elements
 
 Law = Callable[[Array], Array]
@@ -57,7 +57,7 @@ _INLET_LENGTHS: Final = 80.0
 _EARLY_FLOOR = 1e-2
 #: Floor of the fluidity at the goal, as a fraction of the accuracy. Its effect is removed to first order. Chosen.
 _FLOOR_FRACTION = 0.05
-#: Maximum number of Newton steps. Chosen: converging ones take 3 to 8.
+#: Maximum number of Newton steps. Chosen; Newton's method converges in a few steps or not at all.
 _NEWTON_STEPS = 20
 #: Number of step lengths of a line search, each half the one before; beyond them Newton's method fails. Chosen.
 _STEP_LENGTHS = 6
@@ -67,7 +67,7 @@ _PATH_TOLERANCE = 1e-5
 _PREDICTOR_TOLERANCE = 1e-3
 #: Tolerance of Newton's method at the goal, relative: below the smallest accuracy.
 _GOAL_TOLERANCE = 1e-8
-#: Smallest step of a continuation, relative to the whole path. Chosen: 1/500; a path that ends is found by then.
+#: Smallest step of a continuation, relative to the whole path. Halving it costs time where a path ends. Chosen.
 _MIN_CONTINUATION_STEP = 2e-3
 #: Points of an element at which a solution is sampled to place new elements.
 _SAMPLES: Final = np.linspace(-1.0, 1.0, 9)[:-1]
@@ -332,9 +332,8 @@ class _State:
             + np.abs(np.gradient(film, y)) / film
             + 1 / grid.edges[-1]
         )
-        size = np.min(
-            size + np.abs(y[:, None] - y), axis=1
-        )  # neighbours differ by a factor of two at most
+        # neighbours differ by a factor of two at most
+        size = np.min(size + np.abs(y[:, None] - y), axis=1)
         y = np.append(y, grid.edges[-1])
         size = np.append(size, size[-1])
         count = np.append(0.0, np.cumsum(np.diff(y) * (1 / size[1:] + 1 / size[:-1]) / 2))
@@ -523,7 +522,7 @@ def _films(state: _State) -> dict[str, float]:
     y = np.append(0.0, state.grid.y)
     k = int(np.argmin(film)) + 1
     near = np.linspace(y[k - 1], y[min(k + 1, len(y) - 1)], 41)
-    minimum = -vertex(near, -state.grid.film(state.unknowns, near))[1]
+    minimum = -polynomial_maximum(near, -state.grid.film(state.unknowns, near))[1]
     central = state.grid.film(state.unknowns, state.unknowns[-1:])
     return dict(
         zip(LOCATIONS, (minimum, float(central[0]), float(state.unknowns[-2])), strict=True)

@@ -161,7 +161,7 @@ def check_adapts_its_steps(model: IntegratorModel) -> None:
 
 @rule(IntegratorModel)
 def check_reports_a_failure(model: IntegratorModel) -> None:
-    """With y' = y^2 from 1, infinite at t = 1, the solver ends there with the status "failed" and says why."""
+    """With y' = y^2 from 1, infinite at t = 1, the solver ends there with the status "failed" and a message."""
     calls = 0
 
     def right(t: float, y: Array) -> Array:

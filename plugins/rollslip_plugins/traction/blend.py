@@ -462,9 +462,8 @@ class GreenwoodTripp(_Blend):
         fraction = np.minimum(
             self.coefficient * slices.conditions.modulus / slices.pressure * touching, 1.0
         )
-        fraction = np.where(
-            touching > 0, fraction, 0.0
-        )  # whatever the pressure, which may make the quotient infinite
+        # whatever the pressure, which may make the quotient infinite
+        fraction = np.where(touching > 0, fraction, 0.0)
         return fraction, 1.0 - fraction
 
     def kernel(self) -> object:

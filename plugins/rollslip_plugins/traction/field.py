@@ -93,9 +93,8 @@ class _Groups(NamedTuple):
     deborah: Array  # D = eta u/(Gamma b)
     capacity: Array  # C = rho_f c_f u h^2/(K_f b), conduction against transit
     flash: Array  # 2 K_f/(h E) sqrt(b/(pi u))
-    heating: (
-        Array  # tau0^2 h^2/(K_f eta) [K]: times beta sigma, the exponent of the unit of temperature
-    )
+    #: tau0^2 h^2/(K_f eta) [K]: times beta sigma, the exponent of the unit of temperature.
+    heating: Array
     scale: Array  # tau0/p, with the sign of V
 
 

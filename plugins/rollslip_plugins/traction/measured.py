@@ -1,8 +1,8 @@
 """Traction as it was measured: Gupta's fitted curve, and a table of a file.
 
-- Both know the oil only through the measurement, and hold for no other; neither asks for its viscosity.
+- Both describe the oil of the measurement alone, and are valid for no other; neither needs its viscosity.
 - A table is never extrapolated. Friction beyond what was measured is what a flow law is for.
-- A table is named by its full path: a scene does not tell its models where it lies, and a path relative to the folder
+- A table is named by its full path: a model does not know the folder of its scene, and a path relative to the folder
   in which a run happens to start would give one scene two meanings.
 """
 
@@ -184,7 +184,7 @@ class Tabulated(TractionModel):
     [1]`` and as many of ``mean_pressure`` or ``max_pressure`` (times pi/4 the mean, for a line contact),
     ``rolling_speed`` and ``temperature`` (of the oil at the inlet) as were varied, in any order; lines that start with
     ``#`` are comments. Its rows, in any order, are a full grid. Slip is 0 or above, and friction odd in it; at zero
-    slip it is zero, whether the table says so or not. Interpolation is linear in all columns, or monotone (pchip),
+    slip it is zero, whether the table has that row or not. Interpolation is linear in all columns, or monotone (pchip),
     which needs four values of each (``interpolation``).
 
     Symbols:
@@ -244,9 +244,10 @@ class Tabulated(TractionModel):
 
     @cached_property
     def _table(self) -> tuple[dict[str, Array], Any]:
+        # takes longer than a module of models may
         from scipy.interpolate import (
             RegularGridInterpolator,
-        )  # takes longer than a module of models may
+        )
 
         axes, friction = read_table(self.file)
         short = [name for name, axis in axes.items() if len(axis) < 4]

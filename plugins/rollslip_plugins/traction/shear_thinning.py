@@ -204,17 +204,15 @@ def transit(strain: Array, duration: Array) -> tuple[Array, Array]:
 
     Both differences cancel while S is nearly eps x; there quadrature in v is exact.
     """
-    eps, p = np.broadcast_arrays(
-        strain, np.minimum(duration, 1e30)
-    )  # beyond, the ramp is lost in rounding
+    # beyond, the ramp is lost in rounding
+    eps, p = np.broadcast_arrays(strain, np.minimum(duration, 1e30))
     mean = np.empty(eps.shape)
     end = np.empty(eps.shape)
     early = (p < 2.0) & (eps * p < 0.5)
     mean[early], end[early] = _early(eps[early], p[early])
     mean[~early], end[~early] = _late(eps[~early], p[~early])
-    fall = (
-        eps * (1 + end - 2 * mean) - end / p - end + mean
-    )  # of the order of 1/eps, which eps rounds away
+    # of the order of 1/eps, which eps rounds away
+    fall = eps * (1 + end - 2 * mean) - end / p - end + mean
     return mean, np.where(eps < 1e8, np.clip(fall / mean, 0.0, 1.0), 0.0)
 
 

@@ -64,9 +64,8 @@ def muraki_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
     margin = 1 + a - d * (plateau / sigma)
     elastic = margin < 0
     margin = np.maximum(margin, 0)
-    r = a * np.sqrt(
-        (1 / a) ** 2 + (phi * sigma / a) * (margin / a)
-    )  # sqrt(1 + Phi sigma margin); a^2 may overflow
+    # sqrt(1 + Phi sigma margin); a^2 may overflow
+    r = a * np.sqrt((1 / a) ** 2 + (phi * sigma / a) * (margin / a))
     v = margin / (1 + r)
     stress = plateau * (1 + v) / (a + r)  # (y/2) (1 + v)
     return np.asarray(part * np.where(elastic, sigma / np.where(elastic, d, 1), stress))
@@ -148,9 +147,8 @@ def maxwell_eyring_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: A
         stress[~ramp], fall[~ramp] = _layer_mean(eps[~ramp], c[~ramp], p[~ramp])
         return stress, fall
 
-    bound = np.minimum(
-        _eyring_bound(sigma, phi), sigma / np.maximum(d, 1e-8)
-    )  # no stress exceeds sigma/D
+    # no stress exceeds sigma/D
+    bound = np.minimum(_eyring_bound(sigma, phi), sigma / np.maximum(d, 1e-8))
     return part * _solve_heated(mean, phi * sigma, bound)
 
 
@@ -186,9 +184,8 @@ def _eyring_bound(sigma: Floats, phi: Floats) -> Floats:
     # Since sinh S >= S, S exp(w S) <= sigma with w = Phi sigma; Lambert's W after Iacono and Boyd (2017).
     w = np.maximum(phi * sigma, LINEAR)
     with np.errstate(invalid="ignore"):  # logaddexp warns of a NaN that is only passed on
-        x: Floats = np.logaddexp(
-            0, np.log(w) + np.log(sigma)
-        )  # log(1 + w sigma), whose product may overflow
+        # log(1 + w sigma), whose product may overflow
+        x: Floats = np.logaddexp(0, np.log(w) + np.log(sigma))
     return np.minimum(np.arcsinh(sigma), x * (1 - np.log1p(x) / (2 + x)) / w)
 
 
@@ -199,9 +196,8 @@ def _ramp_mean(eps: Floats, c: Floats, p: Floats) -> tuple[Floats, Floats]:
     c = c[..., None]
     th = np.tanh(x)
     z = eps * th / (c + th)  # tanh(S/2)
-    fall = (
-        eps * (th**2 + (th - (1 - th**2) * x) / c) / ((c + th) ** 2 * (1 - z**2))
-    )  # -d artanh(z)/dy
+    # -d artanh(z)/dy
+    fall = eps * (th**2 + (th - (1 - th**2) * x) / c) / ((c + th) ** 2 * (1 - z**2))
     return np.arctanh(z) @ WEIGHTS, fall @ WEIGHTS
 
 

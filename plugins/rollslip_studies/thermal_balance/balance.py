@@ -1,6 +1,6 @@
 """Find all bulk temperatures at which the losses of a bearing and its cooling are in balance, and the limit point.
 
-Temperatures change viscosity, and clearance where the thermal model says so; these change films, loads, the steady slip
+Temperatures change viscosity, and clearance where the thermal model has it; these change films, loads, the steady slip
 and the losses, which heat the nodes of the model. Nodes need minutes, a slip seconds and a film milliseconds, so the
 slip is the steady one of `rollslip_studies.steady_slip` at every temperature.
 
@@ -28,7 +28,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.scene.changes import evolve
-from rollslip.search import secants
+from rollslip.search import secant_root
 from rollslip.studies.thermal_balance.model import PLACES, ThermalModel
 from rollslip_studies.motion.losses import PowerBalance, power_balance
 from rollslip_studies.steady_slip.evaluated import estimate_by_secant
@@ -83,15 +83,12 @@ class State:
     slip: float  # smallest stable steady cage slip; NaN if there is none
     power: PowerBalance | None = None  # losses at that slip
     refusal: str = ""  # why there is no slip or no film, in words; empty if there are
-    cage_skids: bool = (
-        False  # whether the refusal is that the cage skids, and not that an oil has no data
-    )
-    not_converged: bool = (
-        False  # whether a search did not converge, which says nothing about the bearing
-    )
-    slope: float = (
-        np.nan
-    )  # derivative of the excess torque with respect to the slip [N m]; NaN if it is not known
+    #: Whether the refusal is that the cage skids, and not that an oil has no data.
+    cage_skids: bool = False
+    #: Whether a search did not converge, so that the bearing may have a slip.
+    not_converged: bool = False
+    #: Derivative of the excess torque with respect to the slip [N m]; NaN if it is not known.
+    slope: float = np.nan
 
     @property
     def loss(self) -> float:
@@ -257,18 +254,16 @@ class Heated:
         balance = self._study.balance(bearing)
         tolerance = _PRECISE_SLIP_TOLERANCE if self.precise_slips else _SLIP_TOLERANCE
         upper = min((1.0 + _SECANT_RANGE) * start, self._study.max_cage_slip)
-        root = secants(
+        root = secant_root(
             balance.excess,
             start,
             neighbour.slope,
             tolerance=tolerance * start,
             within=((1.0 - _SECANT_RANGE) * start, upper),
         )
-        if root is None:
+        if root is None or not root[1] > 0.0 or abs(root[0] - start) > _MAX_SLIP_CHANGE * start:
             return None
         slip, slope = root
-        if not slope > 0.0 or abs(slip - start) > _MAX_SLIP_CHANGE * start:
-            return None
         self._searched[nearest] = (searched, attrs.evolve(neighbour, slope=slope))
         return State(slip, power_balance(balance, balance.orbit(slip)), slope=slope)
 
@@ -414,9 +409,8 @@ class Heated:
         for k in range(len(x) - 2, 0, -1):
             left, middle, right = values[k - 1 : k + 2]
             same_sign = (middle > 0.0) == (left > 0.0) and (middle > 0) == (right > 0)
-            if not np.isfinite([left, middle, right]).all() or not same_sign:
-                continue
-            if abs(middle) > min(abs(left), abs(right)):
+            is_extremum = same_sign and abs(middle) <= min(abs(left), abs(right))
+            if not (np.isfinite([left, middle, right]).all() and is_extremum):
                 continue
             sign = 1.0 if middle > 0.0 else -1.0
             try:
@@ -621,10 +615,10 @@ class _Scan:
             if first and falls and (excess[grid[k - 1]] > 0.0 or excess[grid[0]] < 0.0):
                 grid = grid[: k + 1]
                 break
-        while excess[grid[0]] < 0.0:
-            colder = grid[0] - (grid[1] - grid[0])
-            if colder < _LOWEST_TEMPERATURE:
-                break
+        while (
+            excess[grid[0]] < 0.0
+            and (colder := grid[0] - (grid[1] - grid[0])) >= _LOWEST_TEMPERATURE
+        ):
             self.sample(colder)
             grid.insert(0, colder)
         return grid

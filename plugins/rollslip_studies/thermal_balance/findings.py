@@ -74,9 +74,8 @@ class ThermalBalanceAccount(Account):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return temperatures and slip in balance, or the heat that has to be carried away to hold those given."""
-        commands = next_of_others(
-            dataset
-        )  # another study has the slip at the temperatures of the scene
+        # another study has the slip at the temperatures of the scene
+        commands = next_of_others(dataset)
         if not solved(dataset):
             loss = float(dataset["given_loss"])
             text = format_power(loss)
@@ -105,10 +104,20 @@ class ThermalBalanceAccount(Account):
         slip = float(coldest["steady_slip"])
         shown = [f"{value - 273.15:.0f} °C" for value in values]
         rows = (
-            Row(key="temperature", label=f"temperature, {names[0]}", value=float(values[0]), unit="K", text=shown[0],
-                note=", ".join(f"{name} {text}" for name, text in zip(names[1:], shown[1:], strict=True))),
-            Row(key="cage_slip_in_balance", label="cage slip there", value=slip, text=percent(slip)),
-        )  # fmt: skip
+            Row(
+                key="temperature",
+                label=f"temperature, {names[0]}",
+                value=float(values[0]),
+                unit="K",
+                text=shown[0],
+                note=", ".join(
+                    f"{name} {text}" for name, text in zip(names[1:], shown[1:], strict=True)
+                ),
+            ),
+            Row(
+                key="cage_slip_in_balance", label="cage slip there", value=slip, text=percent(slip)
+            ),
+        )
         return Answer(
             rows=rows, assumed=tuple(filter(None, [describe_estimated(dataset)])), commands=commands
         )

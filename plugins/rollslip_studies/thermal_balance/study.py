@@ -260,7 +260,7 @@ class ThermalBalance(Study):
         ----------
         assembly : Assembly
             The bearing at the temperatures of its scene.
-        keep : Keep, optional
+        context : RunContext, optional
             Not used: there are no intermediate results.
 
         Returns

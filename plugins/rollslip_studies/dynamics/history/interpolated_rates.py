@@ -35,7 +35,7 @@ from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motio
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
 #: Roller slip at which rates are compared, relative to the slip that rolls on the outer ring. Below 1, so that both
-#: contacts slide. Doubling it would compare rollers that turn backwards. Chosen.
+#: contacts slide; at 1 the outer one rolls. Chosen.
 _ROLLER_SLIP_FRACTION: Final = 0.9
 #: Roller slip at which rates are compared where the cage slip is zero [1]: both contacts slide there, too. Chosen.
 _ROLLER_SLIP_AT_REST: Final = 0.1
@@ -50,8 +50,8 @@ _PITCH_FRACTIONS: Final = (0.0, 0.25, 0.5, 0.75)
 #: Nodes with which the axis of speed starts, relative to the largest speed; below the first, its tables are used. They
 #: are geometric because films and friction are power laws of the speed. Chosen.
 _FIRST_SPEEDS: Final = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0)
-#: Maximum number of halvings of an interval. Each one more doubles the number of stations that a sharp kink may cost
-#: before `ConvergenceError`. Chosen.
+#: Maximum number of halvings of an interval. Each one more adds stations at a sharp kink before `ConvergenceError`.
+#: Chosen: 1/512 of the interval between two initial nodes.
 _MAX_HALVINGS: Final = 9
 #: Nodes of an interval, in sixths of it: thirds and ends, which are nodes of its halves or their ends.
 _NODE_SIXTHS: Final = (0, 2, 4, 6)

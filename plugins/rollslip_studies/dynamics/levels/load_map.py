@@ -64,9 +64,8 @@ class LoadMap:
     """Loads over orbital position and centrifugal force, computed where a motion requests them."""
 
     orbits: "Orbits"  # equilibria at the nodes
-    widths: (
-        Array  # factors from loads to forces, (n,): widths of the slices [m]; 1 in a map of forces
-    )
+    #: Factors from loads to forces, (n,): widths of the slices [m]; 1 in a map of forces.
+    widths: Array
     #: Function of the loads of a node, (2, K, n), that returns the tabulated values; by default the loads.
     channels_of: Callable[[Array], Array] | None = None
     _tables: dict[float, Array] = attrs.field(factory=dict, init=False, repr=False)

@@ -46,20 +46,20 @@ from rollslip_studies.dynamics.levels.raceway_friction import (
 )
 from rollslip_studies.motion.effective_table import table_records
 
-#: Factor from the typical deflection of a contact to the magnitude of radial motion of rollers, to which tolerances are
-#: relative. Halving it makes 1.6 to 1.9 times more steps at 1; see `_scale` for the measurement.
+#: Factor from the typical deflection of a contact to the typical magnitude of radial motion of rollers, to which their
+#: tolerances are relative. With 1 there are 1.6 to 1.9 times as many steps; see `_scale` for the measurement.
 _SWING_FACTOR: Final = 30.0
 #: Number of cells of the table of rolling resistance over sqrt(Q), over which it is nearly linear. Chosen.
 _RESISTANCE_CELLS: Final = 64
 #: Largest force of tables of flexible rings, relative to the largest force at rest. Beyond it forces come from the
 #: slices. Chosen: a margin for the motion.
 _REST_FORCE_FACTOR: Final = 2.0
-#: Error of the table of forces, relative to a force or to a light one. Doubling it halves the cells. Chosen: below the
-#: usual tolerances of an integrator.
+#: Error of the table of forces, relative to a force or to a light one. Sixteen times as much halves the cells, since
+#: the error is of fourth order. Chosen: below the usual tolerances of an integrator.
 _FORCE_ERROR = 3e-5
 #: Lower bound of the force that this error is relative to, over the usual force of a roller. Chosen.
 _LIGHT_FORCE = 1e-2
-#: Number of cells of a table of forces at first; doubled until its error is small. Chosen: most bearings need more.
+#: Number of cells of a table of forces at first; it is doubled until the error is small. Chosen.
 _FIRST_CELLS = 512
 #: Maximum number of cells of a table of forces: 2 MB. More are needed only where a law or profile has a jump.
 _MAX_CELLS = 65536
@@ -180,9 +180,8 @@ class PlanarMotion(MovingBearing):
     planar: Planar  # the compiled system; it counts ``deflections_evaluated``
     #: Tables of the forces of a roller on both raceways; none where they come from the slices.
     forces: tuple[ForceTable, ...] = ()
-    bent: BentRings | None = (
-        None  # flexible rings and forms; None if both rings are rigid and round
-    )
+    #: Flexible rings and forms; None if both rings are rigid and round.
+    bent: BentRings | None = None
 
     @property
     def tables(self) -> dict[str, str]:
@@ -383,7 +382,6 @@ def planar_motion(
     forces: tuple[ForceTable, ...] = ()
     if friction.tabulated and not of_raceways.uses_slices:
         forces = _force_tables(a, largest_force)
-    scale = _scale(fully_loaded, cage, bent)
     planar = Planar(
         of_raceways.capsules,
         [raceway.deflection.kernel for raceway in a.raceways],
@@ -393,7 +391,7 @@ def planar_motion(
         _drag_capsules(cage),
         b.rollers,
         _GUIDANCES.index(cage.guidance),
-        np.append(scale, uncontrolled_scale(a, per_roller)),
+        np.append(_scale(fully_loaded, cage, bent), uncontrolled_scale(a, per_roller)),
         each=per_roller,
         forces=[(table.deepest, table.coefficients) for table in forces],
         resistances=None if friction.name == "conventional" else _resistances(a, largest_force),
@@ -444,8 +442,7 @@ def _largest_force(a: Assembly, bent: BentRings | None) -> float:
     """
     largest = DEFLECTION_FORCE_FACTOR * usual_force(a)
     if bent is not None:
-        at_rest = float(a.load_distribution(1).outer_force.max())
-        largest = max(largest, _REST_FORCE_FACTOR * at_rest)
+        largest = max(largest, _REST_FORCE_FACTOR * float(a.load_distribution(1).outer_force.max()))
     return largest
 
 
@@ -469,7 +466,6 @@ def _land(a: Assembly, settings: PlanarSettings) -> dict[str, float]:
     """
     cage = a.cage
     oil = a.lubricant.at(a.scene.operation.temperature).viscosity
-    roughness = a.inner.conditions.roughness
     radius = cage.land_radius or 1.0
     width = cage.land_width or 1.0
     clearance = cage.land_clearance or 1.0
@@ -478,7 +474,7 @@ def _land(a: Assembly, settings: PlanarSettings) -> dict[str, float]:
         "land_clearance": clearance,
         "land_film": radius * oil * (width / clearance) ** 3,
         "land_shear": 2 * math.pi * oil * width * radius**3 / clearance,
-        "land_floor": min(roughness / clearance, 0.5),
+        "land_floor": min(a.inner.conditions.roughness / clearance, 0.5),
         "land_stiffness": settings.land_stiffness,
         "land_damping": settings.land_damping,
         "land_friction": settings.land_friction,
@@ -553,9 +549,15 @@ def _build_force_table(a: Assembly, raceway: Raceway, largest_force: float) -> F
         known = merged
         root = np.linspace(0.0, math.sqrt(deepest), cells + 1)
     rise = right - left
-    quadratic = 3.0 * rise - 2.0 * left_slope - right_slope
-    cubic = left_slope + right_slope - 2.0 * rise
-    powers = np.stack((left, left_slope, quadratic, cubic), axis=1)
+    powers = np.stack(
+        (
+            left,
+            left_slope,
+            3.0 * rise - 2.0 * left_slope - right_slope,
+            left_slope + right_slope - 2.0 * rise,
+        ),
+        axis=1,
+    )
     return ForceTable(deepest=deepest, coefficients=powers, error=error, light=light)
 
 

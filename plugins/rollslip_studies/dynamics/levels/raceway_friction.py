@@ -11,7 +11,7 @@ tabulated over force, sliding and rolling speed: the same law, not an average. `
 5. Stop without a table if several refinements in a row do not reduce the error, or the table becomes too large.
 
 All other cases evaluate the chain of laws for every slice: tilted rollers, laws in Python, tables that do not reach the
-tolerance, contacts outside a table, and film parameters. `RacewayFriction.evaluation_method` says which it is.
+tolerance, contacts outside a table, and film parameters. `RacewayFriction.evaluation_method` states the reason.
 """
 
 import logging
@@ -153,9 +153,8 @@ class _Grid:
     root_ends: tuple[float, float] = (0.0, 0.5)  # first and last node of that coordinate
     speed_scale: float = 1.0  # u_s [m/s] of u/(u + u_s)
     speed_ends: tuple[float, float] = (0.0, 0.5)  # first and last node of that coordinate
-    nodes: tuple[int, int, int] = (
-        _FIRST_NODES  # number of nodes: speed, root, sliding on each side of zero
-    )
+    #: Number of nodes: speed, root, sliding on each side of zero.
+    nodes: tuple[int, int, int] = _FIRST_NODES
 
     def speed(self, fraction: Array) -> Array:
         """Return the rolling speed [m/s] at fractions 0 to 1 of its axis."""
