@@ -191,15 +191,17 @@ def cost_sentences(
         Estimated number of slices to be evaluated.
     """
     scene = assembly.scene
-    sentences = list[str]()
-    for name in ("tolerance", "critical_slip", "friction", "cage_speed"):
-        value = getattr(scene.accuracy, name)
-        if value is None or value >= EXACT:
-            continue
-        sentence = f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05"
-        if name == "tolerance":
-            sentence += '; nothing finer is computed than with accuracy.tolerance = "exact"'
-        sentences.append(sentence)
+    notes = {"tolerance": '; nothing finer is computed than with accuracy.tolerance = "exact"'}
+    unreachable = [
+        name
+        for name in ("tolerance", "critical_slip", "friction", "cage_speed")
+        if (getattr(scene.accuracy, name) or EXACT) < EXACT
+    ]
+    sentences = [
+        f"accuracy.{name} = {getattr(scene.accuracy, name):g} is less than the finest of everything leaves, about "
+        f"{EXACT:g} to 1e-05" + notes.get(name, "")
+        for name in unreachable
+    ]
     cage = describe_own_cage(scene, studies)
     if cage:
         sentences.append(cage)

@@ -176,11 +176,12 @@ class Note:
             return "not evaluated"
         if not self.changes:
             return "not at the steady slip"
-        texts = []
-        for name, (before, after) in self.changes.items():
-            if _relative_change(before, after) >= _NO_CHANGE:
-                previous = _quantity_text(name, before).removeprefix(f"{name} ")
-                texts.append(f"{_quantity_text(name, after)} in place of {previous}")
+        texts = [
+            f"{_quantity_text(name, after)} in place of "
+            + _quantity_text(name, before).removeprefix(f"{name} ")
+            for name, (before, after) in self.changes.items()
+            if _relative_change(before, after) >= _NO_CHANGE
+        ]
         changes = ", ".join(texts) or "slip, reserve and torque move by less than 1 %"
         return f"with {self.alternative} {changes}"
 
@@ -735,11 +736,8 @@ def summarise_notes(notes: Iterable[Note], more: str = "") -> str:
 def _count_notes(notes: Sequence[Note], has_others: bool) -> str:
     """Return the number of notes and a limit on what they change, after others that are shown on their own."""
     largest = max(note.largest_change[1] for note in notes)
-    limit = "a factor of 2"
-    for fraction in _CHANGE_LIMITS:
-        if largest <= fraction:
-            limit = f"{100.0 * fraction:g} %"
-            break
+    limits = (f"{100.0 * fraction:g} %" for fraction in _CHANGE_LIMITS if largest <= fraction)
+    limit = next(limits, "a factor of 2")
     if has_others:
         return f"{len(notes)} more below {limit}"
     quantities = " or ".join(sorted({note.largest_change[0] for note in notes}))

@@ -36,7 +36,7 @@ observed order, Richardson extrapolation and the grid convergence index.
 """
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, TypeAlias
@@ -720,13 +720,15 @@ def _choose_laws(
         resolution = attrs.evolve(resolution, boundary=False)
         left_out.append(BoundaryFriction(limit))
     reference: Sample | None = None
-    simplifications = _simplifications(coarse, extremes) if cheaper_laws else ()
-    for name, changes, bound, fraction, change in simplifications:
+    simplifications = _simplifications(coarse, extremes) if cheaper_laws else []
+    for name, applies, changes, bound, fraction, error_norm in simplifications:
+        if not applies:
+            continue
         if reference is None:
             reference = probe.sample(coarse, _LAW_POSITIONS, small_slips=_SMALL_SLIPS)[0]
         cheaper = coarse.at(attrs.evolve(coarse.resolution, **changes))
         sample = probe.sample(cheaper, _LAW_POSITIONS, small_slips=_SMALL_SLIPS)[0]
-        error = change(sample, reference)
+        error = error_norm(sample, reference)
         if not exceeding(error, coarse.scene.accuracy, fraction):
             resolution = attrs.evolve(resolution, **changes)
             errors[name] = error
@@ -738,21 +740,36 @@ def _choose_laws(
 
 def _simplifications(
     coarse: Assembly, extremes: Extremes
-) -> Iterator[tuple[str, dict[str, Any], LeftOut, float, Callable[[Sample, Sample], Errors]]]:
-    """Yield each simplification that applies: name, change of the resolution, bound, fraction, and error norm."""
-    if coarse.film.inlet_heating:
-        hottest = InletHeating(_BOUND_MARGIN * extremes.hottest)
-        changes: dict[str, Any] = {"inlet_heating": False}
-        yield "inlet_heating", changes, hottest, _FRACTIONS.left_out, _pointwise_errors
-    if coarse.pressure in coarse.inner.chain.models:
-        lightest = LightContacts(extremes.lightest / _BOUND_MARGIN)
-        changes = {"light_contacts": False}
-        yield "light_contacts", changes, lightest, _FRACTIONS.left_out, _pointwise_errors
-    if extremes.groups:
-        law = coarse.traction.full_film
-        groups = {name: _BOUND_MARGIN * value for name, value in extremes.groups.items()}
-        changes = {"traction": law.closed_form}
-        yield "law", changes, ExactLaw(law, groups), _FRACTIONS.cheaper_law, sample_errors
+) -> list[tuple[str, bool, dict[str, Any], LeftOut, float, Callable[[Sample, Sample], Errors]]]:
+    """Return the simplifications of laws: name, whether it applies, change of the resolution, bound, fraction, norm."""
+    law = coarse.traction.full_film
+    groups = {name: _BOUND_MARGIN * size for name, size in extremes.groups.items()}
+    return [
+        (
+            "inlet_heating",
+            bool(coarse.film.inlet_heating),
+            {"inlet_heating": False},
+            InletHeating(_BOUND_MARGIN * extremes.hottest),
+            _FRACTIONS.left_out,
+            _pointwise_errors,
+        ),
+        (
+            "light_contacts",
+            coarse.pressure in coarse.inner.chain.models,
+            {"light_contacts": False},
+            LightContacts(extremes.lightest / _BOUND_MARGIN),
+            _FRACTIONS.left_out,
+            _pointwise_errors,
+        ),
+        (
+            "law",
+            bool(groups),
+            {"traction": law.closed_form},
+            ExactLaw(law, groups),
+            _FRACTIONS.cheaper_law,
+            sample_errors,
+        ),
+    ]
 
 
 def choose_by_doubling(
@@ -1188,7 +1205,8 @@ def refine_resolution(
         return _with_contact_parts(choice, excess)
     numbers = resolution_numbers(choice.resolution)
     limits = resolution_numbers(reference_resolution(assembly.scene))
-    if exceeded.keys() <= exceeding(_errors_at_limits(error, numbers, limits), accuracy).keys():
+    finished = [part for part in error.errors if numbers[part] >= limits[part]]
+    if exceeded.keys() <= exceeding(_errors_of_parts(error, finished), accuracy).keys():
         return None
     joint_factors = _joint_factors(error, {name: accuracy.of(name) for name in exceeded})
     refined: dict[str, Any] = dict(numbers)
@@ -1240,19 +1258,10 @@ def _with_contact_parts(choice: ResolutionChoice, excess: str) -> ResolutionChoi
     )
 
 
-def _errors_at_limits(
-    error: ErrorEstimate, numbers: Mapping[str, int], limits: Mapping[str, int]
-) -> Errors:
-    """Return the errors of those parts whose numbers have reached their limits: these errors stay."""
-    finished = [part for part in error.errors if numbers[part] >= limits[part]]
-    return combine_errors(
-        (
-            errors.get(part, {})
-            for part in finished
-            for errors in (error.errors, error.separate_errors)
-        ),
-        max,
-    )
+def _errors_of_parts(error: ErrorEstimate, parts: Sequence[str]) -> Errors:
+    """Return the larger one of the errors of some parts, estimated with coarse numbers and by refining each alone."""
+    estimates = (error.errors, error.separate_errors)
+    return combine_errors((errors.get(part, {}) for part in parts for errors in estimates), max)
 
 
 def _joint_factors(error: ErrorEstimate, tolerances: Errors) -> dict[str, float]:

@@ -55,19 +55,21 @@ _UNKNOWN_STATUS: Final = "this result does not say where skidding begins; run it
 _MAX_SENTENCES = 5
 
 
-def unslipped_cage_speed(dataset: "xr.Dataset") -> float:
+def median_epicyclic_cage_speed(dataset: "xr.Dataset") -> float:
     """Return the cage speed of pure rolling [rad/s], NaN if the cage was at rest all the time."""
-    return _unslipped(dataset["cage_speed"].to_numpy(), dataset["cage_slip"].to_numpy())
+    return _median_epicyclic_speed(
+        dataset["cage_speed"].to_numpy(), dataset["cage_slip"].to_numpy()
+    )
 
 
-def unslipped_roller_speed(dataset: "xr.Dataset") -> float:
+def median_epicyclic_roller_speed(dataset: "xr.Dataset") -> float:
     """Return the spin of a roller in pure rolling, relative to the cage [rad/s]; NaN if none ever turned."""
-    return _unslipped(
+    return _median_epicyclic_speed(
         dataset["roller_speed"].to_numpy().ravel(), dataset["roller_slip"].to_numpy().ravel()
     )
 
 
-def _unslipped(speed: Array, slip: Array) -> float:
+def _median_epicyclic_speed(speed: Array, slip: Array) -> float:
     """Return the speed without slip, the median over all samples with a speed."""
     turning = np.abs(1.0 - slip) > _MIN_SPEED_RATIO
     return float(np.median(speed[turning] / (1.0 - slip[turning]))) if np.any(turning) else math.nan

@@ -44,7 +44,7 @@ class SlidingPower(Study):
             "largest_power": Output("ring", "W", "power lost by sliding at the largest cage slip", default=True),
         }
     )
-    #: Held against accuracy.friction: slices and instants are doubled until it stands still.
+    #: Its error is kept below accuracy.friction: slices and positions are doubled until it changes by less.
     controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "sliding_power"})
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     max_cage_slip: float = parameter(
@@ -72,7 +72,7 @@ class SlidingPower(Study):
             (loads.outer_load, speeds.outer_rolling, speeds.outer_sliding),
         )
         for k, (load, rolling, sliding) in enumerate(rings):
-            # (instants, rollers, slices)
+            # (positions, rollers, slices)
             force = load * assembly.widths
             loaded = load > 0.0
             for n in range(slip.size):
