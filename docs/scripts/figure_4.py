@@ -16,9 +16,9 @@ from output import BLACK, BLUE, ORANGE, figure, percent, save_figure, write_tabl
 from rollslip import evolve, load_scene, run
 from rollslip_studies.dynamics.findings import (
     energy_closure,
+    median_epicyclic_cage_speed,
     momentum_closure,
     relative_difference,
-    unslipped_cage_speed,
 )
 
 SCENE = load_scene("1032930-50C")
@@ -108,7 +108,7 @@ def draw(found, steady):
         speeds = rpm * data.roller_speed
         axes[0].plot(data.time, rpm * data.cage_speed, label=f"{name} friction", **style)
         axes[1].plot(data.time, speeds.mean("roller"), **style)
-    cage = unslipped_cage_speed(found["conventional"])
+    cage = median_epicyclic_cage_speed(found["conventional"])
     axes[0].axhline(
         rpm * cage * (1 - steady),
         color=BLACK,

@@ -23,11 +23,11 @@ from rollslip_studies.dynamics.findings import (
     energy_closure,
     ledger,
     ledger_table,
+    median_epicyclic_cage_speed,
+    median_epicyclic_roller_speed,
     momentum_closure,
     relative_difference,
     turnover,
-    unslipped_cage_speed,
-    unslipped_roller_speed,
 )  # fmt: skip
 
 HOSTILE = "<script>alert('1')</script> & \"quoted\""
@@ -324,9 +324,9 @@ def test_a_result_of_an_older_version_has_no_slip_at_which_skidding_begins():
 
 def test_pure_rolling_is_found_from_speed_and_slip():
     for dataset in (motion(), motion(relaxing(1.0, 0.03)), motion(relaxing(2.0, 0.03))):
-        assert unslipped_cage_speed(dataset) == pytest.approx(CAGE_SPEED, rel=1e-12)
-        assert unslipped_roller_speed(dataset) == pytest.approx(ROLLER_SPEED, rel=1e-12)
-    assert np.isnan(unslipped_cage_speed(motion(lambda t: 1.0 + 0.0 * t)))
+        assert median_epicyclic_cage_speed(dataset) == pytest.approx(CAGE_SPEED, rel=1e-12)
+        assert median_epicyclic_roller_speed(dataset) == pytest.approx(ROLLER_SPEED, rel=1e-12)
+    assert np.isnan(median_epicyclic_cage_speed(motion(lambda t: 1.0 + 0.0 * t)))
 
 
 def test_the_ledger_is_summed_up():

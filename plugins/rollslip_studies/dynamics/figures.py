@@ -30,12 +30,12 @@ from rollslip_studies.dynamics.findings import (
     common_times,
     describe_differences,
     ledger,
+    median_epicyclic_cage_speed,
+    median_epicyclic_roller_speed,
     relative_difference,
     skidding_passages,
     skidding_slip,
     turnover,
-    unslipped_cage_speed,
-    unslipped_roller_speed,
 )
 from rollslip_studies.dynamics.history.figures import phase, slip_along
 from rollslip_studies.surface_damage.figures import over_time
@@ -168,17 +168,17 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
 def _draw_levels(sheet: Sheet, dataset: "xr.Dataset") -> None:
     """Draw the speeds without slip, the axis of slips, and the cage speed at which skidding begins."""
     cage, roller = sheet.axes
-    unslipped = _RPM * unslipped_cage_speed(dataset)
-    if math.isnan(unslipped):
+    epicyclic = _RPM * median_epicyclic_cage_speed(dataset)
+    if math.isnan(epicyclic):
         return
-    for axes, speed in ((cage, unslipped), (roller, _RPM * unslipped_roller_speed(dataset))):
+    for axes, speed in ((cage, epicyclic), (roller, _RPM * median_epicyclic_roller_speed(dataset))):
         if not math.isnan(speed):
             axes.axhline(speed, linestyle="dotted", **_QUIET)
     sheet.key("without slip", linestyle="dotted", **_QUIET)
-    _slip_axis(cage, unslipped)
+    _slip_axis(cage, epicyclic)
     limit = skidding_slip(dataset)
     if float(dataset["cage_slip"].max()) > _MIN_SLIP_RATIO * limit:
-        cage.axhline((1.0 - limit) * unslipped, linestyle=DASHES[1], **_QUIET)
+        cage.axhline((1.0 - limit) * epicyclic, linestyle=DASHES[1], **_QUIET)
         sheet.key(f"skidding begins, {100 * limit:.3g} %", linestyle=DASHES[1], **_QUIET)
 
 
@@ -585,14 +585,14 @@ def _shown_roller(dataset: "xr.Dataset", single: bool | None = None) -> tuple[Ar
     return speeds.mean(axis=1), "the mean of all rollers"
 
 
-def _slip_axis(axes: "Axes", unslipped: float) -> None:
+def _slip_axis(axes: "Axes", epicyclic: float) -> None:
     """Add an axis at the right with the cage slip of each cage speed."""
 
     def slip(speed: Any) -> Array:
-        return np.asarray(100.0 * (1.0 - np.asarray(speed) / unslipped))
+        return np.asarray(100.0 * (1.0 - np.asarray(speed) / epicyclic))
 
     def speed(slip: Any) -> Array:
-        return np.asarray((1.0 - np.asarray(slip) / 100.0) * unslipped)
+        return np.asarray((1.0 - np.asarray(slip) / 100.0) * epicyclic)
 
     right = axes.secondary_yaxis("right", functions=(slip, speed))
     right.set_ylabel(r"Cage slip $S_\mathrm{c}$ [%]")
