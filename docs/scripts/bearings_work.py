@@ -17,7 +17,7 @@ from output import BLACK, BLUE, DOCS, GREEN, ORANGE, PURPLE, figure, save_figure
 
 from rollslip import evolve, load_scene, run
 from rollslip_campaigns.pareto import ParetoSettings
-from rollslip_campaigns.pareto.findings import studies, taking_part
+from rollslip_campaigns.pareto.findings import rows_of_kinds, studies
 from rollslip_campaigns.pareto.pareto import run_family
 
 KEPT = DOCS.parent / "build" / "bearings"
@@ -195,7 +195,7 @@ def main():
         ).plan()
         dataset = run_family(family, KEPT / machine.replace(" ", "-"), lambda *_: None)
         ((_, one),) = studies(dataset)
-        choices = [one.isel(choice=k) for k in taking_part(one, "numerical")]
+        choices = [one.isel(choice=k) for k in rows_of_kinds(one, "numerical")]
         points = sorted(
             (float(choice["seconds"]), worst(choice), choice["label"].item()) for choice in choices
         )

@@ -20,7 +20,7 @@ from output import DOCS, write_table
 from rollslip import evolve, load_scene
 from rollslip.results.figures import save_plots
 from rollslip_campaigns.pareto import ParetoSettings
-from rollslip_campaigns.pareto.findings import ParetoAccount, milliseconds, studies, taking_part
+from rollslip_campaigns.pareto.findings import ParetoAccount, milliseconds, rows_of_kinds, studies
 from rollslip_campaigns.pareto.pareto import run_family
 
 KEPT = DOCS.parent / "build" / "fronts"
@@ -52,7 +52,7 @@ def rows(dataset):
         (("numerical",), "error", "on_front"),
         (("modelling", "film"), "difference", "on_model_front"),
     ):
-        for k in taking_part(one, *kinds):
+        for k in rows_of_kinds(one, *kinds):
             row = one.isel(choice=k)
             planned = row["label"].item() == "as planned"
             if variable == "error" and not (planned or row[on_front].any()):
