@@ -121,6 +121,7 @@ class Processes(Engine):
         return self._pool(1)
 
     def _pool(self, count: int) -> Executor:
+        """Return a pool of a number of spawned processes."""
         return _Pool(
             count, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker
         )
@@ -190,6 +191,7 @@ class Dask(Engine):
         return _ClientExecutor(client)
 
     def _client(self) -> Any:
+        """Return a client that is connected to the scheduler; `EngineError` if it cannot be reached."""
         try:
             import distributed
         except ModuleNotFoundError as error:

@@ -196,6 +196,7 @@ def wave_numbers(bearing: Bearing, highest: int | None) -> list[int]:
 
 
 def _size(doc: str, **more: Any) -> Any:
+    """Return an optional parameter for a length."""
     return parameter(
         default=None,
         unit="m",
@@ -208,6 +209,7 @@ def _size(doc: str, **more: Any) -> Any:
 
 
 def _modulus(of: str) -> Any:
+    """Return an optional parameter for Young's modulus."""
     return parameter(
         default=None,
         unit="Pa",
@@ -219,6 +221,7 @@ def _modulus(of: str) -> Any:
 
 
 def _damping() -> Any:
+    """Return the parameter for the damping ratio."""
     return parameter(
         default=0.02,
         unit="1",
@@ -229,6 +232,7 @@ def _damping() -> Any:
 
 
 def _highest() -> Any:
+    """Return the parameter for the highest number of waves."""
     return parameter(
         default=None,
         doc="highest n of a shape, by default half the rollers; what accuracy.tolerance can do without is left out",

@@ -118,6 +118,7 @@ class Given(ThermalModel):
 
 
 def _conductance(doc: str) -> Any:
+    """Return an optional parameter for a thermal conductance."""
     return parameter(
         default=None,
         unit="W/K",
@@ -129,6 +130,7 @@ def _conductance(doc: str) -> Any:
 
 
 def _capacity(doc: str) -> Any:
+    """Return an optional parameter for a heat capacity."""
     return parameter(
         default=None,
         unit="J/K",
@@ -140,6 +142,7 @@ def _capacity(doc: str) -> Any:
 
 
 def _factor(doc: str) -> Any:
+    """Return a parameter for the factor of estimated conductances."""
     return parameter(
         default=1.0,
         unit="1",
@@ -151,6 +154,7 @@ def _factor(doc: str) -> Any:
 
 
 def _temperature(doc: str, default: float | None) -> Any:
+    """Return a parameter for a temperature."""
     return parameter(
         default=default,
         unit="K",

@@ -188,6 +188,8 @@ def estimated(series: str, bore: float, outside: float, width: float) -> Inside:
 
 
 class _Size(NamedTuple):
+    """Series and boundary dimensions of a bearing [mm]."""
+
     series: str
     bore: int
     outside: int
@@ -234,6 +236,7 @@ class CylindricalRollerBearings(Family):
 
     @cached_property
     def _sizes(self) -> dict[tuple[str, str], _Size]:
+        """Boundary dimensions of all sizes, by series and code of the bore."""
         return _sizes()
 
     @property
@@ -309,6 +312,7 @@ def _name(kind: str, series: str, code: str, group: str) -> str:
 
 
 def _bearing(name: str, size: _Size, group: str) -> BearingData:
+    """Return the data of a bearing by its boundary dimensions and the rule of its series."""
     inside = estimated(*size)
     rule = RULES[size.series]
     low, high = clearance(size.bore, group)

@@ -127,6 +127,7 @@ class FullComplementBearings(Family):
 
 
 def _name(series: str, code: str, group: str) -> str:
+    """Return the designation of a bearing."""
     kind, behind, *_ = _SERIES[series]
     return f"{kind}{series}{code}{behind}{'' if group == 'CN' else f'-{group}'}"
 
@@ -134,6 +135,7 @@ def _name(series: str, code: str, group: str) -> str:
 def _bearing(
     name: str, series: str, bore: int, outside: int, width: int, group: str
 ) -> BearingData:
+    """Return the data of a bearing by its boundary dimensions [mm]."""
     *_, fraction, of_mean = _SERIES[series]
     diameter = nearest_roller(fraction * (outside - bore))
     spacing = (1.0 + _GAP) * diameter

@@ -82,6 +82,7 @@ def _correlated(
 
 
 def _iso_vg(grade: int, at_40: float, at_100: float) -> Lubricant:
+    """Return a mineral oil of an ISO VG grade by its kinematic viscosities at 40 and 100 degC [mm2/s]."""
     return _correlated(
         f"iso-vg-{grade}",
         f"Mineral oil of the grade ISO VG {grade}",

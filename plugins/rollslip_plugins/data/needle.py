@@ -72,6 +72,8 @@ _SCATTER: Final = 0.15
 
 
 class _Size(NamedTuple):
+    """Kind and boundary dimensions of a bearing [mm]."""
+
     kind: str
     bore: int
     outside: int
@@ -99,6 +101,7 @@ class NeedleBearings(Family):
 
     @cached_property
     def _packed(self) -> dict[str, str]:
+        """Designation without separators -> designation."""
         return {packed(name): name for name in self._sizes}
 
     @property
@@ -120,6 +123,7 @@ class NeedleBearings(Family):
 
 
 def _bearing(name: str, size: _Size) -> BearingData:
+    """Return the data of a bearing by its boundary dimensions."""
     kind, bore, outside, width = size
     under = bore if kind != "NKI" else NKI_CIRCLES[bore]
     rule = _RULES["HK" if kind == "HK" else "NK"]

@@ -1,4 +1,4 @@
-"""Resistance of a loaded contact to rolling: of the oil in the inlet, and of steel that is not quite elastic."""
+"""Rolling resistance of a loaded contact: by the oil in the inlet, and by elastic hysteresis of steel."""
 
 from collections.abc import Mapping
 from types import MappingProxyType

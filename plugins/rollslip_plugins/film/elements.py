@@ -91,6 +91,7 @@ class Elements:
         self.deformation = self._deformation(self.y) - self._at_exit
 
     def _deformation(self, y: Array) -> Array:
+        """Return the matrix from pressures at the nodes to deformations at distances y."""
         moments = _moments((y[:, None] - self.middle) / self.half)
         moments[..., 0] += 2 * np.log(self.half)
         blocks = (moments @ _COEFFICIENTS) * self.half[:, None]

@@ -340,6 +340,7 @@ class _State:
         return self._on(np.interp(np.linspace(0.0, count[-1], elements + 1), count, y))
 
     def _on(self, edges: Array) -> "_State":
+        """Return the state interpolated to elements with other edges."""
         edges[-1] = self.grid.edges[-1]
         grid = Elements(edges)
         pressure = self.grid.interpolated(self.unknowns[:-2], grid.y)

@@ -1,11 +1,11 @@
 """Mixed friction: a boundary and a hydrodynamic traction model, blended by the load that asperities carry.
 
-- All blends are mu = share mu_bd + (1 - share) mu_hd; they differ only in the share, a function of the film parameter
+- All blends are mu = f mu_bd + (1 - f) mu_hd; they differ only in the fraction f, a function of the film parameter
   Lambda = h/(1.25 sqrt(Ra1^2 + Ra2^2)) and, for one of them, of the pressure.
-- What is left to the film is computed apart, as exactly as the share: the coefficient of a film of nearly nothing may
-  be far above that of the boundary, and the rounding of 1 - share would decide what it adds.
-- A child is evaluated only on the slices whose share needs it. An exponential never ends, so a share below 2^-53 of
-  the one without a film, half a unit in the last place, counts as none.
+- The fraction 1 - f of the film is computed separately, as accurately as f: the coefficient of a very thin film may be
+  far above that of the boundary, so that the rounding of 1 - f would determine its contribution.
+- A model is evaluated only on the slices whose fraction needs it. An exponential never becomes zero, so a fraction
+  below 2^-53 of the one without a film, half a unit in the last place, counts as zero.
 - Lambda is film over composite rms roughness in all of the sources; 1.25 Ra is the rms height of a Gaussian surface.
 """
 
@@ -140,7 +140,7 @@ class _BetweenLimits(_Blend):
         return self.boundary_limit
 
     def fractions(self, slices: Slices) -> tuple[Array, Array]:
-        """Return the shares of boundary and of film friction in each slice."""
+        """Return the fractions of boundary and of film friction in each slice."""
         film_parameter = slices.film_thickness / slices.conditions.roughness
         band = self.hydrodynamic_limit - self.boundary_limit
         x = np.clip((self.hydrodynamic_limit - film_parameter) / band, 0.0, 1.0)
@@ -334,7 +334,7 @@ class ZhouHoeprich(_Blend):
             return float(np.divide(53 * math.log(2), self.factor) ** (1 / self.exponent))
 
     def fractions(self, slices: Slices) -> tuple[Array, Array]:
-        """Return the shares of boundary and of film friction in each slice."""
+        """Return the fractions of boundary and of film friction in each slice."""
         film_parameter = slices.film_thickness / slices.conditions.roughness
         power = -self.factor * film_parameter**self.exponent
         mixed = film_parameter < self.full_film_from
@@ -457,7 +457,7 @@ class GreenwoodTripp(_Blend):
         return REACH
 
     def fractions(self, slices: Slices) -> tuple[Array, Array]:
-        """Return the shares of boundary and of film friction in each slice."""
+        """Return the fractions of boundary and of film friction in each slice."""
         touching = asperity_integral(slices.film_thickness / slices.conditions.roughness)
         fraction = np.minimum(
             self.coefficient * slices.conditions.modulus / slices.pressure * touching, 1.0

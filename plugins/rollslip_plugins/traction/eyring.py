@@ -32,14 +32,16 @@ from rollslip_plugins.traction.heating import (
 )
 from rollslip_plugins.traction.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
 
-#: What serves in place of a law that approximates the exact one.
+#: Remedy for a law that approximates the exact one.
 EXACT = "traction 'maxwell-eyring', the exact law"
+#: Description of the parameter for the rise of the Eyring stress with pressure.
 _RISE_OF_STRESS = "dtau0/dp of the oil"
+#: Description of the parameter for the rise of the shear modulus with pressure.
 _RISE_OF_MODULUS = "dGamma/dp of the oil"
 
 
 def _risen(value: float, slope: float, slices: Slices) -> Array:
-    """Return a property of the oil at the mean pressure of slices; nothing is read where it does not rise."""
+    """Return a property of the oil at the mean pressure of slices, which is not read if the slope is zero."""
     return np.asarray(value + slope * slices.pressure if slope else value)
 
 
@@ -277,8 +279,8 @@ class MaxwellEyring(_EyringFluid):
         )
 
 
-def _left_by_elasticity(deborah: float) -> float:
-    """Share of a small stress that elasticity leaves, 1 - (1 - e^-x)/x at x = 2/D; a series where that cancels."""
+def _elastic_stress_ratio(deborah: float) -> float:
+    """Return a small stress relative to that without elasticity: 1 - (1 - e^-x)/x at x = 2/D."""
     x = 2.0 / deborah
     return 0.5 * x * (1.0 - x / 3.0 * (1.0 - 0.25 * x)) if x < 1e-3 else 1.0 + math.expm1(-x) / x
 
@@ -318,7 +320,7 @@ class Eyring(_EyringFluid):
             quantity_name="Deborah number D",
             high=0.05,
             consequence="without elasticity it gives at most {error} too much friction, most at small sigma",
-            error=lambda deborah: 100.0 / _left_by_elasticity(deborah) - 100.0,
+            error=lambda deborah: 100.0 / _elastic_stress_ratio(deborah) - 100.0,
             remedy=EXACT,
             replacement="maxwell-eyring",
             source="small signal of maxwell-eyring, S = sigma [1 - (D/2) (1 - exp(-2/D))]",

@@ -284,6 +284,7 @@ def _groups(slices: Slices, law: PressureViscosity, heat_capacity: float) -> _Gr
 def _oil(
     slices: Slices, law: PressureViscosity, profile: Callable[[Array], Array], grid: Cells
 ) -> _Oil:
+    """Return viscosity and its dependence on temperature in the cells of a grid."""
     c = slices.conditions
     p = slices.pressure[:, None]
     eta, softening = law.at(c, p * profile(grid.middle))

@@ -245,6 +245,7 @@ class Tabulated(TractionModel):
     @cached_property
     def _table(self) -> tuple[dict[str, Array], Any]:
         # takes longer than a module of models may
+        """Axes of the table, and the interpolator of its friction."""
         from scipy.interpolate import (
             RegularGridInterpolator,
         )

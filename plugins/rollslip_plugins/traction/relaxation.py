@@ -57,6 +57,7 @@ def relaxed(start: Array, kappa: Array, sigma: Array, deborah: Array) -> tuple[A
 
 
 def _moebius(rest: Array, start: Array, q: Array, gone: Array) -> Array:
+    """Return the value after relaxation towards ``rest``, by the Moebius map of a step with q = exp(-p)."""
     return (rest * gone + start * (rest**2 + q)) / (1 + rest**2 * q + rest * start * gone)
 
 

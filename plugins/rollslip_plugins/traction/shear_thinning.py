@@ -25,6 +25,7 @@ from rollslip_plugins.traction.heating import (
     softened,
 )
 
+#: Euler's constant gamma.
 EULER = np.euler_gamma
 #: Nodes on (0, 1) of Gauss-Legendre quadrature.
 NODES = (1 + np.polynomial.legendre.leggauss(12)[0]) / 2
@@ -217,7 +218,7 @@ def transit(strain: Array, duration: Array) -> tuple[Array, Array]:
 
 
 def _early(eps: Array, p: Array) -> tuple[Array, Array]:
-    """Return mean and end of S by Gauss's rule in v."""
+    """Return mean and end of S by Gauss-Legendre quadrature in v."""
     v = p
     for _ in range(MAX_STEPS):
         step = v * (np.exp(eps[..., None] * np.expm1(-v[..., None] * NODES)) @ WEIGHTS) - p

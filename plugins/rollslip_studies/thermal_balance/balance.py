@@ -189,6 +189,7 @@ class Heated:
         return self._states[key]
 
     def _computed_state(self, changes: Mapping[str, float]) -> State:
+        """Return the state with changes of the scene, by the secant method or a search of the whole range of slips."""
         self.evaluations += 1
         try:
             bearing = self._bearing(changes)
@@ -489,6 +490,7 @@ class Heated:
         return None
 
     def _balance(self, temperatures: Array) -> Balance:
+        """Return the balance of Newton's method, which ends at rounding or at its maximum number of iterations."""
         T = temperatures.copy()
         self.precise_slips = True
         flow = self.inflows(T)

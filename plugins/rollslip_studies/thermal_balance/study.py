@@ -170,10 +170,12 @@ class ThermalBalance(Study):
 
     @property
     def _steady(self) -> SteadySlip:
+        """Study that finds the steady slip at each temperature."""
         return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
 
     @staticmethod
     def _model(assembly: Assembly) -> ThermalModel:
+        """Return the thermal model of the scene with values from the bearing; `Given` where it names none."""
         named = thermal_model(assembly.scene)
         return (get_model("thermal", "given") if named is None else named).of(assembly)
 
@@ -502,6 +504,7 @@ class _ColdestBalance(ThermalBalance):
     """The study of the coldest stable balance alone, which needs the curve only up to its first zero."""
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the coldest stable balance, or all variables of the study if there is none."""
         *_, balances = self._search(heated, first=True)
         stationary = next((balance for balance in balances if balance.stable), None)
         if stationary is None:

@@ -283,6 +283,7 @@ class Stations:
         return largest
 
     def _rates(self, motion: MovingBearing, reference: MovingBearing) -> Array:
+        """Return the rates of a station at the sampled states of a reference; see `sampled_rates`."""
         return sampled_rates(motion, reference, _SPEEDS if self.speeds_vary else _SPEEDS[:1])
 
     @cached_property
@@ -301,6 +302,7 @@ class Stations:
 
     @property
     def _rollers(self) -> int:
+        """Number of rollers."""
         return self.assembly.scene.bearing.rollers
 
     def motion(self, point: Point) -> MovingBearing:
@@ -311,6 +313,7 @@ class Stations:
 
     @property
     def _bearings(self) -> dict[Point, Assembly]:
+        """Bearings by their coordinates; all motions of the bearing through this operation share them."""
         return self.assembly.cached(
             "stations", (bearing_resolution(self.assembly), self.axes, self.speeds), dict
         )
@@ -341,6 +344,7 @@ class Stations:
         return cached[point]
 
     def _assembled_motion(self, point: Point) -> MovingBearing:
+        """Return the bearing in motion at a point of the axes; at the levels with a cage its loads are shared."""
         bearing = self.bearing(point)
         if self.planar is not None:
             return planar_motion(
@@ -375,6 +379,7 @@ class Stations:
 
 
 def _between(low: int, high: int, sixths: int) -> int:
+    """Return the node at a number of sixths of an interval."""
     return low + sixths * (high - low) // 6
 
 

@@ -214,6 +214,7 @@ def build_load_map(
 def _build_load_map(
     assembly: Assembly, tolerance: float, top_speed: float | None, reference_force: float
 ) -> LoadMap:
+    """Double the positions within a pitch until the error between them is within half the tolerance."""
     check_repeats(assembly)
     force_per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
     top_speed = fastest(assembly.kinematics) if top_speed is None else top_speed

@@ -515,6 +515,7 @@ def force_table(a: Assembly, raceway: Raceway, largest_force: float) -> ForceTab
 
 
 def _build_force_table(a: Assembly, raceway: Raceway, largest_force: float) -> ForceTable | None:
+    """Return the table of `force_table`, by halving all cells until its error is small."""
     drop = a.drop - a.drop.min()
     light = _LIGHT_FORCE * largest_force / DEFLECTION_FORCE_FACTOR
 

@@ -468,6 +468,7 @@ class _RollerFriction:
         self.at_random: Array | None = None  # true values at the random contacts
 
     def _loads(self, gap: Array) -> Array:
+        """Return the loads per length of the slices at gaps [m], (m, n)."""
         return self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)[0]
 
     def loads(self, force: Array) -> Array:
