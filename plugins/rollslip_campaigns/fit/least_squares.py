@@ -81,16 +81,17 @@ class _UncertaintySettings:
         Singular values of the Jacobian below this fraction of the largest are rounding: differences have errors of
         1e-11. Doubling it changes nothing except for nearly degenerate parameters.
     min_scale : float
-        Smallest standard deviation of a residual, where data fit exactly: rounding of friction over its size.
+        Smallest standard deviation of a residual, where data fit exactly: rounding of friction over its size. Doubling
+        it doubles the intervals of exact data.
     min_part : float
         Part of a parameter in an undetermined direction above which the parameter has no covariance. Chosen; smaller
         parts are rounding of directions.
     bound_distance : float
         Distance from a bound, in coordinates of order 1, below which a parameter is at this bound. Chosen; searches end
-        within 1e-10.
+        within 1e-10. Doubling it changes nothing.
     bound_slope : float
         Fall of chi2, in variances per unit of x beyond a bound, above which the bound is active. Chosen: far below the
-        quantiles, so that an active bound does not change a limit unnoticed.
+        quantiles, so that an active bound does not change a limit unnoticed. Doubling it reports fewer bounds.
     """
 
     rank: float = 1e-9
@@ -113,21 +114,26 @@ class _ProfileSettings:
         Largest first step, in coordinates of order 1; the first step is half the way to the limit of the largest
         quantile by the covariance, if that is shorter. Doubling it saves searches and misses rises in between.
     unknown_step : float
-        First step of a parameter without a covariance. Chosen.
+        First step of a parameter without a covariance. Doubling it saves one search a side; chosen.
     growth : float
         Factor of a step after the previous one. Doubling it reaches flat ends sooner, with a coarser walk.
     shrinkage : float
-        Factor of a step after a point without a value, or with another parameter at a bound.
+        Divisor of a step after a point without a value, or with another parameter at a bound. Doubling it ends the walk
+        in fewer searches, further from the stop. Chosen.
     min_step : float
-        Fraction of the first step at which shrinking stops: five times a quarter.
+        Fraction of the first step at which shrinking stops: after five quarters. Doubling it reports the end of the
+        walk up to twice as far from the stop.
     lower_minimum : float
-        Fall of chi2 below the minimum, in variances, that counts as a lower minimum rather than as rounding.
+        Fall of chi2 below the minimum, in variances, that counts as a lower minimum rather than as the
+        tolerance of a search. Doubling it changes nothing for separate minima. Chosen.
     crossing_tolerance : float
-        Tolerance of a limit, as a fraction of the step of the walk.
+        Tolerance of a limit, as a fraction of the step of the walk; far below four printed digits. Doubling it saves
+        a fraction of a search.
     reach : float
-        Extent of the drawn curve over the distance of the limit.
+        Extent of the drawn curve over the distance of the limit, for figures only. Chosen.
     open_reach : float
-        Extent of the drawn curve where there is no limit: a factor of ten in a logarithmic parameter.
+        Extent of the drawn curve where there is no limit: a factor of ten in a logarithmic parameter. For figures
+        only. Chosen.
     """
 
     max_step: float = 0.25

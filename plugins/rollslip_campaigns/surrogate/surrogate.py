@@ -119,10 +119,10 @@ class _RangeSettings:
         Kelvins below and above the temperature of the scene, where no range is named. Chosen.
     lower_factor : float
         Smallest rolling speed over the smallest one at the epicyclic cage speed: slip changes the rolling speed by at
-        most (R_o - R_i)/(2 R_o), see study raceway-friction.
+        most (R_o - R_i)/(2 R_o), see study raceway-friction. Halving it stretches the logarithmic axis.
     upper_factor : float
         Largest rolling speed over the largest epicyclic one. A cage at rest has about twice the epicyclic one; chosen
-        below it, because beyond the tables the last value is used.
+        below it, because beyond the tables the last value is used. Doubling it stretches the logarithmic axis.
     min_fraction : float
         Smallest rolling speed over the largest one, also where rings reverse. Halving it stretches the logarithmic axis
         by 15 %, so that more nodes are needed.
@@ -131,9 +131,10 @@ class _RangeSettings:
         except where rings reverse. Doubling it changes nothing for rings that do not reverse.
     min_ratio : float
         Smallest ratio over the largest one: without cage speed no centrifugal force acts, so that smaller ratios
-        hardly change the contact forces.
+        hardly change the contact forces. Halving it stretches the logarithmic axis. Chosen.
     max_ratio : float
-        Largest ratio; it is unbounded where both rings turn alike and nothing rolls.
+        Largest ratio; it is unbounded where both rings turn alike and nothing rolls. Doubling it stretches the
+        logarithmic axis of bearings with both rings in motion. Chosen.
     """
 
     load_factors: tuple[float, float] = (0.4, 2.5)
