@@ -550,6 +550,55 @@ def test_the_end_of_a_motion_is_found_on_finer_positions_by_two_passes():
     assert fine.count <= 2 * SEARCH.end_samples + 2
 
 
+def test_a_maximum_that_finer_positions_have_far_beyond_is_followed():
+    """By samples each twice as far: 0.7 in logit(S), of which half as many extensions reach 0.1."""
+
+    def hill(top):
+        return lambda logit: math.exp(-((logit - top) ** 2))
+
+    motions = Torques(hill(-2.0), fine=Torques(hill(-1.3)))
+    (jump,) = find_loading_branch(motions, 0.9, motions).jumps
+    assert logit_slip(jump.slip) == pytest.approx(-1.3, abs=0.02)
+    assert jump.drag == pytest.approx(1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(("fall", "is_jump"), [(0.015, False), (0.03, True)])
+def test_a_fall_of_a_hundredth_that_finer_positions_do_not_have_is_no_jump(fall, is_jump):
+    """Finer positions check falls up to 2 %, within which coarse ones may differ from them."""
+
+    def flattening(logit):
+        return 1.0 + 0.005 * min(logit, -0.6) - 1e-4 * max(logit + 0.6, 0.0)
+
+    def falling(logit):
+        return flattening(logit) + 0.005 * max(logit, 0.0) - fall * math.exp(-((logit / 0.2) ** 2))
+
+    motions = Torques(falling, fine=Torques(flattening))
+    assert bool(find_loading_branch(motions, 0.9, motions).jumps) == is_jump
+
+
+def beyond_the_end_of_an_interval(deviation):
+    """A steady slip that few loads find just below a slip of the branch, by a torque that deviates from that of all."""
+    full = Torques(lambda logit: slip_from_logit(logit) * (1.0 - deviation))
+    branch = find_loading_branch(Torques(slip_from_logit), 0.9, full)
+    end = branch.motions[20].slip
+    drag = end * (1.0 - deviation / 3.0)
+    (steady,) = branch.find_steady_motions(lambda _: -drag)
+    return steady.slip / end, drag / (1.0 - deviation) / end
+
+
+def test_a_steady_slip_beyond_an_interval_is_found_unless_the_torques_there_balance_to_a_millionth():
+    """With twice the tolerance the imbalance of 1.5e-6 at the end would be accepted."""
+    slip, balanced = beyond_the_end_of_an_interval(2.25e-6)
+    assert slip == pytest.approx(balanced, abs=1e-9)
+
+
+@pytest.mark.parametrize(("deviation", "is_found"), [(0.2, True), (0.375, False)])
+def test_a_steady_slip_is_looked_for_up_to_a_quarter_beyond_an_interval(deviation, is_found):
+    """It is 1.17 or 1.4 times the slip at the end."""
+    slip, balanced = beyond_the_end_of_an_interval(deviation)
+    assert slip == pytest.approx(balanced if is_found else 1.0, abs=1e-6)
+
+
 def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_on_all_slices():
     """By few loads the excess passes zero just below 4.7 %, a slip of the way, and by all slices at 5 %."""
     bearing = assemble(scenes.wide(100_600))
