@@ -54,7 +54,7 @@ def test_the_load_goes_with_a_constant_torque_as_the_torque_of_rollers_does_with
         )
         assert told["steady_slip"][end] == pytest.approx(float(moved.steady_slip[0]), rel=0.05)
         assert told["minimum_load"][end] == pytest.approx(float(moved.minimum_load), rel=0.05)
-    assert told["steady_slip"]["most"] == "cage.drag.constant-torque.size"
+    assert told["steady_slip"]["dominant"] == "cage.drag.constant-torque.size"
     for name in ("steady_slip", "minimum_load"):  # of one quantity alone the band is what it does
         (moved,) = told[name]["changes"]
         assert (moved["key"], moved["unit"]) == ("cage.drag.constant-torque.size", "N m")

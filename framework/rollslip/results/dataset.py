@@ -114,6 +114,7 @@ FORMER_NAMES: Final[Mapping[str, str]] = {
     "light_share": "light_fraction",
     "makers_least_load": "makers_minimum_load",
     "moved": "changes",
+    "most": "dominant",
     "most_ratio": "largest_ratio",
     "most_torque": "largest_torque",
     "most_torque_error": "largest_torque_error",

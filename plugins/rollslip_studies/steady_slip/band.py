@@ -125,10 +125,10 @@ class Band:
 def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -> "xr.Dataset":
     """Return a result with the bands of its smallest steady slip and minimum load, as JSON in attributes.
 
-    Attribute ``band`` has by name of the value "low" and "high", "most", the key of the dominant quantity, and
-    "changes", the effects of all quantities. A bound is null where the cage skids. Attribute ``consequences`` has the
-    effects of exceeded validity ranges (see `consequences`). A result without a steady slip, or of a cage that is
-    driven, is returned unchanged.
+    Attribute ``band`` has by name of the value "low" and "high", "dominant", the key of the quantity with the largest
+    effect, and "changes", the effects of all quantities. A bound is null where the cage skids. Attribute
+    ``consequences`` has the effects of exceeded validity ranges (see `consequences`). A result without a steady slip,
+    or of a cage that is driven, is returned unchanged.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
         record[name] = {
             "low": min(values[name] * band.low, float(nominal)),
             "high": _json_value(name, values[name] * band.high),
-            "most": band.dominant,
+            "dominant": band.dominant,
             "changes": [
                 {
                     "key": effect.key,
@@ -288,7 +288,9 @@ def _log_loads(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
 
         def excess(log: float) -> float:
             bearing = assembly.at_load(math.exp(log))
-            return torque_balance(bearing, n_positions=1, inertia=False, similar=shared).excess(slip)
+            return torque_balance(bearing, n_positions=1, inertia=False, similar=shared).excess(
+                slip
+            )
 
         found, own_slope = _root_by_secants(excess, near, math.inf, slope)
         slope = slope or own_slope

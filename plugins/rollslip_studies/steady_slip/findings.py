@@ -379,7 +379,7 @@ def _describe_band(dataset: "xr.Dataset", name: str) -> str:
         bounds = f"{_percent(low)} to {_percent(high) if high < 1.0 else 'skidding'}"
     return (
         f" [where data scatter the {what} is about {bounds} (5 to 95 %), most of it by "
-        f"{band['most']}]"
+        f"{band['dominant']}]"
     )
 
 
