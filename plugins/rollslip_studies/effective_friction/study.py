@@ -98,6 +98,7 @@ _CURVE_OUTPUTS: Final = frozenset(
 )
 #: Dimensions of the curves.
 _CURVE: Final = "ring cage_slip"
+#: Variables of the study by name.
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "effective_friction": Output(_CURVE, "1", "effective friction coefficient"),

@@ -42,6 +42,7 @@ _FIRST: Final = np.zeros(1), np.zeros(1)
 #: Relative tolerance of the approach, 18 units of rounding, below which steps are noise. Newton's method converges
 #: quadratically, so that twice as much saves no step. Chosen.
 _APPROACH_TOLERANCE: Final = 4e-15
+#: Variables of the study by name.
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "friction": Output(_OF_CURVE, "1", "friction coefficient"),

@@ -356,10 +356,12 @@ def _combine(
 #: Quantiles of the force of a ring, over the load of its slices, at which a law without compiled form is evaluated.
 #: Twice as many take twice the evaluations, each of up to a second; chosen, as the ratio of two laws is smooth in load.
 _FORCE_QUANTILES: Final = (0.05, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
-#: Names of the values that two laws are compared by.
-SLIP = "slip"
-RESERVE = "reserve to slipping"
-TORQUE = "friction torque"
+#: Name of the steady slip among the values that two laws are compared by.
+SLIP: Final = "slip"
+#: Name of the reserve to the acceptable slip among them.
+RESERVE: Final = "reserve to slipping"
+#: Name of the friction torque among them.
+TORQUE: Final = "friction torque"
 
 
 @attrs.frozen(eq=False)

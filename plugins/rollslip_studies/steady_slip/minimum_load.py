@@ -105,6 +105,7 @@ _LOAD_SEARCH: Final = _LoadSearch()
 _MAXIMUM_SEARCH: Final = _MaximumSearch()
 
 
+#: Torque balance of a bearing at a radial load [N].
 Balances = Callable[[float], TorqueBalance]
 
 

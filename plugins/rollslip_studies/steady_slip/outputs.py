@@ -66,6 +66,7 @@ def followed_outputs(name: str) -> dict[str, Output]:
     }
 
 
+#: Variables of the study by name.
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "steady_slip": Output(
@@ -116,7 +117,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "largest_torque": Output(
             "",
             "N m",
-            "largest torque of the rollers on the loading branch, of a reserve where the slip does not jump",
+            "largest torque of the rollers on the loading branch, "
+            "in place of the limit drag torque where the slip does not jump",
         ),
         "largest_torque_slip": Output("", "1", "cage slip there"),
         "largest_torque_error": Output("", "1", "relative error left of it"),

@@ -92,7 +92,7 @@ _MAX_POSITIONS_FOR_LIMIT_DRAG: Final = 16
 _COMPARED_FRACTIONS: Final = (0.02, 0.15, 0.5, 1.0)
 #: Fraction of the tolerances that slices and roller positions may use; the rest is for the errors of single numbers.
 #: Twice as much, all of it, leaves nothing for these. Half as much took 3 to 5 instead of 3 to 4 positions and 24 %
-#: more time in two scenes, and changed slip and minimum load by up to 3e-3 at a tolerance of 5 %. Chosen.
+#: more time in two scenes, and changed slip and load at the fold by up to 3e-3 at a tolerance of 5 %. Chosen.
 _TOLERANCE_FRACTION: Final = 0.5
 
 
