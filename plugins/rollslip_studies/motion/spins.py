@@ -78,7 +78,8 @@ class MarchTolerances:
     """Numbers that control the search for periodic motions."""
 
     #: Loads of a Gauss rule which stand for the slices of a roller that is marched. Two instead of four change the
-    #: largest torques of 55 random bearings by up to 1.1 %, eight by less than 1e-7, at twice the cost.
+    #: largest torques of 55 random bearings by up to 1.1 %, eight by less than 1e-7; chosen, because it starts
+    #: Newton's method only.
     n_loads: int = 4
     #: Maximum number of orbits by implicit Euler. Four instead of eight change torques of 55 random
     #: bearings by up to 5e-7, sixteen by less than 1e-11.
@@ -91,7 +92,7 @@ class MarchTolerances:
     #: chosen, below the discretisation error, because Newton's method refines the result.
     balance: float = 1e-5
     #: The same for rollers without inertia, where nothing refines the result: a few times the rounding. Doubling it
-    #: doubles an error of 1e-12.
+    #: doubles an error of 1e-12; chosen.
     balance_without_inertia: float = 1e-12
     #: Step of Newton's method, relative to the roller slip, at which a periodic motion is accepted. Half the
     #: value makes it fail near rounding, and changes a torque by 1.6e-3, where a march then replaces it; twice the
@@ -117,7 +118,7 @@ class NeighbourTolerances:
     max_iterations: int = 40
     #: Number of iterations whose mean is taken where the spin changes from one balance to another and back, and
     #: number of steps that do not decrease after which that is assumed. Half and twice as many change torques by up
-    #: to 2 %, which is within the error, and cost 9 % less and 22 % more; chosen.
+    #: to 2 %, and cost 9 % less and 22 % more; chosen.
     n_averaged: int = 8
     #: Ratio of a step to the smallest one so far above which it counts as not decreasing. Doubling it costs 27 %
     #: more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
@@ -130,8 +131,9 @@ NEIGHBOURS: Final = NeighbourTolerances()
 #: Part of the weights of positions that is uniform where unloaded rollers are braked, too. Half
 #: the value costs 1 % more evaluations and changes torques by 3.5e-4; chosen, because unloaded rollers are braked.
 _UNIFORM_WEIGHT: Final = 0.5
-#: Smallest mean roller slip without cage slip that counts, and smallest unit of roller slips: both only keep
-#: quotients finite. Doubling them changes numbers below the rounding of a roller slip of 1e-3; chosen.
+#: Smallest mean roller slip without cage slip that counts; it keeps quotients finite. Half and twice the value
+#: change torques of 55 random bearings by less than 1e-11; chosen, far below the slips of rollers with rolling
+#: resistance.
 _MIN_IDLE_SLIP: Final = 1e-9
 #: Smallest unit of roller slips; it keeps quotients finite where neither cage nor rollers slip. Doubling it has no
 #: effect on any result; chosen, far below the roller slips of bearings.
@@ -142,8 +144,8 @@ _IDLE_WIDTH: Final = 1e-3
 #: Torque at the upper start of a march that counts as rounding, relative to the largest one. Neither half nor
 #: twice the value changes a result of 55 random bearings; chosen, a few thousand times the rounding.
 _ZERO_TORQUE: Final = 1e-12
-#: Largest upper start of a march, as a roller slip. Doubling it takes one step more of a doubling search which ends
-#: before in all bearings known; chosen, so that the search ends.
+#: Largest upper start of a march, as a roller slip. Half and twice the value change no result of 55 random
+#: bearings; chosen, so that the doubling search for it ends.
 _MAX_START: Final = 64.0
 
 
