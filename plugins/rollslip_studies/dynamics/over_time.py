@@ -206,6 +206,15 @@ def skidding_along(
         coordinates[path.name] = path.coordinate.at(times)
     axes = {name: _axis(*spans[name], _GRID_POINTS[len(names)]) for name in names}
     fastest = int(np.argmax(speed))
+    key = (
+        repr(study),
+        assembly.resolution,
+        path,
+        *((name, spans[name]) for name in history.conditions),
+        float(speed.max()),
+        *names,
+        *(float(end) for axis in axes.values() for end in axis[[0, -1]]),
+    )
     grid = _OperationGrid(
         study=study,
         assembly=assembly,
@@ -217,15 +226,8 @@ def skidding_along(
             name: float(operation[name][fastest]) / (speed[fastest] or 1.0)
             for name in ("inner_speed", "outer_speed")
         },
-        key=(
-            repr(study),
-            assembly.resolution,
-            path,
-            *((name, spans[name]) for name in history.conditions),
-            float(speed.max()),
-            *names,
-            *(float(end) for axis in axes.values() for end in axis[[0, -1]]),
-        ),
+        onsets=assembly.cached("skidding along a history", key, dict),
+        problems=assembly.cached("statuses of skidding along a history", key, set),
     )
     result = grid.interpolate([coordinates[name] for name in names], is_turning)
     return SkiddingCourse(result[0], result[1], result[2], grid.describe())
@@ -242,30 +244,22 @@ class _OperationGrid:
     constant: Mapping[str, float]  # value of each other condition
     max_speed: float  # largest difference of the speeds of the rings [rad/s]
     speed_ratios: Mapping[str, float]  # speed of each ring over that difference
-    key: tuple[Any, ...]  # of the cache
-
-    @property
-    def onsets(self) -> dict[tuple[int, ...], tuple[float, float, float]]:
-        """Indices of a point -> skidding slip, limit drag [N m] and critical slip; cached with the bearing."""
-        return self.assembly.cached("skidding along a history", self.key, dict)
-
-    @property
-    def problems(self) -> set[str]:
-        """Statuses of the points at which no onset was found; cached likewise."""
-        return self.assembly.cached("statuses of skidding along a history", self.key, set)
+    #: Indices of a point -> skidding slip, limit drag [N m] and critical slip; cached with the bearing.
+    onsets: dict[tuple[int, ...], tuple[float, float, float]]
+    problems: set[str]  # statuses of the points at which no onset was found; cached likewise
 
     def onset(self, point: tuple[int, ...]) -> tuple[float, float, float]:
         """Return skidding slip, limit drag [N m] and critical slip at a point of the grid, NaN where a law fails."""
-        onsets = self.onsets
-        if point not in onsets:
+        if point not in self.onsets:
             try:
-                onsets[point] = self._compute(point)
+                self.onsets[point] = self._compute(point)
             except RollslipError as error:
                 self.problems.add(str(error))
-                onsets[point] = math.nan, math.nan, math.nan
-        return onsets[point]
+                self.onsets[point] = math.nan, math.nan, math.nan
+        return self.onsets[point]
 
     def _compute(self, point: tuple[int, ...]) -> tuple[float, float, float]:
+        """Compute the onset of skidding at a point."""
         conditions = {
             name: float(axis[k]) for (name, axis), k in zip(self.axes.items(), point, strict=True)
         }

@@ -20,23 +20,20 @@ from rollslip.studies.answers import LoadedSlices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.friction_curve.study import balanced_load
-from rollslip_studies.motion.time_integration import Event, Trajectory
+from rollslip_studies.motion.time_integration import Trajectory
 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Meanings of an event: of the rise of a watched value through zero and of its fall; in the order of the systems.
-_EVENT_MEANINGS: Final = (
-    ("cage slip passes that of skidding", "cage slip falls below that of skidding"),
-    (
-        "the smallest film parameter rises above its limit",
-        "the smallest film parameter falls below its limit",
-    ),
-    (
-        "a contact of the inner ring closes: rollers carry it again",
-        "the last contact of the inner ring opens",
-    ),
-)
+#: Number of a watched value, in the order of the systems, and whether it rises through zero -> meaning of the event.
+_EVENT_MEANINGS: Final = {
+    (0, True): "cage slip passes that of skidding",
+    (0, False): "cage slip falls below that of skidding",
+    (1, True): "the smallest film parameter rises above its limit",
+    (1, False): "the smallest film parameter falls below its limit",
+    (2, True): "a contact of the inner ring closes: rollers carry it again",
+    (2, False): "the last contact of the inner ring opens",
+}
 #: Part of the message of an integrator that was stopped by the refusal of a model.
 _REFUSED: Final = "the rates are not defined"
 #: Outputs of the contacts with both rings, by the equations of motion.
@@ -71,19 +68,15 @@ def with_cause(found: Trajectory, moving: MovingBearing) -> Trajectory:
         The equations of motion.
     """
     if found.outcome == "stopped":
-        return attrs.evolve(found, message=f"{found.message}: {_meaning(found.events[-1])}")
+        event = found.events[-1]
+        meaning = _EVENT_MEANINGS[event.watched, event.rising]
+        return attrs.evolve(found, message=f"{found.message}: {meaning}")
     if found.outcome == "failed" and _REFUSED in found.message:
         error = moving.error(moving.system.refusal())
         return attrs.evolve(
             found, error=error, message="; ".join((f"{found.message}: {error}", *_notes(error)))
         )
     return attrs.evolve(found, message="; ".join((found.message, *_notes(found.error))))
-
-
-def _meaning(event: Event) -> str:
-    """Return what an event means."""
-    rise, fall = _EVENT_MEANINGS[event.watched]
-    return rise if event.rising else fall
 
 
 def _notes(error: BaseException | None) -> tuple[str, ...]:
@@ -147,7 +140,7 @@ def stored_variables(
     outputs : mapping of str to ndarray
         Forces and speeds of the contacts at the stored times, as of `outputs_of`.
     """
-    meanings = [_meaning(event) for event in found.events]
+    meanings = [_EVENT_MEANINGS[event.watched, event.rising] for event in found.events]
     return {
         **_speed_variables(moving, found),
         "energy": moving.energy(found.y),
@@ -174,14 +167,17 @@ def stored_coordinates(moving: MovingBearing, found: Trajectory) -> dict[str, An
         The motion.
     """
     rollers = np.arange(moving.assembly.scene.bearing.rollers)
-    works = np.array(list(moving.works(found.y)))
-    directions = np.array(["along", "across"])
+    works = [*moving.works(found.y)]
     coordinates = {
         "time": ("time", found.t, about("s", "time")),
         "roller": ("roller", rollers, about("1", "roller")),
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
-        "work": ("work", works, about("1", "what the work was done by")),
-        "direction": ("direction", directions, about("1", "direction to the line of load")),
+        "work": ("work", np.array(works), about("1", "what the work was done by")),
+        "direction": (
+            "direction",
+            np.array(["along", "across"]),
+            about("1", "direction to the line of load"),
+        ),
     }
     if shapes := ring_shapes(moving):
         coordinates["shape"] = ("shape", np.array(shapes), about("1", "shape of a ring"))
