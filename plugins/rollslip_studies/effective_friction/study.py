@@ -75,7 +75,7 @@ class _CostModel:
     #: Points of the two maps whose times are extrapolated linearly. Larger ones cost more than they improve. Chosen.
     map_points: tuple[int, int] = (3, 6)
     #: Evaluations of the search for the critical slips of both rings, each of one ring. The estimated time of the
-    #: search is proportional to it. Chosen.
+    #: search is proportional to it; four scenes of the catalogue take 2 to 32. Chosen, rather too large.
     search_evaluations: int = 40
 
 

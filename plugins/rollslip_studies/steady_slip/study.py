@@ -102,9 +102,10 @@ class _CostModel:
 
     #: Loading branches of a run: those of the last two numbers of positions.
     branches: int = 2
-    #: Motions of a loading branch. Chosen.
-    branch_motions: int = 25
-    #: Motions of the rollers that a followed branch evaluates. Chosen.
+    #: Motions of a loading branch; four scenes of the catalogue have 50 to 59.
+    branch_motions: int = 50
+    #: Motions of the rollers of a followed branch. Four scenes of the catalogue evaluate 94 to 167, each with loads of
+    #: its own, which take as long again; chosen, rather too large.
     followed_motions: int = 350
     #: Loading branches of a search for the minimum load, where rollers have several motions at the acceptable slip.
     #: Chosen.
@@ -237,7 +238,7 @@ class SteadySlip(Study):
             bearing, bearing.cage.drags, n_positions=n_positions, inertia=self.inertia
         )
         n_followed = sum(bool(getattr(self, name)) for name in VARIED)
-        branches = _COST.branches + _COST.followed_motions * n_followed / (2 * _COST.branch_motions)
+        branches = _COST.branches + _COST.followed_motions * n_followed / _COST.branch_motions
         if self.acceptable_slip is not None and balance.has_several_motions(self.acceptable_slip):
             branches += _COST.minimum_load_branches
         return {"orbits": balance.seconds() * branches}
