@@ -211,8 +211,8 @@ def _series(
     elif not np.isfinite(values).all() or not np.isfinite(samples).all():
         status = "a value is not known, or beyond the range"
     elif 0 < len(samples) < _SAMPLES_PER_ROW * count:
-        too_few = f"{len(samples)} samples are too few for the covariance of {count} rows"
-        status = f"{too_few}, which takes {_SAMPLES_PER_ROW} a row"
+        shortage = f"{len(samples)} samples are too few for the covariance of {count} rows"
+        status = f"{shortage}, which takes {_SAMPLES_PER_ROW} a row"
     if status:
         return SeriesResult(
             **named, chi2=math.nan, freedom=count, probability=math.nan, status=note or status
