@@ -105,7 +105,7 @@ class _CostModel:
     #: Motions of a loading branch; four scenes of the catalogue have 50 to 59.
     branch_motions: int = 50
     #: Motions of the rollers of a followed branch. Four scenes of the catalogue evaluate 94 to 167, each with loads of
-    #: its own, which take as long again; chosen, rather too large.
+    #: its own; chosen, rather too large, because loads take time, too.
     followed_motions: int = 350
     #: Loading branches of a search for the minimum load, where rollers have several motions at the acceptable slip.
     #: Chosen.
