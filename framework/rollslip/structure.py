@@ -122,7 +122,7 @@ def structure(
     """
     if isinstance(where, str):
         where = Location({}, split_key(where) if where else ())
-    bare = bare_key(cls)
+    bare, fields, by_key, _ = _layout(cls)  # type: ignore[arg-type]  # mypy takes a class for unhashable
     if isinstance(raw, str) and bare is not None:
         raw = {bare: raw}
     if not isinstance(raw, Mapping):
@@ -133,28 +133,25 @@ def structure(
         )
         return None
     faults: list[str] = []
-    values = _converted_fields(cls, raw, where, faults, known or {}, own)
-    _, by_key, _ = _layout(cls)  # type: ignore[arg-type]  # mypy takes a class for unhashable
+    values = _converted_fields(cls, raw, where, faults, known, own)
     for key, attribute in by_key.items():
         if attribute.name not in values and attribute.default is attrs.NOTHING:
             kind = types_of(cls)[attribute.name]  # type: ignore[arg-type]
             faults.append(where.at(key).message(_required(kind, attribute)))
-    instance = None if faults else _instance(cls, values, where, faults)
+    if not faults:
+        try:
+            return cls(**{fields[name].alias or name: value for name, value in values.items()})
+        except FieldError as error:
+            faults.append(where.at(_key_of(by_key, error.field)).message(error.reason))
+        except ValueError as error:
+            faults.append(where.message(str(error)))
     problems += faults
-    return instance
-
-
-def _instance(cls: Any, values: Mapping[str, object], where: Location, faults: list[str]) -> Any:
-    """Return an instance of a class; None, with a message in ``faults``, where its values do not fit each other."""
-    fields, by_key, _ = _layout(cls)
-    try:
-        return cls(**{fields[name].alias or name: value for name, value in values.items()})
-    except FieldError as error:
-        key = next((key for key, a in by_key.items() if a.name == error.field), error.field)
-        faults.append(where.at(key).message(error.reason))
-    except ValueError as error:
-        faults.append(where.message(str(error)))
     return None
+
+
+def _key_of(by_key: "Mapping[str, attrs.Attribute[Any]]", name: str) -> str:
+    """Return the key of a field by its name."""
+    return next((key for key, attribute in by_key.items() if attribute.name == name), name)
 
 
 def _converted_fields(
@@ -162,11 +159,11 @@ def _converted_fields(
     raw: Mapping[str, object],
     where: Location,
     faults: list[str],
-    known: Mapping[str, object],
+    known: Mapping[str, object] | None,
     own: str,
 ) -> dict[str, object]:
     """Return the values of a raw table by field; messages on wrong values and unknown keys are added to ``faults``."""
-    _, by_key, rest = _layout(cls)
+    _, _, by_key, rest = _layout(cls)
     values: dict[str, object] = {}
     others: dict[str, object] = {}
     kinds = types_of(cls)
@@ -177,7 +174,7 @@ def _converted_fields(
             others[key] = value
         elif attribute is None:
             faults.append(where.at(key).message(advice.get(key) or _unknown(key, by_key)))
-        elif key in known:
+        elif known is not None and key in known:
             values[attribute.name] = known[key]
         else:
             values[attribute.name] = _checked(
@@ -193,11 +190,12 @@ def _converted_fields(
 @cache
 def _layout(
     cls: "type[Any]",
-) -> "tuple[dict[str, attrs.Attribute[Any]], dict[str, attrs.Attribute[Any]], attrs.Attribute[Any] | None]":
-    """Return the fields of a class by name and by key, and the field that takes all other keys."""
+) -> "tuple[str | None, dict[str, attrs.Attribute[Any]], dict[str, attrs.Attribute[Any]], attrs.Attribute[Any] | None]":
+    """Return the key of a bare name, the fields of a class by name and by key, and the field for all other keys."""
     fields = {a.name: a for a in attrs.fields(cls) if a.init}
     by_key = {key: a for key, a in fields_of(cls) if a.init and not a.metadata.get("rest")}
-    return fields, by_key, next((a for a in fields.values() if a.metadata.get("rest")), None)
+    rest = next((a for a in fields.values() if a.metadata.get("rest")), None)
+    return bare_key(cls), fields, by_key, rest
 
 
 @cache
@@ -213,7 +211,6 @@ def fields_of(cls: Any) -> "list[tuple[str, attrs.Attribute[Any]]]":
     ]
 
 
-@cache
 def bare_key(cls: Any) -> str | None:
     """Return the key that a text in place of the table is the value of; None if the class has no such key."""
     return next((key for key, attribute in fields_of(cls) if attribute.metadata.get("bare")), None)

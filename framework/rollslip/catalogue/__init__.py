@@ -1,1 +1,1 @@
-"""Which models there are, and making one by its name."""
+"""Catalogue of the models and data that packages offer, and construction of a model by its name."""

@@ -1,4 +1,4 @@
-"""What installed packages offer, kinds and things of a kind, read from their metadata alone: none is imported."""
+"""Read the kinds and objects that installed packages offer from package metadata, without importing any package."""
 
 import importlib.metadata
 import os
@@ -17,63 +17,66 @@ __all__ = [
 ]  # fmt: skip
 
 
-#: In place of the package and the version of what this process has registered.
+#: Name in place of a package of objects that this process has registered.
 THIS_PROCESS: Final = "(this process)"
+#: Version in place of that of a package of these objects.
 UNPACKAGED: Final = "unpackaged"
 
 
 def canonical(name: str) -> str:
-    """Return the form in which the names of packages are compared: "Rollslip_Flat" is "rollslip-flat"."""
+    """Return the normalised name of a package: "Rollslip_Flat" is "rollslip-flat"."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def is_disabled(package: str) -> bool:
-    """Return whether ROLLSLIP_DISABLED_PLUGINS, a list with commas, holds a package."""
+    """Return whether ROLLSLIP_DISABLED_PLUGINS, a list with commas, contains a package."""
     disabled = os.environ.get("ROLLSLIP_DISABLED_PLUGINS", "").split(",")
     return canonical(package) in {canonical(name.strip()) for name in disabled}
 
 
 def entry_points(group: str) -> Iterator[tuple[str, importlib.metadata.EntryPoint]]:
-    """Yield package and entry point of all in a group; a package whose metadata cannot be read is left out."""
+    """Yield package and entry point of a group; packages whose metadata cannot be read are left out."""
     seen = set[str]()
     for distribution in importlib.metadata.distributions():
-        with suppress(Exception):  # an installation that was cut off, and pip says so
+        with suppress(Exception):  # an incomplete installation, which pip reports
             points = distribution.entry_points.select(group=group)
             package = canonical(distribution.name) if points else ""
-            if (
-                package not in seen
-            ):  # twice on the path it is one package: the first one is what Python imports
+            # of a package that is twice on the path, Python imports the first one
+            if package not in seen:
                 yield from ((package, point) for point in points)
             seen |= {package} - {""}
 
 
 @cache
 def by_package() -> Mapping[str, Mapping[str, importlib.metadata.EntryPoint]]:
-    """Return the kinds by name, each by package: more than one where strangers disagree."""
-    found = dict[str, dict[str, importlib.metadata.EntryPoint]]()
+    """Return the entry points of kinds by name and package; more than one package where third parties disagree."""
+    kinds_found = dict[str, dict[str, importlib.metadata.EntryPoint]]()
     for package, point in sorted(
-        entry_points("rollslip.kind"), key=lambda one: (one[1].name, one[0])
+        entry_points("rollslip.kind"), key=lambda pair: (pair[1].name, pair[0])
     ):
         if package == "rollslip" or not is_disabled(package):
-            found.setdefault(point.name, {})[package] = point
+            kinds_found.setdefault(point.name, {})[package] = point
     return {
-        name: {"rollslip": of["rollslip"]} if "rollslip" in of else of for name, of in found.items()
+        name: {"rollslip": points["rollslip"]} if "rollslip" in points else points
+        for name, points in kinds_found.items()
     }
 
 
 @cache
 def kinds() -> Mapping[str, importlib.metadata.EntryPoint]:
-    """Return all kinds by name, in alphabetical order; what is behind them is loaded by `get_kind`."""
-    return MappingProxyType({name: next(iter(of.values())) for name, of in by_package().items()})
+    """Return the entry points of all kinds by name, in alphabetical order; `get_kind` loads them."""
+    return MappingProxyType(
+        {name: next(iter(points.values())) for name, points in by_package().items()}
+    )
 
 
 @attrs.frozen(kw_only=True)
 class Offer:
-    """One name that one installed package, or this process, offers.
+    """A name that an installed package, or this process, offers.
 
     ``state`` is "ok", "disabled" (by ROLLSLIP_DISABLED_PLUGINS), "incompatible" (its package requires another
-    rollslip) or "shadowed" (two packages offer the name, or this process has replaced it); ``cause`` says why in a
-    sentence. That a package is "broken" shows only when it is imported, as `rollslip.catalogue.packages.packages` does.
+    rollslip) or "shadowed" (two packages offer the name, or this process has replaced it); ``cause`` is a sentence on
+    the reason. A "broken" package is found only by its import, as `rollslip.catalogue.packages.packages` does.
     """
 
     kind: str
@@ -86,23 +89,21 @@ class Offer:
 
     @property
     def is_family(self) -> bool:
-        """Whether it is one of many names, or the entry point that offers them."""
+        """Whether the name is one of a family, or that of the family itself."""
         return ":" in self.module
 
 
 @cache
 def installed() -> tuple[Offer, ...]:
-    """Return all that is offered, by kind and name; a package that is there twice counts once."""
+    """Return the offers of all installed packages, by kind and name; a package twice on the path counts once."""
     offers: dict[tuple[str, str, str], Offer] = {}
     for distribution in importlib.metadata.distributions():
         try:
             offered = _offers(distribution)
-        except (
-            Exception
-        ):  # metadata that cannot be read: an installation that was cut off, and pip says so
+        except Exception:  # an incomplete installation, which pip reports
             continue
         for offer in offered:
-            # a package found twice on the path is one package: the first one is what Python imports
+            # of a package that is twice on the path, Python imports the first one
             offers.setdefault((offer.kind, offer.name, canonical(offer.package)), offer)
     usable: dict[tuple[str, str], list[Offer]] = {}
     for offer in offers.values():
@@ -114,6 +115,7 @@ def installed() -> tuple[Offer, ...]:
 
 
 def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
+    """Return the offers of a package."""
     points = [
         (kind, point)
         for point in distribution.entry_points
@@ -145,7 +147,7 @@ def ordered(offers: Iterable[Offer]) -> tuple[Offer, ...]:
 
 
 def _state(distribution: importlib.metadata.Distribution) -> tuple[str, str]:
-    """State of a package by its metadata alone."""
+    """Return the state of a package by its metadata, and a sentence on the reason."""
     if is_disabled(distribution.name):
         return "disabled", "disabled by ROLLSLIP_DISABLED_PLUGINS; remove it there to use it"
     if distribution.name == "rollslip":
@@ -157,7 +159,7 @@ def _state(distribution: importlib.metadata.Distribution) -> tuple[str, str]:
         try:
             requirement = Requirement(line)
         except InvalidRequirement:
-            continue  # pip already refused or accepted it; only a readable requirement on rollslip concerns us
+            continue  # pip has accepted it; only readable requirements of rollslip matter here
         if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
             continue
         if canonical(requirement.name) == "rollslip" and not requirement.specifier.contains(
@@ -169,6 +171,7 @@ def _state(distribution: importlib.metadata.Distribution) -> tuple[str, str]:
 
 
 def _shadowed(offer: Offer, same_name: list[Offer]) -> Offer:
+    """Return an offer, with the state "shadowed" where other packages offer its name too."""
     if offer.state != "ok" or len(same_name) < 2:
         return offer
     packages = " and ".join(sorted(o.package for o in same_name))
@@ -182,7 +185,15 @@ def _shadowed(offer: Offer, same_name: list[Offer]) -> Offer:
 def with_session(
     installed: tuple[Offer, ...], registered: Mapping[tuple[str, str], object]
 ) -> tuple[Offer, ...]:
-    """Return all that is offered where a process has registered things of its own, which go before others."""
+    """Return all offers in a process that has registered objects, which replace installed ones of the same name.
+
+    Parameters
+    ----------
+    installed : tuple of Offer
+        The offers of installed packages.
+    registered : mapping
+        Registered objects by kind and name.
+    """
     replaced = [
         attrs.evolve(
             o, state="shadowed", cause="replaced in this process; restart it to have this one back"

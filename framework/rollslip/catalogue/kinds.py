@@ -1,9 +1,10 @@
-"""What kinds of things packages offer: for each its hook, its base class, and how a new package of it is written.
+"""The kinds of objects that packages offer: for each its hook, its base class, and the template of a new package.
 
-- A kind is one object, which discovery, scaffold, conformance kit and command line read; nobody else lists kinds.
-- Kinds are found through entry points ``rollslip.kind``, so that a kind can stand beside its base class, far to the
-  right of this folder, and listing what is installed imports none of them. A package may bring its own: none takes the
-  name of one of the box, and one that cannot be used is left out of lists, and told who asks for it.
+- A kind is one object, which discovery, scaffold, conformance kit and command line read; there is no other list of
+  kinds.
+- Kinds are found by entry points ``rollslip.kind``, so that a kind can be defined in the module of its base class, and
+  listing the installed ones does not import any of them. A package may define its own kinds, but not with the name of a
+  built-in one. A kind that cannot be used is left out of lists, and reported where it is requested.
 """
 
 import inspect
@@ -26,49 +27,57 @@ __all__ = [
 
 @attrs.frozen(kw_only=True)
 class Template:
-    """What the files of a new package of a kind say beside their law."""
+    """Texts and requirements of a new package of a kind."""
 
-    summary: str  #: What it is.
-    contents: str  #: What its module holds.
-    use: str  #: Command that uses it, with ``${model}`` in place of its name.
-    needs: tuple[str, ...] = ("attrs>=24.2", "numpy>=2.0")  #: What it requires beside rollslip.
-    compiled: bool = False  #: Whether there is a form compiled against ``rollslip.h``.
-    beside: tuple[str, ...] = ()  #: Further modules beside that of the model.
-    #: Package in whose folder ``templates`` they are, each as ``NAME.in``; what is not there is that of the box.
+    #: Description of the model.
+    summary: str
+    #: Contents of its module.
+    contents: str
+    #: Command that uses it, with ``${model}`` in place of its name.
+    use: str
+    #: Requirements other than rollslip.
+    needs: tuple[str, ...] = ("attrs>=24.2", "numpy>=2.0")
+    #: Whether there is a form compiled against ``rollslip.h``.
+    compiled: bool = False
+    #: Further modules of the package.
+    further_modules: tuple[str, ...] = ()
+    #: Package with the templates in its folder ``templates``, each as ``NAME.in``.
     package: str = "rollslip.catalogue"
 
 
 @attrs.frozen(kw_only=True)
 class Kind:
-    """A kind of thing that packages offer through the entry points ``rollslip.NAME``, with ``_`` for a hyphen."""
+    """A kind of objects that packages offer by the entry points ``rollslip.NAME``, with ``_`` for a hyphen."""
 
-    name: str  #: "film", for example.
-    hook: str  #: The function of `rollslip.hookspecs` that collects what a module offers.
-    base: Any  #: What a class of this kind derives from, or a named value is an instance of.
-    data: bool = False  #: Whether named values are offered, not classes.
-    waits: bool = (
-        False  #: Whether a class is taken as it is, since its fields wait for what a user asks.
-    )
-    listed: bool = True  #: Whether a scene or a command names something of it, so that ``rollslip models`` lists it.
-    template: Template | None = (
-        None  #: How a new package of it is written; None if its author starts from another.
-    )
-    #: Whether a scene gives parameters of its classes that are not set (`rollslip.models.from_scene`).
+    #: Name, "film" for example.
+    name: str
+    #: Name of the hook in `rollslip.hookspecs` by which a module offers objects.
+    hook: str
+    #: Base class of the classes, or type of the named data.
+    base: Any
+    #: Whether named data are offered, and not classes.
+    data: bool = False
+    #: Whether classes are returned and not instantiated, because their fields are options of the user.
+    waits: bool = False
+    #: Whether a scene or a command names objects of the kind, so that ``rollslip models`` lists them.
+    listed: bool = True
+    #: Template of a new package; None if there is none.
+    template: Template | None = None
+    #: Whether the scene gives parameters of its classes that are not set (`rollslip.models.from_scene`).
     from_scene: bool = False
-    check: Callable[[Any], str] = lambda _: (
-        ""
-    )  #: Says what else is wrong with a class of it; empty for nothing.
-    #: Module whose functions under `rollslip.testing.rule` things of a kind of one's own are checked by.
+    #: Returns a further fault of a class; empty for none.
+    check: Callable[[Any], str] = lambda _: ""
+    #: Module with the rules (`rollslip.testing.rule`) that check objects of a third-party kind.
     rules: str = ""
 
     def accepts(self, thing: object) -> bool:
-        """Return whether a class or a named value is of this kind."""
+        """Return whether an object is a class, or a data set, of this kind."""
         if self.data:
             return isinstance(thing, self.base)
         return isinstance(thing, type) and issubclass(thing, self.base)
 
     def members(self, module: ModuleType) -> list[Any]:
-        """Return the classes, or named values, of this kind that stand in a module under a name of their own."""
+        """Return the classes, or data sets, of this kind at the level of a module that have a name."""
         return [
             thing
             for thing in vars(module).values()
@@ -76,11 +85,13 @@ class Kind:
         ]
 
     def fault(self, thing: Any) -> str:
-        """Say what keeps a thing from being used as one of this kind; an empty string if nothing does."""
+        """Return the fault for which an object cannot be used as one of this kind; empty if there is none."""
         base = self.base
         if not self.accepts(thing):
-            wanted = f"a {base.__name__}" if self.data else f"a class derived from {base.__name__}"
-            return f"{thing!r} is not {wanted}"
+            expected = (
+                f"a {base.__name__}" if self.data else f"a class derived from {base.__name__}"
+            )
+            return f"{thing!r} is not {expected}"
         if self.data:
             return ""
         if abstract := getattr(thing, "__abstractmethods__", None):
@@ -97,7 +108,7 @@ class Kind:
 
 
 def check_kind(name: str) -> None:
-    """Refuse a name that no kind has, without loading any."""
+    """Raise `UnknownNameError` for an unknown kind, without loading any."""
     if name not in kinds():
         hint = did_you_mean(nearest(name, kinds(), count=1), f"there are: {', '.join(kinds())}")
         raise UnknownNameError(f"no kind of model is called {name!r}; {hint}")
@@ -105,7 +116,7 @@ def check_kind(name: str) -> None:
 
 @cache
 def get_kind(name: str) -> Kind:
-    """Return a kind by name."""
+    """Return a kind by its name."""
     check_kind(name)
     (package, point), *others = by_package()[name].items()
     if others:
@@ -126,21 +137,21 @@ def get_kind(name: str) -> Kind:
 
 @cache
 def usable_kinds() -> tuple[Kind, ...]:
-    """Return all kinds but those that cannot be loaded."""
-    found = list[Kind]()
+    """Return all kinds that can be loaded."""
+    usable = list[Kind]()
     for name in kinds():
-        with suppress(PluginError):  # who asks for it by name is told
-            found.append(get_kind(name))
-    return tuple(found)
+        with suppress(PluginError):  # reported where it is requested by its name
+            usable.append(get_kind(name))
+    return tuple(usable)
 
 
 def offered_kinds() -> list[str]:
-    """Return the kinds that a scene or a command names something of; what waits for a user is a command itself."""
+    """Return the kinds whose objects a scene or a command names; an object that `waits` is a command itself."""
     return [kind.name for kind in usable_kinds() if kind.listed and not kind.waits]
 
 
 def built_in_module(kind: str) -> str:
-    """Return a module by which rollslip itself offers something of a kind; an empty string where there is none."""
+    """Return a module of rollslip that offers an object of a kind; empty where there is none."""
     modules = (
         offer.module for offer in installed() if (offer.kind, offer.package) == (kind, "rollslip")
     )
@@ -148,5 +159,5 @@ def built_in_module(kind: str) -> str:
 
 
 def kind_of(thing: object) -> Kind | None:
-    """Return the kind that a class or a named value is of, or None."""
+    """Return the kind of a class or a data set; None if it has none."""
     return next((kind for kind in usable_kinds() if kind.accepts(thing)), None)

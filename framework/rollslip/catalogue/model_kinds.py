@@ -1,4 +1,4 @@
-"""The kinds of models and data, whose base classes stand left of this folder."""
+"""The kinds of models and data whose base classes are in packages that the catalogue may import."""
 
 from typing import Any, Final
 
@@ -16,7 +16,7 @@ _PYTHON: Final = "python -c \"import rollslip; print(rollslip.get_model('{}', '$
 
 
 def _columns_fault(law: Any) -> str:
-    """Say which column a class of laws reads, fills or adds that it cannot; an empty string if there is none."""
+    """Return the fault of a class of laws that reads, fills or adds a wrong column; empty if there is none."""
     known = {*COLUMNS, *CONDITIONS}
     for what in ("reads", "writes"):
         names = getattr(law, what, ())
@@ -44,7 +44,7 @@ def _law(name: str, base: Any, hook: str, template: Template | None = None) -> K
 
 
 def _law_template(summary: str, key: str) -> Template:
-    """Return the template of a kind of laws that a scene names by a key."""
+    """Return the template of a kind of laws that a scene names at a ``key``; ``summary`` describes it."""
     contents = "the law in NumPy, what it reads and where it is defined"
     return Template(summary=summary, contents=contents, use=_SCENE.format(key), compiled=True)
 
@@ -52,7 +52,7 @@ def _law_template(summary: str, key: str) -> Template:
 def _data(
     name: str, base: Any, hook: str, template: Template | None = None, listed: bool = True
 ) -> Kind:
-    """Return a kind of named values."""
+    """Return a kind of named data."""
     return Kind(name=name, hook=hook, base=base, data=True, template=template, listed=listed)
 
 

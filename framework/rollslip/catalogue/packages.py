@@ -1,4 +1,4 @@
-"""The packages that offer models: which there are, whether each can be used, and what a scene requires of them."""
+"""The packages that offer models: their states, and the packages that a scene requires."""
 
 import hashlib
 import importlib.metadata
@@ -24,10 +24,10 @@ __all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "edited", "
 
 @attrs.frozen(kw_only=True)
 class PluginPackage:
-    """One installed package with what it offers.
+    """An installed package with its offers.
 
-    ``state`` is "ok", "incompatible", "disabled", "broken" (something it offers cannot be loaded) or "shadowed"
-    (another package offers one of its names); ``cause`` says why. Each offer has a state of its own.
+    ``state`` is "ok", "incompatible", "disabled", "broken" (an offer cannot be loaded) or "shadowed" (another package
+    offers one of its names); ``cause`` is the reason. Each offer has its own state.
     """
 
     name: str
@@ -38,11 +38,10 @@ class PluginPackage:
 
 
 def packages() -> list[PluginPackage]:
-    """Return all packages that offer something, rollslip first; each is imported, to know whether it is broken."""
+    """Return all packages with offers, rollslip first; each is imported, to find whether it is broken."""
     offers: dict[str, list[Offer]] = {}
-    for offer in sorted(
-        catalogue(), key=lambda offer: offer.package != "rollslip"
-    ):  # before others could change it
+    # rollslip is imported first, before other packages could change it
+    for offer in sorted(catalogue(), key=lambda offer: offer.package != "rollslip"):
         if offer.package != THIS_PROCESS:
             offers.setdefault(offer.package, []).append(_tried(offer))
     return [
@@ -52,10 +51,10 @@ def packages() -> list[PluginPackage]:
 
 
 def unread() -> dict[str, str]:
-    """Return the groups ``rollslip.NAME`` that nobody reads, each with what is wrong: no kind has the name."""
-    found = dict[str, str]()
+    """Return the groups of entry points ``rollslip.NAME`` without a kind of that name, each with a message."""
+    messages = dict[str, str]()
     for distribution in importlib.metadata.distributions():
-        with suppress(Exception):  # an installation that was cut off, and pip says so
+        with suppress(Exception):  # an incomplete installation, which pip reports
             for group in {
                 point.group
                 for point in distribution.entry_points
@@ -69,18 +68,20 @@ def unread() -> dict[str, str]:
                         if near
                         else "no kind has its name"
                     )
-                    said = f"a group that nobody reads; {hint}, or is the package that brings the kind not installed?"
-                    found[f"{distribution.name}: {group}"] = said
-    return dict(sorted(found.items()))
+                    messages[f"{distribution.name}: {group}"] = (
+                        f"a group that nobody reads; {hint}, or is the package that brings the kind not installed?"
+                    )
+    return dict(sorted(messages.items()))
 
 
 def edited(packages: Iterable[str]) -> dict[str, str]:
-    """Return a digest of the files of each package that is installed to be edited, whose version says little."""
-    return {name: found for name in packages if (found := _digest(name))}
+    """Return a digest of the files of each package with an editable installation, whose version is not sufficient."""
+    return {name: digest for name in packages if (digest := _digest(name))}
 
 
 @cache
 def _digest(package: str) -> str:
+    """Return the digest of the files of a package with an editable installation; empty for other packages."""
     try:
         distribution = importlib.metadata.distribution(package)
     except importlib.metadata.PackageNotFoundError:
@@ -104,6 +105,7 @@ def _digest(package: str) -> str:
 
 
 def _tried(offer: Offer) -> Offer:
+    """Return an offer, with the state "broken" where it cannot be loaded."""
     if offer.state == "ok":
         try:
             load(offer)
@@ -113,7 +115,7 @@ def _tried(offer: Offer) -> Offer:
 
 
 def _package(offers: list[Offer]) -> PluginPackage:
-    """A package is in the worst of the states of its offers."""
+    """Return the package of some offers, with the worst of their states."""
     causes: dict[str, list[str]] = {}
     for offer in offers:
         causes.setdefault(offer.state, []).append(_cause(offer))
@@ -129,16 +131,16 @@ def _package(offers: list[Offer]) -> PluginPackage:
 
 
 def _cause(offer: Offer) -> str:
-    """Why an offer cannot be used, in a list of several."""
+    """Return the reason why an offer cannot be used, with its name where a package has several."""
     return (
         f"{offer.kind} {offer.name!r}: {offer.cause}" if offer.state == "shadowed" else offer.cause
     )
 
 
 def requirements() -> list[str]:
-    """Return what ``pip install -r`` needs to have the usable packages again: ``name==version``, rollslip first.
+    """Return the usable packages as requirements of ``pip install -r``: ``name==version``, rollslip first.
 
-    Packages that are disabled or do not fit this rollslip are left out, and nothing is imported.
+    Disabled and incompatible packages are left out, and no package is imported.
     """
     versions = {
         o.package: o.version
@@ -154,7 +156,7 @@ def requirements() -> list[str]:
 
 
 def as_text(packages: Iterable[PluginPackage]) -> str:
-    """Return packages as lines: name, version, state and cause, and below what they offer by kind."""
+    """Return packages as lines: name, version, state and cause, and below them their offers by kind."""
     lines = []
     for package in packages:
         lines.append(f"{package.name} {package.version}: {package.state}")
@@ -176,14 +178,27 @@ def as_dicts(packages: Iterable[PluginPackage]) -> list[dict[str, Any]]:
 
 
 def check_required(required: Iterable[str], where: Location) -> None:
-    """Check that the packages a scene requires are installed, by their metadata alone."""
+    """Check by their metadata that the packages which a scene requires are installed.
+
+    Parameters
+    ----------
+    required : iterable of str
+        Requirements, such as "rollslip-cross>=0.1".
+    where : Location
+        Location of the list, for messages.
+
+    Raises
+    ------
+    SceneError
+        If a requirement cannot be read.
+    PluginError
+        If a package is not installed, is disabled, or has another version.
+    """
     problems = []
     missing = []
     for index, text in enumerate(required):
-        from packaging.requirements import (
-            InvalidRequirement,
-            Requirement,
-        )  # slow, and few scenes require anything
+        # imported here, because the import is slow and few scenes require a package
+        from packaging.requirements import InvalidRequirement, Requirement
 
         try:
             requirement = Requirement(text)
@@ -197,18 +212,18 @@ def check_required(required: Iterable[str], where: Location) -> None:
             continue
         if requirement.marker is not None and not requirement.marker.evaluate():
             continue
-        if lack := _lack(
+        if fault := _package_fault(
             requirement.name, str(requirement.specifier), requirement.specifier.contains
         ):
-            missing.append(where.at(index).message(lack))
+            missing.append(where.at(index).message(fault))
     if problems:
         raise SceneError(problems)
     if missing:
         raise PluginError("\n".join(missing))
 
 
-def _lack(name: str, versions: str, contains: Any) -> str:
-    """Say what is wrong with an installed package, or nothing."""
+def _package_fault(name: str, versions: str, contains: Any) -> str:
+    """Return the fault for which a package does not meet a requirement; empty where it does."""
     remedy = f"install it with: pip install '{name}{versions}'"
     try:
         installed = importlib.metadata.version(name)

@@ -1,6 +1,6 @@
-"""Make models by name: from the parameters of a call or of a scene, with every fault of them at once.
+"""Construct models by name from the parameters of a call or of a scene, with every fault of these at once.
 
-Which names there are and what is behind them, `rollslip.catalogue.discovery` says; its functions are found here too.
+`rollslip.catalogue.discovery` finds names and classes; its functions can be imported from here too.
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -15,7 +15,7 @@ from rollslip.errors import PluginError, SceneError, describe_error
 from rollslip.fields import FieldError
 from rollslip.structure import Location, structure
 
-#: Name of a law and its parameters -> defaults of some of them.
+#: Returns constants of an oil for a law, as defaults of some of its parameters, by the name and parameters of the law.
 Constants: TypeAlias = Callable[[str, Collection[str]], Mapping[str, object]]
 
 __all__ = [
@@ -38,10 +38,10 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
     kind : str
         One of `rollslip.catalogue.kinds.kinds`: "contact", "film", "traction", "study" ...
     name : str
-        Name as ``rollslip models`` lists it.
+        Name, as in the list of ``rollslip models``.
     **parameters
-        Its parameters: numbers in SI units or strings with a unit; for a parameter that is itself a model an
-        instance, a name, or a mapping with ``model`` and its parameters.
+        Its parameters: numbers in SI units or texts with a unit; for a parameter that is itself a model an instance, a
+        name, or a mapping with ``model`` and its parameters.
 
     Raises
     ------
@@ -71,16 +71,31 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
 def structure_models(
     kind: str, named: Iterable[tuple[str, Mapping[str, object]]], where: Location
 ) -> tuple[Any, ...]:
-    """Return models of a list in a scene, each by its name and parameters, in their order."""
+    """Return the models of a list in a scene, in their order.
+
+    Parameters
+    ----------
+    kind : str
+        Kind of the models.
+    named : iterable of (str, mapping)
+        Name and parameters of each.
+    where : Location
+        Location of the list, for messages.
+
+    Raises
+    ------
+    SceneError
+        With every fault of their parameters, and names that are repeated.
+    """
     problems = list[str]()
     names = list[str]()
     models: list[Any] = []
     for k, (name, parameters) in enumerate(named):
         models.append(structure_model(kind, {"model": name, **parameters}, where.at(k), problems))
         names.append(name)
-    if twice := sorted({name for name in names if names.count(name) > 1}):
+    if repeated := sorted({name for name in names if names.count(name) > 1}):
         problems.append(
-            where.message(f"{' and '.join(map(repr, twice))} stands there twice; name each once")
+            where.message(f"{' and '.join(map(repr, repeated))} stands there twice; name each once")
         )
     if problems:
         raise SceneError(problems)
@@ -94,9 +109,30 @@ def structure_model(
     problems: list[str],
     constants: "Constants | None" = None,
 ) -> Any:
-    """Return the model that a scene describes, by a name or a table with ``model``, or None with its faults noted.
+    """Return the model that a scene describes by a name or a table with ``model``.
 
-    ``constants`` gives defaults of its parameters, by its name and all that it has.
+    Parameters
+    ----------
+    kind : str
+        Kind of the model.
+    raw : object
+        The name or the table; a model of the kind is returned as it is.
+    where : Location
+        Location of the model, for messages.
+    problems : list of str
+        Faults are added.
+    constants : callable, optional
+        Returns constants of the oil, as defaults of parameters, by the name of a law and its parameters.
+
+    Returns
+    -------
+    object
+        The model; None if there are faults.
+
+    Raises
+    ------
+    PluginError
+        If there is no such model, or its class raises.
     """
     if isinstance(raw, str):
         raw = {"model": raw}
@@ -114,15 +150,7 @@ def structure_model(
     except PluginError as error:
         raise type(error)(where.message(str(error))) from error
     if constants is not None:
-        known = attrs.fields_dict(cls)
-        given = constants(name, attrs.fields_dict(cls))
-        of_oil = Location(where.origins, ("lubricant", "models", name))
-        problems += [
-            of_oil.at(key).message(f"{name!r} has no parameter {key!r}")
-            for key in given
-            if key not in known
-        ]
-        parameters = {key: value for key, value in given.items() if key in known} | parameters
+        parameters = _known_constants(cls, name, constants, where, problems) | parameters
     children = {
         attribute.name: structure_model(
             attribute.metadata["kind"],
@@ -136,22 +164,44 @@ def structure_model(
     }
     try:
         model = structure(cls, parameters, where, problems)
-        if model is not None and constants is not None:  # those that the scene leaves to the law
-            for attribute in attrs.fields(cls):
-                if "kind" in attribute.metadata and attribute.name not in children:
-                    own = getattr(model, attribute.name)
-                    if given := constants(own.name, attrs.fields_dict(type(own))):
-                        made = structure(type(own), given, where.at(attribute.name), problems)
-                        values = (
-                            {key: getattr(made, key) for key in given} if made is not None else {}
-                        )
-                        children[attribute.name] = attrs.evolve(own, **values)
+        if model is not None and constants is not None:
+            children = _default_children(model, children, constants, where, problems) | children
         return (
             model if model is None or None in children.values() else attrs.evolve(model, **children)
         )
-    except FieldError as error:  # of a child, which the class sees only now
+    except FieldError as error:  # of a submodel, which the class checks only now
         problems.append(where.at(error.field).message(error.reason))
         return None
-    except Exception as error:  # what a scene can be blamed for is noted already
+    except Exception as error:  # faults of the scene are in problems already
         blame = f"{kind} {name!r} cannot be made ({describe_error(error)}); {origin(cls)}"
         raise PluginError(where.message(blame)) from error
+
+
+def _known_constants(
+    cls: Any, name: str, constants: Constants, where: Location, problems: list[str]
+) -> dict[str, Any]:
+    """Return the constants of the oil for a law; unknown ones are added to ``problems``."""
+    known = attrs.fields_dict(cls)
+    table = Location(where.origins, ("lubricant", "models", name))
+    values = dict[str, Any]()
+    for key, value in constants(name, known).items():
+        if key in known:
+            values[key] = value
+        else:
+            problems.append(table.at(key).message(f"{name!r} has no parameter {key!r}"))
+    return values
+
+
+def _default_children(
+    model: Any, stated: Collection[str], constants: Constants, where: Location, problems: list[str]
+) -> dict[str, Any]:
+    """Return the submodels that a scene does not state, with the constants of the oil for them."""
+    children = dict[str, Any]()
+    for attribute in attrs.fields(type(model)):
+        if "kind" in attribute.metadata and attribute.name not in stated:
+            own = getattr(model, attribute.name)
+            if values := constants(own.name, attrs.fields_dict(type(own))):
+                read = structure(type(own), values, where.at(attribute.name), problems)
+                changes = {} if read is None else {key: getattr(read, key) for key in values}
+                children[attribute.name] = attrs.evolve(own, **changes)
+    return children

@@ -1,13 +1,13 @@
-"""Writes the package of a new plugin: a distribution that can be installed, is tested, and holds a real law to replace.
+"""Write the package of a new plugin: an installable and tested distribution with a real law as an example.
 
-- The files are templates beside the framework with the placeholders of `string.Template`; a line that begins with
-  ``@compiled`` or ``@python`` belongs to packages with or without a compiled form only.
-- Each kind has a module, tests and an entry point of its own, which are called after the kind.
-- The name given is the distribution's; module, model and class follow from it, so there is nothing to fill in. The
-  model leaves out "rollslip-", with which distributions are found on an index: ``rollslip-cross`` offers ``cross``.
-- A compiled package names rollslip among its build requirements, because it needs the header of the version it will
-  run with; its README builds it with ``--no-build-isolation``, against the rollslip that is installed.
-- Everything is checked before the first file is written, and the folder appears whole or not at all.
+- The files are templates with the placeholders of `string.Template`; a line that begins with ``@compiled`` or
+  ``@python`` is only for packages with or without a compiled form.
+- Each kind has its own module, tests and entry point, which are named after the kind.
+- Module, model and class follow from the name of the distribution. The model is named without "rollslip-", the prefix
+  of distributions on an index: ``rollslip-cross`` offers ``cross``.
+- A compiled package has rollslip among its build requirements, because it needs the header of the version with which it
+  runs; its README builds it with ``--no-build-isolation``, with the installed rollslip.
+- All checks come before the first file is written, and the folder is created completely or not at all.
 """
 
 import importlib.metadata
@@ -29,12 +29,25 @@ from rollslip.fields import FieldError
 
 __all__ = ["new", "package"]
 
-#: Package whose templates are those of every kind.
+#: Package with the templates of all kinds.
 _COMMON: Final = "rollslip.catalogue"
 
 
 def new(name: str, kinds: str, compiled: bool, folder: Path) -> Path:
-    """Write the package of a new plugin; ``name``, ``kinds`` and ``compiled`` are those of `package`."""
+    """Write the package of a new plugin, and return its folder.
+
+    Parameters
+    ----------
+    name, kinds, compiled
+        As of `package`.
+    folder : Path
+        Folder in which that of the package is created.
+
+    Raises
+    ------
+    OutputError
+        If the folder of the package exists already, or cannot be written.
+    """
     from rollslip.files import blamed, whole
 
     texts = package(name, kinds, compiled)
@@ -48,7 +61,7 @@ def new(name: str, kinds: str, compiled: bool, folder: Path) -> Path:
             for path, text in texts.items():
                 (partial / path).parent.mkdir(parents=True, exist_ok=True)
                 (partial / path).write_text(text, encoding="utf-8", newline="\n")
-    except OutputError as error:  # its remedy is that of a run
+    except OutputError as error:  # with the remedy for this command, in place of that for a run
         raise OutputError(
             f"{str(error).partition(';')[0]}; nothing was written; choose another folder"
         ) from error
@@ -63,8 +76,8 @@ def package(name: str, kinds: str, compiled: bool) -> dict[str, str]:
     name : str
         Name of the package.
     kinds : str
-        What it offers: kinds with commas between them, each with the name of its model after a colon where that is not
-        the name of the package: "film,traction:ramp".
+        Kinds of its models, separated by commas, each with the name of its model after a colon where that is not the
+        name of the package: "film,traction:ramp".
     compiled : bool
         Whether its laws have a compiled form.
     """
@@ -74,34 +87,7 @@ def package(name: str, kinds: str, compiled: bool) -> dict[str, str]:
     for kind, model in models.items():
         _check_model(kind, model, name if name.endswith(model) else model, templates[kind])
     module = name.replace("-", "_")
-    requirement = _requirement()
-    summaries = [template.summary for template in templates.values()]
-    needs = dict.fromkeys(
-        [*(need for template in templates.values() for need in template.needs), requirement]
-    )
-    values = {
-        "name": name,
-        "module": module,
-        "model": next(iter(models.values())),
-        "called": " and ".join(f"`{model}`" for model in dict.fromkeys(models.values())),
-        "points": "\n\n".join(
-            f'[project.entry-points."rollslip.{_file(kind)}"]\n{model} = "{module}.{_file(kind)}"'
-            for kind, model in models.items()
-        ),
-        "summary": " and ".join(
-            [summaries[0], *(f"{text[:1].lower()}{text[1:]}" for text in summaries[1:])]
-        ),
-        "contents": "\n".join(
-            f"- `src/{module}/{_file(kind)}.py`: {one.contents}." for kind, one in templates.items()
-        ),
-        "use": "\n    ".join(
-            Template(templates[kind].use).substitute(model=model) for kind, model in models.items()
-        ),
-        "package_data": '"py.typed", "*.pyi"' if compiled else '"py.typed"',
-        "dependencies": ", ".join(f'"{need}"' for need in needs),
-        "requirement": requirement,
-        "kernels": ", ".join(f'"_{_file(kind)}"' for kind in models),
-    }
+    values = _placeholders(name, models, templates, compiled)
     texts = {f"src/{module}/py.typed": ""}
     for path, file in _common_files(module, compiled).items():
         texts[path] = _filled(_COMMON, file, values, compiled)
@@ -112,11 +98,43 @@ def package(name: str, kinds: str, compiled: bool) -> dict[str, str]:
     return texts
 
 
+def _placeholders(
+    name: str, models: dict[str, str], templates: dict[str, KindTemplate], compiled: bool
+) -> dict[str, str]:
+    """Return the values of the placeholders of all templates of a package."""
+    module = name.replace("-", "_")
+    requirement = _requirement()
+    first, *further = (template.summary for template in templates.values())
+    needs = [need for template in templates.values() for need in template.needs]
+    return {
+        "name": name,
+        "module": module,
+        "model": next(iter(models.values())),
+        "called": " and ".join(f"`{model}`" for model in dict.fromkeys(models.values())),
+        "points": "\n\n".join(
+            f'[project.entry-points."rollslip.{_file(kind)}"]\n{model} = "{module}.{_file(kind)}"'
+            for kind, model in models.items()
+        ),
+        "summary": " and ".join([first, *(f"{text[:1].lower()}{text[1:]}" for text in further)]),
+        "contents": "\n".join(
+            f"- `src/{module}/{_file(kind)}.py`: {template.contents}."
+            for kind, template in templates.items()
+        ),
+        "use": "\n    ".join(
+            Template(templates[kind].use).substitute(model=model) for kind, model in models.items()
+        ),
+        "package_data": '"py.typed", "*.pyi"' if compiled else '"py.typed"',
+        "dependencies": ", ".join(f'"{need}"' for need in dict.fromkeys([*needs, requirement])),
+        "requirement": requirement,
+        "kernels": ", ".join(f'"_{_file(kind)}"' for kind in models),
+    }
+
+
 def _models(name: str, kinds: str) -> dict[str, str]:
     """Return the names of models by kind."""
     models = dict[str, str]()
-    for wanted in kinds.split(","):
-        kind, _, model = wanted.partition(":")
+    for entry in kinds.split(","):
+        kind, _, model = entry.partition(":")
         if kind in models:
             raise FieldError(
                 "kind", f"a package takes one {kind} from a template; write a second one beside it"
@@ -126,7 +144,7 @@ def _models(name: str, kinds: str) -> dict[str, str]:
 
 
 def _template(kind: str, compiled: bool) -> KindTemplate:
-    """Return how a package of a kind is written, or refuse a kind of which none is."""
+    """Return the template of a kind; raise `FieldError` for a kind without one, or without a compiled form."""
     try:
         check_kind(kind)
     except PluginError as error:
@@ -139,20 +157,22 @@ def _template(kind: str, compiled: bool) -> KindTemplate:
             f"{kind!r} has no template; start from {start}, as docs/reference/plugins.rst shows",
         )
     if compiled and not template.compiled:
-        able = ", ".join(
-            one.name for one in usable_kinds() if one.template and one.template.compiled
+        compilable = ", ".join(
+            other.name for other in usable_kinds() if other.template and other.template.compiled
         )
-        raise FieldError("compiled", f"{kind} has no compiled form, only {able} have; leave it out")
+        raise FieldError(
+            "compiled", f"{kind} has no compiled form, only {compilable} have; leave it out"
+        )
     return template
 
 
 def _file(kind: str) -> str:
-    """Return the name of the module, and of the group of entry points, of a kind: neither takes hyphens."""
+    """Return the name of the module, and of the group of entry points, of a kind, in which hyphens are not allowed."""
     return kind.replace("-", "_")
 
 
 def _class_name(model: str) -> str:
-    """Return what the class of a model is called."""
+    """Return the name of the class of a model."""
     return "".join(word.capitalize() for word in model.replace("_", "-").split("-"))
 
 
@@ -172,38 +192,36 @@ def _common_files(module: str, compiled: bool) -> dict[str, str]:
 def _files(kind: str, template: KindTemplate, module: str, compiled: bool) -> dict[str, str]:
     """Return the files of a kind: path -> template."""
     file = _file(kind)
-    found = {f"src/{module}/{name}.py": f"{name}.py" for name in (file, *template.beside)}
-    found[f"tests/test_{module}_{file}.py"] = (
-        f"test_{file}.py"  # no other package has a test of this name
-    )
-    return found | (
-        {f"src/{module}/_{file}.{end}": f"{file}.{end}" for end in ("pyx", "pyi")}
-        if compiled
-        else {}
-    )
+    paths = {f"src/{module}/{name}.py": f"{name}.py" for name in (file, *template.further_modules)}
+    # with the module in its name, so that no other package has a test of this name
+    paths[f"tests/test_{module}_{file}.py"] = f"test_{file}.py"
+    if compiled:
+        paths |= {f"src/{module}/_{file}.{end}": f"{file}.{end}" for end in ("pyx", "pyi")}
+    return paths
 
 
 def _read(package: str, file: str) -> str:
+    """Return the text of a template."""
     return (files(package) / "templates" / f"{file}.in").read_text(encoding="utf-8")
 
 
 def _filled(package: str, file: str, values: Mapping[str, str], compiled: bool) -> str:
-    """Return a template with its placeholders filled, without the lines of the other form."""
-    kept = []
+    """Return a template with its placeholders filled in, without the lines of the other form."""
+    lines = []
     for line in _read(package, file).splitlines():
-        marked = re.match(r"@(compiled|python)(?: |$)", line)
-        if marked is None or (marked[1] == "compiled") == compiled:
-            kept.append(line if marked is None else line[marked.end() :])
-    return Template("".join(f"{line}\n" for line in kept)).substitute(values)
+        mark = re.match(r"@(compiled|python)(?: |$)", line)
+        if mark is None or (mark[1] == "compiled") == compiled:
+            lines.append(line if mark is None else line[mark.end() :])
+    return Template("".join(f"{line}\n" for line in lines)).substitute(values)
 
 
 def _requirement() -> str:
-    """Versions of rollslip that a package written today fits: it says itself where its contract is another one."""
+    """Return the requirement of rollslip of a new package: at least the present version."""
     return "rollslip>=" + ".".join(importlib.metadata.version("rollslip").split(".")[:2])
 
 
 def _check_name(name: str) -> None:
-    """Refuse the name of a package that cannot be installed or imported."""
+    """Raise `FieldError` for the name of a package that cannot be installed or imported."""
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name, re.ASCII):
         better = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-0123456789")
         hint = f"; {better!r} would do" if better else ""
@@ -229,7 +247,7 @@ def _check_name(name: str) -> None:
 
 
 def _check_model(kind: str, model: str, called: str, template: KindTemplate) -> None:
-    """Refuse the name of a model whose class would hide another one, and one that is taken."""
+    """Raise `FieldError` for the name of a model whose class would hide another one, or that exists already."""
     cls = _class_name(model)
     if not cls.isidentifier():
         raise FieldError(

@@ -1,14 +1,14 @@
-"""Models of a notebook or a script: used by name like installed ones, without a package.
+"""Register models of a notebook or a script, which are then used by name like installed ones.
 
-- Registration lasts as long as the process, so results name such a model as "unpackaged": their files alone do not
-  bring it back. A package does: ``rollslip plugins new`` writes one, and its entry point names the module that
-  registers, as it is.
-- A taken name is an error unless it is replaced on purpose: a scene must not change its meaning behind one's back.
+- A registration ends with the process. Results therefore name such a model as "unpackaged": a file of a result is not
+  sufficient to compute it again. ``rollslip plugins new`` writes a package, whose entry point may name the same module.
+- A name that exists already is an error unless ``replace`` is set, so that scenes keep their meaning.
 """
 
 import inspect
 import types
 from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
 from typing import Any, Final, TypeVar
 
 import attrs
@@ -25,9 +25,9 @@ __all__ = ["model", "register"]
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 
-#: Kinds whose law is one function, and the column that it fills.
+#: Kind whose law is a single function -> the column that it fills.
 _COLUMN: Final = {"film": "film_thickness", "traction": "friction"}
-#: What columns and conditions physically can be, where that is not any number.
+#: Column or condition -> its physical range, where it is not any number.
 _PHYSICAL: Final = {
     **dict.fromkeys(
         (
@@ -41,27 +41,28 @@ _PHYSICAL: Final = {
 
 
 def _types(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Types of parameters by their defaults; None for what is no field, or has no default of a plain value."""
-    found: dict[str, Any] = {}
+    """Return the types of parameters by their defaults; None for other objects, and for defaults of another type."""
+    types_by_name: dict[str, Any] = {}
     for name, field in parameters.items():
-        try:
+        types_by_name[name] = None
+        with suppress(
+            AttributeError, TypeError
+        ):  # attrs raises them for an object that is not a field
             (attribute,) = attrs.fields(attrs.make_class("Own", {name: field}))
-        except (AttributeError, TypeError):  # attrs looks for what a field has
-            found[name] = None
-            continue
-        default = attribute.default
-        known = isinstance(default, float | int | str)
-        found[name] = float | None if default is None else type(default) if known else None
-    return found
+            if attribute.default is None:
+                types_by_name[name] = float | None
+            elif isinstance(attribute.default, float | int | str):
+                types_by_name[name] = type(attribute.default)
+    return types_by_name
 
 
-def _again(kind: str, name: str, parameters: Mapping[str, Any]) -> Any:
-    """Return a model of a function again; pickle would take the function, which its module has under the name."""
+def _unpickle(kind: str, name: str, parameters: Mapping[str, Any]) -> Any:
+    """Return a model of a function; pickle itself would find the function, which has the name of the class."""
     return discovery.get_class(kind, name)(**parameters)
 
 
 def register(thing: T, *, replace: bool = False) -> T:
-    """Offer a model class or named data in this process; its kind follows from what it is.
+    """Offer a model class or named data in this process; its kind follows from its base class or type.
 
     Parameters
     ----------
@@ -69,21 +70,21 @@ def register(thing: T, *, replace: bool = False) -> T:
         A class derived from ``ContactModel``, ``FilmModel``, ``TractionModel``, ``DragModel``, ``IntegratorModel``,
         ``Engine`` or ``Study``, or a ``Lubricant`` or ``BearingData``.
     replace : bool
-        Whether it may take the place of one with its name, for this process.
+        Whether it may replace an object of the same name, in this process.
 
     Returns
     -------
     type or value
-        The thing itself, so that this serves as a decorator of a class.
+        The object itself, so that this function is a decorator of classes.
 
     Raises
     ------
     PluginError
-        If it is nothing that can be offered, is not complete, or its name is taken.
+        If it has no kind, is not complete, or its name exists already.
     """
     kind = kind_of(thing)
     if kind is None:
-        bases = ", ".join(one.base.__name__ for one in usable_kinds())
+        bases = ", ".join(known.base.__name__ for known in usable_kinds())
         raise PluginError(
             f"{thing!r} cannot be registered: a class derived from, or a value of, one of {bases} can; "
             "a function can with @model(kind, name, reads=...)"
@@ -111,37 +112,36 @@ def model(
     kind : str
         "film" or "traction".
     name : str
-        What scenes call it.
+        Name in scenes.
     reads : collection of str, optional
         Columns and conditions that the function reads; by default those of its domain, and for a film those of every
         film model.
     domain : mapping, optional
-        What it is defined on: member -> (low, high), both included, SI. What it leaves out may be any number that it
-        physically can be: pressures, speeds of rolling, films, viscosities and moduli are above zero; roughness and
-        pressure-viscosity coefficient are not negative; all else is any finite number.
+        Range of definition: member -> (low, high), both included, in SI units. Other members have their physical range:
+        pressures, rolling speeds, films, viscosities and moduli are above zero; roughness and pressure-viscosity
+        coefficient are not negative; all others are any finite number.
     parameters : mapping, optional
-        Its parameters, each declared by `rollslip.fields.parameter` with a default, unit, meaning and validator: the
-        function takes them by name, and scenes, sweeps and fits set them as those of any model.
+        Its parameters, each declared by `rollslip.fields.parameter` with a default, unit, meaning and validator. The
+        function takes them by name; scenes, sweeps and fits set them like those of any model.
     equation : str
         The law in one line.
     references : collection of Reference or str
-        Where it comes from, one citation each, see `rollslip.references`.
+        Sources, one citation each, see `rollslip.references`.
     kernel : callable, optional
         Takes the parameters and returns the compiled form of the law, see :doc:`/reference/contract`.
     replace : bool
-        Whether it may take the place of one with its name, for this process.
+        Whether it may replace a model of the same name, in this process.
 
     Returns
     -------
     callable
         Decorator of a function that takes `Slices` and returns the film thickness [m] or the friction coefficient of
-        each, with the sign of the sliding speed. It leaves the function as it is.
+        each, with the sign of the sliding speed. The function itself is not changed.
 
     Raises
     ------
     PluginError
-        If the kind is another, a member does not exist, the function does not take the parameters, or the name is
-        taken.
+        If there is no such kind or member, the function does not take the parameters, or the name exists already.
 
     Examples
     --------
@@ -155,13 +155,13 @@ def model(
     >>> slices.friction
     array([ 0.005, -0.05 ])
 
-    One with a parameter:
+    A law with a parameter:
 
-    >>> most = parameter(default=0.05, unit="1", doc="largest friction", validator=positive)
-    >>> @model("traction", "own-ramp", reads=("rolling_speed", "sliding_speed"), parameters={"most": most})
-    ... def own_ramp(slices, most):
-    ...     return most * (slices.sliding_speed / slices.rolling_speed).clip(-1, 1)
-    >>> Chain(get_model("traction", "own-ramp", most=0.02))(slices)
+    >>> limit = parameter(default=0.05, unit="1", doc="largest friction", validator=positive)
+    >>> @model("traction", "own-ramp", reads=("rolling_speed", "sliding_speed"), parameters={"limit": limit})
+    ... def own_ramp(slices, limit):
+    ...     return limit * (slices.sliding_speed / slices.rolling_speed).clip(-1, 1)
+    >>> Chain(get_model("traction", "own-ramp", limit=0.02))(slices)
     >>> slices.friction
     array([ 0.002, -0.02 ])
     """
@@ -171,28 +171,13 @@ def model(
         )
     base = get_kind(kind).base
     column = _COLUMN[kind]
-    known = {**(FilmModel.domain if base is FilmModel else {}), **(domain or {})}
-    read = sorted(known if reads is None else reads)
-    limits = {member: known.get(member, _PHYSICAL.get(member, FINITE)) for member in read}
-    members = {*COLUMNS, *CONDITIONS} - {column}
     blame = f"{kind} {name!r} cannot be registered"
-    if wrong := sorted(limits.keys() - members):
-        raise PluginError(
-            f"{blame}: it reads {', '.join(wrong)}, but slices have {', '.join(sorted(members))}"
-        )
-    if unread := sorted((domain or {}).keys() - limits.keys()):
-        raise PluginError(
-            f"{blame}: its domain limits {', '.join(unread)}, which reads does not name"
-        )
-    if not limits:
-        raise PluginError(
-            f"{blame}: reads must name the columns and conditions that the function reads"
-        )
+    limits = _limits(kind, reads, domain, blame)
     declared = {} if parameters is None else dict(parameters)
-    types_of = _types(declared)
-    if loose := [parameter for parameter, of in types_of.items() if of is None]:
+    types_by_name = _types(declared)
+    if wrong := [parameter for parameter, cls in types_by_name.items() if cls is None]:
         raise PluginError(
-            f"{blame}: {', '.join(loose)} is no parameter with a default; declare it by "
+            f"{blame}: {', '.join(wrong)} is no parameter with a default; declare it by "
             "rollslip.fields.parameter(default=..., unit=..., doc=...)"
         )
 
@@ -200,18 +185,16 @@ def model(
         try:
             inspect.signature(function).bind(None, **declared)
         except TypeError as error:
-            taken = f"the slices and {', '.join(declared)}" if declared else "the slices alone"
+            expected = f"the slices and {', '.join(declared)}" if declared else "the slices alone"
             raise PluginError(
-                f"{blame}: {function.__name__} has to take {taken}, but {error}"
+                f"{blame}: {function.__name__} has to take {expected}, but {error}"
             ) from None
 
         def evaluate(self: object, slices: Slices) -> None:
             values = function(
                 slices, **{parameter: getattr(self, parameter) for parameter in declared}
             )
-            if (
-                values is not None
-            ):  # None: it has filled the column itself, as evaluate of a class does
+            if values is not None:  # otherwise it has filled the column itself
                 getattr(slices, column)[...] = values
 
         body = {
@@ -224,10 +207,10 @@ def model(
             "domain": types.MappingProxyType(limits),
             "evaluate": evaluate,
             "__reduce__": lambda self: (
-                _again,
+                _unpickle,
                 (kind, name, {p: getattr(self, p) for p in declared}),
             ),
-            "__annotations__": types_of,
+            "__annotations__": types_by_name,
             **declared,
         }
         if kernel is not None:
@@ -243,3 +226,32 @@ def model(
         return function
 
     return offer
+
+
+def _limits(
+    kind: str,
+    reads: Collection[str] | None,
+    domain: Mapping[str, tuple[float, float]] | None,
+    blame: str,
+) -> dict[str, tuple[float, float]]:
+    """Return the members that a function reads, with their ranges; raise `PluginError` for wrong ones."""
+    domain = domain or {}
+    known = {**(FilmModel.domain if kind == "film" else {}), **domain}
+    limits = {
+        member: known.get(member, _PHYSICAL.get(member, FINITE))
+        for member in sorted(known if reads is None else reads)
+    }
+    members = {*COLUMNS, *CONDITIONS} - {_COLUMN[kind]}
+    if wrong := sorted(limits.keys() - members):
+        raise PluginError(
+            f"{blame}: it reads {', '.join(wrong)}, but slices have {', '.join(sorted(members))}"
+        )
+    if unread := sorted(domain.keys() - limits.keys()):
+        raise PluginError(
+            f"{blame}: its domain limits {', '.join(unread)}, which reads does not name"
+        )
+    if not limits:
+        raise PluginError(
+            f"{blame}: reads must name the columns and conditions that the function reads"
+        )
+    return limits

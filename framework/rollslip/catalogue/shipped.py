@@ -1,8 +1,9 @@
-"""Watches over the import of a package: that it changes no law that results name as ours, and how long it takes.
+"""Check that the import of a third-party package does not change rollslip, and report slow imports.
 
-A method that another package puts in place of one of ours changes numbers, and a result names rollslip alone for them.
-So what our modules hold is compared before and after the import of a package: names, members of classes, code. A module
-of ours that is imported meanwhile has no before; a function of strangers in one of its classes tells.
+A package that replaces a method of rollslip changes numbers for which results name rollslip alone. Therefore the
+members of rollslip's modules are compared before and after the import of a package: names, members of classes, code. A
+module of rollslip which is imported during that import cannot be compared; there a third-party function in a class is
+reported.
 """
 
 import os
@@ -13,9 +14,10 @@ from contextlib import contextmanager, suppress
 from types import FunctionType, ModuleType
 from typing import Any, Final
 
-__all__ = ["altered", "held", "is_ours", "warn_if_slow"]
+__all__ = ["changed_names", "is_ours", "snapshot", "warn_if_slow"]
 
-#: Seconds that an import may take without a word.
+#: Duration of an import after which a message appears [s]. Doubling it leaves users without explanation for longer.
+#: Chosen; usual imports take less than a second.
 _SLOW: Final = 10.0
 _ROOTS = frozenset(
     {"rollslip", "rollslip_campaigns", "rollslip_kernels", "rollslip_plugins", "rollslip_studies"}
@@ -27,12 +29,13 @@ def is_ours(module: str) -> bool:
     return module.partition(".")[0] in _ROOTS
 
 
-def held() -> Mapping[str, Any]:
-    """Return what the modules of rollslip hold that are imported: dotted name -> thing."""
-    return dict(_held())
+def snapshot() -> Mapping[str, Any]:
+    """Return the members of all imported modules of rollslip: dotted name -> object."""
+    return dict(_members())
 
 
-def _held() -> Iterator[tuple[str, Any]]:
+def _members() -> Iterator[tuple[str, Any]]:
+    """Yield dotted name and object of all members of imported modules of rollslip and of their classes."""
     for module in [name for name in sys.modules if is_ours(name)]:
         for name, thing in list(vars(sys.modules[module]).items()):
             if name.startswith("__") or isinstance(thing, ModuleType):
@@ -47,35 +50,48 @@ def _held() -> Iterator[tuple[str, Any]]:
                         yield f"{module}.{name}.{member}()", value.__code__
 
 
-def altered(before: Mapping[str, Any]) -> list[str]:
-    """Return the names of rollslip that hold something else than before, or are put into classes anew."""
-    after = held()
-    found = [name for name, thing in before.items() if after.get(name) is not thing]
+def changed_names(before: Mapping[str, Any]) -> list[str]:
+    """Return the names of rollslip that differ from a snapshot, and new members of its classes."""
+    after = snapshot()
+    changed = [name for name, thing in before.items() if after.get(name) is not thing]
     for name in after.keys() - before.keys():
-        place, _, last = name.rpartition(".")
-        if isinstance(after.get(place), type) and not last.startswith(
-            "_"
-        ):  # attrs writes some of those
-            stranger = isinstance(after[name], FunctionType) and not is_ours(after[name].__module__)
-            found += [name] if place in before or stranger else []
-    return sorted({name.removesuffix("()") for name in found})
+        owner, _, last = name.rpartition(".")
+        # attrs adds some members with an underscore
+        if isinstance(after.get(owner), type) and not last.startswith("_"):
+            is_foreign = isinstance(after[name], FunctionType) and not is_ours(
+                after[name].__module__
+            )
+            if owner in before or is_foreign:
+                changed.append(name)
+    return sorted({name.removesuffix("()") for name in changed})
 
 
 @contextmanager
 def warn_if_slow(what: str, module: str, package: str) -> Iterator[None]:
-    """Say on the standard error what is being imported, once it has taken longer than anybody is patient."""
-    told = threading.Timer(_SLOW, _warn_slow, (what, module, package))
-    told.daemon = True
-    told.start()
+    """Print a message on the standard error where the import in the block takes longer than ten seconds.
+
+    Parameters
+    ----------
+    what : str
+        The offer that is loaded, for the message.
+    module : str
+        Module that is imported.
+    package : str
+        Its package, which the message proposes to disable.
+    """
+    timer = threading.Timer(_SLOW, _warn_slow, (what, module, package))
+    timer.daemon = True
+    timer.start()
     try:
         yield
     finally:
-        told.cancel()
+        timer.cancel()
 
 
 def _warn_slow(what: str, module: str, package: str) -> None:
+    """Print the message on a slow import."""
     disabled = ",".join(filter(None, (os.environ.get("ROLLSLIP_DISABLED_PLUGINS"), package)))
-    with suppress(OSError, ValueError, AttributeError):  # there may be nobody to tell
+    with suppress(OSError, ValueError, AttributeError):  # the standard error may be closed
         sys.stderr.write(
             f"{what}: importing {module} has taken {_SLOW:g} s and goes on; if it hangs, interrupt (Ctrl-C) and do "
             f"without the package: ROLLSLIP_DISABLED_PLUGINS={disabled}\n"

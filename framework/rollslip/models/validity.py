@@ -108,7 +108,7 @@ class Tabled:
 
         values, percent = zip(*self.points, strict=True)
         if not value > 0.0:
-            return percent[0]
+            return float(percent[0])
         return float(np.interp(math.log(value), np.log(values), percent))
 
 

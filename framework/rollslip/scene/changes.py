@@ -278,7 +278,9 @@ def _element_type(kind: Any, value: object) -> Any:
     element = get_args(kind)[0] if get_origin(kind) is tuple else None
     if kind is None and isinstance(value, list) and all(map(_names_a_model, value)):
         element = ModelChoice  # in a table that is read later, with its own class
-    return element if attrs.has(element) and bare_key(element) is not None else None
+    if element is not None and attrs.has(element) and bare_key(element) is not None:
+        return element
+    return None
 
 
 def _opened_table(

@@ -21,7 +21,7 @@ import numpy as np
 from rollslip.catalogue.discovery import load
 from rollslip.catalogue.kinds import kind_of
 from rollslip.catalogue.registry import catalogue, get_class
-from rollslip.catalogue.shipped import altered, held, is_ours
+from rollslip.catalogue.shipped import changed_names, is_ours, snapshot
 from rollslip.engine import Engine
 from rollslip.errors import PluginError
 from rollslip.models import DragModel, FilmModel, SliceModel
@@ -266,7 +266,7 @@ def answer() -> None:
         if offer.package == "rollslip":
             with suppress(PluginError):
                 load(offer)
-    before = held()
+    before = snapshot()
     changed = dict[str, list[str]]()
     _set_clocks()
     read = _watch_environment()
@@ -283,8 +283,8 @@ def answer() -> None:
             given = _given(model)
         except BaseException as error:
             given = f"{type(error).__name__}: {error}"
-        changed.setdefault(root, []).extend(altered(before))
-        before = held()
+        changed.setdefault(root, []).extend(changed_names(before))
+        before = snapshot()
         pickle.dump((given, changed[root], sorted({name for name, of in read if of == root})), out)
         out.flush()
 

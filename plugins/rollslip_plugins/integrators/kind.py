@@ -16,7 +16,7 @@ INTEGRATOR: Final = Kind(
         contents="the method with its source; `heun.py` beside it: the method as SciPy's `OdeSolver`",
         use="python -c \"import rollslip; print(rollslip.get_model('integrator', '${model}'))\"",
         needs=("attrs>=24.2", "numpy>=2.0", "scipy>=1.15"),
-        beside=("heun",),
+        further_modules=("heun",),
         package="rollslip_plugins.integrators",
     ),
     rules="rollslip_plugins.integrators.rules",
