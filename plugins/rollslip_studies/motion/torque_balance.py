@@ -67,9 +67,8 @@ class CostEstimate:
 
 
 COST: Final = CostEstimate()
-#: Smallest number of positions of an orbit on which rollers are followed. Doubling it doubles the time; the change
-#: of a limit drag by four times as many positions is part of its stated error, 1e-3 in the median of 79 random
-#: bearings.
+#: Smallest number of positions of an orbit on which rollers are followed. Doubling it doubles the time; chosen,
+#: because the change by four times as many positions is part of stated errors, 1.4e-3 in the median of 79 bearings.
 _MIN_POSITIONS: Final = 56
 #: Largest number of positions of an orbit. Doubling it lets a requested number of roller positions count that costs
 #: twice the time; chosen.
@@ -97,12 +96,10 @@ class Orbit:
     roller_slip: Array  # S_r at the positions of the orbit, in its sense, (K,)
     force: Array  # normal force of inner and outer contact [N], (2, K)
     traction: Array  # of inner and outer contact [N], (2, K), positive where it drives
-    multiplier: (
-        float  # Floquet's multiplier of the spin: the motion is stable if it is below 1 in size
-    )
-    brakes: Array | None = (
-        None  # moments by which neighbours brake the spin, without a cage [N m], (K,)
-    )
+    #: Floquet's multiplier of the spin: the motion is stable if it is below 1 in size.
+    multiplier: float
+    #: Moments by which neighbours brake the spin, without a cage [N m], (K,).
+    brakes: Array | None = None
 
 
 class TorqueBalance:
