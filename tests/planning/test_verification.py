@@ -280,7 +280,7 @@ def test_twice_as_many_slices_take_twice_the_time_that_was_foreseen(plan):
     name = "effective-friction"
     estimated = plan.choices[name]
     twice = attrs.evolve(estimated.resolution, slices=2 * estimated.resolution.slices)
-    then = plan.again(name, attrs.evolve(estimated, resolution=twice))
+    then = plan.refined(name, attrs.evolve(estimated, resolution=twice))
     before, after = ({one.part: one.seconds for one in of.parts if one.study == name and one.seconds}
                      for of in (plan, then))  # fmt: skip
     assert before

@@ -62,7 +62,7 @@ def test_what_was_interrupted_is_the_last_study_that_ran(scene, monkeypatch):
 def test_answer_notes_and_figures_are_those_of_all_studies(result):
     studies = [one.to_dataset() for one in result.studies.values()]
     assert result.answer == rollslip.answer(*studies)
-    assert (result.answer.verdict, result.answer["cage_slip"].by) == ("SLIPS", "steady-slip")
+    assert (result.answer.verdict, result.answer["cage_slip"].study) == ("SLIPS", "steady-slip")
     assert result.notes == result.answer.notes
     assert [*result.figures] == [name for one in studies for name in rollslip.plot(one)]
     stored = [text for one in studies for text in json.loads(one.attrs["warnings"])]

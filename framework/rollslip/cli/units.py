@@ -14,7 +14,7 @@ _COMMON: Final[Mapping[str, str]] = {
     **dict.fromkeys(
         ("accuracy", "beyond_the_range", "computed", "counts", "degrees_of_freedom", "done", "errors", "evaluations",
          "positions_error", "known", "missing", "number", "points", "resolutions", "samples", "slices_error", "total",
-         "reserve to slipping", "slip", "unknown", "values", "weight", "writers"), "1"
+         "reserve to slipping", "slip", "unknown", "values", "severity", "writers"), "1"
     ),
     "friction torque": "N m",
 }  # fmt: skip
