@@ -105,7 +105,10 @@ def test_a_grid_has_a_dimension_for_each_axis_and_numbers_as_they_would_be_typed
         "maxwell-eyring",
         "muraki",
     ]
-    assert design.describe_point(3) == "operation.temperature = 70 degC, models.traction = maxwell-eyring"
+    assert (
+        design.describe_point(3)
+        == "operation.temperature = 70 degC, models.traction = maxwell-eyring"
+    )
 
 
 @pytest.mark.parametrize(

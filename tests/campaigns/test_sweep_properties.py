@@ -222,7 +222,7 @@ def test_nothing_that_happens_changes_a_bit_over_many_draws(
 
 @settings(max_examples=15)
 @given(
-    journals=st.lists(
+    journal_files=st.lists(
         st.lists(
             st.tuples(st.integers(0, COUNT - 1), st.sampled_from(STATUSES)), max_size=2 * COUNT
         ),

@@ -103,7 +103,9 @@ def _assemble_cached(work: SweepWork, scene: Scene, resolution: Resolution | Non
     # a model that runs in Python need not support evaluation by two threads at the same time
     _last = (
         None
-        if any(chain.is_single_threaded for chain in (assembly.inner.chain, assembly.inner.deflection))
+        if any(
+            chain.is_single_threaded for chain in (assembly.inner.chain, assembly.inner.deflection)
+        )
         else (work.scene, assembly)
     )
     return assembly
