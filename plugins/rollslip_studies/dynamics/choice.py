@@ -484,8 +484,14 @@ class _Trials:
         strongest = max(*without_slip, _damping(moving, 0.0, initial))
         damped = f"speeds are damped by up to {strongest:.2g}/s"
         contact = moving.system.frequencies[0]
+        limit = INTEGRATORS.max_smooth_damping
+        if not contact and strongest > limit:
+            return Choice(
+                implicit,
+                f"{damped}, more than the {limit:g}/s up to which an explicit method takes fewer rates",
+            )
         if not contact:
-            return _smooth_integrator(strongest, damped, implicit)
+            return Choice("rk45", f"{damped}, which does not limit the steps of an explicit method")
         if self.assembly.cage.pocket_contact == "film":
             return Choice(
                 implicit,
@@ -507,17 +513,6 @@ class _Trials:
         return Choice(
             "leapfrog", f"{oscillates}: explicit steps that resolve contacts are sufficient"
         )
-
-
-def _smooth_integrator(damping: float, damped: str, implicit: str) -> Choice:
-    """Choose rk45 or the implicit integrator for a motion without contacts, by the strongest damping [1/s]."""
-    if damping > INTEGRATORS.max_smooth_damping:
-        return Choice(
-            implicit,
-            f"{damped}, more than the {INTEGRATORS.max_smooth_damping:g}/s up to which an explicit method takes "
-            "fewer rates",
-        )
-    return Choice("rk45", f"{damped}, which does not limit the steps of an explicit method")
 
 
 def _damping(moving: MovingBearing, t: float, y: Array) -> float:
