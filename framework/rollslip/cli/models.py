@@ -12,7 +12,7 @@ from rollslip.catalogue.discovery import (
     families,
     find,
     get_class,
-    is_another,
+    describe_other_product,
     load,
 )
 from rollslip.catalogue.installed import Offer
@@ -122,7 +122,7 @@ def kinds_of(name: str) -> list[str]:
         kind for kind in offered_kinds() if get_kind(kind).data and _is_called(kind, name)
     ]
     if not offering:
-        if other := is_another("bearing", name):
+        if other := describe_other_product("bearing", name):
             raise UnknownNameError(f"nothing is called {name!r}: {other}")
         names = [offer.name for kind in offered_kinds() for offer in _every(kind)]
         hint = did_you_mean(

@@ -72,12 +72,12 @@ class _ProbeSettings:
     grid_slips: int = 13
     #: Every how many slips of that grid the curves are compared, too. Chosen: four slips show the level of a curve.
     stride: int = 3
-    #: Slips on which a maximum is searched again between its neighbours of the grid. They set the step of the parabola;
-    #: with twice as many a maximum that shifts between two resolutions leaves the three slips earlier.
+    #: Slips on which a maximum is searched again between its neighbours of the grid. Chosen: they set the step of the
+    #: parabola; with twice as many a maximum that shifts between two resolutions may leave its three slips.
     refined_slips: int = 7
     #: Height, relative to the largest maximum, from which a maximum counts: finer slices may make it the largest. In
-    #: scene 7 of docs/tables/plan_proof.csv coarse slices had the other one of two for the largest. Half of it costs
-    #: evaluations for maxima that never become the largest.
+    #: scene 7 of docs/tables/plan_proof.csv coarse slices had the other one of two for the largest. Halved, evaluations
+    #: are spent on maxima that never become the largest.
     rival_height: float = 0.7
     #: Difference of values around a maximum, relative to it, up to which they are equal but for rounding: such a curve
     #: is level and has no vertex. Rounding is some 1e-14; from about 1e-6 on real maxima would be dropped.
@@ -120,11 +120,14 @@ class _ReferenceSettings:
 
     #: How many times as many slices. With twice as many a contact that ends between two slices may err alike.
     slice_factor: int = 4
-    #: Slices of a joint reference at least: with 10 or 20 of them a few contacts that end between slices err alike.
+    #: Slices of a joint reference at least. Chosen: contacts that end between a few slices may err alike in both runs.
+    #: Doubled, a check of a coarse run takes twice as long.
     min_slices: int = 40
-    #: Roller positions of a joint reference at least, where a run has fewer slices than `min_slices`.
+    #: Roller positions of a joint reference at least, where a run has fewer slices than `min_slices`. Chosen; with
+    #: few of both they may err alike, and nine cost little on few slices.
     min_positions: int = 9
-    #: Slips of the curves of another study, of which the result holds none. Chosen as the default of curves.
+    #: Slips of the curves of another study, where the result has none. Chosen; twice as many take twice as long
+    #: and show a maximum between the slips more exactly.
     sampled_slips: int = 25
 
 
@@ -132,7 +135,7 @@ _PROBE: Final = _ProbeSettings()
 _FRACTIONS: Final = _ToleranceFractions()
 _REFERENCE: Final = _ReferenceSettings()
 #: How many times as many slips a reference solution has where a curve is continued from slip to slip, so that it may
-#: depend on the steps. Chosen: an odd factor, since a maximum may fall between the same slips again with twice as many.
+#: depend on the steps. Chosen; with 2 the way through a jump differs less, with 6 a check takes twice as long.
 REFERENCE_SLIP_FACTOR: Final = 3
 
 # Ladders of a run that is planned ------------------------------------------------------------------------------------
@@ -140,18 +143,20 @@ REFERENCE_SLIP_FACTOR: Final = 3
 #: Slices of the ladder; the others are compared with the last. The first is the coarsest that a plan chooses. Twice as
 #: many in the last doubles the cost of a plan; its own error, 1/36 of that of 16 slices, is allowed for.
 _SLICE_LADDER: Final = (8, 12, 16, 96)
-#: Roller positions on which the ladder of slices is computed: one may have no roller near the ends of the loaded zone.
+#: Roller positions on which the ladder of slices is computed. Chosen: with one, few rollers are near the ends of the
+#: loaded zone; four would double the cost of a plan.
 COARSE_POSITIONS: Final = 2
 #: Roller positions of the ladder: each number divides the last, so that all cost no more than the last.
 _POSITION_LADDER: Final = (1, 2, 3, 4, 6, 12)
 #: Roller positions of the ladder where each number is computed for itself, so that twelve would cost too much.
 _SEPARATE_POSITION_LADDER: Final = (1, 2, 3, 6)
-#: Slices on which positions and laws are compared: what these change is seen with a few slices.
+#: Slices on which positions and laws are compared. Chosen: their changes hardly depend on the slices; twice as many
+#: double the cost of a plan.
 COARSE_SLICES: Final = 12
 #: Fractions of the range of slips at which laws are compared, too. Laws differ most where an oil begins to shear by the
 #: stress and not by the viscosity, up to a hundred times as much as at the slips of a maximum.
 _SMALL_SLIPS: Final = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
-#: Roller positions on which laws are compared: neither rollers nor loads are alike.
+#: Roller positions on which laws are compared. Chosen: loads, and slips of free rollers, differ between positions.
 _LAW_POSITIONS: Final = 4
 #: Factor by which a quantity may exceed the largest that the probe met before what was left out is reinstated. Chosen;
 #: with 1 nearly every run would start again, as its slips and positions are others. The error grows by about this much.
@@ -165,7 +170,7 @@ _UNLIMITED: Final = 1e9
 #: from some numbers to twice as many. With 2 the joint error would be 14 % smaller, with 1 it would be 29 % larger.
 JOINT_ORDER: Final = 1.5
 #: Factor on a joint error of the minimum over some points, for example the smallest film parameter. The minimum may
-#: fall with the order of a half: of twice as many points it is off by this many times what order `JOINT_ORDER` gives.
+#: fall with the order of a half: with twice as many points its error is this many times (2.2) that by `JOINT_ORDER`.
 MINIMUM_ERROR_FACTOR: Final = (1.0 - 2.0**-JOINT_ORDER) / (1.0 - 2.0**-0.5)
 #: Lowest order that is taken for an error; one that falls more slowly does not converge. At a half, 2 m + 1 positions
 #: show 0.3 of the error of m.
@@ -175,7 +180,7 @@ MAX_ORDER: Final = 2.0
 #: Order of the mean over positions of a curve with jumps, at the worst, whatever two numbers of positions show: each
 #: roller jumps somewhere between two positions.
 _JUMP_ORDER: Final = 1.0
-#: Order that is assumed where two errors do not give one.
+#: Order that is assumed where two errors do not give one. Chosen, between both limits; with 2 errors would be smaller.
 _ASSUMED_ORDER: Final = 1.0
 
 # Runs that are made again --------------------------------------------------------------------------------------------
@@ -186,8 +191,8 @@ LEFT_OUT: Final = "left out"
 _NUMBER_NAMES: Final = {"slices": "slices", "n_positions": "roller positions"}
 #: Parts of a contact that may be left out, as fields of a resolution.
 _CONTACT_PARTS: Final = ("inlet_heating", "light_contacts")
-#: How many times as many slices or positions a run has at most that is made again. An error estimate says little about
-#: numbers farther away; a run that is still off is made again.
+#: How many times as many slices or positions a run has at most that is made again. Chosen; with 8 a doubtful order may
+#: ask for far more than is needed, while a run that is still off after 4 is made again anyway.
 _MAX_FACTOR: Final = 4.0
 #: Slices of all rollers over an orbit at most with which a run is made again: some seconds of effective friction, and
 #: up to a minute of steady slips with their check. Beyond, the error is only reported. A limit of time would let the
