@@ -17,7 +17,7 @@ from rollslip.bearing.cage import oil_supply
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
-from rollslip.scene.changes import Known, Quantity
+from rollslip.scene.changes import KnownQuantities, Quantity
 from rollslip.scene.values import LubricantTable, ModelChoice, Scene, Separator, model_kind
 from rollslip.structure import Location, fields_of
 from rollslip.units import UnitError, quantity
@@ -25,7 +25,7 @@ from rollslip.units import UnitError, quantity
 __all__ = ["quantities"]
 
 
-def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -> Known:
+def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -> KnownQuantities:
     """Return the values of a scene that can be varied, by key.
 
     Parameters
@@ -49,7 +49,7 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
             found += _values_of(drag, f"cage.drag.{drag.name}")
     for name, study in studies.items():
         found += _values_of(study, f"study.{name}")
-    return Known({quantity.key: quantity for quantity in found})
+    return KnownQuantities({quantity.key: quantity for quantity in found})
 
 
 def _model_values(assembly: Assembly, attribute: "attrs.Attribute[Any]") -> Iterator[Quantity]:
