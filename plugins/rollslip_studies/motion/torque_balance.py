@@ -538,9 +538,10 @@ def reserve(
     max_slip : float
         Largest cage slip.
     """
-    outcome = Status.of(runs.status)
-    if outcome is Status.FOUND and not runs.slip > onset.slip:  # NaN where the cage does not skid
+    is_found = runs.status == Status.FOUND
+    if is_found and not runs.slip > onset.slip:  # NaN where the cage does not skid
         return _reserve_to_onset(balance, onset, runs, max_slip)
+    outcome = Status.of(runs.status)
     if outcome is Status.DRIVEN:
         return Reserve(math.inf, f"{Status.AT_LEAST}: {runs.status}")
     if outcome not in (Status.FOUND, Status.NO_STEADY_SLIP):
