@@ -704,21 +704,20 @@ def _find_maxima(
     if not whole:
         maxima = _find_maxima_by_reduced_loads([(slip, raceways) for _, slip, raceways in cases])
         found = {
-            k: (slip, None, critical)
-            for (k, slip, _), critical in zip(cases, maxima, strict=True)
-            if critical is not None
+            k: (slip, None, both)
+            for (k, slip, _), both in zip(cases, maxima, strict=True)
+            if both is not None
         }
     left = [case for case in cases if case[0] not in found]
     curves = evaluate_together([(raceways, raceways.speeds(slip)) for _, slip, raceways in left])
-    evaluated = [
-        (raceways, slip, friction)
-        for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)
-    ]
-    maxima_of_left = find_critical_together(evaluated)
-    for (k, slip, _), (_, _, friction), critical in zip(
-        left, evaluated, maxima_of_left, strict=True
-    ):
-        found[k] = slip, friction, critical
+    critical = find_critical_together(
+        [
+            (raceways, slip, friction)
+            for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)
+        ]
+    )
+    for (k, slip, _), (friction, _), both in zip(left, curves, critical, strict=True):
+        found[k] = slip, friction, both
     return found
 
 
