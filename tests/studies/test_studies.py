@@ -134,7 +134,7 @@ def test_unknowns_and_cost_go_with_rollers_and_slices(monkeypatch):
     fine = assemble(evolve(scene, {"accuracy.slices": 40}))
     coarse = fine.at(attrs.evolve(fine.resolution, slices=1))
     assert (one.degrees_of_freedom(fine), one.degrees_of_freedom(coarse)) == (2 + 2 * 28, 2 + 28)
-    monkeypatch.setattr("rollslip.studies.study.timed", lambda work, times: 1.0)
+    monkeypatch.setattr("rollslip.studies.study.processor_time", lambda work, times: 1.0)
     at = fine.at(attrs.evolve(fine.resolution, n_positions=3))
     assert Study.cost(one, at) == {"run": pytest.approx(3 * 40 / min(40, COARSE_SLICES))}
 

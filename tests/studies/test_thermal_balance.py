@@ -450,7 +450,7 @@ def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
 @pytest.mark.parametrize("duration", ["0 s", "10 min"])
 def test_a_plan_foresees_how_many_steady_slips_a_balance_takes(duration, monkeypatch):
     scene = evolve(SCENE, {"models.thermal": network(), "study.thermal-balance.duration": duration})
-    monkeypatch.setattr("rollslip.studies.timing.timed", lambda work, times: 1.0)
+    monkeypatch.setattr("rollslip.studies.timing.processor_time", lambda work, times: 1.0)
     cost_sentences = settings(scene, "thermal-balance")["thermal-balance"].cost(assemble(scene))[
         "run"
     ]
