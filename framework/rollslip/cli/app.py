@@ -1,6 +1,6 @@
-"""What commands share: exit codes, options, where results go, and what is shown while they are computed.
+"""Common parts of commands: exit codes, options, folders of results, and the display of progress.
 
-Nothing heavy is imported before a command needs it, so that ``--help`` answers at once.
+Slow modules are imported only by the commands that need them, so that ``--help`` answers quickly.
 """
 
 import functools
@@ -24,63 +24,70 @@ if TYPE_CHECKING:
     from rollslip.planning.progress import ProgressReporter
     from rollslip.scene.values import Scene
 
-#: What the shell sees.
+#: Exit code of a command that was successful.
 OK = 0
+#: Exit code for a wrong scene or wrong options, which click uses too.
 BAD_SCENE = 2
+#: Exit code for an iteration that did not converge.
 NOT_CONVERGED = 3
+#: Exit code of a campaign of which some points failed.
 SOME_FAILED = 4
+#: Exit code for a plugin that is missing or broken.
 BAD_PLUGIN = 5
+#: Exit code for a verdict named by --fail-on.
 FAILED_ON = 6
+#: Exit code of an interrupted command: 128 plus the number of SIGINT, as shells have it.
 INTERRUPTED = 130
 
-#: What plots are written as; a test holds that it is what can be written.
+#: File formats of plots; a test compares them with those that can be written.
 FORMATS = frozenset({"svg", "pdf", "png"})
+#: File formats of tables.
 TABLES = frozenset({"csv", "xlsx"})
-#: Options that say where results go and how, not what is computed; as names of the fields of `Results`.
-OF_RESULTS = frozenset({"out", "overwrite", "resume", "report", "as_json"})
+#: Options on the output of results, not on the computation; names of the fields of `Results`.
+OUTPUT_OPTIONS = frozenset({"out", "overwrite", "resume", "report", "as_json"})
 
 
 # Options ------------------------------------------------------------------------------------------------------------
 
 
 def complete_scenes(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    """Scenes that begin so: shipped ones, and files and folders here."""
+    """Return completions of a scene: names of shipped ones, and files and folders."""
     from rollslip.scene.reading import shipped_scenes
 
-    here = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
-    inside = sorted(here.iterdir()) if here.is_dir() else []
-    places = [
+    folder = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
+    contents = sorted(folder.iterdir()) if folder.is_dir() else []
+    paths = [
         f"{path}/" if path.is_dir() else str(path)
-        for path in inside
+        for path in contents
         if path.is_dir() or path.suffix == ".toml"
     ]
-    return [one for one in (*shipped_scenes(), *places) if one.startswith(incomplete)]
+    return [name for name in (*shipped_scenes(), *paths) if name.startswith(incomplete)]
 
 
 def complete_keys(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    """Keys of a scene that begin so; behind the sign of ``--set`` the value is the user's."""
+    """Return completions of a key of a scene, with "=" for ``--set``."""
     from rollslip.planning.keys import keys
 
     sign = "=" if param.name == "changes" else ""
-    found = (
+    known = (
         f"{row.key}{sign}"
         for row in keys(models=incomplete.startswith("models."))
         if not row.key.endswith("*")
     )
-    return [one for one in dict.fromkeys(found) if one.startswith(incomplete)]
+    return [key for key in dict.fromkeys(known) if key.startswith(incomplete)]
 
 
 def complete_models(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    """Names of models and kinds that begin so; for an option, of the kind that it names."""
+    """Return completions of the name of a model or a kind; for an option that is a kind, of its models only."""
     from rollslip.catalogue.discovery import available, families
     from rollslip.catalogue.kinds import offered_kinds
 
-    of = {"oil": "lubricant"}.get(param.name or "", param.name or "")
-    kinds = [of] if of in offered_kinds() else offered_kinds()
+    own_kind = {"oil": "lubricant"}.get(param.name or "", param.name or "")
+    kinds = [own_kind] if own_kind in offered_kinds() else offered_kinds()
     names = offered_kinds() if len(kinds) > 1 else []
     names += [name for kind in kinds for name in available(kind)]
     names += [name for kind in kinds for _, family in families(kind) for name in family.names]
-    return [one for one in dict.fromkeys(names) if one.startswith(incomplete)]
+    return [name for name in dict.fromkeys(names) if name.startswith(incomplete)]
 
 
 scene_argument = click.argument("scene", shell_complete=complete_scenes)
@@ -103,13 +110,13 @@ resume_option = click.option(
 )
 
 
-def verbose_option(what: str) -> Callable[[Any], Any]:
-    """Add the option that says all of it; `what` is what comes then."""
-    return click.option("-v", "--verbose", is_flag=True, help=what)
+def verbose_option(help_text: str) -> Callable[[Any], Any]:
+    """Add the option of a longer output."""
+    return click.option("-v", "--verbose", is_flag=True, help=help_text)
 
 
 def engine_options(command: Any) -> Any:
-    """Add the options that say where points are computed; the command gets `engine`, as a scene would state it."""
+    """Add the options of the engine that computes points; the command gets `engine`, as a scene would state it."""
 
     @functools.wraps(command)
     def with_engine(
@@ -134,7 +141,7 @@ def engine_options(command: Any) -> Any:
 
 
 def _formats(context: click.Context, option: click.Parameter, text: str) -> tuple[str, ...]:
-    """Return what --format names."""
+    """Return the formats of --format."""
     names = tuple(dict.fromkeys(filter(None, (name.strip().lower() for name in text.split(",")))))
     if not names or set(names) - FORMATS - TABLES:
         known = ", ".join(sorted(FORMATS | TABLES))
@@ -145,7 +152,7 @@ def _formats(context: click.Context, option: click.Parameter, text: str) -> tupl
 def _engine_table(
     engine: str | None, workers: int | None, scheduler: str | None
 ) -> dict[str, object] | None:
-    """Return engine and its parameters as a scene would state them."""
+    """Return an engine with its parameters as a scene would state it."""
     if scheduler is not None and engine not in (None, "dask"):
         raise click.UsageError(f"--scheduler is of engine dask, not of {engine!r}")
     if engine is None and scheduler is None:
@@ -183,18 +190,18 @@ def results_options(
     }  # fmt: skip
     left_out = {
         name
-        for name, wanted in (("out", out), ("overwrite", overwrite), ("resume", resume))
-        if not wanted
+        for name, is_included in (("out", out), ("overwrite", overwrite), ("resume", resume))
+        if not is_included
     }
 
     def with_options(command: Any) -> Any:
         @functools.wraps(command)
         def with_results(no_plots: bool, formats: tuple[str, ...], **given: Any) -> None:
-            own = {name: given.pop(name) for name in OF_RESULTS & given.keys()}
-            plotted = () if no_plots else FORMATS.intersection(formats)
+            own = {name: given.pop(name) for name in OUTPUT_OPTIONS & given.keys()}
+            plot_formats = () if no_plots else FORMATS.intersection(formats)
             results = Results(
-                formats=tuple(one for one in formats if one in plotted),
-                tables=tuple(one for one in formats if one in TABLES),
+                formats=tuple(name for name in formats if name in plot_formats),
+                tables=tuple(name for name in formats if name in TABLES),
                 **own,
             )
             command(results=results, **given)
@@ -212,10 +219,10 @@ def results_options(
 def scene_of(
     name: str, changes: Sequence[str], later: str = "", over: Sequence[str] = ()
 ) -> "Scene":
-    """Return a scene by name or file, also of another program, with what --set changes.
+    """Return a scene by name or file, also one of another program, with the changes of --set.
 
-    What such a file lacks, and what of it is not used, is told, and of what is unusual it is warned, but for what says
-    ``later`` and for keys of ``over``, KEY=VALUES.
+    Notes are printed on items that a file of another program lacks, or that are not used. Warnings are printed on
+    unusual values, except those that contain the text ``later``, and those of keys in ``over`` (KEY=VALUES).
     """
     from rollslip.planning.plausibility import implausible
     from rollslip.scene.changes import evolve, full_key, parse_set
@@ -231,27 +238,31 @@ def scene_of(
         for note in notes:
             click.echo(f"note: {note}", err=True)
     scene = evolve(scene, dict(map(parse_set, changes))) if changes else scene
-    moved = {full_key(one.partition("=")[0]) for one in over}
-    warn(text for text in implausible(scene, moved) if not later or later not in text)
+    varied = {full_key(text.partition("=")[0]) for text in over}
+    warn(text for text in implausible(scene, varied) if not later or later not in text)
     return scene
 
 
 def warn(texts: Iterable[str]) -> None:
     """Print warnings, each once in a command."""
-    said: dict[str, None] = click.get_current_context().meta.setdefault(f"{__name__}.warned", {})
+    printed: dict[str, None] = click.get_current_context().meta.setdefault(f"{__name__}.warned", {})
     for text in texts:
-        if text not in said:
-            said[text] = None
+        if text not in printed:
+            printed[text] = None
             click.echo(f"warning: {text}", err=True)
 
 
 @attrs.define(kw_only=True)
 class Results:
-    """Where the results of a command go, and how they are written, drawn and told."""
+    """Output of the results of a command: folder, plots, tables and report."""
 
+    #: Whether a report is written.
     report: bool
-    formats: tuple[str, ...]  #: Of plots.
-    tables: tuple[str, ...]  #: Formats of tables.
+    #: File formats of plots.
+    formats: tuple[str, ...]
+    #: File formats of tables.
+    tables: tuple[str, ...]
+    #: Whether results are printed as JSON.
     as_json: bool
     out: Path | None = None
     overwrite: bool = False
@@ -259,52 +270,29 @@ class Results:
     target: Path = attrs.field(factory=Path, init=False)
     files: list[str] = attrs.field(factory=list, init=False)
 
-    def go_to(self, name: str) -> None:
-        """Decide the folder: that of --out, or the first of NAME, NAME-2 ... that is free."""
+    def choose_folder(self, name: str) -> None:
+        """Set the folder: that of --out, or the first of NAME, NAME-2 ... that does not exist."""
         self.target = self.out if self.out is not None else free_folder(name)
 
     @contextmanager
     def folder(self) -> Iterator[Path]:
-        """Give a folder that becomes the one of the results when all is done, whole or not at all."""
+        """Yield a temporary folder, which is renamed to that of the results at the end of the block."""
         from rollslip.results.folder import results_folder
 
         with results_folder(self.target, overwrite=self.overwrite or self.resume) as folder:
             yield folder
-            # whole: an interrupt from here on would be told as if nothing had been written
+            # the results are complete: an interrupt from here on would wrongly report that nothing is written
             signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def show(
         self, datasets: "Mapping[str, xr.Dataset]", folder: Path, scene: str = ""
     ) -> list[str]:
-        """Draw results into the folder where they are stored as NAME.nc, with a report if asked for.
-
-        Return the names of what was written.
-        """
+        """Write plots, tables and a report of results, as requested, into their folder; return the names of files."""
         figures = dict[str, list[Path]]()
         written = list[str]()
         if self.report or self.formats:
-            from rollslip.results.accounts import answer
-            from rollslip.results.figures import save_plots
-
-            drawn = dict.fromkeys((*self.formats, *(["svg"] if self.report else [])))
             with progress("plots"):
-                slip = next(
-                    (
-                        row.value
-                        for row in answer(*datasets.values()).rows
-                        if row.key == "cage_slip"
-                    ),
-                    math.nan,
-                )
-                for (
-                    name,
-                    dataset,
-                ) in datasets.items():  # maps show where the cage runs, also by another study
-                    files = save_plots(
-                        dataset.assign_attrs(operating_slip=slip), folder, tuple(drawn)
-                    )
-                    figures[name] = [file for file in files if file.suffix == ".svg"]
-                    written += [file.name for file in files if file.suffix[1:] in self.formats]
+                figures, written = self._save_plots(datasets, folder)
         if self.tables:
             from rollslip.results.table import save_tables
 
@@ -313,7 +301,7 @@ class Results:
             from rollslip.results.report import write_report
 
             write_report(datasets, figures, folder / "report.html", scene)
-            if "svg" not in self.formats:  # they were for the report alone
+            if "svg" not in self.formats:  # they were for the report only
                 for file in (file for files in figures.values() for file in files):
                     file.unlink()
             written.append("report.html")
@@ -322,14 +310,33 @@ class Results:
         )
         return written
 
+    def _save_plots(
+        self, datasets: "Mapping[str, xr.Dataset]", folder: Path
+    ) -> tuple[dict[str, list[Path]], list[str]]:
+        """Write plots; return those in SVG by result, for the report, and the names of requested files."""
+        from rollslip.results.accounts import answer
+        from rollslip.results.figures import save_plots
+
+        formats = dict.fromkeys((*self.formats, *(["svg"] if self.report else [])))
+        figures = dict[str, list[Path]]()
+        written = list[str]()
+        rows = answer(*datasets.values()).rows
+        # maps mark the operating slip, which may be the result of another study
+        slip = next((row.value for row in rows if row.key == "cage_slip"), math.nan)
+        for name, dataset in datasets.items():
+            files = save_plots(dataset.assign_attrs(operating_slip=slip), folder, tuple(formats))
+            figures[name] = [file for file in files if file.suffix == ".svg"]
+            written += [file.name for file in files if file.suffix[1:] in self.formats]
+        return figures, written
+
     def as_dict(self) -> dict[str, Any]:
-        """Return where everything was written to, as plain values."""
+        """Return folder and files of the results as plain values."""
         return {"folder": str(self.target), "files": self.files}
 
-    def tell(self, *datasets: "xr.Dataset", laws: bool = True) -> None:
-        """Print the warnings of results, those of most consequence, and where everything was written to.
+    def print_summary(self, *datasets: "xr.Dataset", laws: bool = True) -> None:
+        """Print the most severe warnings of results, and the folder and the files that were written.
 
-        Without ``laws`` those of laws outside their range are not among them: an answer has them as notes.
+        Without ``laws`` warnings on laws outside their range are left out, because an answer has them as notes.
         """
         from rollslip.results.text import collect_warnings, describe_more_bounds
 
@@ -346,28 +353,28 @@ class Results:
     # Runs that can go on after an interruption ------------------------------------------------------------------------
 
     def checkpoint_folder(self) -> Path:
-        """Return the folder in which runs leave what they have computed, until they end."""
+        """Return the folder for checkpoints of a run, which exists until it ends."""
         target = self.target.resolve()
-        kept = target.parent / f"{target.name}.unfinished"
-        if self.resume and not (self.out is not None and kept.is_dir()):
+        checkpoints = target.parent / f"{target.name}.unfinished"
+        if self.resume and not (self.out is not None and checkpoints.is_dir()):
             raise click.UsageError(
                 "--resume needs the --out of the run"
                 if self.out is None
-                else f"there is no interrupted run to go on with in {kept}"
+                else f"there is no interrupted run to go on with in {checkpoints}"
             )
-        if kept.exists() and not self.resume:
+        if checkpoints.exists() and not self.resume:
             raise click.UsageError(
-                f"{kept} holds an interrupted run: go on with it by --resume, or remove it"
+                f"{checkpoints} holds an interrupted run: go on with it by --resume, or remove it"
             )
-        return kept
+        return checkpoints
 
-    def go_on(self, command: Sequence[str]) -> str:
-        """Say how to go on with a command that was interrupted."""
+    def resume_hint(self, command: Sequence[str]) -> str:
+        """Return the message on how to resume an interrupted command."""
         return f"interrupted; go on with: {shlex.join([*command, '--out', str(self.target), '--resume'])}"
 
 
 def free_folder(name: str) -> Path:
-    """Return the first of NAME, NAME-2, NAME-3 ... that does not exist, so that no run touches another's results."""
+    """Return the first of NAME, NAME-2, NAME-3 ... that does not exist, so that no results are replaced."""
     path = Path(name)
     count = 1
     while path.exists() or path.with_name(f"{path.name}.unfinished").exists():
@@ -377,27 +384,30 @@ def free_folder(name: str) -> Path:
 
 
 @contextmanager
-def interruptible(kept: Path, go_on: str) -> Iterator[None]:
-    """Say how to go on with a long run, where it was interrupted while something else was done with it."""
+def interruptible(checkpoints: Path, hint: str) -> Iterator[None]:
+    """Print a hint on how to resume where a run with a folder of checkpoints is interrupted in the block."""
     try:
         yield
     except KeyboardInterrupt:
-        if not kept.is_dir():
+        if not checkpoints.is_dir():
             raise
-        click.echo(go_on, err=True)
+        click.echo(hint, err=True)
         sys.exit(INTERRUPTED)
 
 
-# Meanwhile ------------------------------------------------------------------------------------------------------------
+# Terminal and progress ------------------------------------------------------------------------------------------------
+
+#: Time between two lines on the progress without a terminal [s]. Doubling it halves the length of logs. Chosen.
+_LINE_INTERVAL = 30.0
 
 
-def at_a_terminal() -> bool:
-    """Return whether somebody is there to be asked."""
+def is_interactive() -> bool:
+    """Return whether a user can answer questions at a terminal."""
     return sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
 
 
 def terminal(*, stderr: bool = False, width: int | None = None) -> "Console":
-    """Return the console of rich to which tables and bars are written; texts go there as they are."""
+    """Return the console of rich for tables and bars, which does not change texts."""
     from rich.console import Console
 
     return Console(stderr=stderr, width=width, highlight=False)
@@ -405,21 +415,22 @@ def terminal(*, stderr: bool = False, width: int | None = None) -> "Console":
 
 @contextmanager
 def progress(what: str, seconds: float = math.nan) -> "Iterator[ProgressReporter]":
-    """Show how far something is and how long it will take: a bar on a terminal, else a line every half a minute.
+    """Show the progress of a computation and its remaining time: a bar on a terminal, else a line every 30 s.
 
-    Messages that are printed meanwhile stand above the bar. The bar vanishes at the end.
+    The block gets a function of a text, the finished fraction [1] and the remaining time [s]. Messages that are printed
+    in the block appear above the bar, which is removed at the end.
     """
     from rollslip.planning.progress import ProgressTimer
 
     timer = ProgressTimer(seconds)
     if not sys.stderr.isatty():
-        said = timer.start
+        printed = timer.start
 
         def line(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
-            nonlocal said
+            nonlocal printed
             timer.update(fraction, left)
-            if timer.updated - said >= 30.0:
-                said = timer.updated
+            if timer.updated - printed >= _LINE_INTERVAL:
+                printed = timer.updated
                 click.echo(
                     ": ".join([what, ", ".join(filter(None, [text, timer.format_time_left()]))]),
                     err=True,
@@ -439,7 +450,7 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[ProgressReporter
     )
     from rich.text import Text
 
-    class Left(ProgressColumn):
+    class TimeLeftColumn(ProgressColumn):
         def render(self, task: Task) -> Text:
             return Text(timer.format_time_left())
 
@@ -448,31 +459,31 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[ProgressReporter
         TextColumn("{task.description}", markup=False),
         BarColumn(20),
         TimeElapsedColumn(),
-        Left(),
+        TimeLeftColumn(),
     )
 
-    class Above(FileProxy):
-        encoding = "utf-8"  # without one click writes past it, into the line of the bar
+    class AboveBar(FileProxy):
+        encoding = "utf-8"  # without an encoding click writes directly to the terminal, into the line of the bar
 
     console = terminal(stderr=True)
     shown = Progress(
         *columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False
     )
-    with shown, ExitStack() as above:
-        # what goes to a file or a pipe must not be drawn into the terminal of the bar
+    with shown, ExitStack() as redirections:
+        # output to a file or a pipe must not appear on the terminal of the bar
         if sys.stdout.isatty():
-            above.enter_context(redirect_stdout(Above(console, sys.stdout)))
-        above.enter_context(redirect_stderr(Above(console, sys.stderr)))
+            redirections.enter_context(redirect_stdout(AboveBar(console, sys.stdout)))
+        redirections.enter_context(redirect_stderr(AboveBar(console, sys.stderr)))
         task = shown.add_task(what, total=None)
 
         def show(text: str, fraction: float = math.nan, left: float = math.nan) -> None:
             timer.update(fraction, left)
-            known = not math.isnan(fraction)
+            is_known = not math.isnan(fraction)
             shown.update(
                 task,
                 description=f"{what}: {text}",
-                total=1.0 if known else None,
-                completed=fraction if known else 0.0,
+                total=1.0 if is_known else None,
+                completed=fraction if is_known else 0.0,
             )
 
         yield show
@@ -484,7 +495,7 @@ def print_json(value: object) -> None:
 
 
 def print_either(as_json: bool, value: object, text: object) -> None:
-    """Print plain values as JSON, or the text that says the same."""
+    """Print plain values as JSON, or the text with the same content."""
     if as_json:
         print_json(value)
     else:

@@ -1,4 +1,4 @@
-"""The command of a campaign, made of the fields of its class."""
+"""Create the command of a campaign from the fields of its class."""
 
 import functools
 import json
@@ -15,7 +15,7 @@ import click
 
 from rollslip.cli.app import (
     INTERRUPTED,
-    OF_RESULTS,
+    OUTPUT_OPTIONS,
     SOME_FAILED,
     Results,
     complete_models,
@@ -43,11 +43,13 @@ def command_of(cls: type[Campaign]) -> Any:
     """Return the command of a campaign: its own one, or that of its fields."""
     if cls.own_command:
         return own_command(cls)
-    keeps = cls.resume_mode == "folder"
+    resumes_folder = cls.resume_mode == "folder"
     results = results_options(
-        "Folder; goes on with what is in it." if keeps else "Folder for the results, new or empty.",
+        "Folder; goes on with what is in it."
+        if resumes_folder
+        else "Folder for the results, new or empty.",
         f"Write {cls.writes} only.",
-        overwrite=not keeps,
+        overwrite=not resumes_folder,
         resume=cls.resume_mode == "resume",
     )
 
@@ -62,12 +64,18 @@ def command_of(cls: type[Campaign]) -> Any:
 def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
     """Return a command with the arguments and options of a campaign.
 
-    ``run`` gets the campaign as ``requested`` and, as text, what it is ``about``.
+    Parameters
+    ----------
+    cls : type
+        Class of the campaign.
+    run : callable
+        The body of the command. It gets the campaign as ``requested``, its first argument as the text ``about``, and
+        all other options.
     """
     arguments = options_of(cls, arguments=True)
     options = options_of(cls)
     shared = {"engine", "time_limit"} if issubclass(cls, OfPoints) else set()
-    names = {one.name for one in (*arguments, *options)} | shared
+    names = {field.name for field in (*arguments, *options)} | shared
 
     def with_campaign(changes: tuple[str, ...] = (), **given: Any) -> None:
         settings = {name: given.pop(name) for name in names & given.keys()}
@@ -78,84 +86,87 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
             settings["scene"] = scene_of(
                 about, changes, over=(over,) if isinstance(over, str) else over
             )
-        told = {name: value for name, value in settings.items() if value not in (None, ())}
-        run(requested=cls(**told), about=about, **given)
+        values = {name: value for name, value in settings.items() if value not in (None, ())}
+        run(requested=cls(**values), about=about, **given)
 
     functools.update_wrapper(with_campaign, run)
     with_campaign.__doc__ = help_of(cls)
-    made: Any = engine_options(with_campaign) if shared else with_campaign
-    made = set_option(made) if issubclass(cls, OfScene) else made
-    for one in reversed((*arguments, *options)):
-        made = (_argument if one.metadata["argument"] else _option)(one)(made)
-    return made
+    command: Any = engine_options(with_campaign) if shared else with_campaign
+    if issubclass(cls, OfScene):
+        command = set_option(command)
+    for field in reversed((*arguments, *options)):
+        decorate = _argument(field) if field.metadata["argument"] else _option(field)
+        command = decorate(command)
+    return command
 
 
-def _option(one: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
+def _option(field: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
     """Return the option of a field."""
-    said = one.metadata
-    of: Any = {
-        int: click.IntRange(said["minimum"]) if said["minimum"] is not None else int,
+    metadata = field.metadata
+    option_type: Any = {
+        int: click.IntRange(metadata["minimum"]) if metadata["minimum"] is not None else int,
         float: float,
-    }.get(said["value_type"])
-    default = {} if one.default in (attrs.NOTHING, None) else {"default": one.default}
+        Path: click.Path(path_type=Path),
+    }.get(metadata["value_type"])
+    default = {} if field.default in (attrs.NOTHING, None) else {"default": field.default}
     return click.option(
-        f"--{one.name.replace('_', '-')}",
-        one.name,
-        metavar=said["metavar"],
-        multiple=said["repeatable"],
-        required=one.default is attrs.NOTHING,
-        type=click.Path(path_type=Path) if said["value_type"] is Path else of,
-        show_default=said["show_default"],
-        help=said["doc"],
+        f"--{field.name.replace('_', '-')}",
+        field.name,
+        metavar=metadata["metavar"],
+        multiple=metadata["repeatable"],
+        required=field.default is attrs.NOTHING,
+        type=option_type,
+        show_default=metadata["show_default"],
+        help=metadata["doc"],
         **default,
-        shell_complete=complete_models if one.name == "study" else None,
+        shell_complete=complete_models if field.name == "study" else None,
     )
 
 
-def _argument(one: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
-    """Return the argument of a field; of several their usage says "..."."""
-    said = one.metadata
+def _argument(field: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
+    """Return the argument of a field; the usage of a repeatable one has "..."."""
+    metadata = field.metadata
     return click.argument(
-        one.name,
-        metavar=said["argument"],
-        nargs=-1 if said["repeatable"] else 1,
-        required=one.default is attrs.NOTHING,
-        type=click.Path(path_type=Path) if said["value_type"] is Path else None,
-        shell_complete=complete_scenes if one.name == "scene" else None,
+        field.name,
+        metavar=metadata["argument"],
+        nargs=-1 if metadata["repeatable"] else 1,
+        required=field.default is attrs.NOTHING,
+        type=click.Path(path_type=Path) if metadata["value_type"] is Path else None,
+        shell_complete=complete_scenes if field.name == "scene" else None,
     )
 
 
 def _run(requested: Campaign, about: str, results: Results) -> None:
-    """Plan and run a campaign, write its results and say what was found."""
+    """Plan and run a campaign, write its results and print its findings."""
     from rollslip.cli import console
 
-    if told := requested.alternative_action():
-        click.echo(told)
+    if text := requested.alternative_action():
+        click.echo(text)
         return
-    made = requested.plan()
-    warn(getattr(made, "unusual", ()))
-    results.go_to(requested.folder_name(made, about))
-    if not results.as_json and (before := getattr(made, "messages", ())):
-        click.echo("\n".join(before))
-    dataset, first = (_kept if requested.resume_mode == "folder" else _whole)(
-        requested, made, results
-    )
+    plan = requested.plan()
+    resumes_folder = requested.resume_mode == "folder"
+    warn(getattr(plan, "unusual", ()))
+    results.choose_folder(requested.folder_name(plan, about))
+    if not results.as_json and (messages := getattr(plan, "messages", ())):
+        click.echo("\n".join(messages))
+    run = _run_in_folder if resumes_folder else _run_and_write
+    dataset, first = run(requested, plan, results)
     if results.as_json:
         print_json(_as_dict(requested, dataset) | results.as_dict())
     else:
         if first:
             click.echo(first)
-        console.print_found(dataset, "  " if requested.resume_mode == "folder" else "")
-        results.tell(dataset)
-    left = requested.retry_hints(dataset, results.target)
-    if left is not None:
-        for line in left:
-            click.echo(f"{line} {_by_itself(results)}", err=True)
+        console.print_found(dataset, "  " if resumes_folder else "")
+        results.print_summary(dataset)
+    hints = requested.retry_hints(dataset, results.target)
+    if hints is not None:
+        for line in hints:
+            click.echo(f"{line} {_resume_hint(results)}", err=True)
         sys.exit(SOME_FAILED)
 
 
 def _as_dict(requested: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return what was found as plain values, with where it comes from as far as its origin says."""
+    """Return the findings of a campaign as plain values, with scene and warnings of a campaign of a scene."""
     from rollslip.cli import console
     from rollslip.cli.units import with_units
     from rollslip.results.accounts import account_of
@@ -172,63 +183,65 @@ def _as_dict(requested: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
     )
 
 
-def _by_itself(results: Results) -> str:
+def _resume_hint(results: Results) -> str:
+    """Return the hint on how to resume a campaign that stores its points in the folder of results."""
     return f"go on by the same command with --out {shlex.quote(str(results.target))}"
 
 
-def _kept(requested: Campaign, made: Any, results: Results) -> "tuple[xr.Dataset, str]":
-    """Run in the folder of the results, from which the same command goes on; return what was found and a first line."""
+def _run_in_folder(requested: Campaign, plan: Any, results: Results) -> "tuple[xr.Dataset, str]":
+    """Run a campaign in the folder of results, from which the same command resumes it; return its result."""
     from rollslip.errors import EngineError
 
     name = requested.result or requested.name
     try:
         with progress(name) as show:
             dataset = requested.run(
-                made,
+                plan,
                 results.target,
                 show,
                 lambda text: click.echo(f"  {text}", err=results.as_json),
             )
     except KeyboardInterrupt:
-        click.echo(f"interrupted; what was done is kept; {_by_itself(results)}", err=True)
+        click.echo(f"interrupted; what was done is kept; {_resume_hint(results)}", err=True)
         sys.exit(INTERRUPTED)
     except EngineError as error:
-        raise EngineError(f"{error}\nwhat was done is kept; {_by_itself(results)}") from error
+        raise EngineError(f"{error}\nwhat was done is kept; {_resume_hint(results)}") from error
     results.show({name: dataset}, results.target)
     return dataset, ""
 
 
-def _whole(requested: Campaign, made: Any, results: Results) -> "tuple[xr.Dataset, str]":
-    """Run, and write the results all at once; what is kept until then goes when they are there."""
+def _run_and_write(requested: Campaign, plan: Any, results: Results) -> "tuple[xr.Dataset, str]":
+    """Run a campaign and write its results at the end; return the result and the first line of the output."""
     from rollslip.results.dataset import save
 
     name = requested.result or requested.name
-    kept = results.checkpoint_folder() if requested.resume_mode == "resume" else None
-    told = interruptible(kept, results.go_on(_as_typed())) if kept is not None else nullcontext()
-    with told, results.folder() as folder:
-        with progress(requested.name, getattr(made, "seconds", float("nan"))) as show:
-            dataset = requested.run(made, kept or folder, show, lambda text: None)
+    checkpoints = results.checkpoint_folder() if requested.resume_mode == "resume" else None
+    hint = results.resume_hint(_typed_command())
+    guard = interruptible(checkpoints, hint) if checkpoints is not None else nullcontext()
+    with guard, results.folder() as folder:
+        with progress(requested.name, getattr(plan, "seconds", float("nan"))) as show:
+            dataset = requested.run(plan, checkpoints or folder, show, lambda text: None)
         save(dataset, folder / f"{name}.nc")
         first = requested.write(dataset, folder)
         results.show({name: dataset}, folder)
-    if kept is not None:
-        shutil.rmtree(kept, ignore_errors=True)
+    if checkpoints is not None:
+        shutil.rmtree(checkpoints, ignore_errors=True)
     return dataset, first
 
 
-def _as_typed() -> list[str]:
-    """Return the command as it was typed, without where results go and how."""
+def _typed_command() -> list[str]:
+    """Return the arguments of the command as they were typed, without options on the output of results."""
     context = click.get_current_context()
-    words = ["rollslip", str(context.info_name)]
-    for one in context.command.params:
-        value = context.params[one.name or ""]
-        typed = (
-            context.get_parameter_source(one.name or "") is click.core.ParameterSource.COMMANDLINE
-        )
-        if typed and one.name not in OF_RESULTS | {"no_plots", "formats"}:
-            each = value if isinstance(value, tuple) else (value,)
-            words += [
-                str(text) if isinstance(one, click.Argument) else f"{one.opts[0]}={text}"
-                for text in each
-            ]
-    return words
+    arguments = ["rollslip", str(context.info_name)]
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        if source is click.core.ParameterSource.COMMANDLINE and name not in OUTPUT_OPTIONS | {
+            "no_plots",
+            "formats",
+        }:
+            value = context.params[name]
+            for text in value if isinstance(value, tuple) else (value,):
+                prefix = "" if isinstance(parameter, click.Argument) else f"{parameter.opts[0]}="
+                arguments.append(f"{prefix}{text}")
+    return arguments

@@ -1,4 +1,4 @@
-"""How models, data and kinds read on a terminal and in JSON."""
+"""Print models, data and kinds on a terminal, and convert them to plain values for JSON."""
 
 import inspect
 from typing import Any
@@ -9,10 +9,10 @@ import click
 from rollslip.catalogue.discovery import (
     available,
     catalogue,
+    describe_other_product,
     families,
     find,
     get_class,
-    describe_other_product,
     load,
 )
 from rollslip.catalogue.installed import Offer
@@ -29,19 +29,19 @@ from rollslip.units import format_quantity
 
 __all__ = ["explained", "kinds_of", "models_as_dict", "print_models"]
 
-#: What people say of a kind.
+#: Other name of a kind -> the kind.
 _KINDS = {
     "oil": "lubricant",
     "oils": "lubricant",
     "lubricants": "lubricant",
     "bearings": "bearing",
 }
-#: Of the scatter of a datum, what stands before and behind its parameters.
-_SAID = ("quantity", "distribution", "grade", "source")
+#: Keys of the scatter of a datum other than the parameters of its distribution.
+_SCATTER_KEYS = ("quantity", "distribution", "grade", "source")
 
 
 def print_models(what: str | None) -> None:
-    """Print all names, the models of a kind, or all about one name."""
+    """Print all names, the models of a kind, or the description of one model."""
     what = _KINDS.get(what, what) if what is not None else None
     if what is None:
         for kind in offered_kinds():
@@ -50,36 +50,37 @@ def print_models(what: str | None) -> None:
                 for offer in _offers()
                 if offer.kind == kind and offer.state == "ok" and offer.is_family
             ]
-            many = [f"many of {offer.name}: 'rollslip models {kind}'" for offer in offers]
-            click.echo(f"{kind:<11} {', '.join([*available(kind), *many]) or 'none installed'}")
+            texts = [f"many of {offer.name}: 'rollslip models {kind}'" for offer in offers]
+            click.echo(f"{kind:<11} {', '.join([*available(kind), *texts]) or 'none installed'}")
         for offer in _offers():
             if offer.state != "ok":
-                told = f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}"
-                click.echo(told, err=True)
+                text = f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}"
+                click.echo(text, err=True)
         click.echo(
             "'rollslip models NAME' shows equation, parameters, domain and references of one"
         )
     elif what in offered_kinds():
-        print_table(("name", "package", "what it is"), [_summary(offer) for offer in _every(what)])
+        rows = [_summary(offer) for offer in _all_offers(what)]
+        print_table(("name", "package", "what it is"), rows)
     else:
         for kind in kinds_of(what):
             _print_model(kind, what)
 
 
 def models_as_dict(what: str | None) -> Any:
-    """Return what ``print_models`` prints, as plain values."""
+    """Return the content of `print_models` as plain values."""
     if what is None:
         return [attrs.asdict(offer) for offer in _offers()]
     what = _KINDS.get(what, what)
     if what in offered_kinds():
-        return {offer.name: _model_as_dict(what, offer.name) for offer in _every(what)}
+        return {offer.name: _model_as_dict(what, offer.name) for offer in _all_offers(what)}
     return {kind: _model_as_dict(kind, what) for kind in kinds_of(what)}
 
 
 def explained(code: str) -> dict[str, str]:
-    """Return what a code of a note, or of a rule of the verdict, stands for: each part by what it is called."""
+    """Return the explanation of the code of a note, or of a rule of the verdict: title -> text."""
     found = {
-        one.code: {"verdict": one.verdict, "where": one.condition, "rests on": one.source} for one in RULES
+        rule.code: {"verdict": rule.verdict, "where": rule.condition, "rests on": rule.source} for rule in RULES
     } | {APPROXIMATION: {"note": "a law that approximates another is off it by as much as the note says",
                          "remedy": "the law that it approximates, which the note names"}}  # fmt: skip
     own = dict[tuple[str, str], dict[str, list[str]]]()
@@ -90,18 +91,16 @@ def explained(code: str) -> dict[str, str]:
                 if offer.state == "ok" and not get_kind(kind).data
                 else {}
             )
-            for one in about.get("made_for", ()):
-                row = found.setdefault(one["code"], {"laws": "", "valid for": "", "outside": ""})
+            for bound in about.get("made_for", ()):
+                row = found.setdefault(bound["code"], {"laws": "", "valid for": "", "outside": ""})
                 law = f"{kind} {name}"
                 row["laws"] = ", ".join(filter(None, (row["laws"], law)))
-                row |= {"remedy": one["remedy"], "rests on": one["source"]}
-                for key, text in (("valid for", one["bound"]), ("outside", one["outside"])):
-                    own.setdefault((one["code"], key), {}).setdefault(text, []).append(law)
-    for (
-        each,
-        key,
-    ), texts in own.items():  # laws that have bounds or numbers of their own are told with them
-        found[each][key] = "; ".join(
+                row |= {"remedy": bound["remedy"], "rests on": bound["source"]}
+                for key, text in (("valid for", bound["bound"]), ("outside", bound["outside"])):
+                    own.setdefault((bound["code"], key), {}).setdefault(text, []).append(law)
+    # where bounds or numbers differ, each text names its laws
+    for (known_code, key), texts in own.items():
+        found[known_code][key] = "; ".join(
             f"{', '.join(laws)}: {text}" if len(texts) > 1 else text for text, laws in texts.items()
         )
     if code not in found:
@@ -116,15 +115,15 @@ def explained(code: str) -> dict[str, str]:
 
 
 def kinds_of(name: str) -> list[str]:
-    """Return the kinds in which something of this name is offered."""
-    named = [kind.name for kind in usable_kinds() if kind.listed]  # with what waits for a user
+    """Return the kinds in which a name is offered; raise `UnknownNameError` where there is none."""
+    named = [kind.name for kind in usable_kinds() if kind.listed]
     offering = [kind for kind in named if name in available(kind)] or [
         kind for kind in offered_kinds() if get_kind(kind).data and _is_called(kind, name)
     ]
     if not offering:
         if other := describe_other_product("bearing", name):
             raise UnknownNameError(f"nothing is called {name!r}: {other}")
-        names = [offer.name for kind in offered_kinds() for offer in _every(kind)]
+        names = [offer.name for kind in offered_kinds() for offer in _all_offers(kind)]
         hint = did_you_mean(
             nearest(name, [*offered_kinds(), *names], cutoff=0.4), "'rollslip models' lists them"
         )
@@ -133,6 +132,7 @@ def kinds_of(name: str) -> list[str]:
 
 
 def _is_called(kind: str, name: str) -> bool:
+    """Whether a kind of data has a name, in any spelling."""
     try:
         find(kind, name)
     except PluginError:
@@ -140,19 +140,21 @@ def _is_called(kind: str, name: str) -> bool:
     return True
 
 
-def _every(kind: str) -> list[Offer]:
-    """Return all names of a kind, those of families after the others."""
-    many = [
+def _all_offers(kind: str) -> list[Offer]:
+    """Return the offers of all names of a kind, those of families last."""
+    of_families = [
         attrs.evolve(offer, name=name) for offer, family in families(kind) for name in family.names
     ]
-    return [*available(kind).values(), *many]
+    return [*available(kind).values(), *of_families]
 
 
 def _offers() -> list[Offer]:
+    """Return the offers of all kinds that are listed."""
     return [offer for offer in catalogue() if offer.kind in offered_kinds()]
 
 
 def _summary(offer: Offer) -> tuple[str, str, str]:
+    """Return name, package and first line of the description of an offer."""
     try:
         thing = load(offer)
     except PluginError as error:
@@ -168,41 +170,17 @@ def _summary(offer: Offer) -> tuple[str, str, str]:
 
 
 def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
-    from rollslip_kernels.slices import COLUMNS, CONDITIONS
-
+    """Return the description of a model or a data set as plain values."""
     offer = find(kind, name)
     thing = get_class(kind, name)
-    name = offer.name  # the one it has, whatever was written
     about: dict[str, Any] = {
         "kind": kind,
-        "name": name,
+        "name": offer.name,  # the exact name, for any spelling
         "package": offer.package,
         "version": offer.version,
     }
     if get_kind(kind).data:
-        about |= {
-            "description": thing.description,
-            "source": thing.source,
-            "references": list(map(str, thing.references)),
-        }
-        if hasattr(thing, "grades"):
-            about |= {
-                "grades": dict(thing.grades),
-                "legend": {grade: GRADES[grade] for grade in sorted(set(thing.grades.values()))},
-                "scatter": [
-                    {"quantity": one.quantity, "distribution": one.distribution, "grade": one.grade,
-                     "source": one.source} | dict(one.parameters)
-                    for one in thing.scatter
-                ],
-            }  # fmt: skip
-        if kind == "lubricant":
-            limits = (thing.minimum_temperature, thing.maximum_temperature)
-            return about | {
-                "range": [format_quantity(T, "K") for T in limits],
-                "synonyms": list(thing.synonyms),
-            }
-        return about | {"validity": thing.validity, "values": resolved(thing.data)}
-    members = {**CONDITIONS, **COLUMNS}
+        return about | _data_as_dict(kind, thing)
     parameters = [
         {
             "name": a.name,
@@ -225,11 +203,44 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             {"name": key, "dimensions": output.dims, "unit": output.unit, "meaning": output.meaning}
             for key, output in outputs.items()
         ]
-    if not issubclass(thing, SliceModel):
-        return about
-    model = thing() if all(a.default is not attrs.NOTHING for a in attrs.fields(thing)) else thing
+    return about | _law_as_dict(kind, thing) if issubclass(thing, SliceModel) else about
+
+
+def _data_as_dict(kind: str, thing: Any) -> dict[str, Any]:
+    """Return the description of a data set."""
+    about: dict[str, Any] = {
+        "description": thing.description,
+        "source": thing.source,
+        "references": list(map(str, thing.references)),
+    }
+    if hasattr(thing, "grades"):
+        about |= {
+            "grades": dict(thing.grades),
+            "legend": {grade: GRADES[grade] for grade in sorted(set(thing.grades.values()))},
+            "scatter": [
+                {key: getattr(scatter, key) for key in _SCATTER_KEYS} | dict(scatter.parameters)
+                for scatter in thing.scatter
+            ],
+        }
+    if kind == "lubricant":
+        limits = (thing.minimum_temperature, thing.maximum_temperature)
+        return about | {
+            "range": [format_quantity(T, "K") for T in limits],
+            "synonyms": list(thing.synonyms),
+        }
+    return about | {"validity": thing.validity, "values": resolved(thing.data)}
+
+
+def _law_as_dict(kind: str, thing: Any) -> dict[str, Any]:
+    """Return the members, the validity and the form of a law; of a law with required parameters by its class."""
+    from rollslip_kernels.slices import COLUMNS, CONDITIONS
+
+    members = {**CONDITIONS, **COLUMNS}
+    has_defaults = all(a.default is not attrs.NOTHING for a in attrs.fields(thing))
+    model = thing() if has_defaults else thing
+    about = dict[str, Any]()
     if kind == "film":
-        about |= {"returns": f"{model.location} film thickness", "regime": model.regime}
+        about = {"returns": f"{model.location} film thickness", "regime": model.regime}
     return about | {
         "reads": [
             {
@@ -243,23 +254,22 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         "writes": sorted(model.writes),
         "made_for": [
             {
-                "code": one.code,
-                "bound": describe_bound(one),
-                "outside": one.consequence_range,
-                "remedy": one.remedy,
-                "source": one.source,
+                "code": bound.code,
+                "bound": describe_bound(bound),
+                "outside": bound.consequence_range,
+                "remedy": bound.remedy,
+                "source": bound.source,
             }
-            for one in (() if isinstance(model, type) else model.validity)
+            for bound in (model.validity if has_defaults else ())
         ],
-        # of a law without defaults there is no model to ask
-        "compiled": thing.kernel is not SliceModel.kernel
-        if isinstance(model, type)
-        else model.kernel() is not None,
+        "compiled": model.kernel() is not None
+        if has_defaults
+        else thing.kernel is not SliceModel.kernel,
     }
 
 
 def _values(prefix: str, data: Any) -> list[tuple[str, str]]:
-    """Return the values of a set of data by the keys of a scene, as a scene may have them."""
+    """Return the values of a data set by the keys of a scene, as a scene may have them."""
     rows = []
     for attribute in attrs.fields(type(data)):
         key = f"{prefix}.{attribute.name}"
@@ -275,6 +285,7 @@ def _values(prefix: str, data: Any) -> list[tuple[str, str]]:
 
 
 def _default(attribute: "attrs.Attribute[Any]") -> str:
+    """Return the default of a parameter as text."""
     default: Any = attribute.default
     if default is attrs.NOTHING:
         return "required"
@@ -293,6 +304,7 @@ def _default(attribute: "attrs.Attribute[Any]") -> str:
 
 
 def _print_model(kind: str, name: str) -> None:
+    """Print the description of a model or a data set."""
     about = _model_as_dict(kind, name)
     click.echo(f"{about['name']} ({kind}, {about['package']} {about['version']})\n")
     click.echo(about["description"] + "\n")
@@ -302,6 +314,16 @@ def _print_model(kind: str, name: str) -> None:
         if key in about:
             value = about[key] if isinstance(about[key], str) else " to ".join(about[key])
             click.echo(f"{key:<11} {value}")
+    _print_data(kind, name, about)
+    _print_law(about)
+    if about["references"]:
+        click.echo("references")
+    for text in about["references"]:
+        click.echo(f"  {text}")
+
+
+def _print_data(kind: str, name: str, about: dict[str, Any]) -> None:
+    """Print the parts of a description that only data sets have."""
     if about.get("synonyms"):
         click.echo(f"also called {', '.join(about['synonyms'])}")
     if about.get("values"):
@@ -312,11 +334,18 @@ def _print_model(kind: str, name: str) -> None:
             f"quality     {', '.join(f'{key} ({grade})' for key, grade in about['grades'].items())}"
         )
         click.echo(f"            {legend(about['legend'])}")
-    for one in about.get("scatter", ()):
-        own = ", ".join(f"{key} {value}" for key, value in one.items() if key not in _SAID)
-        click.echo(
-            f"scatter     {one['quantity']} {one['distribution']}, {own} {one['grade']}: {one['source']}"
+    for scatter in about.get("scatter", ()):
+        parameters = ", ".join(
+            f"{key} {value}" for key, value in scatter.items() if key not in _SCATTER_KEYS
         )
+        click.echo(
+            f"scatter     {scatter['quantity']} {scatter['distribution']}, {parameters} {scatter['grade']}: "
+            f"{scatter['source']}"
+        )
+
+
+def _print_law(about: dict[str, Any]) -> None:
+    """Print the parts of a description that only models have."""
     if about.get("parameters"):
         click.echo("parameters")
         print_table(
@@ -352,7 +381,3 @@ def _print_model(kind: str, name: str) -> None:
             ("name", "over", "unit", "meaning"),
             [(o["name"], o["dimensions"], o["unit"], o["meaning"]) for o in about["outputs"]],
         )
-    if about["references"]:
-        click.echo("references")
-    for text in about["references"]:
-        click.echo(f"  {text}")

@@ -16,9 +16,9 @@ from rollslip.cli.app import (
     INTERRUPTED,
     NOT_CONVERGED,
     Results,
-    at_a_terminal,
     complete_models,
     interruptible,
+    is_interactive,
     json_option,
     print_json,
     progress,
@@ -90,7 +90,7 @@ def new(file: Path, **given: str | None) -> None:
         )
         return said
 
-    asking = at_a_terminal()
+    asking = is_interactive()
     values, missing = completed(written, requested if asking else None)
     text = new_scene(str(path), frozenset() if asking else frozenset(missing), **values)
     with whole_file(path) as place:
@@ -192,14 +192,18 @@ def run(
     made = plan(scene_of(scene, changes, later=CATALOGUE_LOAD_WARNING), study)
     if verbose and not results.as_json:
         click.echo(console.headline(made))
-    own = describe_own_cage(made.scene, made.studies)  # which the answer tells among what is assumed
+    own = describe_own_cage(
+        made.scene, made.studies
+    )  # which the answer tells among what is assumed
     for sentence in made.cost_sentences:
         if verbose or sentence != own:
             click.echo(f"note: {sentence}", err=True)
-    results.go_to(f"{Path(scene).stem}-results")
+    results.choose_folder(f"{Path(scene).stem}-results")
     kept = results.checkpoint_folder()
     changed = [scene, *(f"--set={c}" for c in changes)]
-    go_on = results.go_on(["rollslip", "run", *changed, *(["--study", study] if study else [])])
+    go_on = results.resume_hint(
+        ["rollslip", "run", *changed, *(["--study", study] if study else [])]
+    )
     datasets = {}
     failures = dict[str, RollslipError]()
     with interruptible(kept, go_on), results.folder() as folder:
@@ -245,7 +249,7 @@ def run(
             )
             click.echo(f"confidence: {confidence(datasets.values())}\nnotes:{notes or ' none'}")
         console.print_results(datasets.values(), whole=verbose)
-        results.tell(*datasets.values(), laws=False)
+        results.print_summary(*datasets.values(), laws=False)
     if "interrupted" in outcomes:
         click.echo(go_on, err=True)
         sys.exit(INTERRUPTED)

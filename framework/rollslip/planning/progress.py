@@ -60,7 +60,15 @@ class ProgressTimer:
         self._left = math.nan
 
     def update(self, fraction: float, left: float) -> None:
-        """Store the fraction that is done, and the time left [s] where it is known."""
+        """Store the progress.
+
+        Parameters
+        ----------
+        fraction : float
+            Fraction that is done; NaN where it is not known.
+        left : float
+            Time left [s]; NaN where it is not known.
+        """
         self.updated = time.monotonic()
         self._fraction = fraction
         self._left = left

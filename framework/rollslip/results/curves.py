@@ -151,7 +151,15 @@ def percent(fraction: float) -> str:
 
 
 def digits(value: float, count: int) -> str:
-    """Return a number with a count of significant digits, trailing zeros included."""
+    """Return a number as text, trailing zeros included.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    count : int
+        Significant digits.
+    """
     return f"{value:#.{count}g}".removesuffix(".")
 
 

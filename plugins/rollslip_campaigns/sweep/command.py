@@ -58,7 +58,7 @@ def _sweep_run(requested: SweepSettings, about: str, results: Results) -> None:
     warn(planned.unusual)
     if not results.as_json:
         click.echo("\n".join(planned.messages))
-    results.go_to(requested.folder_name(planned, about))
+    results.choose_folder(requested.folder_name(planned, about))
     _run_sweep(planned, create_folder(planned, results.target), (), results)
 
 

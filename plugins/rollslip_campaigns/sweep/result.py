@@ -154,19 +154,21 @@ def deviations_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
             f"scene: {describe_error(error)}"
         ]
     accuracy_keys = {output: key for key, output in cls.controlled_outputs.items()}
-    deviations = dict[str, float]()
-    for name in sweep.outputs:
-        if name not in run or name not in point or run[name].dtype.kind != "f":
-            continue
-        if run[name].shape != point[name].shape:
-            continue
-        key = accuracy_keys.get(name, name)
-        deviation = errors_between({key: name}, point, run).get(key, 0.0)
-        if deviation > run_plan.scene.accuracy.of(key):
-            deviations[name] = deviation
-    if not deviations:
+    compared = {
+        name: accuracy_keys.get(name, name)
+        for name in sweep.outputs
+        if name in run and name in point and run[name].dtype.kind == "f"
+        if run[name].shape == point[name].shape
+    }
+    deviations = {
+        name: errors_between({key: name}, point, run).get(key, 0.0)
+        for name, key in compared.items()
+    }
+    accuracy = run_plan.scene.accuracy
+    excessive = [name for name, key in compared.items() if deviations[name] > accuracy.of(key)]
+    if not excessive:
         return []
-    differences = ", ".join(f"{name} is {value:.1e}" for name, value in deviations.items())
+    differences = ", ".join(f"{name} is {deviations[name]:.1e}" for name in excessive)
     return [
         f"at {sweep.design.describe_point(number)} {differences} off a run of the scene, more than the tolerance of "
         f"{run_plan.scene.accuracy.tolerance:g}; the others of {done.size} points were not run so, and may be as far "
@@ -177,15 +179,9 @@ def deviations_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
 def _unit_of_axis(axis: Axis) -> dict[str, str]:
     """Attribute for figures with the unit in which the values of an axis were given, if it is the same for all."""
     unit = axis.quantity.unit
-    units = set[str | None]()
-    if axis.given_unit:
-        units = {axis.given_unit}
-    elif unit:
-        units = {unit_given(value, unit) for value in axis.listed}
-    if len(units) != 1:
-        return {}
-    given = str(units.pop())
-    return {} if given == unit else {"written_in": given}
+    units = {unit_given(value, unit) for value in axis.listed} if unit else set()
+    given = axis.given_unit or (units.pop() if len(units) == 1 else unit)
+    return {} if given is None or given == unit else {"written_in": given}
 
 
 def _about(quantity: Any) -> dict[str, Any]:
