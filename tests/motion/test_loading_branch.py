@@ -492,9 +492,12 @@ class Torques:
         self.fine = fine or self
         self.count = 0
 
+    def at_slip(self, slip):
+        return self.torque(logit_slip(slip))
+
     def find(self, slips, starts=None):
         self.count += slips.size
-        torques = [self.torque(logit_slip(slip)) for slip in slips.tolist()]
+        torques = [self.at_slip(slip) for slip in slips.tolist()]
         return [
             [Motion(slip, torque, np.zeros(1), 1.0, True)]
             for slip, torque in zip(slips.tolist(), torques, strict=True)
@@ -597,6 +600,17 @@ def test_a_steady_slip_is_looked_for_up_to_a_quarter_beyond_an_interval(deviatio
     """It is 1.17 or 1.4 times the slip at the end."""
     slip, balanced = beyond_the_end_of_an_interval(deviation)
     assert slip == pytest.approx(balanced if is_found else 1.0, abs=1e-6)
+
+
+def test_a_driven_cage_is_found_by_doubling_its_slip_from_a_small_one():
+    """From 1e-5 on to 0.64 there are 17 slips, and then the root; from half of that there is one more."""
+    motions = Torques(slip_from_logit)
+    branch = find_loading_branch(motions, 0.9, motions)
+    motions.at_slip = lambda slip: slip
+    count = motions.count
+    (steady,) = branch.find_steady_motions(lambda _: 0.6)
+    assert steady.slip == pytest.approx(-0.6, rel=1e-9)
+    assert motions.count - count == 17 + 1
 
 
 def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_on_all_slices():
