@@ -898,9 +898,7 @@ def test_a_profile_that_finds_a_lower_minimum_starts_anew():
 
 
 def test_a_search_that_does_not_end_is_an_error(monkeypatch):
-    monkeypatch.setattr(
-        least_squares, "_SEARCH", attrs.evolve(least_squares._SEARCH, max_evaluations=3)
-    )
+    monkeypatch.setattr(least_squares, "_MAX_EVALUATIONS", 3)
     with pytest.raises(
         ConvergenceError, match=r"the fit did not converge: the sum of squares \d.* still falls"
     ):
@@ -925,8 +923,7 @@ def coverage_script():
 def test_intervals_of_the_covariance_hold_the_truth_as_often_as_they_say(monkeypatch):
     """100 noises; four binomial standard deviations, beyond which one in 16000 such tests would be by chance."""
     # the only minimum is not in question here
-    one_start = attrs.evolve(least_squares._SEARCH, other_starts=0)
-    monkeypatch.setattr(least_squares, "_SEARCH", one_start)
+    monkeypatch.setattr(least_squares, "_OTHER_STARTS", 0)
     fractions, count = coverage_script().coverage("four curves, 2 % noise", 100, profiles=False)
     assert count == 100
     for level, held in zip(LEVELS, fractions[0].T, strict=True):
@@ -1133,9 +1130,7 @@ def test_what_cannot_be_fitted_leaves_nothing_behind(examples, capsys, monkeypat
     assert "other.toml: there is no such file" in said
     assert "[lubricant]" in said
     assert "did you mean 'muraki'" in command(f"{PROMISED} --traction murakii", capsys, 2).err
-    monkeypatch.setattr(
-        least_squares, "_SEARCH", attrs.evolve(least_squares._SEARCH, max_evaluations=2)
-    )
+    monkeypatch.setattr(least_squares, "_MAX_EVALUATIONS", 2)
     assert "did not converge" in command(PROMISED, capsys, 3).err
     assert sorted(examples.iterdir()) == before
 

@@ -38,32 +38,16 @@ Extract = Callable[[Slices], Mapping[str, Array]]
 #: Doubling both moves slices to lower bins; the sum of all bins stays.
 LIMITS: Final = (0.1, 1.0)
 
-
-@attrs.frozen
-class _Timing:
-    """How the time of a chain of laws is measured.
-
-    Attributes
-    ----------
-    max_rounds : int
-        Rounds over the timed parts at most. Doubling it lowers the smallest times a little further and doubles the
-        time for cheap laws. Chosen.
-    max_seconds : float
-        Time [s] after which a chain is not timed again. Chosen; doubling it doubles the time for costly laws.
-    slices : int
-        Slices that are timed; of more work, every n-th part is taken. Doubling it leaves time for fewer rounds. Chosen.
-    part_size : int
-        Largest number of slices in a part: so small that some rounds of it run undisturbed by other processes, so
-        large that the time of the call does not count. Chosen.
-    """
-
-    max_rounds: int = 20
-    max_seconds: float = 1.0
-    slices: int = 50_000
-    part_size: int = 4096
-
-
-_TIMING: Final = _Timing()
+#: Rounds over the timed parts at most. Doubling it lowers the smallest times a little further and doubles the time
+#: for cheap laws. Chosen.
+_MAX_ROUNDS: Final = 20
+#: Time [s] after which a chain is not timed again. Chosen; doubling it doubles the time for costly laws.
+_MAX_SECONDS: Final = 1.0
+#: Slices that are timed; of more work, every n-th part is taken. Doubling it leaves time for fewer rounds. Chosen.
+_TIMED_SLICES: Final = 50_000
+#: Largest number of slices in a part: so small that some rounds of it run undisturbed by other processes, so large
+#: that the time of the call does not count. Chosen.
+_PART_SIZE: Final = 4096
 #: Standard deviation of a relative difference that is rounding error: below it the difference is constant and no
 #: grouping explains it. Chosen far above rounding of double precision and far below differences of models.
 _ROUNDING = 1e-9
@@ -82,7 +66,7 @@ class EvaluatedSlices:
         pending = list[LoadedSlices]()
         for loaded in plan.studies[study].loaded_slices(plan.assemblies[study], result):
             size = sum(part.load.size for part in pending) + loaded.load.size
-            if pending and (loaded.curve != pending[0].curve or size > _TIMING.part_size):
+            if pending and (loaded.curve != pending[0].curve or size > _PART_SIZE):
                 parts.append(_join(pending))
                 pending = []
             pending.append(loaded)
@@ -207,13 +191,13 @@ def seconds_per_slice(
     dict
         Sum over the timed parts of the smallest time of all rounds, over their slices, by label.
     """
-    stride = work.slices // _TIMING.slices | 1  # odd, since the parts of two rings alternate
+    stride = work.slices // _TIMED_SLICES | 1  # odd, since the parts of two rings alternate
     timed = EvaluatedSlices(work.parts[::stride])
     smallest = {label: first[::stride] for label, first in times.items()}
     spent = {label: float(first.sum()) for label, first in smallest.items()}
-    for _ in range(_TIMING.max_rounds):
+    for _ in range(_MAX_ROUNDS):
         for label in smallest:
-            if spent[label] < _TIMING.max_seconds:
+            if spent[label] < _MAX_SECONDS:
                 _, seconds = timed.evaluate(plans[label], lambda table: {})
                 smallest[label] = np.minimum(smallest[label], seconds)
                 spent[label] += float(seconds.sum())

@@ -42,112 +42,58 @@ LEVELS: Final = (math.erf(math.sqrt(0.5)), 0.95)
 #: Points of a profile on either side of the estimate; for drawing only. Each costs a search; chosen.
 PROFILE_POINTS: Final = 15
 
+#: Step of the central differences of the Jacobian, in coordinates of order 1. The error of truncation, step^2, and
+#: that of rounding, 1e-16/step, are then both about 1e-11; doubling it makes truncation four times larger.
+_JACOBIAN_STEP: Final = 1e-5
+#: Evaluations of the residuals by one search; far more than a search that converges needs. Doubling it delays the
+#: error of one that does not.
+_MAX_EVALUATIONS: Final = 200
+#: Starts around the origin. Doubling it finds more of the other minima in twice the time; chosen.
+_OTHER_STARTS: Final = 8
+#: Half width of the cube of these starts: a factor of 5 in a logarithmic parameter. Chosen; a larger one starts
+#: where laws have no value.
+_START_SPREAD: Final = math.log(5.0)
 
-@attrs.frozen
-class _SearchSettings:
-    """Settings of one minimisation, and of its starts.
+#: Singular values of the Jacobian below this fraction of the largest are rounding: differences have errors of
+#: 1e-11. Doubling it changes nothing except for nearly degenerate parameters.
+_RANK_TOLERANCE: Final = 1e-9
+#: Smallest standard deviation of a residual, where data fit exactly: rounding of friction over its size. Doubling
+#: it doubles the intervals of exact data.
+_MIN_SCALE: Final = 1e-9
+#: Part of a parameter in an undetermined direction above which the parameter has no covariance. Chosen; smaller
+#: parts are rounding of directions.
+_MIN_PART: Final = 1e-4
+#: Distance from a bound, in coordinates of order 1, below which a parameter is at this bound. Chosen; searches end
+#: within 1e-10. Doubling it changes nothing.
+_BOUND_DISTANCE: Final = 1e-6
+#: Fall of chi2, in variances per unit of x beyond a bound, above which the bound is active. Chosen: far below the
+#: quantiles, so that an active bound does not change a limit unnoticed. Doubling it reports fewer bounds.
+_BOUND_SLOPE: Final = 0.1
 
-    Attributes
-    ----------
-    step : float
-        Step of the central differences of the Jacobian, in coordinates of order 1. The error of truncation, step^2, and
-        that of rounding, 1e-16/step, are then both about 1e-11; doubling it makes truncation four times larger.
-    max_evaluations : int
-        Evaluations of the residuals by one search; far more than a search that converges needs. Doubling it delays the
-        error of one that does not.
-    other_starts : int
-        Starts around the origin. Doubling it finds more of the other minima in twice the time; chosen.
-    spread : float
-        Half width of the cube of these starts: a factor of 5 in a logarithmic parameter. Chosen; a larger one starts
-        where laws have no value.
-    """
-
-    step: float = 1e-5
-    max_evaluations: int = 200
-    other_starts: int = 8
-    spread: float = math.log(5.0)
-
-
-_SEARCH: Final = _SearchSettings()
-
-
-@attrs.frozen
-class _UncertaintySettings:
-    """Limits between what residuals determine and rounding.
-
-    Attributes
-    ----------
-    rank : float
-        Singular values of the Jacobian below this fraction of the largest are rounding: differences have errors of
-        1e-11. Doubling it changes nothing except for nearly degenerate parameters.
-    min_scale : float
-        Smallest standard deviation of a residual, where data fit exactly: rounding of friction over its size. Doubling
-        it doubles the intervals of exact data.
-    min_part : float
-        Part of a parameter in an undetermined direction above which the parameter has no covariance. Chosen; smaller
-        parts are rounding of directions.
-    bound_distance : float
-        Distance from a bound, in coordinates of order 1, below which a parameter is at this bound. Chosen; searches end
-        within 1e-10. Doubling it changes nothing.
-    bound_slope : float
-        Fall of chi2, in variances per unit of x beyond a bound, above which the bound is active. Chosen: far below the
-        quantiles, so that an active bound does not change a limit unnoticed. Doubling it reports fewer bounds.
-    """
-
-    rank: float = 1e-9
-    min_scale: float = 1e-9
-    min_part: float = 1e-4
-    bound_distance: float = 1e-6
-    bound_slope: float = 0.1
-
-
-_UNCERTAINTY: Final = _UncertaintySettings()
-
-
-@attrs.frozen
-class _ProfileSettings:
-    """Walk along a profile.
-
-    Attributes
-    ----------
-    max_step : float
-        Largest first step, in coordinates of order 1; the first step is half the way to the limit of the largest
-        quantile by the covariance, if that is shorter. Doubling it saves searches and misses rises in between.
-    unknown_step : float
-        First step of a parameter without a covariance. Doubling it saves one search a side; chosen.
-    growth : float
-        Factor of a step after the previous one. Doubling it reaches flat ends sooner, with a coarser walk.
-    shrinkage : float
-        Divisor of a step after a point without a value, or with another parameter at a bound. Doubling it ends the walk
-        in fewer searches, further from the stop. Chosen.
-    min_step : float
-        Fraction of the first step at which shrinking stops: after five quarters. Doubling it reports the end of the
-        walk up to twice as far from the stop.
-    lower_minimum : float
-        Fall of chi2 below the minimum, in variances, that counts as a lower minimum rather than as the
-        tolerance of a search. Doubling it changes nothing for separate minima. Chosen.
-    crossing_tolerance : float
-        Tolerance of a limit, as a fraction of the step of the walk; far below four printed digits. Doubling it saves
-        a fraction of a search.
-    reach : float
-        Extent of the drawn curve over the distance of the limit, for figures only. Chosen.
-    open_reach : float
-        Extent of the drawn curve where there is no limit: a factor of ten in a logarithmic parameter. For figures
-        only. Chosen.
-    """
-
-    max_step: float = 0.25
-    unknown_step: float = 0.05
-    growth: float = 1.5
-    shrinkage: float = 4.0
-    min_step: float = 1e-3
-    lower_minimum: float = 1e-3
-    crossing_tolerance: float = 1e-6
-    reach: float = 1.2
-    open_reach: float = math.log(10.0)
-
-
-_PROFILE: Final = _ProfileSettings()
+#: Largest first step, in coordinates of order 1; the first step is half the way to the limit of the largest
+#: quantile by the covariance, if that is shorter. Doubling it saves searches and misses rises in between.
+_MAX_STEP: Final = 0.25
+#: First step of a parameter without a covariance. Doubling it saves one search a side; chosen.
+_UNKNOWN_STEP: Final = 0.05
+#: Factor of a step after the previous one. Doubling it reaches flat ends sooner, with a coarser walk.
+_GROWTH: Final = 1.5
+#: Divisor of a step after a point without a value, or with another parameter at a bound. Doubling it ends the walk
+#: in fewer searches, further from the stop. Chosen.
+_SHRINKAGE: Final = 4.0
+#: Fraction of the first step at which shrinking stops: after five quarters. Doubling it reports the end of the
+#: walk up to twice as far from the stop.
+_MIN_STEP: Final = 1e-3
+#: Fall of chi2 below the minimum, in variances, that counts as a lower minimum rather than as the tolerance of a
+#: search. Doubling it changes nothing for separate minima. Chosen.
+_LOWER_MINIMUM: Final = 1e-3
+#: Tolerance of a limit, as a fraction of the step of the walk; far below four printed digits. Doubling it saves a
+#: fraction of a search.
+_CROSSING_TOLERANCE: Final = 1e-6
+#: Extent of the drawn curve over the distance of the limit, for figures only. Chosen.
+_REACH: Final = 1.2
+#: Extent of the drawn curve where there is no limit: a factor of ten in a logarithmic parameter. For figures only.
+#: Chosen.
+_OPEN_REACH: Final = math.log(10.0)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -276,7 +222,7 @@ def estimate(
                 "start nearer"
             )
         freedom = best.residuals.size - count
-        scale = 1.0 if known else max(math.sqrt(best.chi2 / freedom), _UNCERTAINTY.min_scale)
+        scale = 1.0 if known else max(math.sqrt(best.chi2 / freedom), _MIN_SCALE)
         covariance, spread, directions = _uncertainty(best.jacobian, scale)
         quantiles = _quantiles(freedom, known=known)
         curves = list[LikelihoodProfile]()
@@ -311,9 +257,9 @@ def _starts(low: Array, high: Array) -> list[Array]:
     root = 2.0  # of g^(d + 1) = g + 1, by fixed-point iteration to rounding
     for _ in range(50):
         root = (1.0 + root) ** (1.0 / (count + 1))
-    numbers = np.arange(1, _SEARCH.other_starts + 1)
+    numbers = np.arange(1, _OTHER_STARTS + 1)
     points = np.outer(numbers, root ** -np.arange(1.0, count + 1)) % 1.0
-    return [np.zeros(count), *np.clip(_SEARCH.spread * (2.0 * points - 1.0), low, high)]
+    return [np.zeros(count), *np.clip(_START_SPREAD * (2.0 * points - 1.0), low, high)]
 
 
 def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Minimum | None:
@@ -340,7 +286,7 @@ def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Min
         ftol=1e-12,
         xtol=1e-10,
         gtol=1e-12,
-        max_nfev=_SEARCH.max_evaluations,
+        max_nfev=_MAX_EVALUATIONS,
     )
     return Minimum(
         start=start,
@@ -357,26 +303,28 @@ def _jacobian(residuals: Residuals, x: Array) -> Array:
     columns = []
     for k in range(x.size):
         step = np.zeros_like(x)
-        step[k] = _SEARCH.step
+        step[k] = _JACOBIAN_STEP
         above = residuals(x + step)
         below = residuals(x - step)
         here = None if np.all(np.isfinite(above)) and np.all(np.isfinite(below)) else residuals(x)
         if here is None:
-            columns.append((above - below) / (2 * _SEARCH.step))
+            columns.append((above - below) / (2 * _JACOBIAN_STEP))
         else:
-            columns.append(np.where(np.isfinite(above), above - here, here - below) / _SEARCH.step)
+            columns.append(
+                np.where(np.isfinite(above), above - here, here - below) / _JACOBIAN_STEP
+            )
     return np.nan_to_num(np.column_stack(columns))
 
 
 def _uncertainty(jacobian: Array, scale: float) -> tuple[Array, Array, Array]:
     """Return the covariance, the standard deviations along the principal directions (ascending), and these."""
     _, values, directions = np.linalg.svd(jacobian, full_matrices=False)
-    determined = values > _UNCERTAINTY.rank * values.max(initial=0.0)
+    determined = values > _RANK_TOLERANCE * values.max(initial=0.0)
     spread = np.full(values.size, np.inf)
     spread[determined] = scale / values[determined]
     part = directions[determined] * spread[determined, None]
     covariance = part.T @ part
-    undetermined = np.any(np.abs(directions[~determined]) > _UNCERTAINTY.min_part, axis=0)
+    undetermined = np.any(np.abs(directions[~determined]) > _MIN_PART, axis=0)
     covariance[undetermined, :] = covariance[:, undetermined] = np.nan
     return covariance, spread, directions
 
@@ -392,9 +340,9 @@ def _quantiles(freedom: int, *, known: bool) -> tuple[float, ...]:
 def _active_bounds(minimum: Minimum, low: Array, high: Array, scale: float) -> Indices:
     """Return the parameters at a bound beyond which chi2 would fall."""
     slope = np.abs(minimum.jacobian.T @ minimum.residuals) * 2 / scale**2
-    distance = _UNCERTAINTY.bound_distance
+    distance = _BOUND_DISTANCE
     at_bound = (minimum.x - low < distance) | (high - minimum.x < distance)
-    return np.flatnonzero(at_bound & (slope > _UNCERTAINTY.bound_slope))
+    return np.flatnonzero(at_bound & (slope > _BOUND_SLOPE))
 
 
 @attrs.define(eq=False)
@@ -422,7 +370,7 @@ class _ProfileWalk:
         if minimum is None:
             return math.inf
         rise = (minimum.chi2 - self.best.chi2) / self.scale**2
-        if rise < -_PROFILE.lower_minimum:
+        if rise < -_LOWER_MINIMUM:
             raise _LowerMinimumError(np.insert(minimum.x, k, value))
         self.others[value] = minimum.x
         active = _active_bounds(minimum, low, high, self.scale)
@@ -447,9 +395,9 @@ class _ProfileWalk:
             ends.append(end)
             stops.append(() if end == bound or last >= quantiles[-1] else stop)
             limit = limits[-1, side]
-            reach = _PROFILE.open_reach
+            reach = _OPEN_REACH
             if np.isfinite(limit):
-                reach = _PROFILE.reach * abs(limit - best)
+                reach = _REACH * abs(limit - best)
             edge = float(best) + sign * min(reach, abs(end - best))
             x = np.linspace(best, edge, PROFILE_POINTS + 1)[1:]
             sides.append(np.column_stack((x, [self.rise(float(value)) for value in x])))
@@ -469,21 +417,21 @@ class _ProfileWalk:
         value = float(self.best.x[self.k])
         rise = 0.0
         stop: Stop = ()
-        step = _PROFILE.unknown_step
+        step = _UNKNOWN_STEP
         if error > 0.0:
-            step = min(math.sqrt(quantile) * error / 2, _PROFILE.max_step)
-        smallest = _PROFILE.min_step * step
+            step = min(math.sqrt(quantile) * error / 2, _MAX_STEP)
+        smallest = _MIN_STEP * step
         walk = [(value, 0.0)]
         while rise < quantile and value != bound and step > smallest:
             trial = float(np.clip(value + sign * step, self.low[self.k], self.high[self.k]))
             trial_rise = self.rise(trial)
             if math.isinf(trial_rise) or trial in self.bounded:
-                step = step / _PROFILE.shrinkage
+                step = step / _SHRINKAGE
                 stop = self.bounded.get(trial)
                 continue
             value = trial
             rise = trial_rise
-            step = _PROFILE.growth * step
+            step = _GROWTH * step
             walk.append((value, rise))
         return walk, stop
 
@@ -493,7 +441,7 @@ class _ProfileWalk:
 
         for (near, before), (far, after) in pairwise(walk):
             if before < quantile <= after:
-                tolerance = _PROFILE.crossing_tolerance * abs(far - near)
+                tolerance = _CROSSING_TOLERANCE * abs(far - near)
                 return float(
                     brentq(lambda value: self.rise(value) - quantile, near, far, xtol=tolerance)
                 )

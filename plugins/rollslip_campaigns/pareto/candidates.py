@@ -37,51 +37,30 @@ from rollslip_campaigns.pareto.findings import PLANNED, REFERENCE
 if TYPE_CHECKING:
     from rollslip_campaigns.pareto import ParetoSettings
 
-
-@attrs.frozen
-class _FamilySettings:
-    """Values of the settings that a family varies; more values make the front finer and the run longer. All chosen.
-
-    Attributes
-    ----------
-    slices : tuple of int
-        Numbers of equal slices; odd, so that one slice is at the centre.
-    gauss_points : tuple of int
-        Numbers of Gauss-Legendre points; fewer than slices, because they converge faster.
-    n_positions : tuple of int
-        Numbers of roller positions within one pitch.
-    table_factors : tuple of float
-        Tolerances of tables over that of the plan.
-    integrator_tolerances : tuple of float
-        Relative tolerances of a step.
-    crossed_slices, crossed_positions : tuple of int
-        Numbers of slices and of roller positions that are combined with each other.
-    crossed_tolerances : tuple of float
-        Relative tolerances that are combined with each integrator.
-    max_table_tolerance : float
-        Upper limit of the tolerance of tables, above which a table is meaningless.
-    reference_tables : float
-        Tolerance of tables of the reference solution over that of the plan. The time for loads over the orbit is
-        proportional to its inverse: halving it doubles this time.
-    coarsening : float
-        Tolerances of the solution that estimates the error of the reference solution, over those of the latter; slices
-        and roller positions are halved. Four is two halvings, as of a method of second order.
-    """
-
-    slices: tuple[int, ...] = (5, 11, 21, 41, 101, 201, 401)
-    gauss_points: tuple[int, ...] = (5, 11, 21, 41, 101)
-    n_positions: tuple[int, ...] = (1, 2, 4, 8, 16, 32, 64)
-    table_factors: tuple[float, ...] = (10.0, 3.0, 0.3)
-    integrator_tolerances: tuple[float, ...] = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-    crossed_slices: tuple[int, ...] = (5, 11, 21, 41)
-    crossed_positions: tuple[int, ...] = (1, 2, 4)
-    crossed_tolerances: tuple[float, ...] = (1e-3, 1e-5, 1e-7)
-    max_table_tolerance: float = 0.5
-    reference_tables: float = 0.1
-    coarsening: float = 4.0
-
-
-_FAMILY: Final = _FamilySettings()
+#: Numbers of equal slices; odd, so that one slice is at the centre.
+_SLICES: Final = (5, 11, 21, 41, 101, 201, 401)
+#: Numbers of Gauss-Legendre points; fewer than slices, because they converge faster.
+_GAUSS_POINTS: Final = (5, 11, 21, 41, 101)
+#: Numbers of roller positions within one pitch.
+_N_POSITIONS: Final = (1, 2, 4, 8, 16, 32, 64)
+#: Tolerances of tables over that of the plan.
+_TABLE_FACTORS: Final = (10.0, 3.0, 0.3)
+#: Relative tolerances of a step.
+_INTEGRATOR_TOLERANCES: Final = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+#: Numbers of slices and of roller positions that are combined with each other.
+_CROSSED_SLICES: Final = (5, 11, 21, 41)
+#: Numbers of slices and of roller positions that are combined with each other.
+_CROSSED_POSITIONS: Final = (1, 2, 4)
+#: Relative tolerances that are combined with each integrator.
+_CROSSED_TOLERANCES: Final = (1e-3, 1e-5, 1e-7)
+#: Upper limit of the tolerance of tables, above which a table is meaningless.
+_MAX_TABLE_TOLERANCE: Final = 0.5
+#: Tolerance of tables of the reference solution over that of the plan. The time for loads over the orbit is
+#: proportional to its inverse: halving it doubles this time.
+_REFERENCE_TABLES: Final = 0.1
+#: Tolerances of the solution that estimates the error of the reference solution, over those of the latter; slices
+#: and roller positions are halved. Four is two halvings, as of a method of second order.
+_COARSENING: Final = 4.0
 
 #: Label of the solution with half the resolution of the reference solution.
 HALF = "half as fine"
@@ -299,7 +278,7 @@ def _resolutions(base: Plan, study: str) -> tuple[Resolution, Resolution]:
     settings = base.studies[study]
     reference = reference_resolution(base.scene)
     if "table_tolerance" in settings.affected_by:
-        tolerance = _FAMILY.reference_tables * planned.table_tolerance
+        tolerance = _REFERENCE_TABLES * planned.table_tolerance
         reference = attrs.evolve(
             reference, table_tolerance=max(reference.table_tolerance, tolerance)
         )
@@ -322,8 +301,8 @@ def _coarser(scene: Scene, reference: Resolution) -> Resolution:
         reference,
         slices=scene.accuracy.slices or reference.slices // 2,
         n_positions=reference.n_positions and max(1, reference.n_positions // 2),
-        table_tolerance=_FAMILY.coarsening * reference.table_tolerance,
-        integrator_tolerance=step and _FAMILY.coarsening * step,
+        table_tolerance=_COARSENING * reference.table_tolerance,
+        integrator_tolerance=step and _COARSENING * step,
     )
 
 
@@ -333,16 +312,16 @@ def _numerical_changes(
     """Yield changes of the planned resolution: crossed settings first, then one setting at a time."""
     yield from _slice_changes(base, axes)
     if "n_positions" in axes:
-        yield from ({"n_positions": n} for n in _FAMILY.n_positions)
+        yield from ({"n_positions": n} for n in _N_POSITIONS)
     if "table_tolerance" in axes:
-        for factor in _FAMILY.table_factors:
-            tolerance = min(_FAMILY.max_table_tolerance, factor * planned.table_tolerance)
+        for factor in _TABLE_FACTORS:
+            tolerance = min(_MAX_TABLE_TOLERANCE, factor * planned.table_tolerance)
             yield {"table_tolerance": tolerance}
     integrators = _integrators(base, study) if "integrator" in axes else []
     yield from ({"integrator": name} for name in integrators)
     if "integrator_tolerance" in axes:
-        yield from ({"integrator_tolerance": value} for value in _FAMILY.integrator_tolerances)
-        for name, value in itertools.product(integrators, _FAMILY.crossed_tolerances):
+        yield from ({"integrator_tolerance": value} for value in _INTEGRATOR_TOLERANCES)
+        for name, value in itertools.product(integrators, _CROSSED_TOLERANCES):
             yield {"integrator": name, "integrator_tolerance": value}
     if "compiled" in axes:
         yield {"compiled": False}
@@ -354,14 +333,14 @@ def _slice_changes(base: Plan, axes: Sequence[str]) -> Iterator[dict[str, Any]]:
         return
     stated = base.scene.accuracy.slices
     if "slices" in axes:
-        slices = [n for n in _FAMILY.slices if stated is None or n < stated]
+        slices = [n for n in _SLICES if stated is None or n < stated]
         if "n_positions" in axes:
-            crossed = [n for n in _FAMILY.crossed_slices if n in slices]
-            for n, m in itertools.product(crossed, _FAMILY.crossed_positions):
+            crossed = [n for n in _CROSSED_SLICES if n in slices]
+            for n, m in itertools.product(crossed, _CROSSED_POSITIONS):
                 yield {"slices": n, "quadrature": "equal", "n_positions": m}
         yield from ({"slices": n, "quadrature": "equal"} for n in slices)
     if stated is None and "quadrature" in axes:
-        yield from ({"slices": n, "quadrature": "gauss"} for n in _FAMILY.gauss_points)
+        yield from ({"slices": n, "quadrature": "gauss"} for n in _GAUSS_POINTS)
 
 
 def _modelling_changes(

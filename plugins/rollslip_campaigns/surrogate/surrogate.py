@@ -67,88 +67,49 @@ __all__ = ["RESULT", "SurrogatePlan", "plan_surrogate", "run_surrogate"]
 #: File of the result in the folder of a surrogate.
 RESULT: Final = "surrogate.nc"
 
+#: Nodes of the finest rows of temperature and load, uniform in temperature and in the logarithm of load; three
+#: intervals of 16 and one. Doubling the intervals allows smaller tolerances and changes no coarser table.
+_ROW_NODES: Final = 49
+#: Distances of the nodes in these rows, coarse to fine. Each is half the previous one, so that points are reused;
+#: the first leaves four nodes, which a cubic needs.
+_ROW_STRIDES: Final = (16, 8, 4, 2, 1)
+#: The same for the nodes of a point: cage ratio, rolling speed, slide-roll ratio. Each number of intervals of
+#: raceway-friction (8, 48, 64) is a multiple of the largest stride. A larger stride makes smaller files.
+_POINT_STRIDES: Final = ((4, 2), (8, 4, 2), (4, 2))
+#: Fraction of the tolerance that one axis may use at first. A smaller one computes more points at once, a larger
+#: one fails at the random operations more often. Chosen: several axes seldom err most at the same operation.
+_FIRST_FRACTION: Final = 0.8
+#: Factor of the fraction after an attempt that fails at the random operations. Chosen; a smaller factor ends
+#: earlier, with finer tables than needed.
+_TIGHTENING: Final = 0.5
+#: Attempts before the tolerance counts as unattainable: fractions from 0.8 to 0.1 with the values above. Doubling
+#: it asks an axis for less than 1 % of the tolerance.
+_MAX_ATTEMPTS: Final = 4
 
-@attrs.frozen
-class _Refinement:
-    """Nodes of a surrogate, and how they are refined.
-
-    Attributes
-    ----------
-    row_nodes : int
-        Nodes of the finest rows of temperature and load, uniform in temperature and in the logarithm of load; three
-        intervals of 16 and one. Doubling the intervals allows smaller tolerances and changes no coarser table.
-    row_strides : tuple of int
-        Distances of the nodes in these rows, coarse to fine. Each is half the previous one, so that points are reused;
-        the first leaves four nodes, which a cubic needs.
-    point_strides : tuple of tuple of int
-        The same for the nodes of a point: cage ratio, rolling speed, slide-roll ratio. Each number of intervals of
-        raceway-friction (8, 48, 64) is a multiple of the largest stride. A larger stride makes smaller files.
-    fraction : float
-        Fraction of the tolerance that one axis may use at first. A smaller one computes more points at once, a larger
-        one fails at the random operations more often. Chosen: several axes seldom err most at the same operation.
-    tightening : float
-        Factor of the fraction after an attempt that fails at the random operations. Chosen; a smaller factor ends
-        earlier, with finer tables than needed.
-    max_attempts : int
-        Attempts before the tolerance counts as unattainable: fractions from 0.8 to 0.1 with the values above.
-        Doubling it asks an axis for less than 1 % of the tolerance.
-    """
-
-    row_nodes: int = 49
-    row_strides: tuple[int, ...] = (16, 8, 4, 2, 1)
-    point_strides: tuple[tuple[int, ...], ...] = ((4, 2), (8, 4, 2), (4, 2))
-    fraction: float = 0.8
-    tightening: float = 0.5
-    max_attempts: int = 4
-
-
-_REFINEMENT: Final = _Refinement()
-
-
-@attrs.frozen
-class _RangeSettings:
-    """Default ranges of an operation, and bounds of rolling speed and of the ratio of cage and rolling speed.
-
-    Attributes
-    ----------
-    load_factors : tuple of float
-        Smallest and largest load over that of the scene, where no range is named. Wider ranges need more nodes; chosen.
-    speed_factors : tuple of float
-        The same for the speed of a ring: a run-up without its first part. Chosen.
-    temperature_change : float
-        Kelvins below and above the temperature of the scene, where no range is named. Chosen.
-    lower_factor : float
-        Smallest rolling speed over the smallest one at the epicyclic cage speed: slip changes the rolling speed by at
-        most (R_o - R_i)/(2 R_o), see study raceway-friction. Halving it stretches the logarithmic axis.
-    upper_factor : float
-        Largest rolling speed over the largest epicyclic one. A cage at rest has about twice the epicyclic one; chosen
-        below it, because beyond the tables the last value is used. Doubling it stretches the logarithmic axis.
-    min_fraction : float
-        Smallest rolling speed over the largest one, also where rings reverse. Halving it stretches the logarithmic axis
-        by 15 %, so that more nodes are needed.
-    ring_speeds : int
-        Speeds of each ring at which rolling speed and ratio are evaluated; both are extreme at the ends of ranges
-        except where rings reverse. Doubling it changes nothing for rings that do not reverse.
-    min_ratio : float
-        Smallest ratio over the largest one: without cage speed no centrifugal force acts, so that smaller ratios
-        hardly change the contact forces. Halving it stretches the logarithmic axis. Chosen.
-    max_ratio : float
-        Largest ratio; it is unbounded where both rings turn alike and nothing rolls. Doubling it stretches the
-        logarithmic axis of bearings with both rings in motion. Chosen.
-    """
-
-    load_factors: tuple[float, float] = (0.4, 2.5)
-    speed_factors: tuple[float, float] = (0.15, 1.2)
-    temperature_change: float = 20.0
-    lower_factor: float = 0.7
-    upper_factor: float = 1.6
-    min_fraction: float = 0.01
-    ring_speeds: int = 9
-    min_ratio: float = 0.05
-    max_ratio: float = 50.0
-
-
-_RANGES: Final = _RangeSettings()
+#: Smallest and largest load over that of the scene, where no range is named. Wider ranges need more nodes; chosen.
+_LOAD_FACTORS: Final = (0.4, 2.5)
+#: The same for the speed of a ring: a run-up without its first part. Chosen.
+_SPEED_FACTORS: Final = (0.15, 1.2)
+#: Kelvins below and above the temperature of the scene, where no range is named. Chosen.
+_TEMPERATURE_CHANGE: Final = 20.0
+#: Smallest rolling speed over the smallest one at the epicyclic cage speed: slip changes the rolling speed by at
+#: most (R_o - R_i)/(2 R_o), see study raceway-friction. Halving it stretches the logarithmic axis.
+_LOWER_FACTOR: Final = 0.7
+#: Largest rolling speed over the largest epicyclic one. A cage at rest has about twice the epicyclic one; chosen
+#: below it, because beyond the tables the last value is used. Doubling it stretches the logarithmic axis.
+_UPPER_FACTOR: Final = 1.6
+#: Smallest rolling speed over the largest one, also where rings reverse. Halving it stretches the logarithmic axis
+#: by 15 %, so that more nodes are needed.
+_MIN_FRACTION: Final = 0.01
+#: Speeds of each ring at which rolling speed and ratio are evaluated; both are extreme at the ends of ranges
+#: except where rings reverse. Doubling it changes nothing for rings that do not reverse.
+_RING_SPEEDS: Final = 9
+#: Smallest ratio over the largest one: without cage speed no centrifugal force acts, so that smaller ratios hardly
+#: change the contact forces. Halving it stretches the logarithmic axis. Chosen.
+_MIN_RATIO: Final = 0.05
+#: Largest ratio; it is unbounded where both rings turn alike and nothing rolls. Doubling it stretches the
+#: logarithmic axis of bearings with both rings in motion. Chosen.
+_MAX_RATIO: Final = 50.0
 #: Nodes over cage speed of the remainder of the drags, uniform in asinh(speed/CAGE_SMALL). Doubling it halves their
 #: distance and the error of drags that change abruptly, such as a constant torque at rest; one row a temperature.
 _CAGE_NODES = 65
@@ -242,7 +203,7 @@ def _axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
     ):
         low, high = ranges[key]
         space = np.geomspace if logarithmic else np.linspace
-        row = space(low, high, _REFINEMENT.row_nodes)
+        row = space(low, high, _ROW_NODES)
         axes[name] = Axis(row if high > low else row[:1], logarithmic)
     return axes
 
@@ -334,8 +295,8 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
     """Return the bounds of all four quantities: those requested, or the default ones about the scene."""
     known = quantities(assemble(scene), settings(scene, RacewayFriction.name))
     operation = scene.operation
-    change = _RANGES.temperature_change
-    low_load, high_load = _RANGES.load_factors
+    change = _TEMPERATURE_CHANGE
+    low_load, high_load = _LOAD_FACTORS
     ranges = {
         _KEYS[0]: (operation.temperature - change, operation.temperature + change),
         _KEYS[1]: (low_load * operation.radial_load, high_load * operation.radial_load),
@@ -383,7 +344,7 @@ def _read_range(name: str, text: object, quantity: Quantity) -> tuple[float, flo
 
 def _default_speeds(speed: float) -> tuple[float, float]:
     """Return the default bounds of a ring's speed, the lower one first also where it turns backwards."""
-    low, high = sorted(factor * speed for factor in _RANGES.speed_factors)
+    low, high = sorted(factor * speed for factor in _SPEED_FACTORS)
     return low, high
 
 
@@ -393,23 +354,21 @@ def _speed_bounds(
     """Return the smallest and largest rolling speed u [m/s] of tables, and those of the ratio R_o w/u."""
     Ri = assembly.kinematics.inner_radius
     Ro = assembly.kinematics.outer_radius
-    inner, outer = np.meshgrid(
-        *(np.linspace(*ranges[key], _RANGES.ring_speeds) for key in _KEYS[2:])
-    )
+    inner, outer = np.meshgrid(*(np.linspace(*ranges[key], _RING_SPEEDS) for key in _KEYS[2:]))
     u = Ri * Ro / (Ri + Ro) * (inner - outer)
     if not u.any():
         raise SceneError(
             ["operation.inner_speed: nothing rolls at any speed of the ranges; give other ranges"]
         )
-    fast = _RANGES.upper_factor * float(np.abs(u).max())
-    slow = _RANGES.min_fraction * fast
+    fast = _UPPER_FACTOR * float(np.abs(u).max())
+    slow = _MIN_FRACTION * fast
     if not u.min() < 0.0 < u.max():
-        slow = max(_RANGES.lower_factor * float(np.abs(u).min()), slow)
+        slow = max(_LOWER_FACTOR * float(np.abs(u).min()), slow)
     if not outer.any():
         return slow, fast, 1.0, 1.0
     rho = np.abs(Ri * inner + Ro * outer)[u != 0.0] / (Ri + Ro) * Ro / np.abs(u[u != 0.0])
-    upper = min(float(rho.max()), _RANGES.max_ratio)
-    lower = max(float(rho.min()), _RANGES.min_ratio * upper)
+    upper = min(float(rho.max()), _MAX_RATIO)
+    lower = max(float(rho.min()), _MIN_RATIO * upper)
     return slow, fast, lower, upper if upper > lower else 2.0 * lower
 
 
@@ -505,8 +464,8 @@ def _interpolate_all_nodes(tables: Mapping[str, Array], strides: Sequence[int]) 
 def _choose_point_strides(tables: Mapping[str, Array], allowed: float) -> list[int]:
     """Return the coarsest strides within a point, each with an error up to `allowed` if the other axes are fine."""
     flat = {name: tables[name].reshape(-1, *tables[name].shape[2:]) for name in _TABLES}
-    chosen = [options[-1] for options in _REFINEMENT.point_strides]
-    for k, options in enumerate(_REFINEMENT.point_strides):
+    chosen = [options[-1] for options in _POINT_STRIDES]
+    for k, options in enumerate(_POINT_STRIDES):
         for stride in options:
             single = [stride if j == k else 1 for j in range(len(chosen))]
             coarse = _coarsen(flat, single)
@@ -555,8 +514,8 @@ def run_surrogate(
     axes = plan.axes
     operations = _random_operations(plan)
     levels = [0, 0]
-    fraction = _REFINEMENT.fraction
-    for _ in range(_REFINEMENT.max_attempts):
+    fraction = _FIRST_FRACTION
+    for _ in range(_MAX_ATTEMPTS):
         allowed = fraction * plan.error
         levels = _refine_rows(nodes, levels, allowed)
         rows = [_row(axis, level) for axis, level in zip(axes.values(), levels, strict=True)]
@@ -574,7 +533,7 @@ def run_surrogate(
         )
         if errors.max() <= plan.error:
             break
-        fraction *= _REFINEMENT.tightening
+        fraction *= _TIGHTENING
     else:
         raise ConvergenceError(
             f"the error of the finest tables at random operations is {100 * errors.max():.2g} %, more than "
@@ -596,7 +555,7 @@ def _row(axis: Axis, level: int) -> list[int]:
     """Return the indices of the nodes of temperature or load at a level of refinement."""
     if axis.nodes.size == 1:
         return [0]
-    return list(range(0, _REFINEMENT.row_nodes, _REFINEMENT.row_strides[level]))
+    return list(range(0, _ROW_NODES, _ROW_STRIDES[level]))
 
 
 def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[int]:
@@ -605,11 +564,11 @@ def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[i
     Along the other row, the error is measured at both ends and in the middle.
     """
     axes = [*nodes.plan.axes.values()]
-    last = _REFINEMENT.row_nodes - 1
+    last = _ROW_NODES - 1
     levels = [*levels]
     for k in (0, 1):
         other = [0] if axes[1 - k].nodes.size == 1 else [0, last // 2, last]
-        while axes[k].nodes.size > 1 and levels[k] < len(_REFINEMENT.row_strides) - 1:
+        while axes[k].nodes.size > 1 and levels[k] < len(_ROW_STRIDES) - 1:
             row = _row(axes[k], levels[k])
             midpoints = [(a + b) // 2 for a, b in pairwise(row)]
             coarse = nodes.tables(*((row, other) if k == 0 else (other, row)))

@@ -38,41 +38,23 @@ REST: Final = 1e-3
 #: Doubling it moves nodes from small to large speeds. Chosen: far below operating speeds, and `bearing.c` has it too.
 CAGE_SMALL: Final = 1.0
 
-
-@attrs.frozen
-class _SlipSearch:
-    """Search for the steady state of a bearing: a grid of cage slips, refined where the torque changes sign.
-
-    Attributes
-    ----------
-    negative : int
-        Nodes of negative cage slips (the cage turns faster than without slip), from -1 to -1e-4 on a logarithmic grid:
-        few, because only rings and drags that drive the cage cause them. Doubling it separates close balances.
-    positive : int
-        Nodes of positive cage slips, from 1e-4 to 1, likewise. The first sign change is taken; two balances within one
-        interval of 27 % in slip are missed. Doubling it halves the interval.
-    rounds : int
-        Evaluations of a grid, the first included. With 17 nodes each, the slip is found to 27 % / 16^3 of itself.
-        One more costs 17 evaluations and changes the slip by less than 1e-4 of itself.
-    nodes : int
-        Nodes of a refined interval. Chosen: more nodes find the slip in fewer rounds, and all are one array operation.
-    bisections : int
-        Halvings of the spin of the rollers between those of both rings: to 2^-26 = 1.5e-8 of the difference of their
-        speeds. Each one more halves this error.
-    spin_margin : float
-        Extension of the interval of the spin beyond the speeds of the rings, as a fraction of the sum of both: rolling
-        resistance may slow rollers further. Zero misses such balances.
-    """
-
-    negative: int = 9
-    positive: int = 40
-    rounds: int = 4
-    nodes: int = 17
-    bisections: int = 26
-    spin_margin: float = 0.05
-
-
-_SEARCH: Final = _SlipSearch()
+#: Nodes of negative cage slips (the cage turns faster than without slip), from -1 to -1e-4 on a logarithmic grid:
+#: few, because only rings and drags that drive the cage cause them. Doubling it separates close balances.
+_NEGATIVE_SLIPS: Final = 9
+#: Nodes of positive cage slips, from 1e-4 to 1, likewise. The first sign change is taken; two balances within one
+#: interval of 27 % in slip are missed. Doubling it halves the interval.
+_POSITIVE_SLIPS: Final = 40
+#: Evaluations of a grid, the first included. With 17 nodes each, the slip is found to 27 % / 16^3 of itself. One
+#: more costs 17 evaluations and changes the slip by less than 1e-4 of itself.
+_ROUNDS: Final = 4
+#: Nodes of a refined interval. Chosen: more nodes find the slip in fewer rounds, and all are one array operation.
+_NODES: Final = 17
+#: Halvings of the spin of the rollers between those of both rings: to 2^-26 = 1.5e-8 of the difference of their
+#: speeds. Each one more halves this error.
+_BISECTIONS: Final = 26
+#: Extension of the interval of the spin beyond the speeds of the rings, as a fraction of the sum of both: rolling
+#: resistance may slow rollers further. Zero misses such balances.
+_SPIN_MARGIN: Final = 0.05
 #: Drag reserve [1] where there is no drag, and upper limit of all others, so that files hold a finite number. Doubling
 #: it changes reserves above it only.
 _MAX_RESERVE: Final = 1e6
@@ -355,14 +337,14 @@ class OperationTables:
         """Return the smallest cage slip at which the torque on the cage changes sign; NaN where there is none."""
         slips = np.concatenate(
             (
-                -np.geomspace(1.0, 1e-4, _SEARCH.negative),
+                -np.geomspace(1.0, 1e-4, _NEGATIVE_SLIPS),
                 [0.0],
-                np.geomspace(1e-4, 1.0, _SEARCH.positive),
+                np.geomspace(1e-4, 1.0, _POSITIVE_SLIPS),
             )
         )
         grid = np.broadcast_to(slips, (inner.size, slips.size))
         found = np.ones(inner.size, dtype=bool)
-        for iteration in range(_SEARCH.rounds):
+        for iteration in range(_ROUNDS):
             torque = (
                 np.sign(free)[:, None]
                 * self._balance(free[:, None] * (1.0 - grid), inner[:, None], outer)[0]
@@ -371,7 +353,7 @@ class OperationTables:
             interval = changes_sign.argmax(axis=1)
             found &= changes_sign.any(axis=1) | (iteration > 0)
             low, high = (np.take_along_axis(grid, (interval + k)[:, None], axis=1) for k in (0, 1))
-            grid = low + (high - low) * np.linspace(0.0, 1.0, _SEARCH.nodes)
+            grid = low + (high - low) * np.linspace(0.0, 1.0, _NODES)
         return np.where(found & (free != 0.0), 0.5 * (low + high)[:, 0], np.nan)
 
     def _balance(self, w: Array, inner: Array, outer: float) -> tuple[Array, Array, Array]:
@@ -384,10 +366,10 @@ class OperationTables:
         # the surface of a roller has a speed between those of both rings
         a = Ri * (inner - w)
         b = Ro * (w - outer)
-        margin = _SEARCH.spin_margin * (np.abs(a) + np.abs(b))
+        margin = _SPIN_MARGIN * (np.abs(a) + np.abs(b))
         low = np.minimum(a, b) - margin
         high = np.maximum(a, b) + margin
-        for _ in range(_SEARCH.bisections):
+        for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
             (Fi, Si), (Fo, So) = self._forces(w, a, b, middle)
             accelerates = Fi - Si - Fo - So > 0.0
