@@ -249,7 +249,7 @@ def _run(
             return plan, dataset, assembly.inner.chain.evaluated - before
         except BoundBrokenError as broken:
             reinstated.append(str(broken))
-            _log.info("%s begins again: %s", study, broken)
+            _log.info("%s starts again: %s", study, broken)
             plan = plan.with_reinstated(study, broken.bound)
 
 

@@ -58,7 +58,7 @@ def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -
     """Return the lines on the distribution of the load over rollers and positions, and on unloaded rollers."""
     bearing = assembly.scene.bearing
     n_positions = assembly.resolution.n_positions
-    doubled = f"roller positions doubled until the curve moves by less than {assembly.scene.accuracy.tolerance:g}"
+    doubled = f"roller positions doubled until the curve changes by less than {assembly.scene.accuracy.tolerance:g}"
     loaded = int(np.count_nonzero(assembly.load_distribution(1).inner_force[0]))
     return [
         Part(
@@ -89,7 +89,7 @@ def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
     if limit is not None:
         state = "whether all films are full was not looked at"
         if not resolution.boundary:
-            state = "it is watched at every evaluation, and boundary friction taken back in where one falls below it"
+            state = "it is checked at every evaluation, and boundary friction is reinstated where a film falls below it"
         elif estimated.compared_laws:
             state = "at the ends of the slips a film parameter is below it"
         lines.append(
@@ -111,8 +111,8 @@ def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
                     part=part,
                     included=False,
                     choice=choice,
-                    reason=f"without it results move by some {errors[name]['friction']:.1g} at most, less than its "
-                    "share of the error; that it stays so is watched, and it is taken back in where it does not",
+                    reason=f"without it results change by {errors[name]['friction']:.1g} at most, less than its fraction "
+                    "of the tolerance; its bound is checked at every evaluation, and it is reinstated beyond",
                     errors=errors[name],
                 )
             )
@@ -123,7 +123,7 @@ def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
                 part="law of the full film",
                 choice=law,
                 resolution="every loaded slice",
-                reason="serves in place of the one that the scene names, from which it differs by less than its share",
+                reason="replaces the law that the scene names; both differ by less than its fraction of the tolerance",
                 errors=errors["law"],
             )
         )
@@ -169,9 +169,7 @@ def rings(assembly: Assembly) -> Part:
     stated = {} if both is None else both.flexible_rings
     with contextlib.suppress(RollslipError):  # no plugin, or no room for a ring
         bare, seated = ring_flexibility(scene.bearing, scene.operation.radial_load, stated=stated)
-        effect = (
-            f"rings that yield count for about {100 * seated.change:.2g} % of the loads of rollers"
-        )
+        effect = f"flexible rings change the loads of rollers by about {100 * seated.change:.2g} %"
         if len(stated) == 2:
             effect += f" ({seated})"
         else:
@@ -180,7 +178,7 @@ def rings(assembly: Assembly) -> Part:
             effect += ", less than accuracy.tolerance"
     if both is None:
         return Part(
-            part="rings that yield",
+            part="flexible rings",
             included=False,
             choice="rigid, round",
             reason=effect or "none is named",
@@ -188,15 +186,13 @@ def rings(assembly: Assembly) -> Part:
     chosen = (("inner", scene.models.inner_ring), ("outer", scene.models.outer_ring))
     shapes = both.parity.size
     formed = len(both.waves) + len(both.tables)
-    reason = (
-        "loads of rollers follow how rings yield and how round raceways are, in one equilibrium"
-    )
+    reason = "one equilibrium of roller loads, bending of the rings and form of the raceways"
     return Part(
         part="rings",
         choice=", ".join(
             f"{ring} {'rigid' if model is None else model.name}" for ring, model in chosen
         ),
-        resolution=f"{shapes} shapes that yield, {formed} parts of forms",
+        resolution=f"{shapes} shapes of bending, {formed} parts of forms",
         reason="; ".join(filter(None, (reason, effect))),
         errors={"friction": both.left} if both.left else {},
     )
