@@ -111,8 +111,8 @@ def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
                     part=part,
                     included=False,
                     choice=choice,
-                    reason=f"without it results change by {errors[name]['friction']:.1g} at most, less than its fraction "
-                    "of the tolerance; its bound is checked at every evaluation, and it is reinstated beyond",
+                    reason=f"without it results change by {errors[name]['friction']:.1g} at most, less than its "
+                    "fraction of the tolerance; its bound is checked at every evaluation, and it is reinstated beyond",
                     errors=errors[name],
                 )
             )

@@ -130,11 +130,6 @@ class Dynamics(Study):
         "default a plan chooses between the first two",
         validator=choice_of(*FRICTION),
     )
-    effective_over: str = parameter(
-        default="sliding-speed",
-        doc="effective friction over the sliding speed at each raceway, or over cage slip and roller slip",
-        validator=choice_of("sliding-speed", "slips"),
-    )
     friction_coefficient: float = parameter(
         default=0.05, unit="1", doc="coefficient of constant friction", validator=non_negative
     )
@@ -661,7 +656,6 @@ class Dynamics(Study):
         check_moves(assembly, self.level)
         friction = FrictionSettings(
             name=self.friction,
-            effective_over=self.effective_over,
             coefficient=self.friction_coefficient,
             transition=self.friction_speed,
             critical_slip=critical_slip,

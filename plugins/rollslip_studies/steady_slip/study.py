@@ -84,7 +84,7 @@ if TYPE_CHECKING:
 #: Roller positions within a pitch above which the run fails. Twice as many take twice the time of the last step.
 #: Chosen: torques converge long before, unless rollers change their motion between positions.
 _MAX_POSITIONS: Final = 256
-#: Roller positions above which the error of the limit drag torque no longer asks for a further doubling, because the
+#: Roller positions above which the error of the limit drag torque no longer causes a further doubling, because the
 #: torque at a jump converges with the first order only: twice as many halve that error for twice the time. Chosen.
 _MAX_POSITIONS_FOR_LIMIT_DRAG: Final = 16
 #: Slips at which changes of the torque are compared, relative to the largest slip of the curve: small ones, where the
@@ -495,9 +495,9 @@ class SteadySlip(Study):
         other = balance.with_inertia(not self.inertia)
         torques = [self._compared_torques(balance), self._compared_torques(other)]
         inert, free = torques if self.inertia else reversed(torques)
-        inert, free = inert[: free.size], free[: inert.size]
-        scale = np.abs(inert)
-        return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
+        size = min(inert.size, free.size)
+        scale = np.abs(inert[:size])
+        return float((np.abs(free[:size] - inert[:size]) / np.where(scale > 0.0, scale, 1.0)).max())
 
     def _steady(
         self,
@@ -651,8 +651,9 @@ def _play_attributes(assembly: Assembly, states: list[Orbit]) -> dict[str, float
 
 def _relative_change(before: Array, after: Array) -> float:
     """Return the largest change relative to the largest value, over the slips at which laws have values in both."""
-    after, before = after[: before.size], before[: after.size]
-    return float(np.abs(after - before).max() / (np.abs(after).max() or 1.0))
+    size = min(before.size, after.size)
+    change = np.abs(after[:size] - before[:size]).max()
+    return float(change / (np.abs(after[:size]).max() or 1.0))
 
 
 def _branch_variables(name: str, branches: list[Branch], no_fold: str) -> dict[str, Any]:

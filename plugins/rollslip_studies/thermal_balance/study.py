@@ -492,7 +492,7 @@ class ThermalBalance(Study):
             is_known = False
             status = f"no limit is known beyond {limit - 273.15:.4g} degC: {end.refusal}"
         return self.variables(
-            heat_margin=-value if is_known else np.nan,
+            heat_margin=-(value if is_known else np.nan),
             limit_temperature=limit if is_known else np.nan,
             inlet_limit=inlet if is_known else np.nan,
             limit_status=status,
