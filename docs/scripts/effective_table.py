@@ -41,7 +41,7 @@ def curves():
                     name,
                     raceway,
                     tolerance,
-                    effective_table(assembly, raceway, flat, tolerance, False),
+                    effective_table(assembly, raceway, flat, tolerance),
                     flat,
                     rolling,
                 )

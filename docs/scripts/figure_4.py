@@ -11,7 +11,7 @@ Times are those of one core of a machine that others used, too; all variants tak
 """
 
 import numpy as np
-from output import BLACK, BLUE, ORANGE, figure, percent, save_figure, write_table
+from output import BLACK, BLUE, figure, percent, save_figure, write_table
 
 from rollslip import evolve, load_scene, run
 from rollslip_studies.dynamics.findings import (
@@ -28,7 +28,6 @@ CONSTANT = {"friction": "constant", "friction_coefficient": 0.0035, "friction_sp
 FRICTIONS = {
     "conventional": {"friction": "conventional"},
     "effective": {"friction": "effective"},
-    "effective, over both slips": {"friction": "effective", "effective_over": "slips"},
     "constant": CONSTANT,
 }
 #: Level, slices, duration [s].
@@ -116,12 +115,8 @@ def draw(found, steady):
         linewidth=0.8,
         label="study steady-slip",
     )
-    for name, style in {
-        "effective": {"color": BLUE},
-        "effective, over both slips": {"color": ORANGE},
-    }.items():
-        gap = 100 * relative_difference(found["conventional"], found[name], "cage_speed")
-        axes[2].plot(found["conventional"].time, gap, linewidth=1.0, label=name, **style)
+    gap = 100 * relative_difference(found["conventional"], found["effective"], "cage_speed")
+    axes[2].plot(found["conventional"].time, gap, color=BLUE, linewidth=1.0, label="effective")
     axes[2].axhline(0, color="0.6", linewidth=0.8)
     axes[0].set(title="cage [rpm]", xlabel="time [s]")
     axes[1].set(title="rollers, relative to the cage, mean [rpm]", xlabel="time [s]")

@@ -170,7 +170,7 @@ def operations():
             )
             rows.setdefault(name, []).append(whole)
             rows.setdefault(f"{name}: traction alone", []).append(whole - common)
-        made = effective_table(assembly, raceway, load[:, None], 1e-3, False)
+        made = effective_table(assembly, raceway, load[:, None], 1e-3)
         force = load * raceway.conditions.length
         sliding = np.full(load.size, V)
         numbers, traction = effective(made, sliding, force)

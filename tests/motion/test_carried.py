@@ -32,7 +32,7 @@ from strategies import NumpyForm
 FAST = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2, "cage.mass": 0.4, "cage.inertia": 3.3e-3}
 DRAGS = ["rolling-resistance", {"model": "pocket-friction", "coefficient": 0.08}]
 MANY = {"accuracy.slices": 15}  # enough for a table of friction
-KINDS = ["constant", "effective", "slips", "conventional"]
+KINDS = ["constant", "effective", "conventional"]
 LEVELS = ["cage-set", "pocket"]
 CONVENTIONAL = FrictionSettings(name="conventional", tabulated=False)
 
@@ -66,9 +66,8 @@ def motion(
     return carried_motion(
         assembly,
         FrictionSettings(
-            name="effective" if kind == "slips" else kind,
+            name=kind,
             tabulated=tabulated,
-            effective_over="slips" if kind == "slips" else "sliding-speed",
             coefficient=0.01,
             transition=0.5,
             critical_slip=critical_slip,
@@ -124,16 +123,8 @@ def plain_friction(m, ring, load, V, u):
             np.clip(at, low, high)
         )
 
-    v = V / (np.abs(V) + table.sliding_scale + table.sliding_ratio * film)
-    if table.nodes.ndim == 2:
-        return force * spline(*table.limits, table.nodes, v), None
-    e = film / (film + table.rolling_scale)
-    mu = [
-        spline(*table.row_limits, np.stack((spline(*table.limits, table.nodes[..., :2].swapaxes(0, 1), one),
-               spline(*table.limits, table.nodes[..., 2:].swapaxes(0, 1), one)), axis=-1), row)
-        for one, row in zip(v, e, strict=True)
-    ]  # fmt: skip
-    return force * np.array(mu), None
+    v = V / (np.abs(V) + table.sliding_scale)
+    return force * spline(*table.limits, table.nodes, v), None
 
 
 def rise(d, soft):
@@ -868,8 +859,7 @@ def test_a_table_is_held_beyond_its_ends_and_passes_no_nan_on_silently():
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("slips", [False, True])
-def test_effective_tables_are_right_to_their_tolerance(slips):
+def test_effective_tables_are_right_to_their_tolerance():
     from rollslip_studies.motion.effective_table import effective_table
 
     assembly = bearing()
@@ -879,21 +869,20 @@ def test_effective_tables_are_right_to_their_tolerance(slips):
     for raceway, load in zip(
         assembly.raceways, loads.loads(assembly.centrifugal_force), strict=True
     ):
-        table = effective_table(assembly, raceway, load, 5e-3, slips)
+        table = effective_table(assembly, raceway, load, 5e-3)
         made = table.raceway(1)
         fraction = load[load > 0.0] / load.sum()
-        for u in rolling * (rng.uniform(0.1, 3.0, 5) if slips else np.ones(1)):
-            V = u * np.concatenate((rng.uniform(-2, 2, 20), 10 ** rng.uniform(-5, 0, 20)))
-            true = np.array(
-                [
-                    raceway.evaluate(load[load > 0.0], u, one).friction @ fraction
-                    for one in V.tolist()
-                ]
-            )
-            found = np.array(
-                [compiled.friction(made, 0.0, 1.0, one, u, 0.0)[0][0] for one in V.tolist()]
-            )
-            assert np.abs(found - true).max() <= 5e-3 * np.abs(true).max()
+        V = rolling * np.concatenate((rng.uniform(-2, 2, 20), 10 ** rng.uniform(-5, 0, 20)))
+        true = np.array(
+            [
+                raceway.evaluate(load[load > 0.0], rolling, one).friction @ fraction
+                for one in V.tolist()
+            ]
+        )
+        found = np.array(
+            [compiled.friction(made, 0.0, 1.0, one, rolling, 0.0)[0][0] for one in V.tolist()]
+        )
+        assert np.abs(found - true).max() <= 5e-3 * np.abs(true).max()
 
 
 def test_a_chain_as_a_stage_is_the_chain_and_remembers_what_it_refused():

@@ -21,7 +21,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_studies.motion import effective_table as tables
-from rollslip_studies.motion.effective_table import curve_table, effective_table, map_table
+from rollslip_studies.motion.effective_table import curve_table, effective_table
 from strategies import decades
 from without_bands import run
 
@@ -248,31 +248,6 @@ def test_extrema_that_are_no_nodes_are_neither_flattened_nor_moved():
         assert sign * found.fun == pytest.approx(float(law(at)), rel=2e-5)
 
 
-# Maps ----------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("law", [Hump(0.02, 0.5, 4.0), Hump(0.02, 2.0, 20.0, 0.01, 0.2)])
-def test_a_map_of_a_smooth_law_invents_no_extremum_on_rows_and_between(law):
-    def friction(u, V):
-        return (ROLLING / u) ** 0.3 * law(V * (ROLLING / u) ** 1.2)
-
-    table = map_table(friction, ROLLING, 2e-3)
-    rows = np.linspace(*table.row_limits, 4 * (table.nodes.shape[0] - 1) + 1)
-    x = np.linspace(*table.limits, 8 * (table.nodes.shape[1] - 1) + 1)
-    for e in rows[:-1].tolist():
-        u = ROLLING * e / (1.0 - e)
-        V = table.sliding_ratio * u * x / (1.0 - np.abs(x))
-        found = friction_of(table, V, u)
-        true = friction(u, V)
-        assert turns(found, rounding(table)) <= turns(true, rounding(table))
-        assert np.abs(found - true).max() <= 2e-3 * 1.125 * np.abs(true).max()
-    best = max(law.extrema(), key=law)
-    assert table.critical_speed == pytest.approx(best, rel=1e-7)
-    assert table.critical_error < 1e-6
-    around = best * (1.0 + np.linspace(-0.01, 0.01, 2001))
-    assert abs(around[np.argmax(friction_of(table, around))] / best - 1.0) <= 2e-5
-
-
 # Bearings ------------------------------------------------------------------------------------------------------------
 
 
@@ -315,7 +290,7 @@ def test_curves_of_bearings_are_those_of_all_their_slices(changes, ring):
     load = (distribution.inner_load, distribution.outer_load)[ring].reshape(-1, 5)
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     friction = all_slices(raceway, load, rolling)
-    table = effective_table(assembly, raceway, load, 1e-3, two_speeds=False)
+    table = effective_table(assembly, raceway, load, 1e-3)
     V = places(table, 3)[::4]
     true = friction(V)
     assert np.abs(friction_of(table, V.ravel()) - true).max() <= 1e-3 * np.abs(true).max()
@@ -344,13 +319,12 @@ def loads_of(assembly):
     return distribution.inner_load.reshape(-1, distribution.inner_load.shape[2])
 
 
-@pytest.mark.parametrize("slips", [False, True])
-def test_a_table_does_not_depend_on_threads(slips):
+def test_a_table_does_not_depend_on_threads():
     assembly = bearing(**{"accuracy.slices": 15})
     load = loads_of(assembly)
 
     def made(_=None):
-        return effective_table(assembly, assembly.inner, load, 1e-2, slips).nodes
+        return effective_table(assembly, assembly.inner, load, 1e-2).nodes
 
     first = made()
     with ThreadPoolExecutor(4) as pool:
@@ -403,29 +377,6 @@ def test_a_corner_makes_no_ripple():
     assert turns(friction_of(table, np.unique(places(table, 16))), rounding(table)) == 0
 
 
-def test_a_corner_makes_no_ripple_on_the_rows_of_a_map():
-    table = map_table(lambda u, V: corner(V * (ROLLING / u) ** 1.2), ROLLING, 1e-2)
-    x = np.linspace(*table.limits, 8 * (table.nodes.shape[1] - 1) + 1)
-    for e in np.linspace(*table.row_limits, table.nodes.shape[0]).tolist():
-        u = ROLLING * e / (1.0 - e)
-        assert (
-            turns(
-                friction_of(table, table.sliding_ratio * u * x / (1.0 - np.abs(x)), u),
-                rounding(table),
-            )
-            == 0
-        )
-
-
-def test_maxima_between_the_nodes_of_a_map_cost_no_order():
-    """A limit of three times the gentler chord flattens them, and takes twice as many cells at this tolerance."""
-    law = Hump(0.02, 0.5, 4.0)
-    table = map_table(
-        lambda u, V: (ROLLING / u) ** 0.3 * law(V * (ROLLING / u) ** 1.2), ROLLING, 1e-4
-    )
-    assert table.nodes.shape[1] <= 257
-
-
 def test_a_law_that_bends_far_from_where_it_rises_gets_the_cells_that_it_takes():
     law = lambda V: np.tanh(V / 1e-7) + np.tanh(V / 1e-2)  # noqa: E731
     table = curve_table(law, 10.0, 1e-4)
@@ -447,59 +398,48 @@ def test_a_very_small_tolerance_is_reached(tolerance):
     assembly = bearing()
     load = loads_of(assembly)[::7]
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    table = effective_table(assembly, assembly.inner, load, tolerance, two_speeds=False)
+    table = effective_table(assembly, assembly.inner, load, tolerance)
     V = rolling * np.geomspace(1e-6, 8.0, 200)
     true = all_slices(assembly.inner, load, rolling)(V)
     assert np.abs(friction_of(table, V) - true).max() <= tolerance * true.max()
 
 
-@pytest.mark.parametrize("slips", [False, True])
-def test_a_tolerance_below_rounding_is_refused(slips):
+def test_a_tolerance_below_rounding_is_refused():
     assembly = bearing()
     says = r"the table of effective friction still has a relative error of .* raise accuracy\.tolerance"
     with pytest.raises(ConvergenceError, match=says):
-        effective_table(assembly, assembly.inner, loads_of(assembly)[:1], 1e-17, slips)
+        effective_table(assembly, assembly.inner, loads_of(assembly)[:1], 1e-17)
 
 
 def test_where_nothing_is_loaded_there_is_no_friction():
     assembly = bearing()
-    for slips in (False, True):
-        table = effective_table(assembly, assembly.inner, np.zeros((4, 5)), 1e-3, slips)
-        assert np.all(table.nodes == 0.0)
-        assert (table.error, table.slope_error) == (0.0, 0.0)
-        np.testing.assert_array_equal(friction_of(table, [-1.0, 0.0, 1.0]), 0.0)
+    table = effective_table(assembly, assembly.inner, np.zeros((4, 5)), 1e-3)
+    assert np.all(table.nodes == 0.0)
+    assert (table.error, table.slope_error) == (0.0, 0.0)
+    np.testing.assert_array_equal(friction_of(table, [-1.0, 0.0, 1.0]), 0.0)
 
 
-@pytest.mark.parametrize("slips", [False, True])
-def test_a_film_that_passes_the_limits_of_the_blend_is_tabulated(slips):
-    """From boundary to full film along u: the blend has corners there."""
+def test_a_film_that_passes_the_limits_of_the_blend_is_tabulated():
     assembly = bearing(**{"operation.temperature": 380.0, "surface.roller_roughness": 6e-7})
     load = loads_of(assembly)
-    table = effective_table(assembly, assembly.inner, load, 1e-2, slips)
+    table = effective_table(assembly, assembly.inner, load, 1e-2)
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    parameters = []
-    for u in rolling * np.array([0.1, 0.37, 1.0, 2.9]) if slips else [rolling]:
-        V = u * np.concatenate((np.geomspace(1e-5, 2.0, 30), -np.geomspace(1e-5, 2.0, 30)))
-        true = all_slices(assembly.inner, load, u)(V)
-        assert np.abs(friction_of(table, V, u) - true).max() <= 1e-2 * np.abs(true).max()
-        film = assembly.inner.evaluate(load[load > 0.0], u, 0.0).film_thickness
-        parameters += list(film / assembly.inner.conditions.roughness)
-    assert min(parameters) < 1.5
-    if slips:
-        assert max(parameters) > 1.5
+    V = rolling * np.concatenate((np.geomspace(1e-5, 2.0, 30), -np.geomspace(1e-5, 2.0, 30)))
+    true = all_slices(assembly.inner, load, rolling)(V)
+    assert np.abs(friction_of(table, V) - true).max() <= 1e-2 * np.abs(true).max()
+    film = assembly.inner.evaluate(load[load > 0.0], rolling, 0.0).film_thickness
+    assert (film / assembly.inner.conditions.roughness).min() < 1.5
 
 
 # Results -------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("over", ["sliding-speed", "slips"])
-def test_a_motion_says_how_right_its_tables_are(over):
+def test_a_motion_says_how_right_its_tables_are():
     changes = {
         "accuracy.slices": 5,
         "accuracy.tolerance": 1e-2,
         "study.dynamics": {
             "friction": "effective",
-            "effective_over": over,
             "duration": 1e-3,
             "points": 3,
         },
@@ -515,7 +455,7 @@ def test_a_motion_says_how_right_its_tables_are(over):
         assert 0.0 <= record["slope_error"] <= 1e-2
         assert 0.0 < record["critical_error"] <= 1e-2
         assert record["critical_speed"] > 0.0
-        assert len(record["nodes"]) == (2 if over == "slips" else 1)
+        assert len(record["nodes"]) == 1
     conventional = changes | {
         "study.dynamics": {"friction": "conventional", "duration": 1e-3, "points": 3}
     }
@@ -530,13 +470,10 @@ def test_a_motion_says_how_right_its_tables_are(over):
 def test_slopes_are_those_of_the_library_s_splines(nodes):
     rng = np.random.default_rng(nodes)
     places = np.arange(nodes)
-    values = rng.normal(size=(3, nodes))
-    rise = rng.normal(size=3)
-    clamped = CubicSpline(places, values, axis=-1, bc_type=((1, rise), "not-a-knot"))
+    values = rng.normal(size=nodes)
+    rise = rng.normal()
+    clamped = CubicSpline(places, values, bc_type=((1, rise), "not-a-knot"))
     np.testing.assert_allclose(tables._spline(values, rise), clamped(places, 1), rtol=0, atol=1e-13)
-    np.testing.assert_allclose(
-        tables._spline(values), CubicSpline(places, values, axis=-1)(places, 1), atol=1e-13
-    )
 
 
 def test_what_classes_of_load_leave_is_added_to_what_cells_leave(monkeypatch):
@@ -546,9 +483,9 @@ def test_what_classes_of_load_leave_is_added_to_what_cells_leave(monkeypatch):
         monkeypatch.setattr(
             tables,
             "_group_slices",
-            lambda *_, left=left: (lambda u, V: Hump(0.02, 0.1, 5.0)(V), left),
+            lambda *_, left=left: (Hump(0.02, 0.1, 5.0), left),
         )
-        found.append(effective_table(assembly, assembly.inner, np.ones((2, 3)), 1e-2, False))
+        found.append(effective_table(assembly, assembly.inner, np.ones((2, 3)), 1e-2))
     more = [
         getattr(found[1], name) - getattr(found[0], name)
         for name in ("error", "slope_error", "critical_error")

@@ -16,11 +16,10 @@ from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
 CONSTANT = FrictionSettings(name="constant", coefficient=0.05, transition=0.05)
-#: Slices, drags and friction: the coefficient, curve and map, the table, and the chain of all slices, with resistances.
+#: Slices, drags and friction: the coefficient, the curve, the table, and the chain of all slices, with resistances.
 CASES = {
     "constant": (5, (), CONSTANT),
     "curve": (5, ("rolling-resistance",), FrictionSettings(name="effective")),
-    "map": (5, (), FrictionSettings(name="effective", effective_over="slips")),
     "table": (15, ("rolling-resistance",), FrictionSettings(name="conventional")),
     "chain": (5, ("rolling-resistance",), FrictionSettings(name="conventional")),
 }

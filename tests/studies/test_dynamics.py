@@ -281,16 +281,6 @@ def test_the_steady_slip_is_that_of_study_steady_slip():
     assert other.attrs["steady_cage_slip"] == pytest.approx(slip, rel=2e-3)
 
 
-def test_effective_friction_over_slips_is_that_over_sliding_speed():
-    """The 2-D map knows the rolling speed too; near pure rolling it is nearly the same."""
-    one, two = (
-        run(bearing(brake(0.3)), effective_over=over, cage_slip=0.02, roller_slip=0.02)
-        for over in ("sliding-speed", "slips")
-    )
-    assert distance(one, two) < 1e-3
-    assert not np.array_equal(one.cage_speed, two.cage_speed)
-
-
 @pytest.mark.parametrize("friction", FRICTIONS)
 def test_rollers_are_free(friction):
     """What the rings do to the spin of a roller over an orbit is what its spin gains; drag and pockets do nothing."""

@@ -214,9 +214,7 @@ def _contact_variables(
         variables["pocket_force"] = outputs["pocket_force"]
         variables["pocket_displacement"] = displacement
     for ring, table in zip(RINGS, moving.friction.tables, strict=False):
-        if (curve := table.curve) is not None:
-            variables[f"{ring}_sliding"] = curve[0]
-            variables[f"{ring}_friction"] = curve[1]
+        variables[f"{ring}_sliding"], variables[f"{ring}_friction"] = table.curve
     return variables
 
 

@@ -1,14 +1,14 @@
-"""Effective friction of a raceway as a table over the sliding speed, or over sliding and rolling speed.
+"""Effective friction of a raceway as a table over the sliding speed.
 
 mu_e = sum(mu Q)/sum(Q) over the loaded slices of all positions of the orbit at the epicyclic speed (see
-``effective_friction``). Here it is a function of the speeds of the contact itself: its sliding speed V and its rolling
-speed u. Cage slip and roller slip, in which the study states it, are these two for either raceway in other units.
+``effective_friction``). Here it is a function of the sliding speed V of the contact itself, at the epicyclic rolling
+speed. With rollers near rolling on the outer ring, as most are, the rolling speed of either contact changes by less
+than a tenth of the sliding speed.
 
 1. Gather thousands of loaded slices into classes of equal force, as many as the tolerance requires for friction,
    its slope at no slip and the critical sliding speed, where friction is largest.
 2. Map the sliding speed to x = V/(|V| + V_s). Friction rises over a small sliding speed and falls slowly beyond, so
-   that equal steps of x resolve both; the index of a cell costs one division and one multiplication. Where friction
-   also depends on u, its rise depends on the slide-roll ratio, V_s = S u.
+   that equal steps of x resolve both; the index of a cell costs one division and one multiplication.
 3. Choose V_s such that the critical sliding speed is a node, whose slope is zero: abscissa and height of the maximum
    are those of the law. Of the V_s that do so take the one with which few cells have the smallest error.
 4. Interpolate each half, V < 0 and V > 0, by a cubic spline, because the second derivative of a law jumps at V = 0. The
@@ -18,14 +18,8 @@ speed u. Cage slip and roller slip, in which the study states it, are these two 
    the slope points contains the extremum and sets no limit, so that the extremum is neither flattened nor shifted
    (after Hyman 1983).
 6. Double the number of cells until the error at the quarters of each is within the tolerance, relative to the largest
-   friction at that rolling speed, and the slope at no slip is that of the law: a rise may be too small for the
-   tolerance and yet be most of that slope. A tenth of the tolerance is left to the classes and a tenth to the error
-   between the quarters.
-
-- Over V alone the rolling speed is the epicyclic one. With rollers near rolling on the outer ring, as most are, the
-  rolling speed of either contact changes by less than a tenth of the sliding speed.
-- In a map the rules hold along V on the rows. Between rows, cubics of smooth laws were not observed to have more
-  extrema; a kink whose sliding speed changes from row to row makes the cubics oscillate by the error of the table.
+   friction, and the slope at no slip is that of the law: a rise may be too small for the tolerance and yet be most of
+   that slope. A tenth of the tolerance is left to the classes and a tenth to the error between the quarters.
 
 References
 ----------
@@ -36,8 +30,7 @@ J. M. Hyman, "Accurate monotonicity preserving cubic interpolation", SIAM J. Sci
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 import attrs
 import numpy as np
@@ -49,16 +42,11 @@ from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
 from rollslip_kernels.motion import raceway as compiled
 
-# Effects of half and twice a value were measured on 16 curves and 4 maps of shipped scenes, tolerances 1e-3 and 1e-5.
+# Effects of half and twice a value were measured on 16 curves of shipped scenes, tolerances 1e-3 and 1e-5.
 
 #: Largest sliding speed, relative to the epicyclic rolling speed; beyond it friction is constant. Doubling it adds
 #: 18 % of nodes, half of it is less than the sliding speeds of a cage that stands still; chosen.
 _MAX_SLIDING: Final = 8.0
-#: Smallest and largest rolling speed of a map, relative to the epicyclic one; beyond them friction is constant.
-#: With these the epicyclic speed is a row (`_EPICYCLIC_ROW`). Doubling the range adds rows; chosen.
-_ROLLING_RANGE: Final = (1.0 / 11.0, 3.0)
-#: Index of the epicyclic row in eighths of all rows: u/(u + u_s) of `_ROLLING_RANGE` is 1/12, 3/4, and 1/2 there.
-_EPICYCLIC_ROW: Final = 5
 #: Number of sliding speeds, over eight decades, by which the maximum of a law is bracketed. Doubling it costs 3 %
 #: more evaluations, half of it saves 2 % but may miss a narrow maximum; chosen.
 _PROBES: Final = 129
@@ -79,10 +67,6 @@ _MAX_CELLS: Final = 4096
 #: Number of cells at which a table that misses its tolerance is refused. Half and twice the value have no effect on
 #: these tables; chosen, because friction of a fast roller bends far from where it rises.
 _LAST_CELLS: Final = 32768
-#: Smallest number of rows of a map. Half as many cost 12 % more evaluations (further doublings); chosen.
-_FIRST_ROWS: Final = 8
-#: Largest number of rows of a map. Half and twice the value have no effect on these tables; chosen.
-_MAX_ROWS: Final = 256
 #: Smallest number of classes of load. Half and twice the value change evaluations by 0.2 %; chosen.
 _FIRST_CLASSES: Final = 16
 #: Number of classes from which on all slices are used. Half and twice the value have no effect on these tables;
@@ -121,20 +105,14 @@ Law = Callable[[Array], Array]
 class EffectiveTable:
     """A table as ``rollslip_kernels.motion.raceway.effective`` takes it."""
 
-    nodes: Array  # (N, 2) over the sliding speed, (M, N, 4) over rolling and sliding speed
+    nodes: Array  # friction and its slope times the width of a cell, (N, 2)
     limits: tuple[float, float]  # V/(|V| + V_s) of the first and the last node
-    sliding_scale: float = 0.0  # of V_s = sliding_scale + sliding_ratio u [m/s]
-    sliding_ratio: float = 0.0
-    row_limits: tuple[float, float] = (0.0, 1.0)  # u/(u + u_s) of the first and the last row
-    rolling_scale: float = 1.0  # u_s [m/s]
-    #: Largest error at the quarters of the cells, relative to the largest friction at that rolling speed, plus the
-    #: error of the classes.
-    error: float = 0.0
-    slope_error: float = (
-        0.0  # relative error of the slope at no slip, at the epicyclic rolling speed
-    )
-    #: Sliding speed V > 0 of the largest friction at the epicyclic rolling speed [m/s]; NaN if there is none below
-    #: half the largest sliding speed.
+    sliding_scale: float  # V_s [m/s]
+    #: Largest error at the quarters of the cells, relative to the largest friction, plus the error of the classes.
+    error: float
+    slope_error: float = 0.0  # relative error of the slope at no slip
+    #: Sliding speed V > 0 of the largest friction [m/s]; NaN if there is none below half the largest sliding
+    #: speed.
     critical_speed: float = math.nan
     #: Relative error of ``critical_speed`` or of the friction there, the larger one; NaN without one.
     critical_error: float = math.nan
@@ -145,28 +123,17 @@ class EffectiveTable:
         names = ("error", "slope_error", "critical_speed", "critical_error")
         values = {name: getattr(self, name) for name in names}
         known = {name: value if math.isfinite(value) else None for name, value in values.items()}
-        return {"nodes": list(self.nodes.shape[: self.nodes.ndim - 1]), **known}
+        return {"nodes": [len(self.nodes)], **known}
 
     @property
-    def curve(self) -> tuple[Array, Array] | None:
-        """Sliding speeds [m/s] and friction at the nodes; None for a table over two speeds."""
-        if self.nodes.ndim != 2:
-            return None
-        return _sliding_speed(
-            np.linspace(*self.limits, self.nodes.shape[0]), self.sliding_scale
-        ), self.nodes[:, 0]
+    def curve(self) -> tuple[Array, Array]:
+        """Sliding speeds [m/s] and friction at the nodes."""
+        x = np.linspace(*self.limits, len(self.nodes))
+        return _sliding_speed(x, self.sliding_scale), self.nodes[:, 0]
 
     def raceway(self, rollers: int) -> object:
         """Return the compiled raceway of so many rollers."""
-        return compiled.effective(
-            rollers,
-            self.nodes,
-            self.limits,
-            self.sliding_scale,
-            self.sliding_ratio,
-            self.row_limits,
-            self.rolling_scale,
-        )
+        return compiled.effective(rollers, self.nodes, self.limits, self.sliding_scale)
 
 
 def effective_table(
@@ -174,7 +141,6 @@ def effective_table(
     raceway: Raceway,
     load: Array,
     tolerance: float,
-    two_speeds: bool,
     between_nodes: float = 1.0,
 ) -> EffectiveTable:
     """Tabulate the effective friction of a raceway.
@@ -188,28 +154,18 @@ def effective_table(
     load : ndarray
         Loads per length of a roller at positions of the orbit [N/m], (K, n).
     tolerance : float
-        Largest error, relative to the largest friction at a rolling speed.
-    two_speeds : bool
-        Over both speeds instead of the sliding speed alone.
+        Largest error, relative to the largest friction.
     between_nodes : float
-        Fraction, up to 1, of the tolerance between nodes which is aimed at over the sliding speed alone.
+        Fraction, up to 1, of the tolerance between nodes which is aimed at.
     """
-    epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    rolling = np.array(
-        [epicyclic, *(epicyclic * fraction for fraction in _ROLLING_RANGE)][
-            : 3 if two_speeds else 1
-        ]
-    )
+    rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     # mirror images are equal to the bit
     distinct, times = np.unique(load[load > 0.0], return_counts=True)
     law, errors = _group_slices(
         raceway, distinct, times.astype(float), rolling, _CLASSES_FRACTION * tolerance
     )
     cells = _CELLS_FRACTION * tolerance
-    if two_speeds:
-        table = map_table(law, epicyclic, cells)
-    else:
-        table = curve_table(partial(law, epicyclic), epicyclic, cells, between_nodes * cells)
+    table = curve_table(law, rolling, cells, between_nodes * cells)
     return attrs.evolve(
         table,
         error=table.error + errors[0],
@@ -256,7 +212,7 @@ def curve_table(
         Error down to which nodes are added up to 4096 cells, by default the tolerance.
     """
     features = _find_features(friction, rolling)
-    scale, limit, fraction = _choose_mapping([(1.0, friction)], features, rolling)
+    scale, limit, fraction = _choose_mapping(friction, features, rolling)
 
     def sample(x: Array) -> Array:
         return friction(_sliding_speed(x, scale))
@@ -274,111 +230,17 @@ def curve_table(
         if is_aim_reached or (cells >= _MAX_CELLS and error <= tolerance):
             break
         if cells >= _LAST_CELLS:
-            raise _tolerance_error(error, tolerance)
+            raise ConvergenceError(
+                f"the table of effective friction still has a relative error of {error:.1e} with the most nodes, more "
+                f"than the {tolerance:.1e} that are left to it; {COARSER_TABLES}"
+            )
         finer = np.empty(8 * cells + 1)
         finer[::2] = fine
         finer[1::2] = sample(_symmetric_nodes(limit, 8 * cells)[1::2])
         cells = 2 * cells
         fine = finer
     nodes = np.stack((values, slopes), axis=-1)
-    table = EffectiveTable(nodes, (-limit, limit), sliding_scale=scale, error=error)
-    return _with_stated_errors(table, features, nodes, scale)
-
-
-def map_table(
-    friction: Callable[[float, Array], Array], epicyclic: float, tolerance: float
-) -> EffectiveTable:
-    """Tabulate friction over rolling and sliding speed.
-
-    Parameters
-    ----------
-    friction : callable
-        Friction coefficients at a rolling speed u and sliding speeds V [m/s], (m,) each.
-    epicyclic : float
-        Rolling speed [m/s] about which the map is made: an eleventh to three times of it, and eight times the rolling
-        speed in V.
-    tolerance, Raises
-        As for `curve_table`.
-    """
-    features = _find_features(partial(friction, epicyclic), epicyclic)
-    laws = [
-        (fraction, partial(friction, fraction * epicyclic)) for fraction in (1.0, *_ROLLING_RANGE)
-    ]
-    mapping = _choose_mapping(laws, features, epicyclic)
-    scale, limit, fraction = mapping
-    low, high = (part / (part + 1.0) for part in _ROLLING_RANGE)
-    cells = _min_cells(fraction)
-    rows = _FIRST_ROWS
-    while cells <= _MAX_CELLS and rows <= _MAX_ROWS:
-        e = np.linspace(low, high, 2 * rows + 1)
-        fit = _fit_map(friction, features, mapping, epicyclic, epicyclic * e / (1.0 - e), cells)
-        error = max(fit.along, fit.across)
-        is_steep = cells < _MAX_CELLS and not fit.has_slope_of_law
-        if error <= tolerance and not is_steep:
-            table = EffectiveTable(
-                fit.nodes,
-                (-limit, limit),
-                sliding_ratio=scale / epicyclic,
-                row_limits=(low, high),
-                rolling_scale=epicyclic,
-                error=error,
-            )
-            return _with_stated_errors(table, features, fit.nodes[_epicyclic_row(rows)], scale)
-        cells *= 2 if is_steep or fit.along > 0.5 * tolerance else 1
-        rows *= 2 if fit.across > max(0.5 * tolerance, fit.along) else 1
-    raise _tolerance_error(error, tolerance)
-
-
-@attrs.frozen(eq=False)
-class _MapFit:
-    """Cubics over rolling and sliding speed, and their errors."""
-
-    nodes: Array  # values, slopes along the row, slopes across the rows and mixed derivatives, (M, N, 4)
-    along: float  # relative error at the quarters of the cells on the rows
-    across: float  # relative error midway between the rows
-    has_slope_of_law: bool  # on the epicyclic row
-
-
-def _fit_map(
-    friction: Callable[[float, Array], Array],
-    features: "_Features",
-    mapping: tuple[float, float, float],
-    epicyclic: float,
-    rolling: Array,
-    cells: int,
-) -> _MapFit:
-    """Fit cubics at rolling speeds [m/s], every other one a row, and compare them with the others."""
-    scale, limit, fraction = mapping
-    ratio = scale / epicyclic
-    step = _SLOPE_STEP * features.half / epicyclic
-    x = _symmetric_nodes(limit, 4 * cells)
-    true = np.array([friction(u, _sliding_speed(x, ratio * u)) for u in rolling.tolist()])
-    rise = [
-        ratio * u * _slope_at_zero(partial(friction, u), step * u)[0] for u in rolling[::2].tolist()
-    ]
-    values = true[::2, ::4]
-    slopes = _slopes(limit, values, np.array(rise))
-    row = _epicyclic_row(rolling.size // 2)
-    slopes[row] = _slopes(limit, values[row], rise[row], fraction if features.has_critical else 0.0)
-    across_slopes = _spline(values.T).T
-    mixed = _spline(slopes.T).T
-    midway = _interpolate_cells(values.T, across_slopes.T, 0.5).T
-    midway_slopes = _interpolate_cells(slopes.T, mixed.T, 0.5).T
-    errors = [_relative_error(midway - true[1::2, ::4], true[1::2])]
-    for q in (1, 2, 3):
-        inside = _interpolate_cells(midway, midway_slopes, q / 4)
-        errors.append(_relative_error(inside - true[1::2, q::4], true[1::2]))
-    return _MapFit(
-        nodes=np.stack((values, slopes, across_slopes, mixed), axis=-1),
-        along=_quarter_error(true[::2], slopes),
-        across=max(errors),
-        has_slope_of_law=_has_slope_of_law(limit, slopes[row], rise[row]),
-    )
-
-
-def _epicyclic_row(rows: int) -> int:
-    """Index of the row of the epicyclic rolling speed, of so many intervals between rows."""
-    return _EPICYCLIC_ROW * rows // 8
+    return _with_stated_errors(EffectiveTable(nodes, (-limit, limit), scale, error), features)
 
 
 # Features of a law ----------------------------------------------------------------------------------------------------
@@ -447,20 +309,18 @@ def _relative_difference(value: float, true: float) -> float:
     return abs(value - true) / (abs(true) or 1.0)
 
 
-def _with_stated_errors(
-    table: EffectiveTable, features: _Features, nodes: Array, scale: float
-) -> EffectiveTable:
-    """Return a table with the critical speed of a law and the errors of its features, by the nodes of a row, (N, 2)."""
-    middle = nodes.shape[0] // 2
+def _with_stated_errors(table: EffectiveTable, features: _Features) -> EffectiveTable:
+    """Return a table with the critical speed of a law and the errors of its features."""
+    middle = len(table.nodes) // 2
     limit = table.limits[1]
-    slope = float(nodes[middle, 1]) * middle / (limit * scale)
+    slope = float(table.nodes[middle, 1]) * middle / (limit * table.sliding_scale)
     slope_error = features.slope_error + _relative_difference(slope, features.slope)
     table = attrs.evolve(table, slope_error=slope_error)
     if not features.has_critical:
         return table
-    largest = int(np.argmax(nodes[middle:, 0]))
-    speed = float(_sliding_speed(np.array(limit * largest / middle), scale))
-    height = float(nodes[middle + largest, 0])
+    largest = int(np.argmax(table.nodes[middle:, 0]))
+    speed = float(_sliding_speed(np.array(limit * largest / middle), table.sliding_scale))
+    height = float(table.nodes[middle + largest, 0])
     error = max(
         _relative_difference(speed, features.critical.slip),
         _relative_difference(height, features.critical.friction),
@@ -476,28 +336,23 @@ def _with_stated_errors(
 
 
 def _choose_mapping(
-    laws: Sequence[tuple[float, Law]], features: _Features, rolling: float
+    friction: Law, features: _Features, rolling: float
 ) -> tuple[float, float, float]:
     """V_s [m/s], the limit of V/(V + V_s), and the fraction of it at which a node is.
 
     The node is the critical speed, or where there is none the sliding speed at which friction has risen by half.
-    ``laws`` are those which the cells have to follow, that of the features first, and the ratios of their V_s to it.
     """
     reach = _MAX_SLIDING * rolling
     node = features.critical.slip if features.has_critical else features.half
-    rises = [_slope_at_zero(law, _SLOPE_STEP * features.half * ratio)[0] for ratio, law in laws]
     fractions = [fraction for fraction in _NODE_FRACTIONS if fraction * reach > node]
     for cells in _TRIAL_CELLS:
         trials = list[tuple[float, float, float, float]]()
         for fraction in fractions:
             scale = node * reach * (1.0 - fraction) / (fraction * reach - node)
             limit = reach / (reach + scale)
-            error = 0.0
-            for (ratio, law), rise in zip(laws, rises, strict=True):
-                fine = law(_sliding_speed(_symmetric_nodes(limit, 4 * cells), scale * ratio))
-                slopes = _slopes(limit, fine[::4], scale * ratio * rise)
-                error = max(error, _quarter_error(fine, slopes))
-            trials.append((error, scale, limit, fraction))
+            fine = friction(_sliding_speed(_symmetric_nodes(limit, 4 * cells), scale))
+            slopes = _slopes(limit, fine[::4], scale * features.slope)
+            trials.append((_quarter_error(fine, slopes), scale, limit, fraction))
         trials.sort(key=lambda trial: trial[0])
         if trials[0][0] <= _CLEAR_ERROR:
             break
@@ -527,68 +382,51 @@ def _symmetric_nodes(limit: float, cells: int) -> Array:
 # The cubics ----------------------------------------------------------------------------------------------------------
 
 
-def _slopes(limit: float, values: Array, rise: Any, fraction: float = 0.0) -> Array:
-    """Derivatives times the width of a cell at nodes along the last axis, from splines in each half, limited.
+def _slopes(limit: float, values: Array, rise: float, fraction: float = 0.0) -> Array:
+    """Derivatives times the width of a cell at nodes, from splines in each half, limited.
 
     ``rise`` is the derivative in the middle, and ``fraction`` that of ``limit`` at which friction is largest;
     0 for none.
     """
-    middle = values.shape[-1] // 2
+    middle = values.size // 2
     step = limit / middle
-    above = _spline(values[..., middle:], step * np.asarray(rise))
-    below = _spline(values[..., middle::-1], -step * np.asarray(rise))
-    slopes = np.concatenate((-below[..., :0:-1], above), axis=-1)
+    above = _spline(values[middle:], step * rise)
+    below = _spline(values[middle::-1], -step * rise)
+    slopes = np.concatenate((-below[:0:-1], above))
     if fraction:
         critical = round(fraction * middle)
-        slopes[..., middle + critical] = 0.0
-        if np.array_equal(values, -values[..., ::-1]):
-            slopes[..., middle - critical] = 0.0
+        slopes[middle + critical] = 0.0
+        if np.array_equal(values, -values[::-1]):
+            slopes[middle - critical] = 0.0
     return np.clip(slopes, *_slope_bounds(values, slopes))
 
 
-def _spline(values: Array, rise: Array | None = None) -> Array:
-    """Slopes, times the width of a cell, of the cubic spline through equidistant nodes on the last axis, at least 4.
+def _spline(values: Array, rise: float) -> Array:
+    """Slopes, times the width of a cell, of the cubic spline through equidistant nodes, at least 4.
 
-    ``rise`` is the slope at the first node. Without it, as at the last node, no knot separates the first two cells
-    ("not-a-knot"). The slopes m satisfy m_k-1 + 4 m_k + m_k+1 = 3 (y_k+1 - y_k-1). The matrix [1 4 1] has the inverse
-    z^|k| / (2 sqrt 3) with z = sqrt(3) - 2; multiples of z^k and z^(n-k) are added to satisfy the end conditions.
+    ``rise`` is the slope at the first node. No knot separates the last two cells ("not-a-knot"). The slopes m satisfy
+    m_k-1 + 4 m_k + m_k+1 = 3 (y_k+1 - y_k-1). The matrix [1 4 1] has the inverse z^|k| / (2 sqrt 3) with
+    z = sqrt(3) - 2; multiples of z^k and z^(n-k) are added to satisfy the end conditions.
     """
-    chord = np.diff(values, axis=-1)
-    last = values.shape[-1] - 1
+    chord = np.diff(values)
     right = np.zeros(values.shape)
-    right[..., 1:-1] = 3.0 * (chord[..., :-1] + chord[..., 1:])
+    right[1:-1] = 3.0 * (chord[:-1] + chord[1:])
     inverse = _SPLINE_DECAY ** np.abs(np.arange(-_SPLINE_TERMS, _SPLINE_TERMS + 1)) / (
         2.0 * math.sqrt(3.0)
     )
-    rows = (
-        np.convolve(row, inverse)[_SPLINE_TERMS:-_SPLINE_TERMS]
-        for row in right.reshape(-1, last + 1)
-    )
-    slopes = np.array(list(rows)).reshape(values.shape)
-    from_first = _SPLINE_DECAY ** np.arange(last + 1)
-    from_last = from_first[::-1]
+    slopes = np.convolve(right, inverse)[_SPLINE_TERMS:-_SPLINE_TERMS]
+    from_first = _SPLINE_DECAY ** np.arange(values.size)
     far = from_first[-1]
     # residuals of the end conditions, and what each of both solutions adds to the condition at its own and other end
     knotless = 1.0 + 2.0 * _SPLINE_DECAY
-    residual = 2.5 * chord[..., -1] + 0.5 * chord[..., -2] - slopes[..., -1] - 2.0 * slopes[..., -2]
-    if rise is None:
-        first_residual = (
-            2.5 * chord[..., 0] + 0.5 * chord[..., 1] - slopes[..., 0] - 2.0 * slopes[..., 1]
-        )
-        near = knotless
-        across = far + 2.0 * from_first[-2]
-    else:
-        first_residual = rise - slopes[..., 0]
-        near = 1.0
-        across = far
+    residual = 2.5 * chord[-1] + 0.5 * chord[-2] - slopes[-1] - 2.0 * slopes[-2]
+    first_residual = rise - slopes[0]
     across_last = far + 2.0 * from_first[-2]
-    determinant = near * knotless - across * across_last
-    first = first_residual * knotless - across * residual
-    second = near * residual - across_last * first_residual
+    determinant = knotless - far * across_last
+    first = first_residual * knotless - far * residual
+    second = residual - across_last * first_residual
     return np.asarray(
-        slopes
-        + (first / determinant)[..., None] * from_first
-        + (second / determinant)[..., None] * from_last
+        slopes + first / determinant * from_first + second / determinant * from_first[::-1]
     )
 
 
@@ -599,102 +437,84 @@ def _has_slope_of_law(limit: float, slopes: Array, rise: float) -> bool:
 
 
 def _slope_bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
-    """Lower and upper bounds of slopes at nodes on the last axis with which no cell has an extremum besides its nodes.
+    """Lower and upper bounds of slopes at nodes with which no cell has an extremum besides its nodes.
 
     A cubic is monotone if both its slopes have the sign of the chord and are at most three times as steep. A cell
     contains an extremum where the values turn at one of its nodes and the slope there points into it, or where it is
     flat between a rise and a fall. Its end slopes may have either sign, with which it has exactly one extremum.
     """
-    rise = np.diff(values, axis=-1)
+    rise = np.diff(values)
     sign = np.sign(rise)
-    before = sign[..., :-1]
-    after = sign[..., 1:]
+    before = sign[:-1]
+    after = sign[1:]
     turns = before * after < 0.0
-    points = np.sign(slopes[..., 1:-1])
+    points = np.sign(slopes[1:-1])
     has_extremum = np.zeros(rise.shape, dtype=bool)
-    has_extremum[..., 1:] |= turns & (points == before)
-    has_extremum[..., :-1] |= turns & (points == after)
-    has_extremum[..., 1:-1] |= (sign[..., 1:-1] == 0.0) & (sign[..., :-2] * sign[..., 2:] < 0.0)
+    has_extremum[1:] |= turns & (points == before)
+    has_extremum[:-1] |= turns & (points == after)
+    has_extremum[1:-1] |= (sign[1:-1] == 0.0) & (sign[:-2] * sign[2:] < 0.0)
     turning = np.zeros(values.shape, dtype=bool)
-    turning[..., 1:-1] = turns
+    turning[1:-1] = turns
     bounds = []
     for sense, outer, inner in ((-1.0, np.minimum, np.maximum), (1.0, np.maximum, np.minimum)):
         unlimited = sense * np.inf
         monotone = outer(3.0 * rise, 0.0)
         same_sign = np.where(sign * sense < 0.0, 0.0, unlimited)
-        at = np.full((2, *values.shape), unlimited)
+        at = np.full((2, values.size), unlimited)
         # of each cell for the node before it and for the one after it
         for k, own in enumerate((slice(None, -1), slice(1, None))):
-            is_free = turning[..., own] | (sign == 0.0)
-            at[k, ..., own] = np.where(
-                has_extremum, np.where(is_free, unlimited, same_sign), monotone
-            )
+            is_free = turning[own] | (sign == 0.0)
+            at[k, own] = np.where(has_extremum, np.where(is_free, unlimited, same_sign), monotone)
         bounds.append(inner.reduce(at, axis=0))
     return bounds[0], bounds[1]
 
 
 def _interpolate_cells(values: Array, slopes: Array, fraction: float) -> Array:
-    """Cubic Hermite interpolation at a fraction of every cell of the last axis."""
+    """Cubic Hermite interpolation at a fraction of every cell."""
     x = fraction
-    rise = np.diff(values, axis=-1)
-    without_slopes = values[..., :-1] + x * x * (3.0 - 2.0 * x) * rise
-    return np.asarray(
-        without_slopes + x * (1.0 - x) * ((1.0 - x) * slopes[..., :-1] - x * slopes[..., 1:])
-    )
+    rise = np.diff(values)
+    without_slopes = values[:-1] + x * x * (3.0 - 2.0 * x) * rise
+    return np.asarray(without_slopes + x * (1.0 - x) * ((1.0 - x) * slopes[:-1] - x * slopes[1:]))
 
 
 def _quarter_error(fine: Array, slopes: Array) -> float:
     """Largest relative error of cubics at the quarters of their cells; ``fine`` has these and the nodes."""
     return max(
-        _relative_error(_interpolate_cells(fine[..., ::4], slopes, q / 4) - fine[..., q::4], fine)
+        _relative_error(_interpolate_cells(fine[::4], slopes, q / 4) - fine[q::4], fine)
         for q in (1, 2, 3)
     )
 
 
 def _relative_error(error: Array, values: Array) -> float:
-    """Largest error relative to the largest value of its row."""
-    largest = np.abs(values).max(axis=-1)
-    return float((np.abs(error).max(axis=-1) / np.where(largest > 0.0, largest, 1.0)).max())
-
-
-def _tolerance_error(error: float, tolerance: float) -> ConvergenceError:
-    """The exception of a table that misses its tolerance."""
-    return ConvergenceError(
-        f"the table of effective friction still has a relative error of {error:.1e} with the most nodes, more than the "
-        f"{tolerance:.1e} that are left to it; {COARSER_TABLES}"
-    )
+    """Largest error relative to the largest value."""
+    return float(np.abs(error).max() / (np.abs(values).max() or 1.0))
 
 
 # The law -------------------------------------------------------------------------------------------------------------
 
 
 def _group_slices(
-    raceway: Raceway, load: Array, times: Array, rolling: Array, tolerance: float
-) -> tuple[Callable[[float, Array], Array], tuple[float, float, float]]:
-    """Mean friction of slices over rolling and sliding speed, by classes of equal force, and the errors of these.
+    raceway: Raceway, load: Array, times: Array, rolling: float, tolerance: float
+) -> tuple[Law, tuple[float, float, float]]:
+    """Mean friction of slices at a rolling speed, by classes of equal force, and the errors of these.
 
     The slices have ascending loads, each so many ``times``. There are as few classes as the tolerance allows. The
-    errors are those of friction at any of the rolling speeds, and, at the first one, of the slope at no slip and of the
-    maximum.
+    errors are those of friction, of the slope at no slip and of the maximum.
     """
     fraction = load * times / (load * times).sum()
-    whole = _mean_friction(raceway, load, fraction)
-    true = [whole(u, _probe_speeds(u)) for u in rolling.tolist()]
+    whole = _mean_friction(raceway, load, fraction, rolling)
     if load.size <= _FIRST_CLASSES:
         return whole, (0.0, 0.0, 0.0)
-    epicyclic = float(rolling[0])
-    features = _find_features(partial(whole, epicyclic), epicyclic)
+    true = whole(_probe_speeds(rolling))
+    features = _find_features(whole, rolling)
     count = _FIRST_CLASSES
     while count < min(load.size, _MAX_CLASSES):
         number = np.minimum((count * (np.cumsum(fraction) - 0.5 * fraction)).astype(int), count - 1)
         force = np.asarray(np.bincount(number, fraction, count), dtype=float)
         mean = np.bincount(number, fraction * load, count)[force > 0.0] / force[force > 0.0]
-        law = _mean_friction(raceway, mean, force[force > 0.0])
-        error = max(
-            _relative_error(law(u, _probe_speeds(u)) - friction, friction)
-            for u, friction in zip(rolling.tolist(), true, strict=True)
-        )
-        reduced = _find_features(partial(law, epicyclic), epicyclic)
+        law = _mean_friction(raceway, mean, force[force > 0.0], rolling)
+        error = _relative_error(law(_probe_speeds(rolling)) - true, true)
+        reduced = _find_features(law, rolling)
         slope_error = _relative_difference(reduced.slope, features.slope)
         critical_error = _critical_error(reduced, features)
         if max(error, slope_error) <= tolerance and critical_error <= max(
@@ -717,13 +537,11 @@ def _critical_error(features: _Features, true: _Features) -> float:
     )
 
 
-def _mean_friction(
-    raceway: Raceway, load: Array, fraction: Array
-) -> Callable[[float, Array], Array]:
-    """Mean friction, over rolling and sliding speed, of slices with loads per length and fractions of the force."""
+def _mean_friction(raceway: Raceway, load: Array, fraction: Array, rolling: float) -> Law:
+    """Mean friction at a rolling speed of slices with loads per length and fractions of the force."""
     count = max(_BLOCK_SIZE // max(load.size, 1), 1)
 
-    def friction(rolling: float, sliding: Array) -> Array:
+    def friction(sliding: Array) -> Array:
         if load.size == 0:
             return np.zeros_like(sliding)
         blocks = []

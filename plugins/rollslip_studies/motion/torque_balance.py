@@ -625,9 +625,7 @@ def effective_curves(assembly: Assembly, n_positions: int) -> tuple[EffectiveCur
     tolerance = assembly.resolution.table_tolerance
 
     def tabulate(raceway: Raceway, load: Array) -> EffectiveCurve:
-        table = effective_table(
-            assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, two_speeds=False
-        )
+        table = effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance)
         return EffectiveCurve(table.nodes, table.limits, table.sliding_scale)
 
     return tabulate(assembly.inner, loads.inner_load), tabulate(assembly.outer, loads.outer_load)

@@ -193,7 +193,6 @@ class Stations:
             self.tolerance,
             self.speeds_vary,
             friction.name,
-            friction.effective_over,
             friction.coefficient,
             friction.transition,
             friction.tolerance,

@@ -107,8 +107,6 @@ class FrictionSettings:
     tabulated : bool
         Whether quantities that follow from the force of a roller may come from tables; if not, they come from the
         slices at every evaluation.
-    effective_over : str
-        Variables of tables of effective friction: "sliding-speed", or "slips" for sliding and rolling speed.
     coefficient, transition : float
         Constant friction: mu_0, and the sliding speed V_s [m/s] in mu_0 V/sqrt(V^2 + V_s^2).
     tolerance : float, optional
@@ -124,7 +122,6 @@ class FrictionSettings:
 
     name: str
     tabulated: bool = True
-    effective_over: str = "sliding-speed"
     coefficient: float = math.nan
     transition: float = math.nan
     tolerance: float | None = None
@@ -345,11 +342,7 @@ def _effective_table(
 ) -> EffectiveTable:
     """Return the effective friction of a ring at the epicyclic speed, cached for a bearing and its loads."""
     raceway = assembly.raceways[ring]
-    options = (
-        settings.table_tolerance(assembly),
-        settings.effective_over == "slips",
-        settings.between_nodes,
-    )
+    options = settings.table_tolerance(assembly), settings.between_nodes
     key = ring, loads, raceway.conditions, raceway.chain.models, raceway.chain.bounds, *options
     return assembly.cached(
         "effective friction", key, lambda: effective_table(assembly, raceway, load, *options)
