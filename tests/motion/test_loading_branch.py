@@ -16,12 +16,15 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
+from rollslip_studies.motion import loading_branch
 from rollslip_studies.motion.loading_branch import (
     SEARCH,
     _drop_doubtful,
     _estimate_rise,
+    _find_intervals,
     _find_maxima,
     _Maximum,
+    _Search,
     _second_derivative,
     _slips_within,
     find_loading_branch,
@@ -511,6 +514,7 @@ class Torques:
         return 0.0
 
     def with_resolution(self, n_positions, n_loads):
+        self.resolution = n_positions, n_loads
         return self.fine
 
 
@@ -613,6 +617,85 @@ def test_a_driven_cage_is_found_by_doubling_its_slip_from_a_small_one():
     assert motions.count - count == 17 + 1
 
 
+def test_a_steady_slip_is_found_to_ten_digits():
+    """Where the torque has a step; with twice the tolerance it is off by 1.6e-10."""
+
+    def torque(logit):
+        slip = slip_from_logit(logit)
+        return slip + (slip > 0.31696)
+
+    motions = Torques(torque)
+    (steady,) = find_loading_branch(motions, 0.9, motions).find_steady_motions(lambda _: -0.81696)
+    assert steady.slip == pytest.approx(0.31696, rel=1e-10)
+
+
+def test_the_height_of_a_maximum_is_predicted_to_a_millionth():
+    """Its second derivative is infinite, so that vertices approach it slowly; twice the tolerance leaves 1.9e-6."""
+
+    def torque(logit):
+        x = logit + 2.129
+        return (
+            1.0 - abs(x) ** 1.5 * (1.4 if x > 0.0 else 1.0) if abs(x) < 0.8 else 0.5 - 0.01 * abs(x)
+        )
+
+    motions = Torques(torque)
+    (jump,) = find_loading_branch(motions, 0.9, motions).jumps
+    assert jump.error < 1e-6
+
+
+def test_the_gap_at_the_end_of_a_motion_is_bisected_nine_times():
+    motions = Torques(lambda logit: 2.0 + logit if logit <= -1.0 else 0.5 - 0.1 * logit, end=-1.0)
+    branch = find_loading_branch(motions, 0.9, motions).motions
+    (k,) = (k for k in range(1, len(branch)) if not branch[k].linked)
+    assert branch[k].logit_slip - branch[k - 1].logit_slip <= 0.25 / 2.0**9
+
+
+def test_finer_positions_may_shift_the_end_of_a_motion_by_a_tenth():
+    """By 0.08 in logit(S), of which half of the width shows no end."""
+
+    def rising_to(end):
+        return lambda logit: 2.0 + logit - end if logit <= end else 0.5 - 0.1 * logit
+
+    motions = Torques(rising_to(-1.0), end=-1.0, fine=Torques(rising_to(-0.92)))
+    (jump,) = find_loading_branch(motions, 0.9, motions).jumps
+    assert jump.error < 0.02
+
+
+def test_eight_loads_stand_for_all_slices(monkeypatch):
+    """To rounding; with four the largest drag of this bearing changes by 5e-6."""
+    (jump,) = scenes.balance(scenes.free(20)).loading_branch().jumps
+    monkeypatch.setattr(loading_branch, "SEARCH", attrs.evolve(SEARCH, n_loads=0))
+    (whole,) = scenes.balance(scenes.free(20)).loading_branch().jumps
+    assert jump.drag == pytest.approx(whole.drag, rel=1e-9)
+
+
+def test_a_branch_starts_at_a_ten_thousandth_by_steps_of_a_quarter():
+    motions = Torques(slip_from_logit)
+    branch = find_loading_branch(motions, 0.5, motions).motions
+    logits = [motion.logit_slip for motion in branch]
+    assert branch[0].slip == pytest.approx(1e-4, rel=1e-9)
+    assert 0.24 < np.diff(logits)[:-1].max() <= 0.25
+
+
+@pytest.mark.parametrize(("fall", "intervals"), [(1.4e-3, []), (3e-3, [0, 1])])
+def test_intervals_that_may_exceed_a_maximum_by_a_thousandth_are_bisected(fall, intervals):
+    """By twice the parabola through it, whose height over the middle of an interval is an eighth of 2 fall."""
+    branch = curve(1.0 - fall, 1.0, 1.0 - fall)
+    assert _find_intervals(branch, 0.0) == intervals
+
+
+def test_a_maximum_has_nine_samples_on_four_times_the_positions():
+    """A cusp, which no polynomial predicts."""
+    motions = Torques(lambda logit: 1.0 - abs(logit + 0.3) ** 0.5)
+    search = _Search(motions, motions)
+    samples = [
+        pair[0] for pair in motions.find(np.array([slip_from_logit(x) for x in (-1.0, -0.4, 1.0)]))
+    ]
+    search._find_vertex(search._fine_motions, samples)
+    assert motions.count == 9
+    assert motions.resolution == (4, 8)
+
+
 def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_on_all_slices():
     """By few loads the excess passes zero just below 4.7 %, a slip of the way, and by all slices at 5 %."""
     bearing = assemble(scenes.wide(100_600))
@@ -625,8 +708,8 @@ def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_o
 
 def test_maxima_of_a_way_fall_behind_by_more_than_rounding_before_a_larger_one_comes():
     assert _find_maxima(curve(1.0, 3.0, 2.0, 4.0, 1.0)) == [1, 3]
-    level = 1.0 - 0.5 * SEARCH.min_fall
-    assert _find_maxima(curve(1.0, 3.0, 3.0 * level, 4.0, 4.0 * level)) == []
+    for fall, maxima in ((1.5e-3, []), (2.5e-3, [1])):
+        assert _find_maxima(curve(1.0, 3.0, 3.0 * (1.0 - fall), 4.0)) == maxima
     assert _find_maxima(curve(-1.0, -3.0)) == []
 
 

@@ -57,6 +57,7 @@ class SearchTolerances:
     Effects of half and twice a value were measured on 79 random bearings of tests/support/loading_branch_scenes.py,
     with 45 jumps. Their largest torques have a stated error of 0.14 % in the median and 6.5 % at most. "No effect"
     means that no slip, torque or jump changes, and "within the errors" that torques change by less than their error.
+    Each value has a test in tests/motion/test_loading_branch.py which fails with half or twice of it.
     """
 
     #: Smallest cage slip of the grid. Half and twice the value change largest torques by up to 1.3e-3, within the
