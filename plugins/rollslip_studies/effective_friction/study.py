@@ -209,7 +209,7 @@ class EffectiveFriction(Study):
             "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest",
             "film regimes": "evaluated for every loaded slice, over the slips of the curve",
             "skidding": "the balance of torques of freely spinning rollers, about its maximum and at the drags",
-            "map": "the study asks for friction over cage slip and roller slip|over few loads that stand for all "
+            "map": "friction over cage slip and roller slip|over few loads with weights in place of all "
             "slices",
         }
     )
