@@ -45,7 +45,7 @@ from rollslip_kernels.motion import raceway as compiled
 # Effects of half and twice a value were measured on 16 curves of shipped scenes, tolerances 1e-3 and 1e-5.
 
 #: Largest sliding speed, relative to the epicyclic rolling speed; beyond it friction is constant. Doubling it adds
-#: 18 % of nodes, half of it is less than the sliding speeds of a cage that stands still; chosen.
+#: 18 % of nodes, half of it saves 1 %; chosen.
 _MAX_SLIDING: Final = 8.0
 #: Number of sliding speeds, over eight decades, by which the maximum of a law is bracketed. Doubling it costs 3 %
 #: more evaluations, half of it saves 2 % but may miss a narrow maximum; chosen.
@@ -72,13 +72,11 @@ _FIRST_CLASSES: Final = 16
 #: Number of classes from which on all slices are used. Half and twice the value have no effect on these tables;
 #: chosen.
 _MAX_CLASSES: Final = 1024
-#: Slices evaluated at a time. Twice as many take twice the memory, 2 MB per column, and no less time; chosen.
+#: Slices evaluated at a time. Twice as many take twice the memory, 2 MB per column; chosen.
 _BLOCK_SIZE: Final = 1 << 18
-#: Fraction of the tolerance for the cells. Twice
-#: the value misses the tolerance by 5 %, half of it needs 39 % more nodes.
+#: Fraction of the tolerance for the cells. Twice the value misses the tolerance by 5 %, half of it needs 39 % more nodes.
 _CELLS_FRACTION: Final = 0.8
-#: Fraction of the tolerance for the classes. Half and twice the
-#: value change evaluations by less than 3 %; chosen.
+#: Fraction of the tolerance for the classes. Half and twice the value change evaluations by less than 3 %; chosen.
 _CLASSES_FRACTION: Final = 0.1
 #: Relative difference up to which either of two maxima among the probes may be the larger one. Half and twice the
 #: value have no effect on these tables; chosen, more than the error between two probes.
