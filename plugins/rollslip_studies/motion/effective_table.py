@@ -74,7 +74,8 @@ _FIRST_CLASSES: Final = 16
 _MAX_CLASSES: Final = 1024
 #: Slices evaluated at a time. Twice as many take twice the memory, 2 MB per column; chosen.
 _BLOCK_SIZE: Final = 1 << 18
-#: Fraction of the tolerance for the cells. Twice the value misses the tolerance by 5 %, half of it needs 39 % more nodes.
+#: Fraction of the tolerance for the cells. Twice the value misses the tolerance by 5 %, half of it needs 39 % more
+#: nodes.
 _CELLS_FRACTION: Final = 0.8
 #: Fraction of the tolerance for the classes. Half and twice the value change evaluations by less than 3 %; chosen.
 _CLASSES_FRACTION: Final = 0.1
