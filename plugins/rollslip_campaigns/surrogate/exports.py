@@ -102,20 +102,19 @@ def _read_source(name: str) -> str:
     return (files(__package__) / name).read_text(encoding="utf-8")
 
 
-def _array(name: str, values: Any, kind: str = "double") -> str:
+def _array(name: str, values: Any, kind: str) -> str:
     """Return the definition of an array in C: floats with eight digits, doubles with as many as they need."""
     values = np.asarray(values, dtype=float)
     numbers = (f"{v:.8g}" if kind == "float" else repr(v) for v in values.ravel().tolist())
     sizes = "".join(f"[{n}]" for n in values.shape)
-    rows = list[str]()
+    text = ""
     line = ""
     for number in numbers:
         if len(line) > _LINE_LENGTH:
-            rows = [*rows, line]
+            text += f"{line}\n"
             line = ""
         line += f"{number},"
-    text = "\n".join([*rows, line])
-    return f"static const {kind} {name}{sizes} = {{\n{text}\n}};\n"
+    return f"static const {kind} {name}{sizes} = {{\n{text}{line}\n}};\n"
 
 
 def c_header(result: "xr.Dataset") -> tuple[str, str]:
@@ -126,11 +125,13 @@ def c_header(result: "xr.Dataset") -> tuple[str, str]:
     def axis_macros(letter: str, axis: Axis) -> str:
         nodes = np.log(axis.nodes) if axis.logarithmic else axis.nodes
         step = float(nodes[-1] - nodes[0]) / (nodes.size - 1) if nodes.size > 1 else 1.0
-        ends = f"#define {letter}_FIRST {float(nodes[0])!r}\n#define {letter}_STEP {step!r}\n"
-        return f"#define N{letter} {nodes.size}\n{ends}"
+        return (
+            f"#define N{letter} {nodes.size}\n#define {letter}_FIRST {float(nodes[0])!r}\n"
+            f"#define {letter}_STEP {step!r}\n"
+        )
 
-    letters = {"temperature": "T", "radial_load": "W", "cage_ratio": "R", "rolling_speed": "U"}
-    text = "".join(axis_macros(letter, tables.axes[name]) for name, letter in letters.items())
+    # axes of temperature, load, cage ratio and rolling speed
+    text = "".join(map(axis_macros, "TWRU", tables.axes.values()))
     rest = tables.drags["rest"]
     cage_step = float(np.arcsinh(tables.cage_top / CAGE_SMALL)) / (rest.shape[1] - 1)
     numbers = {
@@ -142,16 +143,18 @@ def c_header(result: "xr.Dataset") -> tuple[str, str]:
     }  # fmt: skip
     text += "".join(f"#define {name} {float(value)!r}\n" for name, value in numbers.items())
     text += f"#define NX {tables.friction.shape[-1]}\n#define NC {rest.shape[1]}\n"
-    text += _array("FRICTION", tables.friction, "float") + _array("FORCE", tables.force, "float")
-    text += _array("ROLLS", tables.resistance, "float") + _array("LARGEST", tables.largest, "float")
-    for name, key in (
-        ("LEAD_INNER", "inner"),
-        ("LEAD_OUTER", "outer"),
-        ("SQUARE", "cage"),
-        ("REST", "rest"),
+    for name, table, kind in (
+        ("FRICTION", tables.friction, "float"),
+        ("FORCE", tables.force, "float"),
+        ("ROLLS", tables.resistance, "float"),
+        ("LARGEST", tables.largest, "float"),
+        ("LEAD_INNER", tables.drags["inner"], "double"),
+        ("LEAD_OUTER", tables.drags["outer"], "double"),
+        ("SQUARE", tables.drags["cage"], "double"),
+        ("REST", rest, "double"),
     ):
-        text += _array(name, tables.drags[key])
-    program = text + "".join(_read_source(name) for name in _C_FILES)
+        text += _array(name, table, kind)
+    program = "".join([text, *map(_read_source, _C_FILES)])
     guid = f"{{{uuid.uuid5(_GUID_NAMESPACE, program)}}}"
     return (
         f'/* Tables of a bearing, within {float(result.attrs["error"]):.2g}. */\n#define GUID "{guid}"\n{text}',
@@ -212,6 +215,11 @@ class TablesFormat(SceneFormat):
         """Return the content of the file, and notes for the user."""
 
 
+#: Name of the platform in an FMU, as FMI 2.0 defines it without the number of bits, and ending of its shared libraries,
+#: by `sys.platform`; all others are taken as Linux.
+_PLATFORMS: Final = {"win32": ("win", ".dll"), "darwin": ("darwin", ".dylib")}
+
+
 @attrs.frozen
 class Fmu(TablesFormat):
     """A unit of FMI 2.0 for co-simulation, without the sources if `binary_only`."""
@@ -229,7 +237,9 @@ class Fmu(TablesFormat):
         notes = [] if library is not None else [f"the FMU has sources only: {note}"]
         entries = {"modelDescription.xml": _description(result, guid, self.binary_only).encode()}
         if library is not None:
-            entries[f"binaries/{_platform()}/bearing{_suffix()}"] = library
+            system, suffix = _PLATFORMS.get(sys.platform, ("linux", ".so"))
+            bits = 64 if sys.maxsize > 2**32 else 32
+            entries[f"binaries/{system}{bits}/bearing{suffix}"] = library
         if not self.binary_only:
             entries |= {f"sources/{name}": text.encode() for name, text in code.items()}
         buffer = io.BytesIO()
@@ -241,22 +251,6 @@ class Fmu(TablesFormat):
                 entry.external_attr = 0o644 << 16
                 archive.writestr(entry, entries[name])
         return Written(buffer.getvalue(), tuple(notes))
-
-
-#: Name of the platform in an FMU, and ending of its shared libraries, by `sys.platform`; all others are taken as Linux.
-_PLATFORMS: Final = {"win32": ("win", ".dll"), "darwin": ("darwin", ".dylib")}
-_LINUX: Final = ("linux", ".so")
-
-
-def _platform() -> str:
-    """Return the name of the folder of libraries for this machine, as the standard of FMI 2.0 defines it."""
-    bits = 64 if sys.maxsize > 2**32 else 32
-    return f"{_PLATFORMS.get(sys.platform, _LINUX)[0]}{bits}"
-
-
-def _suffix() -> str:
-    """Return the ending of shared libraries on this machine."""
-    return _PLATFORMS.get(sys.platform, _LINUX)[1]
 
 
 def _compile_library(code: Mapping[str, str]) -> tuple[bytes | None, str]:
@@ -304,7 +298,6 @@ _VARIABILITY: Final[Mapping[str, dict[str, str]]] = {
 
 def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
     """Return modelDescription.xml: variables, units and default experiment, as FMI 2.0 defines it."""
-    packages = json.loads(result.attrs["packages"])
     error = 100.0 * float(result.attrs["error"])
     root = ET.Element(
         "fmiModelDescription",
@@ -313,7 +306,7 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
         guid=guid,
         description=f"Cage and rollers of a cylindrical roller bearing; friction within {error:.2g} % of "
         f"{result.attrs.get('title') or result.attrs.get('source', 'a scene')}",
-        generationTool=f"rollslip {packages.get('rollslip', '')}".strip(),
+        generationTool=f"rollslip {json.loads(result.attrs['packages']).get('rollslip', '')}".strip(),
         variableNamingConvention="flat",
         numberOfEventIndicators="0",
     )
@@ -333,8 +326,7 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
             ET.SubElement(compiled, "File", name=name)
     units = ET.SubElement(root, "UnitDefinitions")
     for name, exponents in _UNITS.items():
-        element = ET.SubElement(units, "Unit", name=name)
-        ET.SubElement(element, "BaseUnit", exponents)
+        ET.SubElement(ET.SubElement(units, "Unit", name=name), "BaseUnit", exponents)
     ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="2", stepSize="0.001")
     variables = ET.SubElement(root, "ModelVariables")
     ranges = {name: result[f"{name}_range"].to_numpy() for name in ("radial_load", "temperature")}

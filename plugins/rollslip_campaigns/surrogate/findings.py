@@ -29,7 +29,14 @@ class SurrogateAccount(Account):
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return sentences on the errors of the tables, their ranges, and nodes at which the bearing skids."""
-        topics = {"error": [_error(dataset)], "ranges": [_ranges(dataset)]}
+        spans = []
+        for name, unit in _RANGES.items():
+            low, high = (
+                format_quantity(float(end), unit, 4) for end in dataset[f"{name}_range"].to_numpy()
+            )
+            spans.append(f"{name} {low}" + (f" to {high}" if high != low else ""))
+        ranges = f"ranges: {', '.join(spans)}; beyond them the tables give the last values"
+        topics = {"error": [_error(dataset)], "ranges": [ranges]}
         skids = np.isnan(dataset["steady_cage_slip"].to_numpy())
         if skids.any():
             topics["skidding"] = [
@@ -59,19 +66,10 @@ def _error(dataset: "xr.Dataset") -> str:
     largest, median = (
         f"{100.0 * float(dataset.attrs[name]):.2g} %" for name in ("error", "median_error")
     )
-    count = dataset.sizes["operation"]
-    return f"tables within {largest} at {count} random operations, {median} in the median"
-
-
-def _ranges(dataset: "xr.Dataset") -> str:
-    """Return a sentence on the ranges of all quantities."""
-    spans = []
-    for name, unit in _RANGES.items():
-        low, high = (
-            format_quantity(float(end), unit, 4) for end in dataset[f"{name}_range"].to_numpy()
-        )
-        spans.append(f"{name} {low}" + (f" to {high}" if high != low else ""))
-    return f"ranges: {', '.join(spans)}; beyond them the tables give the last values"
+    return (
+        f"tables within {largest} at {dataset.sizes['operation']} random operations, "
+        f"{median} in the median"
+    )
 
 
 ACCOUNT: Final = SurrogateAccount("surrogate")

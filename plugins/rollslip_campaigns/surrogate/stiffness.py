@@ -65,7 +65,10 @@ def stiffness(
         )
     pressed = loads.inner_force > 0.0
     Ki, Ko = (matrix[pressed] for matrix in springs)
-    motion = np.linalg.solve(_with_tilt_stiffness(Ki + Ko), Ki[..., :1])
+    K = Ki + Ko
+    # one slice alone at the centre has no stiffness against tilt
+    K = K + np.diag([0.0, 1.0]) * (K[:, 1, 1] == 0.0)[:, None, None] * K[:, :1, :1]
+    motion = np.linalg.solve(K, Ki[..., :1])
     k = np.zeros(loads.inner_force.shape)
     k[pressed] = Ki[:, 0, 0] - (Ki[:, :1] @ motion)[:, 0, 0]
     c = np.cos(loads.psi)
@@ -73,10 +76,3 @@ def stiffness(
     return np.asarray(
         np.array([[k * c * c, k * c * s], [k * c * s, k * s * s]]).sum(axis=-1).mean(axis=-1)
     )
-
-
-def _with_tilt_stiffness(K: Array) -> Array:
-    """Return matrices with a stiffness against tilt where one slice alone at the centre has none, (n, 2, 2)."""
-    tilt = np.zeros((2, 2))
-    tilt[1, 1] = 1.0
-    return np.asarray(K + tilt * (K[:, 1, 1] == 0.0)[:, None, None] * K[:, :1, :1])

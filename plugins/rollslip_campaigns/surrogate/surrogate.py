@@ -134,7 +134,6 @@ _KEYS: Final = (
 )
 #: SI units of these quantities.
 _UNITS: Final = ("K", "N", "rad/s", "rad/s")
-_OUTPUTS: Final = tuple(RacewayFriction.outputs)
 #: Number of trailing axes of each table, of (cage ratio, rolling speed, slide-roll ratio).
 _TABLE_AXES: Final = {
     "mean_friction": 3,
@@ -142,7 +141,6 @@ _TABLE_AXES: Final = {
     "ring_resistance": 2,
     "ring_force": 2,
 }
-_TABLES: Final = tuple(_TABLE_AXES)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -177,22 +175,15 @@ class SurrogatePlan:
     @property
     def messages(self) -> list[str]:
         """Lines that describe the ranges and the allowed error."""
-        units = dict(zip(_KEYS, _UNITS, strict=True))
-        spans = (
-            f"  {key}: "
-            + " to ".join(dict.fromkeys(format_quantity(end, units[key], 4) for end in ends))
-            for key, ends in self.ranges.items()
-        )
         return [
             self.sweep.headline,
-            *spans,
+            *(
+                f"  {key}: "
+                + " to ".join(dict.fromkeys(format_quantity(end, unit, 4) for end in ends))
+                for (key, ends), unit in zip(self.ranges.items(), _UNITS, strict=True)
+            ),
             f"  until random operations are within {100 * self.error:.3g} %",
         ]
-
-    @property
-    def axes(self) -> dict[str, Axis]:
-        """The finest rows of temperature and load."""
-        return _axes(self.ranges)
 
 
 def _axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
@@ -229,17 +220,35 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
         )
     slow, fast, min_ratio, max_ratio = _speed_bounds(assembly, ranges)
     study = f"study.{RacewayFriction.name}"
-    bounds = {
-        f"{study}.slowest": slow,
-        f"{study}.fastest": fast,
-        f"{study}.smallest_ratio": min_ratio,
-        f"{study}.largest_ratio": max_ratio,
-    }
-    scene = evolve(base, bounds)
-    _check_drags(scene, assembly, ranges, np.geomspace(slow, fast, ROLLING_NODES), error)
+    scene = evolve(
+        base,
+        {
+            f"{study}.slowest": slow,
+            f"{study}.fastest": fast,
+            f"{study}.smallest_ratio": min_ratio,
+            f"{study}.largest_ratio": max_ratio,
+        },
+    )
+    # drags that the finest tables do not reproduce are refused
+    deviation = _drag_error(scene, ranges, np.geomspace(slow, fast, ROLLING_NODES))
+    names = f"cage.drag: {', '.join(model.name for model in assembly.cage.drags.torques)}: "
+    if deviation > _MAX_FORM_ERROR:
+        raise SceneError(
+            [
+                f"{names}their torque is not a sum of terms in the leads of the rings and in the speed of the cage, so "
+                "that it cannot be tabulated"
+            ]
+        )
+    if deviation > error:
+        raise SceneError(
+            [
+                f"{names}their error between the speeds of the finest table is {100 * deviation:.2g} %; allow a larger "
+                "error, or narrow the ranges of speeds"
+            ]
+        )
     options = {
         "study": RacewayFriction.name,
-        "output": list(_OUTPUTS),
+        "output": list(RacewayFriction.outputs),
         "engine": requested.engine,
         "time_limit": requested.time_limit,
     }
@@ -263,32 +272,6 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
         ranges=ranges,
         error=error,
     )
-
-
-def _check_drags(
-    scene: "Scene",
-    assembly: Assembly,
-    ranges: Mapping[str, tuple[float, float]],
-    rolling: Array,
-    error: float,
-) -> None:
-    """Refuse drags of the cage that the finest tables do not reproduce within the allowed error."""
-    deviation = _tabulate_drags(scene, np.array(ranges[_KEYS[0]]), ranges, rolling)[2]
-    names = f"cage.drag: {', '.join(model.name for model in assembly.cage.drags.torques)}: "
-    if deviation > _MAX_FORM_ERROR:
-        raise SceneError(
-            [
-                f"{names}their torque is not a sum of terms in the leads of the rings and in the speed of the cage, so "
-                "that it cannot be tabulated"
-            ]
-        )
-    if deviation > error:
-        raise SceneError(
-            [
-                f"{names}their error between the speeds of the finest table is {100 * deviation:.2g} %; allow a larger "
-                "error, or narrow the ranges of speeds"
-            ]
-        )
 
 
 def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
@@ -390,7 +373,7 @@ class _Nodes:
         _compute_points(self.points, self.results, numbers.ravel().tolist())
         return {
             name: np.array([[self.results[int(n)][name] for n in row] for row in numbers])
-            for name in (*_TABLES, "cage_ratio", "rolling_speed", "slide_roll")
+            for name in (*_TABLE_AXES, "cage_ratio", "rolling_speed", "slide_roll")
         }
 
 
@@ -402,18 +385,15 @@ def _compute_points(
     if not requested:
         return
     points.compute(requested, retry_statuses=FAILED)
-    failed = dict[int, str]()
+    messages = dict[int, str]()
     for row in records(points.folder):
-        if row.status == "ok":
-            if row.number not in results:
-                results[row.number] = row_values(row)
-            failed.pop(row.number, None)
-        elif row.number not in results:
-            failed[row.number] = row.message
+        messages[row.number] = row.message
+        if row.status == "ok" and row.number not in results:
+            results[row.number] = row_values(row)
     if missing := [number for number in requested if number not in results]:
         raise ConvergenceError(
             f"{len(missing)} of {len(requested)} operations failed, the first: "
-            f"{failed.get(missing[0], 'it was not computed')}; "
+            f"{messages.get(missing[0], 'it was not computed')}; "
             "narrow the ranges"
         )
 
@@ -433,7 +413,7 @@ def _max_errors(tables: Mapping[str, Array], reference: Mapping[str, Array]) -> 
     themselves.
     """
     worst = np.zeros(len(reference["mean_friction"]))
-    for name in _TABLES:
+    for name in _TABLE_AXES:
         size = np.abs(reference[name])
         if name == "mean_friction":
             size = size.max(axis=-1, keepdims=True)
@@ -455,21 +435,21 @@ def _interpolate_all_nodes(tables: Mapping[str, Array], strides: Sequence[int]) 
         table = tables[name]
         for axis, stride in enumerate(strides[:count], start=table.ndim - count):
             if (nodes := table.shape[axis]) > 1:
-                positions = np.arange((nodes - 1) * stride + 1) / stride
-                table = _apply_along(table, axis, weights(nodes, positions))
+                matrix = weights(nodes, np.arange((nodes - 1) * stride + 1) / stride)
+                table = _apply_along(table, axis, matrix)
         fine[name] = table
     return fine
 
 
 def _choose_point_strides(tables: Mapping[str, Array], allowed: float) -> list[int]:
     """Return the coarsest strides within a point, each with an error up to `allowed` if the other axes are fine."""
-    flat = {name: tables[name].reshape(-1, *tables[name].shape[2:]) for name in _TABLES}
+    flat = {name: tables[name].reshape(-1, *tables[name].shape[2:]) for name in _TABLE_AXES}
     chosen = [options[-1] for options in _POINT_STRIDES]
     for k, options in enumerate(_POINT_STRIDES):
         for stride in options:
             single = [stride if j == k else 1 for j in range(len(chosen))]
-            coarse = _coarsen(flat, single)
-            if _max_errors(_interpolate_all_nodes(coarse, single), flat).max() <= allowed:
+            interpolated = _interpolate_all_nodes(_coarsen(flat, single), single)
+            if _max_errors(interpolated, flat).max() <= allowed:
                 chosen[k] = stride
                 break
     return chosen
@@ -507,12 +487,22 @@ def run_surrogate(
         If a point fails, or the finest tables leave more than the allowed error.
     """
     nodes = _Nodes(plan, Points.in_folder(plan.sweep, folder / "nodes", print_line, report))
-    random_points = Points.in_folder(plan.random, folder / "random", print_line, report)
+    design = plan.random.design
     results = dict[int, dict[str, Array]]()
-    _compute_points(random_points, results, range(plan.random.design.size))
-    reference = {name: np.array([results[k][name] for k in sorted(results)]) for name in _TABLES}
-    axes = plan.axes
-    operations = _random_operations(plan)
+    random_points = Points.in_folder(plan.random, folder / "random", print_line, report)
+    _compute_points(random_points, results, range(design.size))
+    reference = {
+        name: np.array([results[k][name] for k in sorted(results)]) for name in _TABLE_AXES
+    }
+    axes = _axes(plan.ranges)
+    # temperatures [K] and loads [N] of the random operations
+    changes: list[Mapping[str, Any]] = [*map(design.changes, range(design.size))]
+    operations = {
+        key.partition(".")[2]: np.array(
+            [float(change.get(key, plan.ranges[key][0])) for change in changes]
+        )
+        for key in _KEYS[:2]
+    }
     levels = [0, 0]
     fraction = _FIRST_FRACTION
     for _ in range(_MAX_ATTEMPTS):
@@ -522,10 +512,20 @@ def run_surrogate(
         fine = nodes.tables(*rows)
         strides = _choose_point_strides(fine, allowed)
         rolling = fine["rolling_speed"][0, 0]
-        while strides[1] > 1 and _drag_error(plan, rolling[:: strides[1]]) > allowed:
+        while (
+            strides[1] > 1
+            and _drag_error(plan.sweep.scene, plan.ranges, rolling[:: strides[1]]) > allowed
+        ):
             strides[1] //= 2
         tables = _coarsen(fine, strides)
-        interpolated = _interpolate_operations(tables, axes, rows, operations)
+        t, w = (
+            Axis(axes[name].nodes[row], axes[name].logarithmic).weights(operations[name])
+            for name, row in zip(axes, rows, strict=True)
+        )
+        interpolated = {
+            name: np.einsum("pt,pw,tw...->p...", t, w, tables[name], optimize=True)
+            for name in _TABLE_AXES
+        }
         errors = _max_errors(_interpolate_all_nodes(interpolated, strides), reference)
         print_line(
             f"{len(rows[0])} temperatures and {len(rows[1])} loads: the error at random operations is "
@@ -544,11 +544,9 @@ def run_surrogate(
     return dataset
 
 
-def _drag_error(plan: SurrogatePlan, rolling: Array) -> float:
+def _drag_error(scene: "Scene", ranges: Mapping[str, tuple[float, float]], rolling: Array) -> float:
     """Return the relative error of the drags, tabulated over some rolling speeds [m/s]."""
-    return _tabulate_drags(plan.sweep.scene, np.array(plan.ranges[_KEYS[0]]), plan.ranges, rolling)[
-        2
-    ]
+    return _tabulate_drags(scene, np.array(ranges[_KEYS[0]]), ranges, rolling)[2]
 
 
 def _row(axis: Axis, level: int) -> list[int]:
@@ -563,7 +561,7 @@ def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[i
 
     Along the other row, the error is measured at both ends and in the middle.
     """
-    axes = [*nodes.plan.axes.values()]
+    axes = [*_axes(nodes.plan.ranges).values()]
     last = _ROW_NODES - 1
     levels = [*levels]
     for k in (0, 1):
@@ -577,42 +575,14 @@ def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[i
             errors = _max_errors(
                 {
                     name: np.moveaxis(_apply_along(coarse[name], k, between), k, 0)
-                    for name in _TABLES
+                    for name in _TABLE_AXES
                 },
-                {name: np.moveaxis(reference[name], k, 0) for name in _TABLES},
+                {name: np.moveaxis(reference[name], k, 0) for name in _TABLE_AXES},
             )
             if errors.max() <= allowed:
                 break
             levels[k] += 1
     return levels
-
-
-def _random_operations(plan: SurrogatePlan) -> dict[str, Array]:
-    """Return temperatures [K] and loads [N] of the random operations, (operations,) each."""
-    design = plan.random.design
-    changes: list[Mapping[str, Any]] = [*map(design.changes, range(design.size))]
-    return {
-        key.partition(".")[2]: np.array(
-            [float(change.get(key, plan.ranges[key][0])) for change in changes]
-        )
-        for key in _KEYS[:2]
-    }
-
-
-def _interpolate_operations(
-    tables: Mapping[str, Array],
-    axes: Mapping[str, Axis],
-    rows: Sequence[Sequence[int]],
-    operations: Mapping[str, Array],
-) -> dict[str, Array]:
-    """Return tables (temperature, load, ...) interpolated at operations, (operation, ...)."""
-    t, w = (
-        Axis(axes[name].nodes[row], axes[name].logarithmic).weights(operations[name])
-        for name, row in zip(axes, rows, strict=True)
-    )
-    return {
-        name: np.einsum("pt,pw,tw...->p...", t, w, tables[name], optimize=True) for name in _TABLES
-    }
 
 
 # Drags of the cage ----------------------------------------------------------------------------------------------------
@@ -639,12 +609,15 @@ class _DragTerms:
     def square_coefficient(self, leads: float) -> float:
         """Return the coefficient of the cage speed squared [N m s2], by a second difference."""
         w = self.speed
-        difference = (
-            self.remainder(w, leads)
-            - 2.0 * self.remainder(0.75 * w, leads)
-            + self.remainder(0.5 * w, leads)
+        return (
+            -8.0
+            * (
+                self.remainder(w, leads)
+                - 2.0 * self.remainder(0.75 * w, leads)
+                + self.remainder(0.5 * w, leads)
+            )
+            / w**2
         )
-        return -8.0 * difference / w**2
 
 
 def _tabulate_drags(
@@ -673,10 +646,13 @@ def _tabulate_drags(
         leads = inner + outer
         size = abs(terms.remainder(top, leads)) + (abs(inner) + abs(outer)) * top
         square = terms.square_coefficient(leads)
-        square = square if abs(square) * top**2 > _DRAG_ROUNDING * size else 0.0
-        at_speeds = (at_rolling_speed(bearing, u).cage.drags for u in rolling.tolist())
+        if not abs(square) * top**2 > _DRAG_ROUNDING * size:
+            square = 0.0
         squares = np.array(
-            [_DragTerms(drags, top).square_coefficient(leads) for drags in at_speeds]
+            [
+                _DragTerms(at_rolling_speed(bearing, u).cage.drags, top).square_coefficient(leads)
+                for u in rolling.tolist()
+            ]
         )
         rest = np.array([terms.remainder(w, leads) + square * w * w for w in cages.tolist()])
         rest[np.abs(rest) <= _DRAG_ROUNDING * size] = 0.0
@@ -688,18 +664,46 @@ def _tabulate_drags(
             wi = wo + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
             w = float(rng.uniform(wo, wi))
             reference = at_rolling_speed(bearing, u).cage.drags.torque(w, wi, wo)
-            x = math.asinh(abs(w) / CAGE_SMALL) / step
+            by_cage = weights(_CAGE_NODES, np.array([math.asinh(abs(w) / CAGE_SMALL) / step]))
             torque = (
                 inner * (wi - w)
                 + outer * (wo - w)
                 - float((axis.weights(u) @ squares)[0]) * abs(w) * w
+                + math.copysign(1.0, w) * float((by_cage @ rest)[0])
             )
-            torque += math.copysign(1.0, w) * float((weights(_CAGE_NODES, np.array([x])) @ rest)[0])
             worst = max(worst, abs(torque - reference) / max(size, abs(reference), 1e-300))
     return {name: np.array(values) for name, values in tables.items()}, float(cages[-1]), worst
 
 
 # The dataset ----------------------------------------------------------------------------------------------------------
+
+#: Name, unit, dimensions and meaning of the drags on the cage.
+_DRAG_VARIABLES: Final = (
+    (
+        "inner",
+        "N m s",
+        ("temperature",),
+        "torque of drags on the cage over the lead of the inner ring",
+    ),
+    (
+        "outer",
+        "N m s",
+        ("temperature",),
+        "torque of drags on the cage over the lead of the outer ring",
+    ),
+    (
+        "cage",
+        "N m s2",
+        ("temperature", "rolling_speed"),
+        "torque of drags against the cage over the square of its speed",
+    ),
+    (
+        "rest",
+        "N m",
+        ("temperature", "cage_speed"),
+        "what is left of the drags, along the cage's speed",
+    ),
+)
 
 
 def _dataset(
@@ -731,15 +735,13 @@ def _dataset(
         )
         for name, count in _TABLE_AXES.items()
     }
-    variables |= _drag_variables(drags)
+    for name, unit, over, text in _DRAG_VARIABLES:
+        variables[f"drag_{name}"] = (over, drags[name], about(unit, text))
     variables |= _bearing_variables(scene)
-    for key, unit in zip(_KEYS, _UNITS, strict=True):
-        name = key.partition(".")[2]
-        variables[f"{name}_range"] = (
-            "end",
-            np.array(plan.ranges[key]),
-            about(unit, f"ends of {key}"),
-        )
+    variables |= {
+        f"{key.partition('.')[2]}_range": ("end", np.array(ends), about(unit, f"ends of {key}"))
+        for (key, ends), unit in zip(plan.ranges.items(), _UNITS, strict=True)
+    }
     variables["operation_error"] = (
         "operation",
         errors,
@@ -751,18 +753,17 @@ def _dataset(
             value,
             about(unit, f"{name.replace('_', ' ')} there"),
         )
-    units = {"temperature": "K", "radial_load": "N", "cage_ratio": "1", "rolling_speed": "m/s",
-             "slide_roll": "1", "cage_speed": "rad/s"}  # fmt: skip
     step = math.asinh(max_cage_speed / CAGE_SMALL) / (_CAGE_NODES - 1)
-    values = {
-        "temperature": T,
-        "radial_load": W,
-        **nodes,
-        "cage_speed": CAGE_SMALL * np.sinh(step * np.arange(_CAGE_NODES)),
-    }
     coords: dict[str, Any] = {
-        name: (name, value, about(units[name], name.replace("_", " ")))
-        for name, value in values.items()
+        name: (name, value, about(unit, name.replace("_", " ")))
+        for name, value, unit in (
+            ("temperature", T, "K"),
+            ("radial_load", W, "N"),
+            ("cage_ratio", nodes["cage_ratio"], "1"),
+            ("rolling_speed", nodes["rolling_speed"], "m/s"),
+            ("slide_roll", nodes["slide_roll"], "1"),
+            ("cage_speed", CAGE_SMALL * np.sinh(step * np.arange(_CAGE_NODES)), "rad/s"),
+        )
     }
     coords["ring"] = ("ring", ["inner", "outer"], about("1", "raceway"))
     result = xr.Dataset(
@@ -782,24 +783,6 @@ def _dataset(
     return _with_steady_states(result, plan)
 
 
-def _drag_variables(drags: Mapping[str, Array]) -> dict[str, Any]:
-    """Return the variables of the drags on the cage: dimensions, values, and attributes."""
-    variables: dict[str, Any] = {}
-    for name, unit, text in (
-        ("inner", "N m s", "torque of drags on the cage over the lead of the inner ring"),
-        ("outer", "N m s", "torque of drags on the cage over the lead of the outer ring"),
-        ("cage", "N m s2", "torque of drags against the cage over the square of its speed"),
-    ):
-        dims = ("temperature", "rolling_speed")[: drags[name].ndim]
-        variables[f"drag_{name}"] = (dims, drags[name], about(unit, text))
-    variables["drag_rest"] = (
-        ("temperature", "cage_speed"),
-        drags["rest"],
-        about("N m", "what is left of the drags, along the cage's speed"),
-    )
-    return variables
-
-
 def _bearing_variables(scene: "Scene") -> dict[str, Any]:
     """Return radii, masses and inertias of the bearing, and the operation of the scene, as scalar variables."""
     assembly = assemble(scene)
@@ -807,14 +790,18 @@ def _bearing_variables(scene: "Scene") -> dict[str, Any]:
     o = scene.operation
     Z = scene.bearing.rollers
     m = assembly.roller_mass
-    orbital = assembly.cage.inertia + Z * m * k.orbit_radius**2
     rows = (
         ("inner_radius", k.inner_radius, "m", "radius of the inner raceway"),
         ("outer_radius", k.outer_radius, "m", "radius of the outer raceway"),
         ("roller_radius", k.roller_radius, "m", "radius of a roller"),
         ("orbit_radius", k.orbit_radius, "m", "radius of the orbit"),
         ("roller_mass", m, "kg", "mass of a roller"),
-        ("orbital_inertia", orbital, "kg m2", "of cage and rollers"),
+        (
+            "orbital_inertia",
+            assembly.cage.inertia + Z * m * k.orbit_radius**2,
+            "kg m2",
+            "of cage and rollers",
+        ),
         (
             "spin_inertia",
             Z * 0.5 * m * k.roller_radius**2,
@@ -867,28 +854,22 @@ def _with_steady_states(result: "xr.Dataset", plan: SurrogatePlan) -> "xr.Datase
         name: (dims, states[..., k], about(unit, text))
         for k, (name, unit, text) in enumerate(_STEADY_VARIABLES)
     }
-    springs = _stiffnesses(plan, T, W, speeds, states[..., 0])
+    # stiffness at the steady slip, at no slip where there is none
+    slips = np.nan_to_num(states[..., 0])
+    springs = np.empty((*slips.shape, 2, 2))
+    for t, k in np.ndindex(len(T), len(speeds)):
+        bearing = assemble(evolve(plan.scene, {_KEYS[0]: float(T[t]), _KEYS[2]: float(speeds[k])}))
+        cage_speed = bearing.kinematics.epicyclic_cage_speed
+        for w, load in enumerate(W.tolist()):
+            springs[t, w, k] = stiffness(
+                bearing.at_load(load), cage_speed * (1.0 - float(slips[t, w, k]))
+            )
     for name, entry in (("along", (0, 0)), ("across", (1, 1)), ("oblique to", (0, 1))):
         variables[f"stiffness_{name.split()[0]}"] = (
             dims,
             springs[..., *entry],
             about("N/m", f"stiffness {name} the load"),
         )
-    speed = {"inner_speed": ("inner_speed", speeds, about("rad/s", "speed of the inner ring"))}
-    return result.assign(variables).assign_coords(speed)
-
-
-def _stiffnesses(
-    plan: SurrogatePlan, temperatures: Array, loads: Array, speeds: Array, slips: Array
-) -> Array:
-    """Return stiffnesses [N/m] at the steady slips, (temperature, load, speed, 2, 2); at no slip where it is NaN."""
-    springs = np.empty((*slips.shape, 2, 2))
-    for t, k in np.ndindex(len(temperatures), len(speeds)):
-        operation = {_KEYS[0]: float(temperatures[t]), _KEYS[2]: float(speeds[k])}
-        bearing = assemble(evolve(plan.scene, operation))
-        for w, load in enumerate(loads.tolist()):
-            slip = 0.0 if np.isnan(slips[t, w, k]) else float(slips[t, w, k])
-            springs[t, w, k] = stiffness(
-                bearing.at_load(load), bearing.kinematics.epicyclic_cage_speed * (1.0 - slip)
-            )
-    return springs
+    return result.assign(variables).assign_coords(
+        inner_speed=("inner_speed", speeds, about("rad/s", "speed of the inner ring"))
+    )

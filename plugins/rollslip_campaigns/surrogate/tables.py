@@ -81,13 +81,9 @@ def weights(count: int, position: Array) -> Array:
     first = np.clip(t.astype(int) - 1, 0, count - order)
     matrix = np.zeros((t.size, count))
     for node in range(order):
-        others = [k for k in range(order) if k != node]
-        product = (
-            np.prod([(t - first - k) / (node - k) for k in others], axis=0)
-            if others
-            else np.ones(t.size)
+        matrix[np.arange(t.size), first + node] = np.prod(
+            [(t - first - k) / (node - k) for k in range(order) if k != node], axis=0
         )
-        matrix[np.arange(t.size), first + node] = product
     return matrix
 
 
@@ -174,19 +170,13 @@ class Tables:
     @classmethod
     def from_dataset(cls, result: "xr.Dataset") -> "Tables":
         """Return the tables in a result of campaign surrogate."""
-        axes = {
-            name: Axis(result[name].to_numpy(), logarithmic)
-            for name, logarithmic in (
-                ("temperature", False),
-                ("radial_load", True),
-                ("cage_ratio", True),
-                ("rolling_speed", True),
-            )
-        }
         ratio = result["slide_roll"].to_numpy()
         small = float(result.attrs["sliding_small"])
         return cls(
-            axes=axes,
+            axes={
+                name: Axis(result[name].to_numpy(), name != "temperature")
+                for name in ("temperature", "radial_load", "cage_ratio", "rolling_speed")
+            },
             sliding_small=small,
             sliding_step=math.asinh(float(ratio[-1]) / small) / (ratio.size - 1),
             friction=result["mean_friction"].to_numpy(),
