@@ -1,9 +1,11 @@
-"""Count what a run enters of the product: modules whose functions run, and distinct lines.
+"""Count what a run enters of the product: modules whose functions run, and distinct statements.
 
-``python tests/support/main_job.py [SCENE [STUDY]]`` prints both, with the lines of each module. Lines that run while a
-module is imported do not count, and compiled code is not seen.
+``python tests/support/main_job.py [SCENE [STUDY]]`` prints both, with the statements of each module. Statements that
+run while a module is imported do not count, and compiled code is not seen. Statements are counted rather than lines,
+since the number of lines of a statement is a matter of format.
 """
 
+import ast
 import sys
 from collections import defaultdict
 from pathlib import Path
@@ -16,7 +18,7 @@ STUDY = "effective-friction"
 
 
 class Tracer:
-    """Notes the lines of the product that run, by module; it is a trace function of `sys.settrace`."""
+    """Notes the lines of the product that run, by file; it is a trace function of `sys.settrace`."""
 
     def __init__(self):
         self.lines = defaultdict(set)
@@ -44,10 +46,10 @@ class Tracer:
 
         def note(inner, inner_event, _):
             if inner_event == "line":
-                self.lines[module].add(inner.f_lineno)
+                self.lines[code.co_filename].add(inner.f_lineno)
             return note
 
-        self.lines[module].add(frame.f_lineno)
+        self.lines[code.co_filename].add(frame.f_lineno)
         return note
 
     def _is_importing(self, frame):
@@ -58,8 +60,19 @@ class Tracer:
         return False
 
 
+def count_statements(file, lines):
+    """Return the number of statements of a file that some lines belong to, each to the innermost one."""
+    statement_of = {}
+    for node in ast.walk(
+        ast.parse(Path(file).read_text(encoding="utf-8"))
+    ):  # outer statements first
+        if isinstance(node, ast.stmt):
+            statement_of |= dict.fromkeys(range(node.lineno, node.end_lineno + 1), node)
+    return len({id(statement_of[line]) for line in lines if line in statement_of})
+
+
 def entered(scene=SCENE, study=STUDY):
-    """Return the number of lines that a second run of a study enters, by module."""
+    """Return the number of statements that a second run of a study enters, by module."""
     rollslip.run(scene, study)  # imports
     tracer = Tracer()
     sys.settrace(tracer)
@@ -67,11 +80,13 @@ def entered(scene=SCENE, study=STUDY):
         rollslip.run(scene, study)
     finally:
         sys.settrace(None)
-    return {module: len(lines) for module, lines in tracer.lines.items()}
+    return {
+        tracer.module(file): count_statements(file, lines) for file, lines in tracer.lines.items()
+    }
 
 
 if __name__ == "__main__":
     found = entered(*sys.argv[1:])
     for name, count in sorted(found.items(), key=lambda each: -each[1]):
         print(f"{count:6}  {name}")
-    print(f"{len(found)} modules, {sum(found.values())} lines")
+    print(f"{len(found)} modules, {sum(found.values())} statements")
