@@ -63,7 +63,7 @@ def test_a_compiled_function_that_cannot_raise_shows_no_interrupt(capsys):
     """What Cython does in one (SciPy's tables of Sobol' numbers have such): PyErr_PrintEx, which calls this hook."""
     with ExitStack() as stack:
         stack.callback(signal.signal, signal.SIGINT, signal.getsignal(signal.SIGINT))
-        import_module("rollslip.cli.main")._heard(stack)
+        import_module("rollslip.cli.main")._handle_interrupts(stack)
         for error in (KeyboardInterrupt(), ValueError("of something else")):
             sys.excepthook(type(error), error, None)
     assert capsys.readouterr().err == "ValueError: of something else\n"

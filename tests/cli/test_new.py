@@ -166,7 +166,7 @@ def test_a_bearing_without_clearance_classes_is_not_mounted():
 
 
 def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
-    monkeypatch.setattr(run, "at_a_terminal", lambda: True)
+    monkeypatch.setattr(run, "is_interactive", lambda: True)
     answers = [
         "NU9999",
         "nu2210",

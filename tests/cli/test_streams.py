@@ -77,7 +77,7 @@ def test_pipes_are_read_and_not_waited_for_without_end(
 ) -> None:
     assert shell(f"{PROGRAM} info <(cat {SHIPPED})", tmp_path).returncode == 0
     os.mkfifo(tmp_path / "pipe.toml")
-    monkeypatch.setattr("rollslip.files._PATIENCE", 0.1)
+    monkeypatch.setattr("rollslip.files._PIPE_TIMEOUT", 0.1)
     with pytest.raises(
         SceneError,
         match=r"pipe.toml: cannot be read: is a pipe through which nothing came for 0.1 s",
@@ -123,7 +123,7 @@ def test_an_interrupt_after_the_end_changes_nothing(late) -> None:
     program = f"""
 import atexit, importlib, signal
 program = importlib.import_module("rollslip.cli.main")
-program._seldom_collected = lambda into, arguments: {late}
+program._collect_garbage_rarely = lambda into, arguments: {late}
 program.main()
 """
     done = subprocess.run(

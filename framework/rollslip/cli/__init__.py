@@ -2,5 +2,5 @@
 
 try:
     from rollslip.cli.main import main as main
-except KeyboardInterrupt:  # nothing has begun, so there is nothing to say
+except KeyboardInterrupt:  # nothing has started, so that no message is needed
     raise SystemExit(130) from None

@@ -1,4 +1,4 @@
-"""Commands about what there is: models, packages, keys of a scene, results, citations, this installation."""
+"""Commands on models, packages, keys of a scene, results, citations and the installation."""
 
 import shlex
 import shutil
@@ -123,9 +123,7 @@ def export(
 
     from rollslip.errors import OutputError
     from rollslip.files import whole_file
-    from rollslip.results.dataset import open_result
-    from rollslip.scene.interchange import parameter_schema, to_parameters, write_foreign
-    from rollslip.scene.reading import from_raw
+    from rollslip.scene.interchange import parameter_schema, to_parameters
 
     if (scene is None and result is None) != of_schema:
         raise click.UsageError("give a SCENE, or --schema")
@@ -134,14 +132,7 @@ def export(
     if out is not None and out.exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
     if not of_schema and out is not None:
-        found = None if result is None else open_result(result)
-        if scene is None and found is not None:
-            given = from_raw(json.loads(found.attrs["scene_resolved"]), found.attrs["source"])
-        else:
-            given = scene_of(str(scene), changes)
-        notes = write_foreign(given, out, found, **{"binary_only": True} if binary_only else {})
-        for note in notes:
-            click.echo(f"note: {note}", err=True)
+        _export_scene(scene, changes, result, out, binary_only)
     elif out is None:
         print_json(parameter_schema() if scene is None else to_parameters(scene_of(scene, changes)))
         return
@@ -149,6 +140,26 @@ def export(
         with whole_file(out) as partial:
             partial.write_text(json.dumps(parameter_schema(), indent=2) + "\n", encoding="utf-8")
     click.echo(f"written to {out}")
+
+
+def _export_scene(
+    scene: str | None, changes: Sequence[str], result: Path | None, out: Path, binary_only: bool
+) -> None:
+    """Write a scene, or that of a result, with the result into a file of another program, and print notes."""
+    import json
+
+    from rollslip.results.dataset import open_result
+    from rollslip.scene.interchange import write_foreign
+    from rollslip.scene.reading import from_raw
+
+    stored = None if result is None else open_result(result)
+    if scene is None and stored is not None:
+        exported = from_raw(json.loads(stored.attrs["scene_resolved"]), stored.attrs["source"])
+    else:
+        exported = scene_of(str(scene), changes)
+    choices = {"binary_only": True} if binary_only else {}
+    for note in write_foreign(exported, out, stored, **choices):
+        click.echo(f"note: {note}", err=True)
 
 
 @click.command()
@@ -280,8 +291,8 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
 
     findings = [
         finding
-        for one in ([kind] if kind is not None else kinds_of(name))
-        for finding in testing.check_in_subprocess(one, name, time_limit)
+        for checked_kind in ([kind] if kind is not None else kinds_of(name))
+        for finding in testing.check_in_subprocess(checked_kind, name, time_limit)
     ]
     print_either(as_json, with_units(testing.as_dict(findings)), testing.format_findings(findings))
     if not passed(findings):
@@ -299,5 +310,5 @@ def plugins_new(name: str, kinds: tuple[str, ...], compiled: bool) -> None:
     """Write a complete, tested package called NAME into a new folder."""
     from rollslip.catalogue.scaffold import new
 
-    made = new(name, ",".join(kinds), compiled, Path.cwd())
-    click.echo(f"written to {made}; its README says what comes next")
+    folder = new(name, ",".join(kinds), compiled, Path.cwd())
+    click.echo(f"written to {folder}; its README says what comes next")

@@ -1,4 +1,4 @@
-"""How plans, sweeps, results and scenes read on a terminal and in JSON."""
+"""Print plans, results and scenes on a terminal, and convert them to plain values for JSON."""
 
 import importlib.metadata
 import json
@@ -56,9 +56,9 @@ class Sections(Groups):
 
 
 def headline(plan: "Plan") -> str:
-    """Return the first line of every run: version, scene and hash, models, with the packages of others.
+    """Return the first line of a run: version, scene and hash, models, with the packages of third-party ones.
 
-    A second one says how the clearance in operation came about, where that is not stated.
+    A second line has the terms of the clearance in operation, where that is not stated.
     """
     first = headline_of(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
     mounted = plan.scene.bearing.mounted
@@ -70,7 +70,7 @@ def headline(plan: "Plan") -> str:
 
 
 def describe_clearance(mounted: "MountedClearance") -> str:
-    """Say how a clearance in operation came about, and what of it nobody stated."""
+    """Return the terms of a clearance in operation as text, with the keys that are assumed."""
     assumed = (
         f"; assumed: {' and '.join(mounted.assumed)} (bearing.mounting)" if mounted.assumed else ""
     )
@@ -78,14 +78,14 @@ def describe_clearance(mounted: "MountedClearance") -> str:
 
 
 def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
-    """First line for models by kind, name and what they are called here; packages of others stand behind theirs."""
-    offers = ((kind, called, find(kind, name)) for kind, name, called in models)
-    used = ((kind, called, offer.package, offer.version) for kind, called, offer in offers)
+    """Return the first line for models by kind, name and label; third-party packages follow their labels."""
+    offers = ((kind, label, find(kind, name)) for kind, name, label in models)
+    used = ((kind, label, offer.package, offer.version) for kind, label, offer in offers)
     return first_line(importlib.metadata.version("rollslip"), scene.source, scene_hash(scene), used)
 
 
 def print_short_plan(plan: "Plan") -> None:
-    """Print the plan in a few lines: cautions, of each study how finely and at what cost, and what is out."""
+    """Print the plan in a few lines: cautions, resolution and cost of each study, and what is left out."""
     from rollslip.planning.lines import describe_resolution
     from rollslip.results.text import duration_range
 
@@ -98,17 +98,18 @@ def print_short_plan(plan: "Plan") -> None:
         for part in own:
             for name, error in part.errors.items():
                 errors[name] = errors.get(name, 0.0) + error
-        told = error_text({name: error for name, error in errors.items() if math.isfinite(error)})
+        known = error_text({name: error for name, error in errors.items() if math.isfinite(error)})
         unknown = [
             name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)
         ]
-        left = f"; relative errors of about {told}" if told else ""
-        left += f"; that of {' and '.join(unknown)} cannot be determined" if unknown else ""
-        click.echo(
-            f"{study}: {describe_resolution(resolution)}{left}; {duration_range(plan.seconds_of(study))}"
-        )
-    if out := dict.fromkeys(part.part for part in plan.parts if not part.included):
-        click.echo(f"left out: {', '.join(out)}")
+        text = describe_resolution(resolution)
+        if known:
+            text += f"; relative errors of about {known}"
+        if unknown:
+            text += f"; that of {' and '.join(unknown)} cannot be determined"
+        click.echo(f"{study}: {text}; {duration_range(plan.seconds_of(study))}")
+    if left_out := dict.fromkeys(part.part for part in plan.parts if not part.included):
+        click.echo(f"left out: {', '.join(left_out)}")
     _print_size(plan)
 
 
@@ -123,6 +124,7 @@ def print_plan(plan: "Plan") -> None:
 
 
 def _print_size(plan: "Plan") -> None:
+    """Print the studies, the size and the cost of a plan."""
     from rollslip.planning.lines import format_time
 
     time = format_time(plan.seconds, plan.studies.values(), plan.assembly)
@@ -133,24 +135,24 @@ def _print_size(plan: "Plan") -> None:
 
 
 def changed(this: "Plan", other: "Plan") -> "list[tuple[Part | None, Part | None]]":
-    """Return the parts of two plans that differ in what is modelled or how finely, None where one has no such part."""
+    """Return the parts of two plans that differ in choice or resolution, with None for a part that is missing."""
 
     def numbered(plan: "Plan") -> "dict[tuple[str, str, int], Part]":
-        found: dict[tuple[str, str, int], Part] = {}
+        by_key: dict[tuple[str, str, int], Part] = {}
         for part in plan.parts:
-            of = part.study if len(plan.studies) > 1 else ""
-            count = sum(key[:2] == (of, part.part) for key in found)
-            found[of, part.part, count] = part
-        return found
+            study = part.study if len(plan.studies) > 1 else ""
+            count = sum(key[:2] == (study, part.part) for key in by_key)
+            by_key[study, part.part, count] = part
+        return by_key
 
     parts = numbered(this)
     others = numbered(other)
     pairs = [(parts.get(key), others.get(key)) for key in dict.fromkeys((*parts, *others))]
 
-    def said(part: "Part | None") -> tuple[object, ...] | None:
+    def content(part: "Part | None") -> tuple[object, ...] | None:
         return None if part is None else (part.included, part.choice, part.resolution)
 
-    return [pair for pair in pairs if said(pair[0]) != said(pair[1])]
+    return [pair for pair in pairs if content(pair[0]) != content(pair[1])]
 
 
 def print_changed(
@@ -161,7 +163,7 @@ def print_changed(
         click.echo(f"{this} and {other} are planned alike")
         return
 
-    def said(part: "Part | None") -> str:
+    def describe(part: "Part | None") -> str:
         if part is None:
             return "-"
         texts = [
@@ -173,16 +175,16 @@ def print_changed(
         return "; ".join(filter(None, texts))
 
     rows = []
-    for one, two in pairs:
-        part = one or two
+    for first, second in pairs:
+        part = first or second
         assert part is not None
-        rows.append((part.part, said(one), said(two), part.reason))
+        rows.append((part.part, describe(first), describe(second), part.reason))
     other = f"{other} (as it is)" if other == this else other
     print_table(("part", this, other, "reason"), rows)
 
 
 def print_answer(answer: Answer) -> None:
-    """Print an answer, with its verdict in colour where somebody sees that."""
+    """Print an answer, with its verdict in colour on a terminal."""
     if not sys.stdout.isatty():
         click.echo("\n".join(answer.lines()))
         return
@@ -192,27 +194,27 @@ def print_answer(answer: Answer) -> None:
     for k, line in enumerate(answer.lines()):
         text = Text(line, style="bold" if line.startswith(marked) else "")
         if not k and answer.verdict:
-            ink, ground = COLOURS[Verdict(answer.verdict)]
-            text.stylize(f"bold {ink} on {ground}", 0, len(answer.verdict))
+            foreground, background = COLOURS[Verdict(answer.verdict)]
+            text.stylize(f"bold {foreground} on {background}", 0, len(answer.verdict))
         terminal().print(text, soft_wrap=True)
 
 
 def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> None:
-    """Print of each study all that it found with errors and times, or only which errors are more than asked for."""
+    """Print the findings of each study with errors and times, or only the errors of studies above their tolerance."""
     for dataset in datasets:
         if whole or missed_errors(dataset):
-            found = (
+            lines = (
                 [*account_of(dataset).lines(dataset), *describe_law_outputs(dataset)]
                 if whole
                 else []
             )
             click.echo(
-                "\n  ".join((f"{dataset.attrs['study']}:", *found, accuracy_and_time(dataset)))
+                "\n  ".join((f"{dataset.attrs['study']}:", *lines, accuracy_and_time(dataset)))
             )
 
 
 def missed_errors(dataset: "xr.Dataset") -> set[str]:
-    """Return the results whose error was found to be more than was asked for."""
+    """Return the results whose estimated error exceeds the requested tolerance."""
     rows = json.loads(dataset.attrs["accuracy"])
     return {
         row["result"]
@@ -222,7 +224,7 @@ def missed_errors(dataset: "xr.Dataset") -> set[str]:
 
 
 def accuracy_and_time(dataset: "xr.Dataset") -> str:
-    """Return what errors and time were estimated and found, in one line."""
+    """Return estimated and actual errors and times as one line."""
     texts = []
     missed = missed_errors(dataset)
     for row in json.loads(dataset.attrs["accuracy"]):
@@ -241,7 +243,7 @@ def accuracy_and_time(dataset: "xr.Dataset") -> str:
 
 
 def print_found(dataset: "xr.Dataset", indent: str = "") -> None:
-    """Print what a campaign found: its tables, and what is said beside them."""
+    """Print the findings of a campaign: its tables and lines."""
     account = account_of(dataset)
     for table in account.tables(dataset):
         if table.caption:
@@ -253,7 +255,7 @@ def print_found(dataset: "xr.Dataset", indent: str = "") -> None:
 def run_as_dict(
     plan: "Plan", datasets: "Mapping[str, xr.Dataset]", answer: Answer
 ) -> dict[str, Any]:
-    """Return what a run did, as plain values; a value without meaning is null, with its status beside it."""
+    """Return the results of a run as plain values; a value without meaning is null, with a status."""
     studies = {
         name: {
             "results": account_of(dataset).record(dataset),
@@ -265,59 +267,63 @@ def run_as_dict(
         }
         for name, dataset in datasets.items()
     }
-    found = {
-        "rollslip": importlib.metadata.version("rollslip"),
-        "scene": plan.scene.source,
-        "scene_hash": scene_hash(plan.scene),
-        "models": _by_kind(plan.models),
-        "answer": answer.as_dict() | {"confidence": confidence(datasets.values())},
-        "studies": {name: with_units(one, datasets[name]) for name, one in studies.items()},
-    }
-    return with_units(found)
+    return with_units(
+        {
+            "rollslip": importlib.metadata.version("rollslip"),
+            "scene": plan.scene.source,
+            "scene_hash": scene_hash(plan.scene),
+            "models": _names_by_kind(plan.models),
+            "answer": answer.as_dict() | {"confidence": confidence(datasets.values())},
+            "studies": {name: with_units(study, datasets[name]) for name, study in studies.items()},
+        }
+    )
 
 
-def _by_kind(models: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Names of models by kind; a list where a kind has several."""
-    names: dict[str, list[str]] = {}
+def _names_by_kind(models: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Return the names of models by kind; a list for drags, and where a kind has several."""
+    by_kind: dict[str, list[str]] = {}
     for kind, model in models:
-        names.setdefault(kind, []).append(model.name)
-    return {kind: of[0] if len(of) == 1 and kind != "drag" else of for kind, of in names.items()}
+        by_kind.setdefault(kind, []).append(model.name)
+    return {
+        kind: names[0] if len(names) == 1 and kind != "drag" else names
+        for kind, names in by_kind.items()
+    }
 
 
 def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return what a campaign found, as plain values; a value without meaning is null, with its status beside it."""
+    """Return the findings of a campaign as plain values; a value without meaning is null, with a status."""
     a = dataset.attrs
-    found = {
+    record = {
         "rollslip": importlib.metadata.version("rollslip"),
         "scene": a["source"],
         "scene_hash": a["scene_hash"],
         **account_of(dataset).record(dataset),
         "warnings": json.loads(a["warnings"]),
         **{
-            name: of(a[name])
-            for name, of in (("evaluations", int), ("wall_time", float))
+            name: convert(a[name])
+            for name, convert in (("evaluations", int), ("wall_time", float))
             if name in a
         },
     }
-    return with_units(found, dataset)
+    return with_units(record, dataset)
 
 
 # Info -----------------------------------------------------------------------------------------------------------------
 
 
 def info(target: "Scene | xr.Dataset | str | Path | None" = None) -> Sections:
-    """Return what follows from a scene without running it, what a result holds, or what is installed.
+    """Return quantities of a scene that need no run, the contents of a result, or the installed versions.
 
     Parameters
     ----------
     target : Scene, xarray.Dataset, str or Path, optional
-        A scene, the name of a shipped one or its file; a result or its file, which ends in ``.nc``; nothing for the
+        A scene, the name of a shipped one or its file; a result or its file, which ends in ``.nc``; None for the
         installation.
 
     Returns
     -------
     Sections
-        Groups of name and value, both texts; it prints as ``rollslip info`` does.
+        Groups of name and value, both texts; its text is that of ``rollslip info``.
 
     Examples
     --------
@@ -336,11 +342,11 @@ def info(target: "Scene | xr.Dataset | str | Path | None" = None) -> Sections:
             else scene_info(load_scene(target))
         )
     expect_results("info", target)
-    return Sections(_held(target))
+    return Sections(_contents(target))
 
 
 def installation() -> Groups:
-    """Return versions, and which instruction set of the machine the kernels use."""
+    """Return versions, machine and the instruction set of the kernels."""
     from rollslip.cli import doctor
 
     return {
@@ -355,20 +361,21 @@ def installation() -> Groups:
 
 
 def result_info(path: Path) -> Groups:
-    """Return what a stored result holds and where it comes from."""
+    """Return contents and provenance of a stored result."""
     from rollslip.results.accounts import refuse_unreadable
     from rollslip.results.dataset import open_result
 
     with refuse_unreadable(path):
-        return _held(open_result(path))
+        return _contents(open_result(path))
 
 
-def _held(dataset: "xr.Dataset") -> Groups:
+def _contents(dataset: "xr.Dataset") -> Groups:
+    """Return contents and provenance of a result."""
     a = dataset.attrs
-    less = [
-        one["text"]
-        for one in json.loads(a.get("validity", "{}")).get("messages", ())
-        if not one["is_warning"]
+    less_severe = [
+        message["text"]
+        for message in json.loads(a.get("validity", "{}")).get("messages", ())
+        if not message["is_warning"]
     ]
     return {
         "result": [
@@ -385,18 +392,22 @@ def _held(dataset: "xr.Dataset") -> Groups:
             ),
             *([("accuracy", accuracy_and_time(dataset))] if "accuracy" in a else []),
             *(
-                (about, "; ".join(texts))
-                for about, texts in account_of(dataset).topics(dataset).items()
+                (topic, "; ".join(texts))
+                for topic, texts in account_of(dataset).topics(dataset).items()
             ),
         ],
         "packages": list(json.loads(a["packages"]).items()),
         "warnings": [("", text) for text in json.loads(a["warnings"])],
-        **({"bounds left with less consequence": [("", text) for text in less]} if less else {}),
+        **(
+            {"bounds left with less consequence": [("", text) for text in less_severe]}
+            if less_severe
+            else {}
+        ),
     }
 
 
 def scene_info(scene: Scene) -> Groups:
-    """What follows from a scene: kinematics, oil at temperature, load distribution, the heaviest contact's film."""
+    """Return quantities of a scene: kinematics, oil at temperature, load distribution, film of the heaviest contact."""
     import numpy as np
 
     from rollslip.bearing.assembly import assemble
@@ -485,9 +496,9 @@ def scene_info(scene: Scene) -> Groups:
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table as wide as the terminal, or 120 columns where there is none; cells wrap, but no word is cut.
+    """Print a table as wide as the terminal, or 120 columns without one; cells wrap between words.
 
-    A terminal that is too narrow for the words of all columns gets a wider table, not fewer columns.
+    On a terminal that is too narrow for the longest words of all columns, the table is wider than the terminal.
     """
     from rich import box
     from rich.table import Table
@@ -496,15 +507,14 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     widths = [
         max((len(word) for cell in cells for word in cell.split()), default=0) for cells in columns
     ]
-    between = 3 * len(columns) - 1  # and at both ends
-    width = max(shutil.get_terminal_size((120, 24)).columns, sum(widths) + between)
+    padding = 3 * len(columns) - 1  # between columns and at both ends
+    width = max(shutil.get_terminal_size((120, 24)).columns, sum(widths) + padding)
     missing = [max(map(len, cells)) - w for cells, w in zip(columns, widths, strict=True)]
-    left = width - between - sum(widths)
-    for k in sorted(
-        range(len(columns)), key=missing.__getitem__
-    ):  # the long ones wrap; rich would cut short ones, too
-        widths[k] = widths[k] + min(missing[k], left)
-        left = left - min(missing[k], left)
+    free = width - padding - sum(widths)
+    # narrow columns get their width first, so that only wide ones wrap; rich would wrap narrow ones too
+    for k in sorted(range(len(columns)), key=missing.__getitem__):
+        widths[k] = widths[k] + min(missing[k], free)
+        free = free - min(missing[k], free)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for (head, *_), w in zip(columns, widths, strict=True):
         table.add_column(head.replace("[", "\\["), width=w)

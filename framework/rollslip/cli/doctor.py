@@ -1,8 +1,7 @@
-"""Is this installation healthy: what is there, does it fit together, which instruction set runs, what is broken.
+"""Examine the installation: versions, dependencies, environment variables, kernels and plugins.
 
-- Every check is a function of its own that cannot take the others down: what raises is a fault of that check.
-- A fault is what makes results wrong, missing or impossible; a warning is what costs time or a facility not everybody
-  needs. Each says what to do.
+- Every check is a function. An exception of a check is a fault of that check, and the other checks still run.
+- A fault makes results wrong or impossible; a warning means lost time or a missing feature. Both have remedies.
 """
 
 import importlib.metadata
@@ -17,7 +16,7 @@ from rollslip.errors import describe_error
 
 __all__ = ["Finding", "as_text", "examine", "healthy", "instructions", "versions"]
 
-#: Variable of the environment -> what it does.
+#: Environment variable -> its effect.
 VARIABLES: Final = {
     "ROLLSLIP_SIMD": "forces the instruction set of the kernels",
     "ROLLSLIP_THREADS": "how many threads share a large table",
@@ -28,7 +27,7 @@ _REINSTALL: Final = "install rollslip again: pip install --force-reinstall --no-
 
 @attrs.frozen
 class Finding:
-    """What one check found: ``state`` is "ok", "warning" or "fault", and then ``remedy`` says what to do."""
+    """Result of one check: ``state`` is "ok", or "warning" or "fault" with a ``remedy``."""
 
     check: str
     state: str
@@ -37,7 +36,7 @@ class Finding:
 
 
 def examine() -> list[Finding]:
-    """Return what all checks find; none of them raises."""
+    """Return the findings of all checks; exceptions of checks are findings too."""
     found: list[Finding] = []
     for check in CHECKS:
         name = check.__name__.strip("_")
@@ -50,7 +49,7 @@ def examine() -> list[Finding]:
             continue
         try:
             found += check()
-        except Exception as error:  # whatever is broken: the other checks go on
+        except Exception as error:  # the other checks still run
             found.append(
                 Finding(name, "fault", f"cannot be examined ({describe_error(error)})", _REINSTALL)
             )
@@ -58,12 +57,12 @@ def examine() -> list[Finding]:
 
 
 def healthy(found: list[Finding]) -> bool:
-    """Whether there is no fault."""
+    """Return whether there is no fault."""
     return all(finding.state != "fault" for finding in found)
 
 
 def as_text(found: list[Finding]) -> str:
-    """Return findings as lines, a remedy below what it is for, and a last line that says how it stands."""
+    """Return findings as lines, each remedy below its finding, and a last line with the number of faults."""
     lines = []
     width = max(len(finding.check) for finding in found)
     for finding in found:
@@ -73,19 +72,19 @@ def as_text(found: list[Finding]) -> str:
     count = {
         state: sum(finding.state == state for finding in found) for state in ("fault", "warning")
     }
-    said = [f"{number} {state}{'s' * (number != 1)}" for state, number in count.items() if number]
-    return "\n".join([*lines, " and ".join(said) or "all is well"])
+    totals = [f"{number} {state}{'s' * (number != 1)}" for state, number in count.items() if number]
+    return "\n".join([*lines, " and ".join(totals) or "all is well"])
 
 
 def versions() -> dict[str, str]:
-    """Return the installed version of rollslip and of everything that it requires; empty where it is missing."""
+    """Return the installed versions of rollslip and its dependencies; empty for a missing one."""
     return {"rollslip": importlib.metadata.version("rollslip")} | {
         name: _version(name) for name, _ in _required()
     }
 
 
 def instructions() -> str:
-    """Return in words which instruction set the kernels use, of which."""
+    """Return the instruction set of the kernels, and all available ones, as text."""
     from rollslip_kernels.stages import simd
 
     return f"{simd.active()}, of {', '.join(simd.available())}"
@@ -99,7 +98,7 @@ def _version(name: str) -> str:
 
 
 def _required() -> Iterator[tuple[str, Any]]:
-    """Name and range of every package without which rollslip does not run."""
+    """Yield name and version range of every required package."""
     from packaging.requirements import Requirement
 
     for text in importlib.metadata.requires("rollslip") or ():
@@ -114,7 +113,7 @@ def _required() -> Iterator[tuple[str, Any]]:
 def _finding(
     check: str, found: str, remedy: str, *, fits: bool, otherwise: str = "fault"
 ) -> Finding:
-    """Return what a check found; the remedy counts, and the state is not "ok", only where it does not fit."""
+    """Return the finding of a check: "ok" without a remedy where it fits, and otherwise the other state."""
     return Finding(check, "ok", found) if fits else Finding(check, otherwise, found, remedy)
 
 
@@ -145,7 +144,7 @@ def _environment() -> Iterator[Finding]:
 
 
 def _kernels() -> Iterator[Finding]:
-    """Whether they can be loaded, and which set of instructions they use."""
+    """Yield whether the kernels can be loaded, and their instruction set."""
     try:
         from rollslip_kernels.stages import simd
     except ImportError as error:
@@ -192,5 +191,5 @@ CHECKS: Final[tuple[Callable[[], Iterator[Finding]], ...]] = (
     _kernels,
     _plugins,
 )
-#: Those that can say nothing without kernels.
+#: Checks that need the kernels.
 _ON_KERNELS: Final = (_plugins,)

@@ -1,4 +1,4 @@
-"""The command line as a whole: all commands in one group, and errors turned into one sentence and an exit code."""
+"""The command line: all commands in one group, and errors as one sentence with an exit code."""
 
 import _thread
 import atexit
@@ -32,7 +32,7 @@ from rollslip.planning.campaign import campaign, campaigns, help_of
 __all__ = ["cli", "main"]
 
 
-#: Commands as people look for them: what for, an example, names.
+#: Groups of commands in the help: title, an example, names.
 _GROUPS: Final = (
     ("Will it skid", "rollslip run gearbox", ("new", "run", "info", "plan")),
     ("What is better, and how far it may go", "rollslip compare gearbox --oil iso-vg-68,iso-vg-220",
@@ -53,14 +53,14 @@ class _Log(logging.Handler):
 
 
 class _Commands(click.Group):
-    """Our commands, and those of campaigns, each imported when it is asked for."""
+    """Built-in commands, and those of campaigns, which are imported when they are requested."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return all names."""
         return sorted({*self.commands, *campaigns()})
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return a command by name; ours before that of a campaign."""
+        """Return a command by name; a built-in one before that of a campaign."""
         if cmd_name in self.commands or cmd_name not in campaigns():
             return super().get_command(ctx, cmd_name)
         from rollslip.cli.campaign import command_of
@@ -71,22 +71,16 @@ class _Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Return the command that is asked for, or name those that may have been meant."""
-        known = args[0] in self.commands or args[0] in campaigns()
-        return (
-            super().resolve_command(ctx, args)
-            if known
-            else self._listed().resolve_command(ctx, args)
-        )
+        """Return the requested command, or raise with similar names."""
+        if args[0] in self.commands or args[0] in campaigns():
+            return super().resolve_command(ctx, args)
+        return self._listed().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List all commands in groups, each with an example, and whole sentences."""
+        """Write the list of all commands in groups, each with an example."""
         listed = self._listed().commands
-        left = set(self._listed().commands)
-        for title, example, names in (
-            *_GROUPS,
-            ("Of other packages", "", sorted(left.difference(*_GROUPED))),
-        ):
+        others = sorted(set(listed).difference(*_GROUPED))
+        for title, example, names in (*_GROUPS, ("Of other packages", "", others)):
             if known := [name for name in names if name in listed]:
                 with formatter.section(title):
                     formatter.write_text(f"$ {example}" if example else "")
@@ -95,7 +89,7 @@ class _Commands(click.Group):
                     )
 
     def _listed(self) -> click.Group:
-        """All commands, those of campaigns by what they say of themselves."""
+        """Return all commands with their help, those of campaigns without their options."""
         listed = dict(self.commands)
         for name in campaigns():
             try:
@@ -126,7 +120,7 @@ def cli(context: click.Context, level: str | None) -> None:
     logger = logging.getLogger("rollslip")
     handler = _Log()
     handler.setFormatter(logging.Formatter("%(levelname)s %(name)s: %(message)s"))
-    context.call_on_close(partial(logger.setLevel, logger.level))  # a host goes on with its own
+    context.call_on_close(partial(logger.setLevel, logger.level))  # the level of a host program
     context.call_on_close(partial(logger.removeHandler, handler))
     logger.addHandler(handler)
     logger.setLevel(level.upper())
@@ -153,56 +147,55 @@ def _terminated(number: int, *_: object) -> NoReturn:
     raise SystemExit(128 + number)
 
 
-def _heard(into: ExitStack) -> list[int]:
-    """Let no interrupt be lost: where Python ignores what is raised, in finalizers, it is raised again outside.
+def _handle_interrupts(stack: ExitStack) -> list[int]:
+    """Make sure that no interrupt is lost, and return a list to which interrupts are added.
 
-    Finalizers of what was half built when an interrupt came have nothing to tell; compiled functions that cannot raise
-    show it before they ignore it. Returned is what comes.
+    An interrupt in a finalizer, where Python ignores exceptions, is raised again outside. After an interrupt, errors in
+    finalizers of incomplete objects are not reported, nor interrupts in compiled functions that cannot raise.
     """
-    before = sys.unraisablehook
-    shown = sys.excepthook
-    came = list[int]()
+    unraisable_hook = sys.unraisablehook
+    exception_hook = sys.excepthook
+    interrupts = list[int]()
 
-    def interrupted(number: int, frame: Any) -> None:
-        came.append(number)
+    def on_interrupt(number: int, frame: Any) -> None:
+        interrupts.append(number)
         signal.default_int_handler(number, frame)
 
-    def again() -> None:
+    def interrupt_again() -> None:
         time.sleep(0.02)  # until the finalizer has ended
         _thread.interrupt_main()
 
-    def ignored(lost: Any) -> None:
+    def on_unraisable(lost: Any) -> None:
         if issubclass(lost.exc_type, KeyboardInterrupt):
-            _thread.start_new_thread(again, ())
-        elif not came:
-            before(lost)
+            _thread.start_new_thread(interrupt_again, ())
+        elif not interrupts:
+            unraisable_hook(lost)
 
-    if (
-        signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    ):  # else a shell or a host wants it otherwise
-        signal.signal(signal.SIGINT, interrupted)
+    # another handler is that of a shell or a host program
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, on_interrupt)
 
-    def show(kind: type[BaseException], *of: Any) -> None:
+    def on_exception(kind: type[BaseException], *details: Any) -> None:
         if not issubclass(kind, KeyboardInterrupt):
-            shown(kind, *of)
+            exception_hook(kind, *details)
 
-    sys.unraisablehook = ignored
-    sys.excepthook = show
-    into.callback(setattr, sys, "unraisablehook", before)
-    into.callback(setattr, sys, "excepthook", shown)
-    return came
+    sys.unraisablehook = on_unraisable
+    sys.excepthook = on_exception
+    stack.callback(setattr, sys, "unraisablehook", unraisable_hook)
+    stack.callback(setattr, sys, "excepthook", exception_hook)
+    return interrupts
 
 
 class _Sink(io.FileIO):
-    """The file behind a standard stream; what it does not take is lost, the first time with its reason.
+    """The file of a standard stream, which discards data that cannot be written, and stores the first error.
 
-    A full disk or a reader who has left must not end a computation whose results go elsewhere.
+    A full disk, or a reader which has ended, must not stop a computation whose results are written to other files.
     """
 
     lost: OSError | None = None
 
     def write(self, data: Any) -> int:
-        """Write, or forget."""
+        """Write data, or discard them."""
         try:
             return super().write(data)
         except OSError as error:
@@ -210,10 +203,10 @@ class _Sink(io.FileIO):
             return memoryview(data).nbytes
 
 
-def _patient(stream: Any, into: ExitStack) -> tuple[Any, _Sink | None]:
-    """Return a standard stream that never raises, and what it writes to; others, of tests and hosts, as they are."""
+def _tolerant_stream(stream: Any, stack: ExitStack) -> tuple[Any, _Sink | None]:
+    """Return a standard stream that never raises, and its file; streams of tests and host programs unchanged."""
     if stream is None:  # closed
-        return into.enter_context(open(os.devnull, "w", encoding="utf-8")), None
+        return stack.enter_context(open(os.devnull, "w", encoding="utf-8")), None
     if stream not in (sys.__stdout__, sys.__stderr__):
         return stream, None
     try:
@@ -227,78 +220,69 @@ def _patient(stream: Any, into: ExitStack) -> tuple[Any, _Sink | None]:
         )
     except (OSError, ValueError):  # it has no file
         return stream, None
-    into.callback(text.close)
+    stack.callback(text.close)
     return text, sink
 
 
-#: New objects before Python looks for garbage again, in place of its 700: libraries make 200,000 that stay.
-_OBJECTS: Final = 200_000
+#: Number of new objects after which Python collects garbage, in place of its 700. Halving it collects twice as often;
+#: doubling it saves little. Chosen, because the imported libraries create 200,000 permanent objects.
+_GC_THRESHOLD: Final = 200_000
 
 
-def _seldom_collected(into: ExitStack, arguments: Sequence[str] | None) -> None:
-    """Look for garbage seldom, and not once more at the end, when all memory goes back: a third of a second a run."""
-    if arguments is not None:  # for a host, whose next object makes Python look through all
-        into.callback(gc.set_threshold, *gc.get_threshold())
-    gc.set_threshold(_OBJECTS, *gc.get_threshold()[1:])
+def _collect_garbage_rarely(stack: ExitStack, arguments: Sequence[str] | None) -> None:
+    """Collect garbage rarely, and not at the end of the process, which saves a third of a second per run."""
+    if arguments is not None:  # restored for a host program
+        stack.callback(gc.set_threshold, *gc.get_threshold())
+    gc.set_threshold(_GC_THRESHOLD, *gc.get_threshold()[1:])
     atexit.register(gc.freeze)
 
 
 def main(arguments: Sequence[str] | None = None) -> Any:
-    """Run the command line and leave with its exit code; arguments are given by a host, which goes on afterwards."""
-    heard = signal.getsignal(signal.SIGINT)
+    """Run the command line and exit with its code; a host program passes arguments and continues afterwards."""
+    own_handler = signal.getsignal(signal.SIGINT)
     try:
         code = _program(arguments)
-    except KeyboardInterrupt:  # before the command began
+    except KeyboardInterrupt:  # before the command started
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         click.echo("interrupted", err=True)
         code = INTERRUPTED
     if arguments is not None:
-        signal.signal(signal.SIGINT, heard)
-    elif (
-        code == INTERRUPTED
-    ):  # a library that was half imported when it came may not survive the interpreter's end
+        signal.signal(signal.SIGINT, own_handler)
+    elif code == INTERRUPTED:
+        # a library that an interrupt left half imported may crash at the end of the interpreter
         atexit._run_exitfuncs()
         os._exit(code)
     sys.exit(code)
 
 
 def _program(arguments: Sequence[str] | None) -> Any:
-    """Run the command line between streams that never raise; return its exit code, and hear no interrupt any more."""
-    for descriptor in (0, 1, 2):
-        try:
-            os.fstat(descriptor)
-        except OSError:  # closed by the shell: the next file that is opened must not take its place
-            os.open(os.devnull, os.O_RDWR)
-    for number in (getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP", "SIGQUIT")):
-        if (
-            number is not None and signal.getsignal(number) == signal.SIG_DFL
-        ):  # nohup ignores the second
-            signal.signal(number, _terminated)  # so that half-written results are removed
+    """Run the command line with streams that never raise; return its exit code, and ignore later interrupts."""
+    _prepare_descriptors_and_signals()
     with ExitStack() as stack:
-        output, sink = _patient(sys.stdout, stack)
-        errors, _ = _patient(sys.stderr, stack)
+        output, sink = _tolerant_stream(sys.stdout, stack)
+        errors, _ = _tolerant_stream(sys.stderr, stack)
         stack.enter_context(redirect_stdout(output))
         stack.enter_context(redirect_stderr(errors))
-        came = _heard(stack)
-        _seldom_collected(stack, arguments)
-        # matrices here are small: more threads would only wait, a quarter of a second of processor time in a run
+        interrupts = _handle_interrupts(stack)
+        _collect_garbage_rarely(stack, arguments)
+        # matrices here are small: more threads would cost a quarter of a second of processor time per run
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         try:
-            code: Any = _run(arguments, came)
+            code: Any = _run(arguments, interrupts)
         except SystemExit as leaving:
             code = leaving.code
-            if (blamed := getattr(leaving, "__notes__", ())) and code not in range(
+            notes = getattr(leaving, "__notes__", ())
+            if notes and code not in range(
                 128, 160
-            ):  # no signal, but a model
-                click.echo(f"sys.exit({code!r}) {'; '.join(blamed)}", err=True)
+            ):  # a model has called sys.exit, without a signal
+                click.echo(f"sys.exit({code!r}) {'; '.join(notes)}", err=True)
                 code = BAD_PLUGIN
-        except KeyboardInterrupt:  # a second one, while the first was told
+        except KeyboardInterrupt:  # a second one, during the message on the first
             code = INTERRUPTED
-        # all has been said and written: what comes now comes too late, and would only end in Python's words
+        # the output is complete: a later interrupt would only print a traceback
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        if (
-            code == INTERRUPTED
-        ):  # what was half built when it came ends here, and its finalizers have nothing to tell
+        if code == INTERRUPTED:
+            # errors in finalizers of incomplete objects are not reported
             sys.unraisablehook = lambda lost: None
             gc.collect()
         for stream in (output, errors):
@@ -317,66 +301,64 @@ def _program(arguments: Sequence[str] | None) -> Any:
     return code
 
 
-def _run(arguments: Sequence[str] | None, came: Sequence[int]) -> int:
+def _prepare_descriptors_and_signals() -> None:
+    """Open closed standard descriptors, and make termination signals raise, so that incomplete results are removed."""
+    for descriptor in (0, 1, 2):
+        try:
+            os.fstat(descriptor)
+        except OSError:  # closed by the shell: the next file would get this descriptor
+            os.open(os.devnull, os.O_RDWR)
+    for number in (getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP", "SIGQUIT")):
+        # nohup ignores SIGHUP
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, _terminated)
+
+
+def _run(arguments: Sequence[str] | None, interrupts: Sequence[int]) -> int:
     """Run the command line; return its exit code, after an error in one sentence."""
     try:
         cli.main(args=arguments, standalone_mode=False, prog_name="rollslip")
     except (KeyboardInterrupt, click.Abort, Exception) as error:
-        if not came and isinstance(error, Exception) and not isinstance(error, click.Abort):
-            return _told(error)
-        # what is imported or built while an interrupt comes may turn it into an error of its own
+        if not interrupts and isinstance(error, Exception) and not isinstance(error, click.Abort):
+            return _report_error(error)
+        # an interrupt during an import may become another error
         click.echo("interrupted; nothing was left behind", err=True)
         return INTERRUPTED
     return OK
 
 
-def _told(error: Exception) -> int:
-    """Tell an error in one sentence and return its exit code; raise it if it is a fault of this program."""
-    try:
-        raise error
-    except click.ClickException as error:
+def _report_error(error: Exception) -> int:
+    """Print an error as one sentence and return its exit code; raise it if it is a fault of rollslip."""
+    if isinstance(error, click.ClickException):
         error.show()
         return error.exit_code
-    except RollslipError as error:
+    if isinstance(error, RollslipError):
         click.echo(str(error), err=True)
         if isinstance(error, ConvergenceError):
             return NOT_CONVERGED
-        return (
-            BAD_PLUGIN
-            if isinstance(error, PluginError) and not isinstance(error, UnknownNameError)
-            else BAD_SCENE
-        )
-    except ImportError as error:
-        # where memory is short, libraries say of others too that these are not installed
-        missing = f"a library cannot be imported: {error}; memory is too short, or it is damaged: install it again"
-        click.echo(str(error) if error.name == "ROLLSLIP_SIMD" else missing, err=True)
+        is_plugin_fault = isinstance(error, PluginError) and not isinstance(error, UnknownNameError)
+        return BAD_PLUGIN if is_plugin_fault else BAD_SCENE
+    if isinstance(error, BrokenPipeError):
+        return OK  # the reader of the output has ended
+    if isinstance(error, ImportError):
+        # where memory is short, libraries report that others are not installed
+        text = f"a library cannot be imported: {error}; memory is too short, or it is damaged: install it again"
+        click.echo(str(error) if error.name == "ROLLSLIP_SIMD" else text, err=True)
         return BAD_SCENE
-    except BrokenPipeError:
-        return OK  # the reader of our output has left; there is nobody to tell
-    except OSError as error:
-        if wants_memory(error):
-            return _short_of_memory(error)
-        if error.filename is None:
-            raise
+    if wants_memory(error):
+        click.echo(
+            f"memory is too short ({describe_error(error)}); close other programs, or ask for less",
+            err=True,
+        )
+        return BAD_SCENE
+    if isinstance(error, OSError) and error.filename is not None:
         click.echo(
             f"{error.filename}: cannot be used ({error.strerror}); name another place", err=True
         )
         return BAD_SCENE
-    except Exception as error:
-        if wants_memory(error):
-            return _short_of_memory(error)
-        notes = [note for note in getattr(error, "__notes__", ()) if note.startswith("raised by ")]
-        if not notes:
-            raise
-        click.echo(
-            f"{type(error).__name__}: {error}; {notes[0]}", err=True
-        )  # somebody's model, not a fault of ours
-        return BAD_PLUGIN
-
-
-def _short_of_memory(error: Exception) -> int:
-    click.echo(
-        f"memory is too short ({describe_error(error)}); close other programs, or ask for less",
-        err=True,
-    )
-    return BAD_SCENE
+    notes = [note for note in getattr(error, "__notes__", ()) if note.startswith("raised by ")]
+    if not notes or isinstance(error, OSError):
+        raise error
+    # the error of a third-party model
+    click.echo(f"{type(error).__name__}: {error}; {notes[0]}", err=True)
+    return BAD_PLUGIN

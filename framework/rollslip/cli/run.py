@@ -1,4 +1,4 @@
-"""Commands about a scene and its studies: write one, run them, print their plan, write a report of stored results."""
+"""Commands on a scene and its studies: write a scene, run it, print its plan, write a report of stored results."""
 
 import shlex
 import shutil
@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -30,6 +31,12 @@ from rollslip.cli.app import (
     verbose_option,
     warn,
 )
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip.errors import RollslipError
+    from rollslip.planning.plan import Plan
 
 
 @click.command()
@@ -84,22 +91,22 @@ def new(file: Path, **given: str | None) -> None:
         written[option] = text
         return value
 
-    def requested(option: str, usual: str) -> str:
-        said: str = click.prompt(
-            MEANING[option], default=usual, value_proc=partial(answer, option), err=True
+    def prompt(option: str, default: str) -> str:
+        value: str = click.prompt(
+            MEANING[option], default=default, value_proc=partial(answer, option), err=True
         )
-        return said
+        return value
 
-    asking = is_interactive()
-    values, missing = completed(written, requested if asking else None)
-    text = new_scene(str(path), frozenset() if asking else frozenset(missing), **values)
-    with whole_file(path) as place:
-        place.write_text(text, encoding="utf-8")
+    interactive = is_interactive()
+    values, missing = completed(written, prompt if interactive else None)
+    text = new_scene(str(path), frozenset(() if interactive else missing), **values)
+    with whole_file(path) as partial_file:
+        partial_file.write_text(text, encoding="utf-8")
     warn(implausible(parse_scene(text, str(path))))
     click.echo(
         f"written to {path}: " + ", ".join(filter(None, (values[option] for option in MEANING)))
     )
-    if missing and not asking:
+    if missing and not interactive:
         click.echo(
             f"assumed, since no option gives it: {', '.join(missing)}; the scene marks it", err=True
         )
@@ -108,7 +115,7 @@ def new(file: Path, **given: str | None) -> None:
 
 
 def verdicts(_: object, __: object, given: Sequence[str]) -> list[str]:
-    """Return verdicts that are named, several with commas between, "skid" for "skids"."""
+    """Return the verdicts of an option, several separated by commas, with "skid" for "skids"."""
     known = {
         "slip": "slips",
         "slips": "slips",
@@ -123,7 +130,7 @@ def verdicts(_: object, __: object, given: Sequence[str]) -> list[str]:
 
 
 def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
-    """Return codes of notes, several with commas between; one that there is not is refused."""
+    """Return the codes of notes of an option, several separated by commas; unknown ones are refused."""
     if not given:
         return []
     from rollslip.cli.models import explained
@@ -177,70 +184,116 @@ def run(
 
     It prints the answer: OK, SLIPS, SKIDS or UNKNOWN, and what that rests on; with -v all that was found.
     """
+    from rollslip.cli import console
+    from rollslip.planning.execution import studies_of_slip
+    from rollslip.planning.lines import describe_own_cage
+    from rollslip.planning.plan import plan
+    from rollslip.results.dataset import save
+    from rollslip.results.text import CATALOGUE_LOAD_WARNING
+
+    planned = plan(scene_of(scene, changes, later=CATALOGUE_LOAD_WARNING), study)
+    if verbose and not results.as_json:
+        click.echo(console.headline(planned))
+    # the answer has the cage among its assumptions
+    own_cage = describe_own_cage(planned.scene, planned.studies)
+    for sentence in planned.cost_sentences:
+        if verbose or sentence != own_cage:
+            click.echo(f"note: {sentence}", err=True)
+    results.choose_folder(f"{Path(scene).stem}-results")
+    checkpoints = results.checkpoint_folder()
+    arguments = [scene, *(f"--set={change}" for change in changes)]
+    options = ["--study", study] if study else []
+    hint = results.resume_hint(["rollslip", "run", *arguments, *options])
+    with interruptible(checkpoints, hint), results.folder() as folder:
+        datasets, failures = _run_studies(planned, checkpoints, verify)
+        for name in studies_of_slip(datasets.values()):
+            datasets[name] = planned.studies[name].with_bands(planned.scene, datasets[name])
+        for name, dataset in datasets.items():
+            save(dataset, folder / f"{name}.nc")
+        results.show(datasets, folder, shlex.join(arguments))
+    outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
+    if "interrupted" not in outcomes:
+        shutil.rmtree(checkpoints, ignore_errors=True)
+    verdict = _print_answer(
+        planned, datasets, failures, results, shlex.join(arguments), ignored, verbose
+    )
+    _exit_unless_finished(outcomes, failures, hint)
+    if verdict in failing or (verdict == "skids" and "slips" in failing):
+        sys.exit(FAILED_ON)
+
+
+def _exit_unless_finished(
+    outcomes: "dict[Any, xr.Dataset]", failures: "dict[str, RollslipError]", hint: str
+) -> None:
+    """Exit with a message where a study was interrupted or has failed."""
+    if "interrupted" in outcomes:
+        click.echo(hint, err=True)
+        sys.exit(INTERRUPTED)
+    if "failed" in outcomes:
+        failed = outcomes["failed"].attrs
+        click.echo(f"failed: {failed['outcome_message']}; what was computed is kept", err=True)
+        sys.exit({"model": BAD_PLUGIN, "domain": BAD_SCENE}.get(failed["failed_by"], NOT_CONVERGED))
+    for name, failure in failures.items():
+        raise type(failure)(f"{name} failed, what others found is kept: {failure}") from failure
+
+
+def _run_studies(
+    planned: "Plan", checkpoints: Path, verify: bool
+) -> "tuple[dict[str, xr.Dataset], dict[str, RollslipError]]":
+    """Return results and errors of the studies of a plan; raise the first error where there is no result."""
+    from rollslip.errors import ConvergenceError, DomainError
+    from rollslip.planning.execution import execute
+    from rollslip.planning.verification import verify as verified
+
+    datasets = dict[str, Any]()
+    failures = dict[str, Any]()
+    for name in planned.studies:
+        try:
+            with progress(name, planned.seconds_of(name)) as show:
+                datasets[name] = execute(
+                    planned, name, checkpoint_folder=checkpoints, progress=show
+                )
+        except (DomainError, ConvergenceError) as error:  # other studies may have the answer
+            failures[name] = error
+            continue
+        if verify and datasets[name].attrs.get("outcome", "finished") == "finished":
+            with progress(f"{name} at the finest"):
+                datasets[name] = verified(planned, name, datasets[name])
+        if datasets[name].attrs.get("outcome") == "interrupted":
+            break
+    if failures and not datasets:
+        raise next(iter(failures.values()))
+    return datasets, failures
+
+
+def _print_answer(
+    planned: "Plan",
+    datasets: "dict[str, xr.Dataset]",
+    failures: "dict[str, RollslipError]",
+    results: Results,
+    scene: str,
+    ignored: Sequence[str],
+    verbose: bool,
+) -> str:
+    """Print the answer of a run and, if requested, its details; return the verdict in small letters."""
     import attrs
 
     from rollslip.cli import console
-    from rollslip.errors import ConvergenceError, DomainError, RollslipError
-    from rollslip.planning.execution import execute, studies_of_slip
-    from rollslip.planning.lines import describe_own_cage
-    from rollslip.planning.plan import plan
-    from rollslip.planning.verification import verify as verified
     from rollslip.results.accounts import answer
-    from rollslip.results.dataset import save
-    from rollslip.results.text import CATALOGUE_LOAD_WARNING, confidence
+    from rollslip.results.text import confidence
 
-    made = plan(scene_of(scene, changes, later=CATALOGUE_LOAD_WARNING), study)
-    if verbose and not results.as_json:
-        click.echo(console.headline(made))
-    own = describe_own_cage(
-        made.scene, made.studies
-    )  # which the answer tells among what is assumed
-    for sentence in made.cost_sentences:
-        if verbose or sentence != own:
-            click.echo(f"note: {sentence}", err=True)
-    results.choose_folder(f"{Path(scene).stem}-results")
-    kept = results.checkpoint_folder()
-    changed = [scene, *(f"--set={c}" for c in changes)]
-    go_on = results.resume_hint(
-        ["rollslip", "run", *changed, *(["--study", study] if study else [])]
-    )
-    datasets = {}
-    failures = dict[str, RollslipError]()
-    with interruptible(kept, go_on), results.folder() as folder:
-        for name in made.studies:
-            try:
-                with progress(name, made.seconds_of(name)) as show:
-                    datasets[name] = execute(made, name, checkpoint_folder=kept, progress=show)
-            except (DomainError, ConvergenceError) as error:  # the others may have the answer
-                failures[name] = error
-                continue
-            if verify and datasets[name].attrs.get("outcome", "finished") == "finished":
-                with progress(f"{name} at the finest"):
-                    datasets[name] = verified(made, name, datasets[name])
-            if datasets[name].attrs.get("outcome") == "interrupted":
-                break
-        if failures and not datasets:
-            raise next(iter(failures.values()))
-        for name in studies_of_slip(datasets.values()):
-            datasets[name] = made.studies[name].with_bands(made.scene, datasets[name])
-        for name, dataset in datasets.items():
-            save(dataset, folder / f"{name}.nc")
-        results.show(datasets, folder, shlex.join(changed))
-    outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
-    if "interrupted" not in outcomes:
-        shutil.rmtree(kept, ignore_errors=True)  # it has ended, so nobody goes on
-    found = answer(*datasets.values(), scene=shlex.join(changed), ignored=ignored)
+    found = answer(*datasets.values(), scene=scene, ignored=ignored)
     page = results.target / "report.html"
     found = attrs.evolve(
         found,
         faults=(*found.faults, *(f"{name} failed, see below" for name in failures)),
         next=tuple(
-            f"read {page}" if page.exists() and to_do.endswith(" --report") else to_do
-            for to_do in found.next
+            f"read {page}" if page.exists() and step.endswith(" --report") else step
+            for step in found.next
         ),
     )
     if results.as_json:
-        print_json(console.run_as_dict(made, datasets, found) | results.as_dict())
+        print_json(console.run_as_dict(planned, datasets, found) | results.as_dict())
     else:
         console.print_answer(found)
         if verbose:
@@ -250,17 +303,7 @@ def run(
             click.echo(f"confidence: {confidence(datasets.values())}\nnotes:{notes or ' none'}")
         console.print_results(datasets.values(), whole=verbose)
         results.print_summary(*datasets.values(), laws=False)
-    if "interrupted" in outcomes:
-        click.echo(go_on, err=True)
-        sys.exit(INTERRUPTED)
-    if "failed" in outcomes:
-        failed = outcomes["failed"].attrs
-        click.echo(f"failed: {failed['outcome_message']}; what was computed is kept", err=True)
-        sys.exit({"model": BAD_PLUGIN, "domain": BAD_SCENE}.get(failed["failed_by"], NOT_CONVERGED))
-    for name, failure in failures.items():
-        raise type(failure)(f"{name} failed, what others found is kept: {failure}") from failure
-    if found.verdict.lower() in {*failing, *(["skids"] if "slips" in failing else [])}:
-        sys.exit(FAILED_ON)
+    return found.verdict.lower()
 
 
 @click.command()
@@ -292,29 +335,29 @@ def plan(
     from rollslip.planning.lines import part_as_dict
     from rollslip.planning.plan import plan
 
-    made = plan(scene_of(scene, changes), study)
+    planned = plan(scene_of(scene, changes), study)
     if other is not None:
-        pairs = console.changed(made, plan(scene_of(other, ()), study))
+        pairs = console.changed(planned, plan(scene_of(other, ()), study))
         if as_json:
             parts = [
                 [None if part is None else with_units(part_as_dict(part)) for part in pair]
                 for pair in pairs
             ]
-            print_json([{"this": this, "other": that} for this, that in parts])
+            print_json([{"this": first, "other": second} for first, second in parts])
         else:
             console.print_changed(pairs, scene, other)
     elif as_json:
-        print_json(with_units(made.as_dict()))
+        print_json(with_units(planned.as_dict()))
     else:
-        click.echo(console.headline(made))
+        click.echo(console.headline(planned))
         if verbose:
-            console.print_plan(made)
+            console.print_plan(planned)
         else:
-            console.print_short_plan(made)
+            console.print_short_plan(planned)
             click.echo(
                 f"every part with its reason: {shlex.join(['rollslip', 'plan', '-v', scene])}"
             )
-        for sentence in made.cost_sentences:
+        for sentence in planned.cost_sentences:
             click.echo(f"note: {sentence}", err=True)
 
 

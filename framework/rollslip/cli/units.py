@@ -1,4 +1,4 @@
-"""The units of the numbers in the JSON of commands, which stand beside their keys."""
+"""Add the units of numbers to the JSON output of commands."""
 
 from collections.abc import Mapping, MutableMapping
 from typing import TYPE_CHECKING, Any, Final
@@ -8,7 +8,7 @@ from rollslip.results.accounts import account_of
 if TYPE_CHECKING:
     import xarray as xr
 
-#: What records of several commands have: times, and what only counts or compares.
+#: Units of keys in records of several commands: times, and plain numbers.
 _COMMON: Final[Mapping[str, str]] = {
     **dict.fromkeys(("cost", "left", "planning", "quiet", "seconds", "wall_time"), "s"),
     **dict.fromkeys(
@@ -21,19 +21,19 @@ _COMMON: Final[Mapping[str, str]] = {
 
 
 def with_units(record: dict[str, Any], dataset: "xr.Dataset | None" = None) -> dict[str, Any]:
-    """Return a record with the units of its numbers: those of variables of a result, and what its account says.
+    """Return a record with the units of its numbers: those of variables of a result and of its account.
 
-    A mapping ``units`` stands beside the keys. The unit of a number is the entry of its own key, else of the table that
-    it stands in; where there is none, ``unit`` beside it. What stands nearest counts.
+    They are added as a mapping ``units``. The unit of a number is the entry of its own key, or of the table that
+    contains it; without an entry it is the value of the key ``unit`` in the same table. The innermost one counts.
     """
     own = dict[str, str]()
     variables = dict[str, str]()
     if dataset is not None:
         account = account_of(dataset)
         variables = {
-            str(name): one.attrs["units"]
-            for name, one in dataset.variables.items()
-            if "units" in one.attrs
+            str(name): variable.attrs["units"]
+            for name, variable in dataset.variables.items()
+            if "units" in variable.attrs
         }
         own = {name: unit or "1" for name, (_, unit) in account.numbers.items()} | dict(
             account.units
@@ -51,20 +51,30 @@ def _collect(
     known: Mapping[str, str],
     units: MutableMapping[str, str],
 ) -> None:
-    """Put the units of numbers into `units`; a table with a ``unit`` gets its own for what that is not the unit of."""
-    if isinstance(value, dict) and "units" not in value:
-        inner = dict[str, str]() if isinstance(value.get("unit"), str) else None
-        for key, one in value.items():
-            if inner is None:
-                _collect(one, (*keys, key), own, known, units)
-            else:
-                _collect(one, (key,), own, own, inner)
+    """Add the units of numbers to `units`; a table with a ``unit`` has its own mapping for numbers of other units."""
+    if isinstance(value, dict) and isinstance(value.get("unit"), str) and "units" not in value:
+        inner = dict[str, str]()
+        for key, entry in value.items():
+            _collect(entry, (key,), own, own, inner)
         if inner:
             value["units"] = inner
+    elif isinstance(value, dict) and "units" not in value:
+        for key, entry in value.items():
+            _collect(entry, (*keys, key), own, known, units)
     elif isinstance(value, list):
-        for one in value:
-            _collect(one, keys, own, known, units)
+        for entry in value:
+            _collect(entry, keys, own, known, units)
     elif value is None or (isinstance(value, int | float) and not isinstance(value, bool)):
-        name = next((key for key in reversed(keys) if key in known), None)
-        if name is not None and (value is not None or name == keys[-1]):
-            units[name] = known[name]
+        _add_unit(value, keys, known, units)
+
+
+def _add_unit(
+    value: float | None,
+    keys: tuple[str, ...],
+    known: Mapping[str, str],
+    units: MutableMapping[str, str],
+) -> None:
+    """Add the unit of a number by its innermost known key; of a missing number only by its own key."""
+    name = next((key for key in reversed(keys) if key in known), None)
+    if name is not None and (value is not None or name == keys[-1]):
+        units[name] = known[name]
