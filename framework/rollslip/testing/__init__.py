@@ -1,4 +1,4 @@
-"""The conformance kit: what a package of models is tested with, and what the models in the box are tested with.
+"""The conformance kit: tests for models of packages, by which the built-in models are tested too.
 
 As a pytest class, one test for each model and rule::
 
@@ -8,8 +8,8 @@ As a pytest class, one test for each model and rule::
         models = [Carreau(), Carreau(exponent=0.5)]
         expected_failures = {"check_is_odd_in_slip": "the law has a preferred direction, doi:..."}
 
-as a function, without pytest: ``conformance(Carreau())`` returns a list of `Finding`; and in a process of its own,
-which may crash or hang: ``check_in_subprocess("traction", "cross")``. The kit needs ``rollslip[kit]``.
+as a function, without pytest: ``conformance(Carreau())`` returns a list of `Finding`; and in a separate process, which
+may crash or hang: ``check_in_subprocess("traction", "cross")``. The kit needs ``rollslip[kit]``.
 """
 
 from rollslip.errors import PluginError

@@ -1,9 +1,9 @@
-"""The rules of what sees a whole bearing: thermal and damage models, formulas of the friction torque.
+"""The rules of models of a whole bearing: thermal and damage models, formulas of the friction torque, and rings.
 
 - Heat is conserved and flows from warm to cold.
-- Damage models are held against slices that the laws of a bearing evaluated (`_contacts`), since they rest on these.
-- Each term of a friction torque resists, and more load no less.
-- Rollers without a cage brake their neighbours.
+- Damage models are evaluated on slices that the laws of a bearing have filled (`_contacts`).
+- Each term of a friction torque resists the motion, and not less with more load.
+- Flexible rings take a part of a preload.
 """
 
 import math
@@ -35,13 +35,15 @@ from rollslip.units import UnitError, check_unit
 from rollslip_kernels.slices import COLUMNS
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
-#: What rounding may leave of a sum of flows, relative to the largest of them.
+#: Rounding error of a sum of heat flows, relative to the largest of them [1]. Doubling it accepts the same models: a
+#: missing flow is larger by orders of magnitude. Chosen far above the rounding of a sum of a few terms.
 _ROUNDING = 1e-10
+#: Number of random inputs per rule. Doubling it doubles the time of the checks and finds rarer faults. Chosen.
 _DRAWN = 25
 
 
 def _bound(model: ThermalModel) -> tuple[ThermalModel, Array]:
-    """Return the model bound to a bearing, and where it starts."""
+    """Return the model bound to a bearing, and its initial temperatures [K]."""
     scene = load_scene("1032930-70C")
     bound = model.of(assemble(scene))
     if not bound.nodes:
@@ -50,7 +52,7 @@ def _bound(model: ThermalModel) -> tuple[ThermalModel, Array]:
 
 
 def _draws(start: Array) -> Iterator[tuple[Array, Mapping[str, float]]]:
-    """Temperatures and losses of all sizes, the same each time."""
+    """Yield random temperatures [K] and losses [W] of all sizes, the same in each run."""
     random = np.random.default_rng(4)
     for _ in range(_DRAWN):
         yield (
@@ -96,12 +98,13 @@ def check_a_warmer_node_takes_less_heat_and_the_others_no_less(model: ThermalMod
         for k, node in enumerate(bound.nodes):
             warmer = T.copy()
             warmer[k] += 1.0
-            moved = np.asarray(bound.inflows(warmer, losses)) - before
+            change = np.asarray(bound.inflows(warmer, losses)) - before
             slack = _ROUNDING * float(np.abs(before).max())
             refuse_unless(
-                moved[k] <= slack, f"the {node} takes {moved[k]:.3g} W more where it is 1 K warmer"
+                change[k] <= slack,
+                f"the {node} takes {change[k]:.3g} W more where it is 1 K warmer",
             )
-            others = np.delete(moved, k)
+            others = np.delete(change, k)
             refuse_unless(
                 np.all(others >= -slack),
                 f"other nodes take less heat where the {node} is 1 K warmer",
@@ -126,15 +129,17 @@ def check_nodes_have_capacities_and_keys_of_the_scene(model: ThermalModel) -> No
 
 # Damage models --------------------------------------------------------------------------------------------------------
 
-#: What measures of one slice may differ by, with others beside it or in another order.
-_ALONE = 1e-12
-#: How much better than the measure the worst place across a contact may be, by places that are not everywhere.
-_MISSED = 1e-3
+#: Relative difference allowed between measures of a slice in tables with other slices, or in another order [1].
+#: Doubling it accepts the same models; it is some thousand roundings.
+_ORDER_TOLERANCE = 1e-12
+#: Relative difference allowed between the measure of a contact and the worst of 201 points across it [1]. Doubling it
+#: accepts coarser models; it is the error of sampling a smooth maximum at so many points.
+_SAMPLING_TOLERANCE = 1e-3
 
 
 @cache
 def _contacts() -> tuple[Contacts, ...]:
-    """Contacts of both rings, whose parts differ in temperature: light to heavy, slow to fast, with slip."""
+    """Return evaluated contacts of both rings at different temperatures, with random loads, speeds and slips."""
     scene = evolve(load_scene("1032930-70C"), {"operation.roller_temperature": "85 degC"})
     assembly = assemble(scene)
     random = np.random.default_rng(7)
@@ -202,7 +207,9 @@ def check_slices_are_measured_alone_and_left_as_they_are(model: DamageModel) -> 
             refuse_unless(same, f"evaluate() writes to {name}; work on a copy")
         back = _value(model, _changed(contacts, slice(None, None, -1)))[::-1]
         off = float(np.abs(back - values).max() / (np.abs(values).max() or 1.0))
-        refuse_unless(off <= _ALONE, f"in another order measures differ by {off:.1e} (relative)")
+        refuse_unless(
+            off <= _ORDER_TOLERANCE, f"in another order measures differ by {off:.1e} (relative)"
+        )
 
 
 @rule(DamageModel)
@@ -237,7 +244,7 @@ def check_across_a_contact_it_is_as_bad_as_the_measure_says(model: DamageModel) 
         short = harm(model, values) - harm(model, across).max(axis=1)
         worst = float((short / np.maximum(np.abs(values), np.finfo(float).tiny)).max())
         refuse_unless(
-            worst <= _MISSED,
+            worst <= _SAMPLING_TOLERANCE,
             f"no place across a contact is as bad as it says: {worst:.1e} (relative) less",
         )
 
@@ -264,7 +271,7 @@ def check_a_limit_has_a_source(model: DamageModel) -> None:
 
 
 def _duties() -> Iterator[Duty]:
-    """Bearings from 10 mm of bore to 1 m at all loads and speeds, the same each time."""
+    """Yield random bearings with a bore of 10 mm to 1 m, loads and speeds, the same in each run."""
     random = np.random.default_rng(6)
     for _ in range(_DRAWN):
         bore = 10.0 ** random.uniform(-2.0, 0.0)

@@ -1,16 +1,16 @@
-"""The rules of the model contract, one function each, named as a sentence; a rule that is broken raises.
+"""The rules of the model contract, one function each; the name of a function is the rule as a sentence.
 
-- A check takes a model and raises `Nonconformance` with what came, where, and what is allowed. Nothing else is needed
-  to run one: not pytest, not a scene, not the registry.
-- Checks see a model as a chain does, in both of its forms, and say which form failed.
-- Equal means equal bits for compiled forms. NumPy forms may differ within the model's ``tolerance``: which loop NumPy
-  takes for exp or pow depends on the processor and on a value's place in its array, and an iteration over an array
-  ends when its slowest member does. Measured over the models in the box: up to 4.4e-16 between block sizes, for the
-  two iterative laws only; 0 between orders of slices.
-- An exception to a rule is declared with its reason, beside the law if it belongs to the law: a class attribute
+- A check takes a model and raises `Nonconformance` with the wrong value, the slice, and the allowed value. It does not
+  need pytest, a scene or the registry.
+- Checks evaluate a model as a chain does, in both of its forms, and name the form that fails.
+- Compiled forms must be equal to the bit. NumPy forms may differ within the model's ``tolerance``: the loop that NumPy
+  takes for exp or pow depends on the processor and on the position of a value in its array, and an iteration over an
+  array ends with its slowest element. Measured with the built-in models: up to 4.4e-16 between block sizes, for the two
+  iterative laws only; 0 between orders of slices.
+- An exception to a rule is declared with its reason, in the class of the law if it concerns the law: a class attribute
   ``expected_failures = {"check_name": "reason"}``. A declared failure that does not happen is a failure.
-- Units come from the tables of the slices and from the metadata of the parameters, so a law that is the same in any
-  units proves that those are right, and that no constant hides its dimension.
+- Units come from the tables of the slices and from the metadata of the parameters. A law that is the same in any units
+  proves that these are right, and that no constant has a hidden dimension.
 """
 
 import math
@@ -64,12 +64,16 @@ from rollslip.testing.samples import (
 from rollslip.units import UnitError, _unit
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 
-#: What a change of units may do to a result: some hundred roundings, most of them in powers.
+#: Relative change of a result allowed after a change of units [1]: some hundred roundings, most of them in powers.
+#: Doubling it finds the same faults, because a constant with a dimension changes results by factors.
 UNITS_TOLERANCE: Final = 1e-10
-#: A loop over blocks of 256 meets whole blocks, a rest and, with it, the end of a vector loop.
+#: Number of slices of a large table: two blocks of 256 and a remainder, with the end of a vector loop.
 MANY: Final = 515
+#: Number of threads that evaluate a model at once. Doubling it makes collisions more likely and the check slower.
+#: Chosen.
 THREADS: Final = 8
-#: Seconds for which threads run against each other; a shared scratch is found in 40 of 40 runs, on one core or two.
+#: Time for which threads evaluate at once [s]. Halving it may miss a shared array; with this value it is found in 40
+#: of 40 runs, on one core or two.
 MEETING: Final = 0.06
 
 
@@ -125,24 +129,24 @@ def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(
     slices = Slices(
         4, Conditions(**typical_values(model, CONDITIONS)), **typical_values(model, COLUMNS)
     )
-    for one in model.validity:
+    for bound in model.validity:
         refuse_unless(
-            isinstance(one, Validity),
-            f"validity holds {one!r}, which is no rollslip.models.Validity",
+            isinstance(bound, Validity),
+            f"validity holds {bound!r}, which is no rollslip.models.Validity",
         )
-        where = f"validity in {one.quantity!r}"
+        where = f"validity in {bound.quantity!r}"
         refuse_unless(
-            one.low <= one.high and (one.low > -math.inf or one.high < math.inf),
-            f"{where}: valid for {one.low} to {one.high}; give one finite bound, or two that rise",
+            bound.low <= bound.high and (bound.low > -math.inf or bound.high < math.inf),
+            f"{where}: valid for {bound.low} to {bound.high}; give one finite bound, or two that rise",
         )
         for name in ("consequence", "remedy", "source"):
-            text = getattr(one, name)
+            text = getattr(bound, name)
             refuse_unless(
                 isinstance(text, str) and text.strip(),
                 f"{where}: {name} is {text!r}; say it in words",
             )
         try:
-            values = quantity(model, one.quantity, slices)
+            values = quantity(model, bound.quantity, slices)
         except Exception as error:
             raise Nonconformance(
                 f"{where}: {type(error).__name__}: {error}; state it in quantities() of the law, in one of "
@@ -153,14 +157,14 @@ def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(
             f"{where}: it is {values[0]} where every member has a usual value",
         )
         refuse_unless(
-            ("{error}" in one.consequence) == (one.error is not None),
+            ("{error}" in bound.consequence) == (bound.error is not None),
             f"{where}: error and {{error}} in the consequence go together",
         )
-        if one.error is None:
+        if bound.error is None:
             continue
-        for bound, beyond in ((one.low, 0.5), (one.high, 2.0)):
-            for value in (bound, beyond * bound) if math.isfinite(bound) else ():
-                off = one.error(value)
+        for limit, factor in ((bound.low, 0.5), (bound.high, 2.0)):
+            for value in (limit, factor * limit) if math.isfinite(limit) else ():
+                off = bound.error(value)
                 refuse_unless(
                     isinstance(off, float | int) and math.isfinite(off) and off >= 0.0,
                     f"{where}: the error at {value:g} is {off!r}; give per cent, not negative",
@@ -363,7 +367,7 @@ def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
         for k in range(THREADS):
             given = picked(slices, (np.arange(n) + 37 * k) % len(slices))
             expected = evaluate(shaped, copy_of(given))
-            holds = partial(
+            compare = partial(
                 same,
                 expected=expected,
                 model=shaped,
@@ -372,7 +376,7 @@ def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
             )
             # the reference beside a kernel is not what threads run
             seconds = MEETING if form == "compiled" or model.kernel() is None else 0.0
-            tasks.append(partial(_repeat, chain, given, holds, seconds))
+            tasks.append(partial(_repeat, chain, given, compare, seconds))
         _together(tasks)
 
 
@@ -386,14 +390,16 @@ def _slices_of_a_millisecond(model: SliceModel, slices: Slices) -> int:
     return min(max(int(len(slices) * 1e-3 / seconds), len(slices)), 1 << 16)
 
 
-def _repeat(chain: Chain, slices: Slices, holds: Callable[[Slices], None], seconds: float) -> None:
+def _repeat(
+    chain: Chain, slices: Slices, compare: Callable[[Slices], None], seconds: float
+) -> None:
     """Evaluate slices again and again for a while, and look at the result each time."""
     # by the clock: on one core, or a busy one, calls overlap only where the system switches threads inside them
     end = time.perf_counter() + seconds
     with np.errstate(all="ignore"):
         while True:
             chain(slices)
-            holds(slices)
+            compare(slices)
             if time.perf_counter() >= end:
                 return
 

@@ -1,8 +1,8 @@
-"""The rule that other rules of slice models rest on: one evaluation at usual values keeps to what the model declares.
+"""The prerequisite of other rules of slice models: a model reads and writes exactly the columns that it declares.
 
-A model that writes where it only reads, or leaves empty what it writes, fails most rules, each in words of its own. So
-this one is looked at first, says what is wrong by name, and where it is broken the rules that evaluate the model are
-not run.
+A model which writes to a column that it only reads, or does not fill a column, would fail most rules with different
+messages. Therefore this rule is checked first and names the column, and where it fails, the rules that evaluate the
+model are not run.
 """
 
 import math
@@ -20,12 +20,12 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 
 __all__ = ["not_run"]
 
-#: What stands in columns before they are written: no law gives it.
+#: Value of columns before they are written [any unit]: a denormal-like number that no law returns.
 _UNWRITTEN: Final = 0.123456789e-77
 
 
 class _Watched(Slices):
-    """Slices that remember which columns they were asked for."""
+    """Slices that record which columns are read."""
 
     requested: set[str]
 
@@ -36,7 +36,7 @@ class _Watched(Slices):
 
 
 def _usual(model: SliceModel, locked: Collection[str] = ()) -> _Watched:
-    """Return slices of usual values; what is not read is NaN, and what is locked cannot be written to."""
+    """Return slices with usual values; columns that are not read are NaN, and locked ones are read-only."""
     conditions = Conditions(**typical_values(model, members(model, CONDITIONS)))
     slices = _Watched.__new__(_Watched)
     object.__setattr__(slices, "requested", set())
@@ -52,7 +52,7 @@ def _usual(model: SliceModel, locked: Collection[str] = ()) -> _Watched:
 
 @rule(SliceModel, first=True)
 def check_keeps_to_what_it_declares(model: SliceModel) -> None:
-    """It writes what it says, all of it and nothing else, and needs no more than it reads; other rules rest on this."""
+    """It fills exactly the columns in writes, and uses no members except those in reads; other rules require this."""
     if unknown := sorted({*model.reads, *model.domain} - {*COLUMNS, *CONDITIONS}):
         raise Nonconformance(
             f"it reads, or gives a range for, {', '.join(unknown)}, which slices do not have"
@@ -64,13 +64,13 @@ def check_keeps_to_what_it_declares(model: SliceModel) -> None:
         try:
             _run(model, slices, form)
         except (DomainError, PluginError):
-            continue  # it refuses usual values, or has no kernel that can be bound: other rules' business
+            continue  # other rules report refused usual values and kernels that cannot be bound
         except Exception as error:
-            told = (
+            fault = (
                 _written_of(model, error, inputs)
                 or f"fails at usual values: {type(error).__name__}: {error}"
             )
-            raise Nonconformance(f"{form} {told}") from error
+            raise Nonconformance(f"{form} {fault}") from error
         _compare(model, form, slices, before)
 
 
@@ -83,7 +83,7 @@ def _run(model: SliceModel, slices: Slices, form: str) -> None:
 
 
 def _written_of(model: SliceModel, error: Exception, inputs: list[str]) -> str:
-    """Say which column a model writes to that it should not, if that is what went wrong."""
+    """Return the message on an input column to which a model writes; empty for another error."""
     if not isinstance(error, ValueError) or "read-only" not in str(error):
         return ""
     for name in inputs:
@@ -104,7 +104,7 @@ def _writes(model: SliceModel, name: str) -> str:
 
 
 def _compare(model: SliceModel, form: str, slices: _Watched, before: Slices) -> None:
-    """Refuse what was written that should not be, and what was not that should."""
+    """Raise `Nonconformance` for columns that were written wrongly, or not filled."""
     requested = sorted(slices.requested - model.reads - set(model.writes))
     for name in (name for name in COLUMNS if name not in model.writes):
         if not np.array_equal(getattr(before, name), getattr(slices, name), equal_nan=True):
@@ -127,7 +127,15 @@ def _compare(model: SliceModel, form: str, slices: _Watched, before: Slices) -> 
 
 
 def not_run(model: Any, check: Check) -> str:
-    """Return why a check need not be run on a model: the rule that it rests on is broken; nothing where it is not."""
+    """Return the reason why a check is not run on a model: its prerequisite fails; empty if it is run.
+
+    Parameters
+    ----------
+    model : object
+        The model.
+    check : callable
+        The check.
+    """
     if (
         not (isinstance(model, SliceModel) and rests_on_evaluation(check))
         or check is check_keeps_to_what_it_declares

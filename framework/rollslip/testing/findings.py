@@ -1,9 +1,9 @@
-"""Runs the checks on models and says what was found: as a list, as text, or as tests of pytest.
+"""Run the checks on models, and return findings as a list, as text, or as tests of pytest.
 
-- A failure that is expected needs a reason, given by who runs the checks or by the model's own class in an attribute
-  ``expected_failures``. It must happen: a list of exceptions that nobody needs any more hides the next fault.
-- A check that has nothing to look at is skipped with a sentence, never passed.
-- `Conformance` needs no pytest to be defined: pytest finds ``pytest_generate_tests`` by its name.
+- An expected failure needs a reason, by the caller or in an attribute ``expected_failures`` of the model's class. It is
+  a failure if it does not happen, because an obsolete exception would hide the next fault.
+- A check that does not apply to a model is skipped with a sentence; it does not pass.
+- `Conformance` is defined without pytest: pytest finds ``pytest_generate_tests`` by its name.
 """
 
 import traceback
@@ -40,24 +40,27 @@ NONE_EXPECTED: Final[Mapping[str, str]] = MappingProxyType({})
 
 @attrs.frozen
 class Finding:
-    """What one check says of one model."""
+    """Result of one check of one model."""
 
-    model: str  #: Name of the model, or of the stage that it hands out.
-    check: str  #: Name of the check.
-    #: "ok", "failed", "expected" (it fails, as declared), "warning" (it costs time, and makes no number wrong) or
-    #: "skipped" (the rule says nothing about this model).
+    #: Name of the model, or of its stage.
+    model: str
+    #: Name of the check.
+    check: str
+    #: "ok", "failed", "expected" (it fails, as declared), "warning" (it is slow, but its numbers are right) or
+    #: "skipped" (the rule does not apply to the model).
     status: str
-    message: str = ""  #: Why, unless it is "ok".
+    #: The reason, unless the status is "ok".
+    message: str = ""
 
 
 def name_of(model: object) -> str:
-    """Return how findings call a model."""
+    """Return the name of a model in findings."""
     name = getattr(model, "name", None)
     return name if isinstance(name, str) else type(model).__qualname__
 
 
 def expected_of(model: object, given: Mapping[str, str]) -> dict[str, str]:
-    """Return the failures expected of a model, its own and those given: check -> reason."""
+    """Return the expected failures of a model, those of its class and those given: check -> reason."""
     declared = getattr(model, "expected_failures", NONE_EXPECTED)
     expected = {**declared, **given}
     known = {check.__name__ for check in all_checks()}
@@ -74,8 +77,10 @@ def expected_of(model: object, given: Mapping[str, str]) -> dict[str, str]:
 
 
 def _sentence(error: BaseException, model: object) -> str:
-    """Return an error in words; one that the model raises with its place in the package that the model is of."""
-    if isinstance(error, BaseExceptionGroup):  # hypothesis: a value that fails once and passes once
+    """Return an error as a sentence, with file and line in the package of the model if the model raises it."""
+    if isinstance(
+        error, BaseExceptionGroup
+    ):  # of hypothesis, for a value that fails once and passes once
         return f"it answers one input in two ways ({_sentence(error.exceptions[0], model)})"
     cause = error.__cause__ if isinstance(error, AssertionError) else error
     root = type(model).__module__.partition(".")[0]
@@ -84,20 +89,20 @@ def _sentence(error: BaseException, model: object) -> str:
         for frame, line in traceback.walk_tb(None if cause is None else cause.__traceback__)
         if frame.f_globals.get("__name__", "").partition(".")[0] == root != "rollslip"
     ]
-    said = (
+    text = (
         str(error)
         if isinstance(error, AssertionError | Questionable)
         else f"{type(error).__name__}: {error}"
     )
-    return said + "".join(places[-1:])
+    return text + "".join(places[-1:])
 
 
 def run_check(
     model: object, check: Check, reason: str | None = None
 ) -> tuple[Finding, Exception | None]:
-    """Run one check on a model; return the finding, and the error behind it.
+    """Run one check on a model; return the finding and its error.
 
-    ``reason`` is why the check is expected to fail, if it is.
+    ``reason`` is the reason of an expected failure.
     """
     name = name_of(model)
     error = None
@@ -121,17 +126,17 @@ def run_check(
     return Finding(name, check.__name__, status, message), error
 
 
-def judge(
+def run_after_prerequisite(
     model: object, check: Check, reason: str | None = None
 ) -> tuple[Finding, Exception | None]:
-    """Run one check on a model, as `run_check`, unless a rule that it rests on is broken: that is said once."""
+    """Run one check on a model by `run_check`, or skip it where the rule that it requires fails."""
     if cause := not_run(model, check):
         return Finding(name_of(model), check.__name__, "skipped", cause), None
     return run_check(model, check, reason)
 
 
 def cases_of(model: object, given: Mapping[str, str]) -> list[tuple[Any, Check, str | None]]:
-    """Return what is to be run for a model: (model or stage, check, reason of an expected failure)."""
+    """Return all checks of a model and its stages: (model or stage, check, reason of an expected failure)."""
     return [
         (subject, check, expected_of(subject, given).get(check.__name__))
         for subject in subjects(model)
@@ -149,7 +154,7 @@ def conformance(
     model : SliceModel, DragModel, IntegratorModel or Lubricant
         The model; a contact model is checked with its deflection.
     expected_failures : mapping, optional
-        Check -> reason why the model may break that rule; those of its class come on top.
+        Check -> reason why the model may break that rule, in addition to those of its class.
 
     Returns
     -------
@@ -166,16 +171,16 @@ def conformance(
     >>> {finding.status for finding in conformance(get_model("film", "martin"))}
     {'ok'}
     """
-    return [judge(*case)[0] for case in cases_of(model, expected_failures)]
+    return [run_after_prerequisite(*case)[0] for case in cases_of(model, expected_failures)]
 
 
 def passed(findings: Iterable[Finding]) -> bool:
-    """Tell whether no check has failed."""
+    """Return whether no check has failed."""
     return all(finding.status != "failed" for finding in findings)
 
 
 def as_dict(findings: Sequence[Finding]) -> dict[str, Any]:
-    """Return findings as what JSON can hold: "passed", the number of each status in "counts", and "findings"."""
+    """Return findings as plain values for JSON: "passed", the number of each status in "counts", and "findings"."""
     return {
         "passed": passed(findings),
         "counts": dict(sorted(Counter(finding.status for finding in findings).items())),
@@ -205,12 +210,13 @@ def format_findings(findings: Sequence[Finding]) -> str:
 class Conformance:
     """Base of a test class: one test of pytest for each model and each rule of its kind."""
 
-    models: ClassVar[Sequence[object]] = ()  #: The models, with the parameters that matter.
-    #: Check -> reason; held against every model of the class.
+    #: The models, with all relevant parameters.
+    models: ClassVar[Sequence[object]] = ()
+    #: Check -> reason of an expected failure of every model of the class.
     expected_failures: ClassVar[Mapping[str, str]] = NONE_EXPECTED
 
     def pytest_generate_tests(self, metafunc: Any) -> None:
-        """Hand the test one case for each model and check."""
+        """Parametrise the test with one case for each model and check."""
         if "conformance_case" not in metafunc.fixturenames:
             return
         if not self.models:
@@ -226,7 +232,7 @@ class Conformance:
     def test_conformance(self, conformance_case: tuple[Any, Check, str | None]) -> None:
         """Run one check on one model."""
         __tracebackhide__ = True  # the fault is not here
-        finding, error = judge(*conformance_case)
+        finding, error = run_after_prerequisite(*conformance_case)
         if finding.status == "failed":
             raise AssertionError(f"{finding.model}: {finding.message}") from error
         if finding.status in ("expected", "skipped"):

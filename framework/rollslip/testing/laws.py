@@ -1,7 +1,7 @@
-"""What each kind has in common: contact, film, traction and drag, and oils; a function a rule.
+"""The rules of each kind of law, one function each: contact, film, traction, viscosity under pressure, drag, and oils.
 
-- Each holds for every law of its kind that is known, over all magnitudes, and not only for those in the box.
-- Derivatives are compared with differences, orders and errors with solutions that are known in closed form.
+- Each rule applies to every known law of its kind, over all magnitudes, and not only to the built-in laws.
+- Derivatives are compared with difference quotients, orders and errors with solutions in closed form.
 """
 
 import math
@@ -91,22 +91,21 @@ def check_half_width_rises_with_the_load(model: ContactModel) -> None:
 @without_evaluation
 def check_deflection_is_a_stage_of_its_own(model: ContactModel) -> None:
     """The deflection fills load and stiffness from the approach, and is the same stage whenever it is asked for."""
-    one = model.deflection()
-    other = model.deflection()
+    stage = model.deflection()
     refuse_unless(
-        isinstance(one, SliceModel), f"deflection() must return a SliceModel, not {one!r}"
+        isinstance(stage, SliceModel), f"deflection() must return a SliceModel, not {stage!r}"
     )
-    refuse_unless(one == other, "deflection() returns another stage each time")
+    refuse_unless(stage == model.deflection(), "deflection() returns another stage each time")
     refuse_unless(
-        one.writes == {"load", "stiffness"} and "approach" in one.reads,
-        f"deflection() must read the approach and write load and stiffness, it writes {sorted(one.writes)}",
+        stage.writes == {"load", "stiffness"} and "approach" in stage.reads,
+        f"deflection() must read the approach and write load and stiffness, it writes {sorted(stage.writes)}",
     )
 
 
 def _monotonic(of: str, columns: Mapping[str, int]) -> Callable[[Slices, str, SliceModel], None]:
     """Return a property: columns rise (1), do not fall (0) or do not rise (-1) as another is raised."""
 
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+    def condition(filled: Slices, form: str, shaped: SliceModel) -> None:
         for factor in (1.01, 2.0, 30.0):
             more = changed(filled, shaped, **{of: getattr(filled, of) * factor})
             if more is None:
@@ -125,10 +124,10 @@ def _monotonic(of: str, columns: Mapping[str, int]) -> Callable[[Slices, str, Sl
                         f"{of} is multiplied by {factor:g}; at {shown(shaped, filled, i)}"
                     )
 
-    return holds
+    return condition
 
 
-def _carries_nothing_apart(filled: Slices, form: str, shaped: SliceModel) -> None:
+def _check_no_load_without_contact(filled: Slices, form: str, shaped: SliceModel) -> None:
     for name in ("load", "stiffness"):
         values = getattr(filled, name)
         good = np.where(filled.approach > 0, values >= 0, values == 0)
@@ -141,16 +140,16 @@ def _carries_nothing_apart(filled: Slices, form: str, shaped: SliceModel) -> Non
 @rule("deflection")
 def check_surfaces_apart_carry_nothing(model: SliceModel) -> None:
     """No load and no stiffness at an approach of zero or below; both positive or zero above."""
-    drawn(model, _carries_nothing_apart)
+    drawn(model, _check_no_load_without_contact)
     for form, shaped in forms_of(model):
         base = table(shaped, 16)
         for approach in (0.0, -0.0, -1e-9, -1e-3):
-            apart = changed(base, shaped, approach=approach)
-            if apart is None:
+            separated = changed(base, shaped, approach=approach)
+            if separated is None:
                 raise Nonconformance(
                     f"{form} form refuses an approach of {approach:g}: surfaces may be apart"
                 )
-            _carries_nothing_apart(apart, form, shaped)
+            _check_no_load_without_contact(separated, form, shaped)
 
 
 @rule("deflection")
@@ -213,11 +212,11 @@ def check_film_grows_with_the_rolling_speed(model: FilmModel) -> None:
     if model.inlet_heating:
         raise Inapplicable("shear heats its inlet, which thins the film at high speed")
 
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+    def condition(filled: Slices, form: str, shaped: SliceModel) -> None:
         assume(np.all(filled.film_thickness > 0))
         _monotonic("rolling_speed", {"film_thickness": 1})(filled, form, shaped)
 
-    drawn(model, holds)
+    drawn(model, condition)
 
 
 # Pressure in the film ------------------------------------------------------------------------------------------------
@@ -320,12 +319,11 @@ def check_values_at_pressures_are_those_of_the_stage(
     requested = copy_of(filled)
     values = shaped.at(filled.conditions, filled.pressure.reshape(1, -1))
     refuse_unless(
-        all(np.shape(one) == (1, len(filled)) for one in values),
+        all(np.shape(column) == (1, len(filled)) for column in values),
         "at() loses the shape of its pressures",
     )
-    requested.film_viscosity[:], requested.film_thermoviscosity[:] = (
-        np.ravel(one) for one in values
-    )
+    requested.film_viscosity[:] = np.ravel(values[0])
+    requested.film_thermoviscosity[:] = np.ravel(values[1])
     same(
         requested,
         filled,
@@ -345,11 +343,11 @@ def check_takes_what_an_oil_says_of_pressure(law: PressureViscosity) -> None:
     except FieldError:
         return
 
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+    def condition(filled: Slices, form: str, shaped: SliceModel) -> None:
         with np.errstate(all="ignore"):
             rise, more = (
-                np.log(one.at(filled.conditions, filled.pressure)[0] / filled.conditions.viscosity)
-                for one in (plain, raised)
+                np.log(own.at(filled.conditions, filled.pressure)[0] / filled.conditions.viscosity)
+                for own in (plain, raised)
             )
         assume(np.all(rise < 400.0))
         refuse_unless(
@@ -357,7 +355,7 @@ def check_takes_what_an_oil_says_of_pressure(law: PressureViscosity) -> None:
             f"ln(eta/eta0) is {rise[0]:g}, with a factor of 1.5 {more[0]:g}; at {shown(shaped, filled, 0)}",
         )
 
-    drawn(law, holds)
+    drawn(law, condition)
 
 
 # Drag ----------------------------------------------------------------------------------------------------------------
@@ -384,7 +382,7 @@ def _torque(model: DragModel, speeds: tuple[float, ...]) -> float:
 def check_torque_is_finite_and_the_same_again(model: DragModel) -> None:
     """Any speeds of either sign, zero included, give one finite torque."""
 
-    def holds(speeds: tuple[float, ...]) -> None:
+    def condition(speeds: tuple[float, ...]) -> None:
         first = _torque(model, speeds)
         _torque(model, (*speeds[2::-1], *speeds[3:]))
         refuse_unless(
@@ -392,29 +390,29 @@ def check_torque_is_finite_and_the_same_again(model: DragModel) -> None:
             f"the torque at {speeds} rad/s is another at the second time",
         )
 
-    for_all(_given(model), holds)
+    for_all(_given(model), condition)
 
 
 @rule(DragModel)
 def check_torque_changes_sign_with_all_speeds(model: DragModel) -> None:
     """A bearing seen from its other side is the same bearing."""
 
-    def holds(speeds: tuple[float, ...]) -> None:
-        one = _torque(model, speeds)
+    def condition(speeds: tuple[float, ...]) -> None:
+        torque = _torque(model, speeds)
         mirrored = _torque(model, (*(-speed for speed in speeds[:3]), *speeds[3:]))
         refuse_unless(
-            abs(one + mirrored) <= 1e-12 * abs(one),
-            f"the torque is {one:g} at {speeds} rad/s, mirrored {mirrored:g}",
+            abs(torque + mirrored) <= 1e-12 * abs(torque),
+            f"the torque is {torque:g} at {speeds} rad/s, mirrored {mirrored:g}",
         )
 
-    for_all(_given(model), holds)
+    for_all(_given(model), condition)
 
 
 @rule(DragModel)
 def check_torque_takes_power_out_of_a_cage_between_still_rings(model: DragModel) -> None:
     """With both rings at rest nothing drives the cage; and nothing acts on a cage at rest there."""
 
-    def holds(speeds: tuple[float, ...]) -> None:
+    def condition(speeds: tuple[float, ...]) -> None:
         torque = _torque(model, (speeds[0], 0.0, 0.0, *speeds[3:]))
         refuse_unless(
             torque * speeds[0] <= 0,
@@ -424,7 +422,7 @@ def check_torque_takes_power_out_of_a_cage_between_still_rings(model: DragModel)
             speeds[0] != 0 or torque == 0, f"the torque is {torque:g} N m where all is at rest"
         )
 
-    for_all(_given(model), holds)
+    for_all(_given(model), condition)
 
 
 @rule(DragModel)
@@ -436,7 +434,7 @@ def check_compiled_torque_equals_python(model: DragModel) -> None:
     if problem := compiled.problem(capsule):
         raise Nonconformance(f"its kernel() {problem}")
 
-    def holds(speeds: tuple[float, ...]) -> None:
+    def condition(speeds: tuple[float, ...]) -> None:
         found = compiled.torque(capsule, *speeds)
         expected = _torque(model, speeds)
         refuse_unless(
@@ -444,7 +442,7 @@ def check_compiled_torque_equals_python(model: DragModel) -> None:
             f"the compiled torque is {found:.17g} at {speeds} rad/s, that of Python {expected:.17g}",
         )
 
-    for_all(_given(model), holds)
+    for_all(_given(model), condition)
 
 
 @rule(ResistanceModel)
@@ -490,7 +488,7 @@ def _temperatures(oil: Lubricant) -> "st.SearchStrategy[float]":
 
 @rule(Lubricant)
 def check_says_what_it_is_and_what_vouches_for_it(oil: Lubricant) -> None:
-    """A value without a source is a rumour."""
+    """Every oil has a name, a description, a source and references."""
     refuse_unless(
         re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", oil.name),
         f"its name is {oil.name!r}; use small letters, digits and hyphens, as in 'sae-30'",
@@ -522,13 +520,7 @@ def check_viscosity_falls_with_temperature(oil: Lubricant) -> None:
         )
     for state in states:
         for name, value in attrs.asdict(state).items():
-            low = (
-                -math.inf
-                if name == "pressure_thermoviscosity"
-                else 0.0
-                if name == "thermoviscosity"
-                else 5e-324
-            )
+            low = {"pressure_thermoviscosity": -math.inf, "thermoviscosity": 0.0}.get(name, 5e-324)
             refuse_unless(
                 math.isnan(value) or low <= value < math.inf,
                 f"{name} = {value:g} at {state.temperature:g} K",
@@ -555,7 +547,7 @@ def check_slopes_are_those_of_its_laws(oil: Lubricant) -> None:
         ),
     }
 
-    def holds(T: float) -> None:
+    def condition(T: float) -> None:
         state = oil.at(T)
         for name, of in laws.items():
             found = getattr(state, name)
@@ -567,7 +559,7 @@ def check_slopes_are_those_of_its_laws(oil: Lubricant) -> None:
                 f"{name} = {found:.9g} at {T:g} K, by differences {expected[0]:.9g}",
             )
 
-    for_all(_temperatures(oil), holds)
+    for_all(_temperatures(oil), condition)
 
 
 @rule(Lubricant)
@@ -579,7 +571,8 @@ def check_refuses_temperatures_outside_its_range(oil: Lubricant) -> None:
         200.0 < low < high < 800.0,
         f"its range is {low:g} to {high:g} K; give the range of its data",
     )
-    oil.at(low), oil.at(high)
+    oil.at(low)
+    oil.at(high)
     for T in (
         math.nan,
         math.inf,

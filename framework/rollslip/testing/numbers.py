@@ -1,12 +1,12 @@
-"""The rules on what numbers of a law are like: of the size of bearings, without jumps, in double precision, its shape.
+"""The rules on the numbers of a law: plausible sizes, no jumps, double precision, and the shape of friction over slip.
 
-- Units and signs may be right and a constant a million times too large: so films, widths and stiffnesses are held
-  against radius and modulus, at what loaded bearings give.
-- Jumps and lost digits are looked for where they are, by halving and by steps relative to a value; they stop Newton's
-  method and the search for a maximum, and no comparison of the two forms of a law shows them.
-- What costs time makes no number wrong: it is told, and no failure. Instructions are counted, which a busy computer
-  does not change.
-- Shapes are asked for by the law itself, ``shapes``: the laws in the box are held to theirs by the same rule.
+- Units and signs may be right and a constant a million times too large. Therefore films, widths and stiffnesses are
+  compared with radius and modulus, at the loads and speeds of bearings.
+- Jumps are located by bisection, and lost digits by steps relative to a value. Both stop Newton's method and the search
+  for a maximum, and a comparison of the two forms of a law does not show them.
+- A slow law has right numbers: it gets a warning and not a failure. Operations are counted, because their number does
+  not depend on the load of the computer.
+- A law declares the shape of its friction in ``shapes``; the same rule checks the built-in laws.
 """
 
 from collections.abc import Mapping
@@ -47,22 +47,23 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
-#: Column -> member that it is held against, and the least and largest ratio; bearings give some 1e-5 to 1e-3 of film,
-#: 1e-3 to 1e-1 of width, 0.1 to 1 of stiffness, elastic foundations 20, 1e-5 to 1e-2 of resistance, which may be none.
+#: Column -> member with which it is compared, smallest and largest plausible ratio. Bearings have about 1e-5 to 1e-3 of
+#: film, 1e-3 to 1e-1 of width, 0.1 to 1 of stiffness (20 with elastic foundations), 1e-5 to 1e-2 of resistance, or 0.
 SIZES: Final[Mapping[str, tuple[str, float, float]]] = {
     "film_thickness": ("radius", 1e-9, 1e-2),
     "half_width": ("radius", 1e-6, 0.5),
     "stiffness": ("modulus", 1e-4, 100.0),
     "resistance": ("load", 0.0, 0.1),
 }
-#: Part of the largest friction that it may go up or down by between two adjacent slips.
+#: Change of friction between two adjacent slips, over its maximum [1], above which it is a jump. Doubling it finds the
+#: same jumps: a continuous law changes by rounding errors. Chosen.
 JUMP: Final = 1e-6
-#: Each halves an interval; 60 are the digits of a float and what zero is apart from what is no slip any more.
+#: Number of bisections of an interval of slips: 53 binary digits of a float, and some for an interval from zero.
 HALVINGS: Final = 60
-#: Operations on columns for one evaluation beyond which a law without a compiled form is told to be slow: the laws in
-#: the box that have none need less than half of it for any number of slices, a test holds that.
+#: Number of operations on columns per evaluation above which a law without a compiled form is reported as slow.
+#: Doubling it hides slow laws. Built-in laws without a compiled form need less than half of it, which a test checks.
 OPERATIONS: Final = 100
-#: Relative step below which two values are rounding.
+#: Relative step of values that counts as rounding [1]. Doubling it hides very flat maxima. Chosen.
 ROUNDING: Final = 1e-12
 
 
@@ -72,18 +73,18 @@ def check_results_are_of_the_size_that_bearings_have(model: SliceModel) -> None:
     for form, shaped in forms_of(model):
         filled = evaluate(shaped, table(shaped, 256, BEARING))
         for name in sorted(model.writes & SIZES.keys()) if len(filled) else ():
-            of, least, most = SIZES[name]
-            scale = getattr(filled.conditions if of in CONDITIONS else filled, of)
-            if of not in model.reads:  # any usual one will do
-                scale = MAGNITUDES[of][1]
+            member, lower, upper = SIZES[name]
+            scale = getattr(filled.conditions if member in CONDITIONS else filled, member)
+            if member not in model.reads:  # any usual value will do
+                scale = MAGNITUDES[member][1]
             ratio = getattr(filled, name) / scale
-            bad = ~((ratio >= least) & (ratio <= most))
+            bad = ~((ratio >= lower) & (ratio <= upper))
             if name == "stiffness":
-                bad &= filled.load > 0  # surfaces apart have none
+                bad &= filled.load > 0  # surfaces without contact have none
             if (i := first_of(bad)) is not None:
                 raise Nonconformance(
-                    f"{form} form: {name} = {getattr(filled, name)[i]:.4g}, which is {ratio[i]:.2g} times the {of}; "
-                    f"loaded bearings give {least:g} to {most:g}, so a unit or a constant is another; "
+                    f"{form} form: {name} = {getattr(filled, name)[i]:.4g}, which is {ratio[i]:.2g} times the "
+                    f"{member}; loaded bearings give {lower:g} to {upper:g}, so a unit or a constant is another; "
                     f"at {shown(shaped, filled, i)}"
                 )
 
@@ -130,18 +131,18 @@ def check_computes_in_double_precision(model: SliceModel) -> None:
         slices = table(shaped, 64, BEARING)
         for member in sorted(model.reads - {"regime"}) if len(slices) else ():
             try:
-                one, small, large = (
+                unchanged, small, large = (
                     _scaled(slices, shaped, member, 1.0 + by) for by in (0.0, step, 1e4 * step)
                 )
             except DomainError:
                 continue  # at the end of its range
             for name in sorted(model.writes - {"regime"}):
-                value = getattr(one, name)
+                value = getattr(unchanged, name)
                 found = getattr(small, name) - value
                 expected = 1e-4 * (getattr(large, name) - value)
-                seen = np.abs(expected) > 0.01 * step * np.abs(value)
-                lost = seen & (np.abs(found - expected) > 0.2 * np.abs(expected))
-                if np.sum(seen) >= 8 and 2 * np.sum(lost) > np.sum(seen):
+                significant = np.abs(expected) > 0.01 * step * np.abs(value)
+                lost = significant & (np.abs(found - expected) > 0.2 * np.abs(expected))
+                if np.sum(significant) >= 8 and 2 * np.sum(lost) > np.sum(significant):
                     i = int(np.argmax(lost))
                     raise Nonconformance(
                         f"{form} form: {name} goes in steps: as {member} rises by {step:g} of itself it changes by "
@@ -160,19 +161,19 @@ def _scaled(slices: Slices, model: SliceModel, member: str, factor: float) -> Sl
 
 
 class _Counted(np.ndarray[Any, Any]):
-    """An array that counts the operations on it and on what becomes of it: ufuncs, and values taken or set."""
+    """An array that counts the operations on it and on arrays derived from it: ufuncs, and items read or set."""
 
     count: ClassVar[int] = 0
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         _Counted.count += 1
-        plain = [one.view(np.ndarray) if isinstance(one, _Counted) else one for one in inputs]
+        plain = [x.view(np.ndarray) if isinstance(x, _Counted) else x for x in inputs]
         if out := options.get("out"):
             options["out"] = tuple(
-                one.view(np.ndarray) if isinstance(one, _Counted) else one for one in out
+                x.view(np.ndarray) if isinstance(x, _Counted) else x for x in out
             )
-        found = getattr(ufunc, method)(*plain, **options)
-        return found.view(_Counted) if type(found) is np.ndarray else found
+        result = getattr(ufunc, method)(*plain, **options)
+        return result.view(_Counted) if type(result) is np.ndarray else result
 
     def __getitem__(self, key: Any) -> Any:
         _Counted.count += 1
@@ -184,9 +185,9 @@ class _Counted(np.ndarray[Any, Any]):
 
 
 def operations(model: SliceModel, slices: Slices) -> int:
-    """Return how many operations on columns one evaluation in NumPy takes.
+    """Return the number of operations on columns of one evaluation in NumPy.
 
-    They are counted by the columns: tracing what Python runs has a fault in Python 3.11 that ends in no end.
+    The columns count them, because tracing in Python 3.11 has a fault by which it does not end.
     """
     given = copy_of(slices)
     columns = {name: getattr(given, name).view(_Counted) for name in COLUMNS}
@@ -207,20 +208,21 @@ def check_python_runs_once_for_all_slices(model: SliceModel) -> None:
     if model.kernel() is not None:
         return  # which is what runs
     slices = table(model, 256)
-    few = picked(slices, slice(0, max(len(slices) // 4, 1)))
+    quarter = picked(slices, slice(0, max(len(slices) // 4, 1)))
     if len(slices) < 8:
         raise Inapplicable("there are too few slices that it takes")
-    many = operations(model, slices)
-    less = operations(model, few)
-    why = (
+    count = operations(model, slices)
+    count_of_quarter = operations(model, quarter)
+    advice = (
         "they grow with the slices: put arrays in place of the loop"
-        if many > 2 * less
+        if count > 2 * count_of_quarter
         else "evaluate it less often"
     )
-    if many > OPERATIONS:
+    if count > OPERATIONS:
         raise Questionable(
-            f"evaluate() takes {many:,} operations on columns for {len(slices)} slices and {less:,} for {len(few)}; "
-            f"laws of the box without a compiled form take less than {OPERATIONS} for any number; {why}, or compile "
+            f"evaluate() takes {count:,} operations on columns for {len(slices)} slices and {count_of_quarter:,} for "
+            f"{len(quarter)}; built-in laws without a compiled form take less than {OPERATIONS} for any number; "
+            f"{advice}, or compile "
             "it, as a package does that rollslip plugins new NAME --kind traction --compiled writes"
         )
 
@@ -236,7 +238,7 @@ SHAPES: Final[Mapping[str, tuple[list[float], ...]]] = {
 
 
 def turns(values: Array) -> list[float]:
-    """Return the signs of the steps of values, -1 and 1, without repetition; rounding is no step."""
+    """Return the signs of the steps of values, -1 and 1, without repetition; rounding errors are not steps."""
     size = np.abs(values[1:])
     steps = np.diff(values)
     signs = np.sign(steps[np.abs(steps) > ROUNDING * size])

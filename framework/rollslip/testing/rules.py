@@ -1,7 +1,7 @@
-"""What a rule is: how checks are put on the list of a kind, how they refuse, and what they compare.
+"""Registration of checks by kind of model, their exceptions, and the comparisons that they share.
 
-- The list of a kind is made where its checks are defined; a model has to pass those of every kind that it is.
-- A check refuses with a sentence that holds the numbers and the slice, so that nobody has to run it again to see them.
+- Checks register themselves for a kind where they are defined; a model has to pass those of all of its kinds.
+- A check fails with a sentence that has the numbers and the slice, so that it need not be run again to see them.
 """
 
 import importlib
@@ -41,7 +41,8 @@ from rollslip_kernels.slices import Slices
 
 Check = Callable[[Any], None]
 
-#: Below this a float has few digits.
+#: Absolute difference that counts as none: denormal numbers, below about 2e-308, have fewer digits. Doubling it changes
+#: nothing.
 DENORMAL: Final = 1e-300
 
 
@@ -50,18 +51,18 @@ class Nonconformance(AssertionError):  # noqa: N818 - a verdict
 
 
 class Inapplicable(Exception):  # noqa: N818 - a check that has nothing to look at is no error
-    """A rule says nothing about this model; the message says why."""
+    """A rule does not apply to a model; the message is the reason."""
 
 
 class Questionable(Exception):  # noqa: N818 - no verdict
-    """A rule is broken at the price of time, not of numbers: a warning, and no failure."""
+    """A rule is broken in a way that costs time and does not change numbers: a warning."""
 
 
 _RULES: dict[type | str, list[Check]] = {}
 
 
 def rule(*kinds: type | str, first: bool = False) -> Callable[[Check], Check]:
-    """Put a check on the list of those of a kind of model, at its end unless the others rest on it."""
+    """Register a check for kinds of models, as the last one, or as the ``first`` where others require it."""
 
     def add(check: Check) -> Check:
         for kind in kinds:
@@ -83,25 +84,25 @@ STAGES: Final = (
 )
 
 
-#: Rules of slice models that look at what is declared alone.
+#: Rules of slice models that use their declarations only.
 _UNEVALUATED: set[Check] = set()
 
 
 def without_evaluation(check: Check) -> Check:
-    """Mark a rule of slice models that evaluates nothing."""
+    """Mark a rule of slice models which does not evaluate them."""
     _UNEVALUATED.add(check)
     return check
 
 
 def rests_on_evaluation(check: Check) -> bool:
-    """Tell whether a rule is one of slice models that evaluates them."""
+    """Return whether a rule evaluates slice models."""
     kinds = {kind for kind, checks in _RULES.items() if check in checks}
     return not kinds.isdisjoint({SliceModel, *STAGES, "deflection"}) and check not in _UNEVALUATED
 
 
 def kinds_of(model: object) -> Iterator[type | str]:
-    """Yield the kinds whose rules hold for a model, the general ones first."""
-    if isinstance(model, type):  # a class of those that are taken as they are
+    """Yield the kinds whose rules apply to a model, the general ones first."""
+    if isinstance(model, type):  # of a kind whose classes are not instantiated
         of = kind_of(model)
         yield from () if of is None else (of.name,)
         return
@@ -109,7 +110,7 @@ def kinds_of(model: object) -> Iterator[type | str]:
     yield from (kind for kind in (*MODELS, *STAGES) if isinstance(model, kind))
     of = kind_of(model) or kind_of(type(model))
     if of is not None:
-        if of.rules:  # a kind that brings its own
+        if of.rules:  # of a third-party kind
             importlib.import_module(of.rules)
         yield of.base
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
@@ -122,7 +123,7 @@ def checks_of(model: object) -> list[Check]:
 
 
 def all_checks() -> list[Check]:
-    """Return every check there is, once."""
+    """Return all checks, each once."""
     for of in usable_kinds():
         if of.rules:
             importlib.import_module(of.rules)
@@ -130,7 +131,7 @@ def all_checks() -> list[Check]:
 
 
 def subjects(model: object) -> list[Any]:
-    """Return a model and the stages that it hands out: what is checked in its name."""
+    """Return a model with typical scene values, and the stages that it returns."""
     if isinstance(model, type) and not ((of := kind_of(model)) and of.waits):
         raise PluginError(
             f"{model.__qualname__} is a class; the checks take a model, {model.__qualname__}(...)"
@@ -140,22 +141,22 @@ def subjects(model: object) -> list[Any]:
     return [with_scene(model) if isinstance(model, Drag | FilmModel) else model]
 
 
-def refuse_unless(holds: object, message: str) -> None:
-    """Raise the verdict with its message; not by assert, which python -O leaves out."""
-    if not holds:
+def refuse_unless(condition: object, message: str) -> None:
+    """Raise `Nonconformance` unless a condition holds; python -O would remove an assert statement."""
+    if not condition:
         raise Nonconformance(message)
 
 
-#: What is asked of references.
+#: Requirement on references, for messages.
 CITATIONS_WANTED: Final = (
     "give a tuple of citations, each a text that says who, what, where and when, "
     "or a rollslip.references.Reference"
 )
 
 
-def is_citation(one: object) -> bool:
-    """Whether it can be told as a citation."""
-    return isinstance(one, Reference) or (isinstance(one, str) and len(one.split()) >= 3)
+def is_citation(value: object) -> bool:
+    """Return whether a value is a citation."""
+    return isinstance(value, Reference) or (isinstance(value, str) and len(value.split()) >= 3)
 
 
 def same(
@@ -166,33 +167,33 @@ def same(
     what: str,
     names: Iterable[str] = (),
 ) -> None:
-    """Refuse a difference in the columns a model writes; tolerance 0 compares bits."""
+    """Raise `Nonconformance` for a relative difference above a tolerance in columns; tolerance 0 compares bits."""
     for name in names or sorted(model.writes):
-        one = getattr(found, name)
+        value = getattr(found, name)
         other = getattr(expected, name)
         if tolerance == 0.0:
-            bad = one.view(np.int64) != other.view(np.int64)
+            bad = value.view(np.int64) != other.view(np.int64)
         else:
             with np.errstate(invalid="ignore", over="ignore"):
-                bad = ~(np.abs(one - other) <= tolerance * np.abs(other) + DENORMAL) & ~(
-                    np.isnan(one) & np.isnan(other)
+                bad = ~(np.abs(value - other) <= tolerance * np.abs(other) + DENORMAL) & ~(
+                    np.isnan(value) & np.isnan(other)
                 )
         if (i := first_of(bad)) is not None:
             allowed = (
                 "the same bits" if tolerance == 0.0 else f"a relative difference of {tolerance:g}"
             )
             raise Nonconformance(
-                f"{what}: {name} = {one[i]:.17g} against {other[i]:.17g}, allowed is {allowed}; "
+                f"{what}: {name} = {value[i]:.17g} against {other[i]:.17g}, allowed is {allowed}; "
                 f"at {shown(model, expected, i)}"
             )
 
 
 def bits(form: str, model: SliceModel) -> float:
-    """Difference allowed where nothing but the arrangement of the slices has changed."""
+    """Return the relative difference allowed where only the arrangement of the slices has changed."""
     return 0.0 if form == "compiled" else model.tolerance
 
 
-def drawn(model: SliceModel, holds: Callable[[Slices, str, SliceModel], None]) -> None:
+def drawn(model: SliceModel, condition: Callable[[Slices, str, SliceModel], None]) -> None:
     """Check a property of tables drawn from the domain in both forms, as ``holds(filled, form, model)``."""
     for form, shaped in forms_of(model):
 
@@ -201,28 +202,28 @@ def drawn(model: SliceModel, holds: Callable[[Slices, str, SliceModel], None]) -
                 filled = evaluate(shaped, copy_of(slices))
             except DomainError:
                 assume(False)
-            holds(filled, form, shaped)
+            condition(filled, form, shaped)
 
         for_all(drawn_tables(model), property_of)
 
 
-def on_drawn_slices(holds: Callable[[Slices, str, Any], None]) -> Check:
+def on_drawn_slices(condition: Callable[[Slices, str, Any], None]) -> Check:
     """Return the check that a property holds for tables drawn from the domain, see `drawn`; under the same name."""
 
-    @wraps(holds)
+    @wraps(condition)
     def check(model: SliceModel) -> None:
-        drawn(model, holds)
+        drawn(model, condition)
 
     return check
 
 
 def first_of(wrong: Any) -> int | None:
-    """Return the index of the first slice where something is wrong; None where nothing is."""
+    """Return the index of the first wrong slice; None if there is none."""
     return int(np.argmax(wrong)) if np.any(wrong) else None
 
 
 def changed(slices: Slices, model: SliceModel, **columns: Any) -> Slices | None:
-    """Evaluate a copy with other columns; None where the model refuses it."""
+    """Return an evaluated copy of slices with other columns; None where the model refuses them."""
     other = copy_of(slices)
     for name, values in columns.items():
         getattr(other, name)[:] = values

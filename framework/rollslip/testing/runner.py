@@ -1,10 +1,11 @@
-"""Checks a model of the catalogue in a process of its own: a plugin may crash, hang or leave, and that is a finding.
+"""Check a model of the catalogue in a child process, in which a plugin may crash, hang or exit.
 
-- The child notes in a file which check it begins and what it found. Whatever becomes of it, the parent knows which
-  check was running, and starts another child for the checks that remain.
-- Nothing goes through the child's output: that belongs to the plugin. Its last line is told when the child dies.
-- The time limit is for one check. A model that hangs hangs in most checks, so after two of them the rest is not run.
-- The parent imports nothing of the plugin.
+- The child records in a file each check that it starts, and its finding. If the child ends, the parent knows the check
+  that was running, and starts another child for the remaining checks.
+- The output of the child is that of the plugin; its last line is part of the finding if the child ends.
+- The time limit is that of one check. A model that hangs does so in most checks; after two of them the others are not
+  run.
+- The parent does not import the plugin.
 """
 
 import json
@@ -20,10 +21,18 @@ from typing import Any, Final
 
 from rollslip.catalogue.registry import find, get_model
 from rollslip.errors import RollslipError
-from rollslip.testing.findings import NONE_EXPECTED, Finding, cases_of, judge, name_of
+from rollslip.testing.findings import (
+    NONE_EXPECTED,
+    Finding,
+    cases_of,
+    name_of,
+    run_after_prerequisite,
+)
 
-#: Checks that may run into the time limit before the others are given up.
+#: Number of checks that exceed the time limit before the others are skipped. Doubling it doubles the time that a
+#: hanging model takes. Chosen.
 MAX_HANGS: Final = 2
+#: Name of the check in the finding on a model that cannot be loaded.
 LOADING: Final = "loading"
 
 
@@ -33,22 +42,22 @@ def check_in_subprocess(
     time_limit: float = 120.0,
     expected_failures: Mapping[str, str] = NONE_EXPECTED,
 ) -> list[Finding]:
-    """Check a model of the catalogue, with its default parameters, in a process of its own.
+    """Check a model of the catalogue, with its default parameters, in a separate process.
 
     Parameters
     ----------
     kind, name : str
         As in `rollslip.get_model`.
     time_limit : float, optional
-        Seconds that one check may take.
+        Longest time of one check [s].
     expected_failures : mapping, optional
         As in `conformance`.
 
     Returns
     -------
     list of Finding
-        A crash, a hang or an exit is a failed check whose message says which; where the model cannot even be loaded,
-        the check is called "loading".
+        A crash, a hang or an exit is a failed check with a message; if the model cannot be loaded, the check has the
+        name "loading".
 
     Raises
     ------
@@ -69,16 +78,19 @@ def check_in_subprocess(
             planned = next((note["planned"] for note in notes if "planned" in note), None)
             if end is None:
                 return findings
-            begun = [
-                note["begun"] for note in notes if "begun" in note and note["begun"] not in ended
+            started = [
+                note["started"]
+                for note in notes
+                if "started" in note and note["started"] not in ended
             ]
-            if planned is None or not begun:  # another child would come no further
+            if planned is None or not started:  # another child would end there too
                 return [
                     *findings,
                     Finding(name, LOADING, "failed", f"{end} while loading or between checks"),
                 ]
-            findings.append(Finding(begun[0][0], begun[0][1], "failed", f"{end} in {begun[0][1]}"))
-            ended += begun
+            model, check = started[0]
+            findings.append(Finding(model, check, "failed", f"{end} in {check}"))
+            ended += started
             hangs += end.startswith("did not end")
             if hangs == MAX_HANGS:
                 rest = [case for case in planned if case not in ended]
@@ -89,7 +101,7 @@ def check_in_subprocess(
 def _child(
     folder: Path, order: dict[str, Any], time_limit: float
 ) -> tuple[list[dict[str, Any]], str | None]:
-    """Run one child; return its notes, and how it ended unless it came to the end of its work."""
+    """Run one child; return its notes, and a text on how it ended unless it finished its work."""
     notes = folder / "notes"
     output = folder / "output"
     notes.write_text("")
@@ -105,10 +117,8 @@ def _child(
             stdin=subprocess.DEVNULL,
             stdout=stream,
             stderr=stream,
-            env=os.environ
-            | {
-                "HYPOTHESIS_STORAGE_DIRECTORY": str(folder / "hypothesis")
-            },  # not where the user works
+            # hypothesis would otherwise write to the working directory of the user
+            env=os.environ | {"HYPOTHESIS_STORAGE_DIRECTORY": str(folder / "hypothesis")},
         )
         hung = False
         size = -1
@@ -125,22 +135,22 @@ def _child(
         finally:
             child.kill()
             code = child.wait()
-    # a line that a dying child could not finish says nothing
-    said = [
+    # the last line of a child that was killed may be incomplete
+    messages = [
         json.loads(line)
         for line in notes.read_text().splitlines(keepends=True)
         if line.endswith("\n")
     ]
-    if {"done": True} in said:
-        return said, None
+    if {"done": True} in messages:
+        return messages, None
     last = (output.read_text(errors="replace").strip().splitlines() or [""])[-1]
-    return said, (f"did not end within {time_limit:g} s" if hung else _ending(code)) + (
+    return messages, (f"did not end within {time_limit:g} s" if hung else _ending(code)) + (
         f" ({last[:200]})" if last else ""
     )
 
 
 def _ending(code: int) -> str:
-    """Return an exit code in words."""
+    """Return the description of an exit code."""
     if code >= 0:
         return f"left the process with exit code {code}"
     names = {int(number): number.name for number in signal.Signals}
@@ -148,13 +158,13 @@ def _ending(code: int) -> str:
 
 
 def work() -> None:
-    """Do what a child is for: arguments are the file for the notes and the order as JSON."""
+    """Run the checks of a child process, whose arguments are the file for notes and the order as JSON."""
     path = sys.argv[1]
     order = json.loads(sys.argv[2])
     with open(path, "a", encoding="utf-8") as file:
 
-        def note(**said: object) -> None:
-            file.write(json.dumps(said) + "\n")
+        def note(**message: object) -> None:
+            file.write(json.dumps(message) + "\n")
             file.flush()
 
         try:
@@ -173,8 +183,8 @@ def work() -> None:
         for model, check, reason in cases:
             case = [name_of(model), check.__name__]
             if case not in order["ended"]:
-                note(begun=case)
-                finding, _ = judge(model, check, reason)
+                note(started=case)
+                finding, _ = run_after_prerequisite(model, check, reason)
                 note(
                     found={
                         "model": case[0],
@@ -184,4 +194,4 @@ def work() -> None:
                     }
                 )
         note(done=True)
-        os._exit(0)  # not through what the plugin has left behind for the end of the process
+        os._exit(0)  # without the exit functions of the plugin

@@ -37,7 +37,7 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 T = TypeVar("T")
 Limits = tuple[float, float]
 
-#: Member -> (lowest, typical, highest) magnitude, SI: several decades around what bearings, gears and cams give.
+#: Member -> (lowest, typical, highest) magnitude in SI units: several decades around those of bearings, gears and cams.
 MAGNITUDES: Final[Mapping[str, tuple[float, float, float]]] = {
     "length": (1e-3, 0.015, 1.0),
     "radius": (1e-4, 0.006875, 1.0),
@@ -70,7 +70,7 @@ MAGNITUDES: Final[Mapping[str, tuple[float, float, float]]] = {
     "roller": (1.0, 5.0, 100.0),
     "transverse_speed": (1e-6, 1e-2, 10.0),
 }
-#: What a scene may give a drag, of a bearing of 180 mm pitch diameter.
+#: Typical values that a scene gives a drag, of a bearing with a pitch diameter of 180 mm.
 SCENE: Final[Mapping[str, float | str]] = {
     "viscosity": 8.58e-3,
     "density": 930.0,
@@ -88,7 +88,7 @@ SCENE: Final[Mapping[str, float | str]] = {
     "land_width": 0.0075,
     "land_clearance": 2e-4,
 }
-#: What a loaded bearing under way gives; a law may be held to more here than over all magnitudes.
+#: Ranges of a loaded bearing in operation, in which rules may be stricter than over all magnitudes.
 BEARING: Final[Mapping[str, Limits]] = {
     "rolling_speed": (5.0, 40.0),
     "sliding_speed": (1e-3, 10.0),
@@ -135,7 +135,7 @@ class Unlimited:
 
 @attrs.frozen
 class Exponential(PressureViscosity):
-    """eta = eta0 exp(alpha p): the law of an oil where it must hold no number with a dimension."""
+    """eta = eta0 exp(alpha p): a law of viscosity under pressure without any constant that has a dimension."""
 
     name = "exponential"
     domain = MappingProxyType(
@@ -198,7 +198,7 @@ def with_scene(model: Any) -> Any:
 
 
 def _is_chosen(limit: float) -> bool:
-    """Tell an end that somebody chose from the ends of "finite", "> 0" and ">= 0"."""
+    """Return whether a limit is a chosen number, and not one of the ranges "finite", "> 0" and ">= 0"."""
     return sys.float_info.min <= abs(limit) < sys.float_info.max
 
 
@@ -224,7 +224,7 @@ def _parts(
 
 
 def _between(part: Limits, fraction: Any) -> Any:
-    """Return the values at shares of an interval: even in the logarithm, unless the interval crosses zero."""
+    """Return the values at fractions of an interval, uniform in the logarithm unless the interval contains zero."""
     low, high = part
     if low > 0 or high < 0:
         value = math.copysign(1.0, low) * np.exp(
@@ -344,7 +344,7 @@ def accepted(model: SliceModel, slices: Slices) -> Slices:
 
 
 def refuses(model: SliceModel, slices: Slices) -> bool:
-    """Tell whether a model refuses slices; they are not changed."""
+    """Return whether a model refuses slices, which are not changed."""
     try:
         evaluate(model, copy_of(slices))
     except DomainError:
@@ -353,14 +353,14 @@ def refuses(model: SliceModel, slices: Slices) -> bool:
 
 
 def shown(model: SliceModel, slices: Slices, i: int) -> str:
-    """Return one slice in words, for messages."""
+    """Return the members of one slice as text, for messages."""
     row = {name: getattr(slices.conditions, name) for name in members(model, CONDITIONS)}
     row |= {name: float(getattr(slices, name)[i]) for name in members(model, COLUMNS)}
     return ", ".join(f"{name} = {value:.6g}" for name, value in row.items())
 
 
-def for_all(strategy: "st.SearchStrategy[T]", holds: Callable[[T], None]) -> None:
-    """Run ``holds`` on drawn values: a quarter of what the hypothesis profile asks for, the same ones in every run.
+def for_all(strategy: "st.SearchStrategy[T]", check: Callable[[T], None]) -> None:
+    """Run ``check`` on drawn values: a quarter of what the hypothesis profile asks for, the same ones in every run.
 
     A verdict on a package must not change from one run to the next, so nothing is drawn at random or remembered. What
     hypothesis still adds are constants that it finds in the modules imported so far: same imports, same values.
@@ -379,7 +379,7 @@ def for_all(strategy: "st.SearchStrategy[T]", holds: Callable[[T], None]) -> Non
     )
     @given(strategy)
     def run(value: T) -> None:
-        holds(value)
+        check(value)
 
     # A model that refuses all that is drawn is found by the check of typical inputs.
     with contextlib.suppress(Unsatisfiable):

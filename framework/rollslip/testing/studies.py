@@ -1,6 +1,6 @@
-"""The rules of studies, scenes and campaigns: what one says of itself holds for what it returns, however it is asked.
+"""The rules of studies, scenes and campaigns: their declarations agree with their results in all uses.
 
-A study is run on a small bearing of its own (`SCENE`), planned, swept and told there as any other would be.
+A study is run, planned and reported for a small bearing (`SCENE`).
 """
 
 import json
@@ -31,7 +31,7 @@ from rollslip.testing.rules import Inapplicable, Nonconformance, refuse_unless, 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: A bearing on which a study takes no time: few slices, a cage with a drag that does not run away.
+#: A bearing on which studies are fast: few slices, and a cage with a drag that does not make it skid.
 SCENE: Final = """
 [bearing]
 rollers = 14
@@ -75,13 +75,13 @@ def _result(study: Study) -> "xr.Dataset":
     return study.with_resolution(_COARSE).run(_assembly())
 
 
-def _differs(one: Any, other: Any) -> bool:
-    one = np.asarray(one)
-    other = np.asarray(other)
-    if one.shape != other.shape:
+def _differs(first: Any, second: Any) -> bool:
+    first = np.asarray(first)
+    second = np.asarray(second)
+    if first.shape != second.shape:
         return True
     return not np.array_equal(
-        one, other, equal_nan=one.dtype.kind in "fc" and other.dtype.kind in "fc"
+        first, second, equal_nan=first.dtype.kind in "fc" and second.dtype.kind in "fc"
     )
 
 
@@ -133,8 +133,8 @@ def check_what_may_be_missing_has_a_status_in_words(study: Study) -> None:
                 output.status != "",
                 f"{name} is NaN, but no output says in words why (Output.status)",
             )
-            words = np.asarray(_value(result, output.status))
-            empty = np.isnan(values) & (np.broadcast_to(words, values.shape) == "")
+            status = np.asarray(_value(result, output.status))
+            empty = np.isnan(values) & (np.broadcast_to(status, values.shape) == "")
             refuse_unless(
                 not empty.any(), f"{name} is NaN, and its status {output.status!r} is empty"
             )
@@ -147,9 +147,12 @@ def check_what_is_judged_is_an_output(study: Study) -> None:
     """A plan holds these variables against the tolerances of the scene."""
     for key, name in study.controlled_outputs.items():
         refuse_unless(
-            key in _TOLERANCES, f"controlled_outputs names {key!r}, [accuracy] has {', '.join(_TOLERANCES)}"
+            key in _TOLERANCES,
+            f"controlled_outputs names {key!r}, [accuracy] has {', '.join(_TOLERANCES)}",
         )
-        refuse_unless(name in study.outputs, f"controlled_outputs names {name!r}, which is no output")
+        refuse_unless(
+            name in study.outputs, f"controlled_outputs names {name!r}, which is no output"
+        )
         values = np.asarray(_value(_result(study), name))
         refuse_unless(
             values.dtype.kind == "f", f"{name} is compared with a tolerance, but is no number"
@@ -174,9 +177,9 @@ def check_its_curves_can_be_compared(study: Study) -> None:
         "attribute curves is not that of the study; pass attrs=self.attributes",
     )
     both = (curves.over, curves.slip)
-    one = (curves.over,)
+    single = (curves.over,)
     wanted: dict[str, tuple[str, ...]] = {curves.variable: both, "film_parameter": both}
-    wanted |= {curves.critical: one, "critical_friction": one, "critical_status": one}
+    wanted |= {curves.critical: single, "critical_friction": single, "critical_status": single}
     for name, dims in wanted.items():
         refuse_unless(
             name in result and result[name].dims == dims,
@@ -216,15 +219,19 @@ def check_what_does_not_act_changes_nothing(study: Study) -> None:
 @rule(Study)
 def check_leaving_outputs_out_changes_no_other(study: Study) -> None:
     """Sweeps and fronts leave out what nobody asked for."""
-    kept = {name for name, output in study.outputs.items() if output.default} | set(
+    retained = {name for name, output in study.outputs.items() if output.default} | set(
         study.controlled_outputs.values()
     )
-    fewer = study.without_outputs(frozenset(study.outputs.keys() - kept)).with_resolution(_COARSE).run(_assembly())
-    for name in kept:
-        one = _value(_result(study), name)
-        other = _value(fewer, name)
-        refuse_unless(other is not None, f"{name} is gone where others are left out")
-        refuse_unless(not _differs(one, other), f"{name} is another where others are left out")
+    reduced = (
+        study.without_outputs(frozenset(study.outputs.keys() - retained))
+        .with_resolution(_COARSE)
+        .run(_assembly())
+    )
+    for name in retained:
+        complete = _value(_result(study), name)
+        value = _value(reduced, name)
+        refuse_unless(value is not None, f"{name} is gone where others are left out")
+        refuse_unless(not _differs(complete, value), f"{name} is another where others are left out")
 
 
 @rule(Study)
@@ -232,11 +239,14 @@ def check_short_ways_give_what_a_run_gives(study: Study) -> None:
     """A point of a sweep may take a shorter way to some outputs; it leads to the same bits."""
     names = [name for name, output in study.outputs.items() if output.default]
     names += [study.outputs[name].status for name in names if study.outputs[name].status]
-    variables, _, _ = evaluate(study.with_resolution(_COARSE), _assembly(), list(dict.fromkeys(names)))
+    variables, _, _ = evaluate(
+        study.with_resolution(_COARSE), _assembly(), list(dict.fromkeys(names))
+    )
     for name, (_, values, _) in variables.items():
-        one = _value(_result(study), name)
+        value = _value(_result(study), name)
         refuse_unless(
-            not _differs(np.asarray(one), np.asarray(values)), f"{name} is another by the short way"
+            not _differs(np.asarray(value), np.asarray(values)),
+            f"{name} is another by the short way",
         )
 
 
@@ -261,9 +271,9 @@ def check_it_is_planned(study: Study) -> None:
             isinstance(line, Part) and bool(line.part and line.reason),
             f"{line!r} is no line of a plan",
         )
-    told = sum(line.seconds or 0.0 for line in lines)
+    total = sum(line.seconds or 0.0 for line in lines)
     refuse_unless(
-        math.isclose(told, sum(costs.values()), rel_tol=1e-9),
+        math.isclose(total, sum(costs.values()), rel_tol=1e-9),
         "the lines of the plan leave out some cost",
     )
 
@@ -328,7 +338,7 @@ def check_a_campaign_has_its_command_and_its_function(campaign: type[Campaign]) 
     refuse_unless(
         summary, f"{campaign.__name__} has no docstring, with which the help of its command begins"
     )
-    loose = [one.name for one in attrs.fields(campaign) if "doc" not in one.metadata]
+    loose = [field.name for field in attrs.fields(campaign) if "doc" not in field.metadata]
     refuse_unless(not loose, f"{', '.join(loose)}: declare it by setting(), which says what it is")
     try:
         function_of(campaign)
@@ -338,15 +348,13 @@ def check_a_campaign_has_its_command_and_its_function(campaign: type[Campaign]) 
         ) from error
     if campaign.own_command:
         command = own_command(campaign)
-        is_one = callable(getattr(command, "main", None)) and hasattr(
-            command, "help"
-        )  # click is the command line's
+        # without an import of click, which belongs to the command line
+        is_command = callable(getattr(command, "main", None)) and hasattr(command, "help")
         refuse_unless(
-            is_one, f"{campaign.own_command} is a {type(command).__name__}, no command of click"
+            is_command, f"{campaign.own_command} is a {type(command).__name__}, no command of click"
         )
         help = " ".join((command.help or "").split())
-        begins = help.startswith(" ".join(summary.split()))
         refuse_unless(
-            begins,
+            help.startswith(" ".join(summary.split())),
             f"its command's help begins with {help[:80]!r}, not with its summary {summary!r}",
         )

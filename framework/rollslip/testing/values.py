@@ -1,4 +1,4 @@
-"""The rules of all models, named values and studies: frozen, equal, pickled, named, quiet, and said what it is."""
+"""The rules of all models, named data and studies: frozen, comparable, picklable, named, quiet and documented."""
 
 import atexit
 import datetime
@@ -38,7 +38,8 @@ from rollslip.testing.rules import (
 from rollslip.testing.samples import evaluate, forms_of, table
 from rollslip.units import UnitError, check_unit
 
-#: Seconds that a module may take beyond rollslip itself.
+#: Longest import of a module in addition to rollslip itself [s]. Doubling it accepts modules that delay every command.
+#: Chosen: NumPy and SciPy are imported already, and users notice half a second.
 IMPORT_LIMIT: Final = 0.5
 
 
@@ -115,7 +116,7 @@ def check_is_named_as_its_entry_point(model: Any) -> None:
 
 
 def _offers(model: Any) -> list[Any]:
-    """Return what entry points promise of the module that a model, or a named value, comes from."""
+    """Return the offers by entry points of the module of a model or a data set."""
     kind = kind_of(model) or kind_of(type(model))
     if kind is None:
         raise Inapplicable("it is of no kind")
@@ -192,16 +193,17 @@ def _import_of(module: str, path: tuple[str, ...]) -> tuple[float, str]:
         assert process.stdin is not None
         assert process.stdout is not None
         print(module, file=process.stdin, flush=True)
-        printed, _, seconds = (told := json.loads(process.stdout.readline())).rpartition("\n")
+        output = json.loads(process.stdout.readline())
+        printed, _, seconds = output.rpartition("\n")
         if not hasattr(os, "fork"):
             _end(process)
             _importer.cache_clear()
         try:
             best = min(best, float(seconds))
         except ValueError:
-            if f"No module named {module!r}" in told or module == "__main__":
+            if f"No module named {module!r}" in output or module == "__main__":
                 raise Inapplicable(f"{module} cannot be imported by its name") from None
-            last = (told.strip().splitlines() or ["no message"])[-1]
+            last = (output.strip().splitlines() or ["no message"])[-1]
             raise Nonconformance(f"importing {module} fails: {last}") from None
         if (printed := printed.strip()) or best < IMPORT_LIMIT:
             break
@@ -210,13 +212,13 @@ def _import_of(module: str, path: tuple[str, ...]) -> tuple[float, str]:
 
 # Another process -----------------------------------------------------------------------------------------------------
 
-#: Later by this in the other process [s]: another year, day of the week and hour.
-_LATER: Final = 1e8
+#: Offset of the clock in the other process [s]: another year, weekday and hour. Any large number would do.
+_CLOCK_OFFSET: Final = 1e8
 
 
 @cache
 def _other(path: tuple[str, ...], **variables: str) -> "subprocess.Popen[bytes]":
-    """Return a process with another clock, folder, language and seed, in which everything of the box is imported."""
+    """Return a process with another clock, folder, language and seed, in which all built-in modules are imported."""
     home = tempfile.gettempdir()
     other = {"TZ": "Pacific/Apia", "LC_ALL": "C", "PYTHONHASHSEED": "77", "HOME": home}
     code = "from rollslip.testing.values import answer; answer()"
@@ -234,10 +236,10 @@ def _end(process: "subprocess.Popen[bytes] | subprocess.Popen[str]") -> None:
 
 
 def _requested(model: Any, **variables: str) -> tuple[Any, list[str], list[str]]:
-    """Return what another process says of a model.
+    """Return the answer of another process on a model.
 
-    Its numbers, or an error in words; names of rollslip that its import has changed; variables of the environment that
-    its package has read. What cannot be sent there is another rule's business.
+    These are its numbers, or an error as text; names of rollslip that its import has changed; and environment variables
+    that its package has read. Another rule reports models that cannot be sent there.
     """
     try:
         order = pickle.dumps(model)
@@ -248,18 +250,18 @@ def _requested(model: Any, **variables: str) -> tuple[Any, list[str], list[str]]
     try:
         pickle.dump(order, to)
         to.flush()
-        said: tuple[Any, list[str], list[str]] = pickle.load(back)
+        result: tuple[Any, list[str], list[str]] = pickle.load(back)
     except (EOFError, OSError):
         _end(process)
         _other.cache_clear()
         raise Nonconformance("another process, in which it is imported, ends") from None
-    if isinstance(said[0], str) and ("No module named" in said[0] or "__main__" in said[0]):
-        raise Inapplicable(f"its module cannot be imported by its name ({said[0]})")
-    return said
+    if isinstance(result[0], str) and ("No module named" in result[0] or "__main__" in result[0]):
+        raise Inapplicable(f"its module cannot be imported by its name ({result[0]})")
+    return result
 
 
 def answer() -> None:
-    """Answer on models, which come by standard input: what the other process is for."""
+    """Answer questions on models from the standard input, as the other process."""
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     for offer in catalogue():
@@ -290,28 +292,30 @@ def answer() -> None:
 
 
 def _set_clocks() -> None:
-    """Let the clocks that programs ask for the date be late."""
-    import pandas  # noqa: F401 - its compiled dates inherit from the class that they find, and have no room for another
+    """Shift the clocks from which programs take the date."""
+    import pandas  # noqa: F401 - its compiled dates inherit from the present class, which must not be replaced before
 
     now = time.time
     nanoseconds = time.time_ns
-    apart = datetime.timedelta(seconds=_LATER)
+    offset = datetime.timedelta(seconds=_CLOCK_OFFSET)
 
     class Later(datetime.datetime):
         @classmethod
         def now(cls, tz: datetime.tzinfo | None = None) -> Any:
-            return super().now(tz) + apart
+            return super().now(tz) + offset
 
-    def at(of: Any) -> Any:
-        return lambda seconds=None: of(time.time() if seconds is None else seconds)
+    def shifted(convert: Any) -> Any:
+        return lambda seconds=None: convert(time.time() if seconds is None else seconds)
 
-    time.time, time.time_ns = lambda: now() + _LATER, lambda: nanoseconds() + int(1e9 * _LATER)
-    time.localtime, time.gmtime, time.ctime = map(at, (time.localtime, time.gmtime, time.ctime))
+    time.time = lambda: now() + _CLOCK_OFFSET
+    time.time_ns = lambda: nanoseconds() + int(1e9 * _CLOCK_OFFSET)
+    for name in ("localtime", "gmtime", "ctime"):
+        setattr(time, name, shifted(getattr(time, name)))
     datetime.datetime = Later  # type: ignore[misc]
 
 
 def _watch_environment() -> set[tuple[str, str]]:
-    """Return a set in which names of variables that are asked for will be, each with the package that asked."""
+    """Return a set to which names of environment variables are added when a package reads them, with the package."""
     found = set[tuple[str, str]]()
     kind = type(os.environ)
     plain = kind.__getitem__
@@ -332,7 +336,7 @@ def _watch_environment() -> set[tuple[str, str]]:
 
 
 def _given(model: Any) -> Any:
-    """Return numbers that a model gives for usual inputs."""
+    """Return the numbers of a model for usual inputs."""
     if isinstance(model, DragModel):
         return [model.torque(*speeds) for speeds in ((100.0, 250.0, 0.0), (-30.0, 0.0, 90.0))]
     filled = (
@@ -342,9 +346,9 @@ def _given(model: Any) -> Any:
     )
     return [
         value
-        for one in filled
+        for slices in filled
         for name in sorted(model.writes)
-        for value in getattr(one, name).tolist()
+        for value in getattr(slices, name).tolist()
     ]
 
 
