@@ -112,7 +112,7 @@ class ComparedValues:
     """Values by which results of different models are compared: a row for each curve, or a single value."""
 
     values: Sequence[Sequence[float]]
-    status: str = "found"  #: What was found of a single value that may be missing.
+    status: str = "found"  #: Status of a single value that may be missing.
     tolerance: str = ""  #: Key of [accuracy] with its tolerance; empty for the general one.
 
 
@@ -121,13 +121,12 @@ class Measurable:
     """A quantity that can be measured, as a variable of a study."""
 
     variable: str  #: The variable; its `Output` names the status.
-    beyond: bool = (
-        False  #: Whether no value means one beyond the range of the study, larger than all in it.
-    )
-    #: Status at which no value means one below the range, smaller than all in it; `Status.OTHER` for none.
-    below: Status = Status.OTHER
-    #: Of steady slips, which of those that last: 0 the smallest, -1 the largest; None where there is one value.
-    lasting: int | None = None
+    #: Whether a missing value is above the range of the study, larger than all values in it.
+    missing_is_above: bool = False
+    #: Status at which a missing value is below the range, smaller than all values in it; `Status.OTHER` for none.
+    below_status: Status = Status.OTHER
+    #: Which of several stable steady slips is meant: 0 the smallest, -1 the largest; None for a single value.
+    steady_index: int | None = None
 
 
 @attrs.frozen(eq=False)

@@ -17,7 +17,8 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, NoReturn
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
@@ -171,7 +172,15 @@ def plan_family(requested: "ParetoSettings") -> Family:
         varied = [axis for axis in axes if axis in study.affected_by]
         choices += _choices_of_study(base, name, varied, laws, scenes)
     if all(choice.label in (PLANNED, REFERENCE, HALF, EXACT) for choice in choices):
-        _raise_nothing_to_choose(base, axes)
+        possible = [
+            axis for axis in AXES if any(axis in s.affected_by for s in base.studies.values())
+        ]
+        raise SceneError(
+            [
+                f"there is nothing to choose: {', '.join(base.studies)} of this scene can differ in "
+                f"{', '.join(possible)}, but not in {', '.join(axes)} as far as the scene leaves that open"
+            ]
+        )
     notes = []
     if (
         scene.accuracy.slices is not None
@@ -213,20 +222,6 @@ def _check_settings(axes: Sequence[str], rounds: int) -> None:
         raise SceneError(problems)
 
 
-def _raise_nothing_to_choose(base: Plan, axes: Sequence[str]) -> NoReturn:
-    """Raise `SceneError` with the settings in which the studies of a plan can differ."""
-    studies = base.studies
-    possible = [
-        axis for axis in AXES if any(axis in study.affected_by for study in studies.values())
-    ]
-    raise SceneError(
-        [
-            f"there is nothing to choose: {', '.join(studies)} of this scene can differ in {', '.join(possible)}, "
-            f"but not in {', '.join(axes)} as far as the scene leaves that open"
-        ]
-    )
-
-
 # One study ------------------------------------------------------------------------------------------------------------
 
 
@@ -238,11 +233,22 @@ def _choices_of_study(
     planned, reference = _resolutions(base, study)
     law = assemble(scene, reference_resolution(scene)).traction.full_film.name
     # the exact model: the equation that the law approximates, with friction of each slice
-    traction = get_class("traction", law).solved_by or reference.traction
-    friction = reference.friction and "conventional"
-    exact = attrs.evolve(reference, traction=traction, friction=friction)
+    exact = attrs.evolve(
+        reference,
+        traction=get_class("traction", law).solved_by or reference.traction,
+        friction=reference.friction and "conventional",
+    )
+    # half the resolution of the reference solution; slices that a scene states are not in doubt
+    half = attrs.evolve(
+        reference,
+        slices=scene.accuracy.slices or reference.slices // 2,
+        n_positions=reference.n_positions and max(1, reference.n_positions // 2),
+        table_tolerance=_COARSENING * reference.table_tolerance,
+        integrator_tolerance=reference.integrator_tolerance
+        and _COARSENING * reference.integrator_tolerance,
+    )
     choice = partial(Choice, study=study, scene=scene)
-    labelled = ((REFERENCE, reference), (HALF, _coarser(scene, reference)), (EXACT, exact))
+    labelled = ((REFERENCE, reference), (HALF, half), (EXACT, exact))
     choices = [
         choice(label=label, kind="reference", resolution=resolution)
         for label, resolution in labelled
@@ -260,8 +266,9 @@ def _choices_of_study(
             present.add(resolution)
             is_own = (resolution.traction, resolution.friction) in own_models
             kind = "numerical" if is_own else "modelling"
-            label = _label(planned, resolution)
-            choices.append(choice(label=label, kind=kind, resolution=resolution))
+            choices.append(
+                choice(label=_label(planned, resolution), kind=kind, resolution=resolution)
+            )
     if "film" in axes:
         choices += [
             Choice(
@@ -294,33 +301,24 @@ def _resolutions(base: Plan, study: str) -> tuple[Resolution, Resolution]:
     return planned, reference
 
 
-def _coarser(scene: Scene, reference: Resolution) -> Resolution:
-    """Return half the resolution of the reference solution; slices that a scene states are not in doubt."""
-    step = reference.integrator_tolerance
-    return attrs.evolve(
-        reference,
-        slices=scene.accuracy.slices or reference.slices // 2,
-        n_positions=reference.n_positions and max(1, reference.n_positions // 2),
-        table_tolerance=_COARSENING * reference.table_tolerance,
-        integrator_tolerance=step and _COARSENING * step,
-    )
-
-
 def _numerical_changes(
     base: Plan, study: str, planned: Resolution, axes: Sequence[str]
 ) -> Iterator[dict[str, Any]]:
     """Yield changes of the planned resolution: crossed settings first, then one setting at a time."""
     yield from _slice_changes(base, axes)
-    if "n_positions" in axes:
-        yield from ({"n_positions": n} for n in _N_POSITIONS)
-    if "table_tolerance" in axes:
-        for factor in _TABLE_FACTORS:
-            tolerance = min(_MAX_TABLE_TOLERANCE, factor * planned.table_tolerance)
-            yield {"table_tolerance": tolerance}
     integrators = _integrators(base, study) if "integrator" in axes else []
-    yield from ({"integrator": name} for name in integrators)
+    values: dict[str, Sequence[Any]] = {
+        "n_positions": _N_POSITIONS,
+        "table_tolerance": [
+            min(_MAX_TABLE_TOLERANCE, factor * planned.table_tolerance) for factor in _TABLE_FACTORS
+        ],
+        "integrator": integrators,
+        "integrator_tolerance": _INTEGRATOR_TOLERANCES,
+    }
+    for axis, options in values.items():
+        if axis in axes:
+            yield from ({axis: value} for value in options)
     if "integrator_tolerance" in axes:
-        yield from ({"integrator_tolerance": value} for value in _INTEGRATOR_TOLERANCES)
         for name, value in itertools.product(integrators, _CROSSED_TOLERANCES):
             yield {"integrator": name, "integrator_tolerance": value}
     if "compiled" in axes:
@@ -335,9 +333,9 @@ def _slice_changes(base: Plan, axes: Sequence[str]) -> Iterator[dict[str, Any]]:
     if "slices" in axes:
         slices = [n for n in _SLICES if stated is None or n < stated]
         if "n_positions" in axes:
-            crossed = [n for n in _CROSSED_SLICES if n in slices]
-            for n, m in itertools.product(crossed, _CROSSED_POSITIONS):
-                yield {"slices": n, "quadrature": "equal", "n_positions": m}
+            for n, m in itertools.product(_CROSSED_SLICES, _CROSSED_POSITIONS):
+                if n in slices:
+                    yield {"slices": n, "quadrature": "equal", "n_positions": m}
         yield from ({"slices": n, "quadrature": "equal"} for n in slices)
     if stated is None and "quadrature" in axes:
         yield from ({"slices": n, "quadrature": "gauss"} for n in _GAUSS_POINTS)
@@ -383,25 +381,23 @@ def _films(scene: Scene, names: Sequence[str]) -> dict[str, Scene]:
 
 def _label(planned: Resolution, resolution: Resolution) -> str:
     """Return the differences of a resolution from the planned one, as text."""
-    differences = []
-    if (resolution.slices, resolution.quadrature) != (planned.slices, planned.quadrature):
-        differences.append(
-            f"{resolution.slices} {'Gauss points' if resolution.quadrature == 'gauss' else 'slices'}"
-        )
-    if resolution.n_positions != planned.n_positions:
-        differences.append(
-            f"{resolution.n_positions} position{'s' * (resolution.n_positions != 1)}"
-        )
-    if resolution.table_tolerance != planned.table_tolerance:
-        differences.append(f"tables to {resolution.table_tolerance:.0e}")
-    if resolution.integrator != planned.integrator:
-        differences.append(str(resolution.integrator))
-    if resolution.integrator_tolerance != planned.integrator_tolerance:
-        differences.append(f"steps to {resolution.integrator_tolerance:.0e}")
-    if resolution.traction != planned.traction:
-        differences.append("the law" if resolution.traction == "named" else resolution.traction)
-    if resolution.friction != planned.friction:
-        differences.append(f"{resolution.friction} friction")
-    if not resolution.compiled and planned.compiled:
-        differences.append("in NumPy")
-    return ", ".join(differences)
+    r = resolution
+    texts = {
+        (
+            "slices",
+            "quadrature",
+        ): f"{r.slices} {'Gauss points' if r.quadrature == 'gauss' else 'slices'}",
+        ("n_positions",): f"{r.n_positions} position{'s' * (r.n_positions != 1)}",
+        ("table_tolerance",): f"tables to {r.table_tolerance:.0e}",
+        ("integrator",): str(r.integrator),
+        # None, where a study has no integrator, is the same in both
+        ("integrator_tolerance",): f"steps to {r.integrator_tolerance or 0.0:.0e}",
+        ("traction",): "the law" if r.traction == "named" else r.traction,
+        ("friction",): f"{r.friction} friction",
+        ("compiled",): "in NumPy",
+    }
+    return ", ".join(
+        text
+        for names, text in texts.items()
+        if attrgetter(*names)(resolution) != attrgetter(*names)(planned)
+    )

@@ -132,23 +132,22 @@ class ParetoAccount(Account):
                 values, statuses, stars = (
                     part[name].to_numpy() for name in (number, f"{number}_status", on_front)
                 )
-                table = [
-                    [
-                        str(part["label"].values[k]),
-                        milliseconds(part, k),
-                        f"{int(part['evaluations'][k])}",
-                        *(
-                            _cell(values[k, j], str(statuses[k, j]), bool(stars[k, j]))
-                            for j in range(len(names))
-                        ),
-                    ]
-                    for k in rows
-                ]
                 tables.append(
                     Table(
                         f"{study}, {_TITLES[number]}",
                         ("choice", "time [ms]", "slices", *names),
-                        table,
+                        [
+                            [
+                                str(part["label"].values[k]),
+                                milliseconds(part, k),
+                                f"{int(part['evaluations'][k])}",
+                                *(
+                                    _cell(values[k, j], str(statuses[k, j]), bool(stars[k, j]))
+                                    for j in range(len(names))
+                                ),
+                            ]
+                            for k in rows
+                        ],
                     )
                 )
         return tables
@@ -215,8 +214,8 @@ def _describe_result(part: "xr.Dataset", name: str, rounds: int) -> list[str]:
         return [f"{name}: no numerical choice finds it"]
 
     def point(row: Any, label: str = "") -> str:
-        numbers = f"{format_quantity(float(time[row]), 's', 3)}, {_percent(error[row], floor)}"
-        return f"{label or labels[row]} ({numbers})"
+        seconds = format_quantity(float(time[row]), "s", 3)
+        return f"{label or labels[row]} ({seconds}, {_percent(error[row], floor)})"
 
     numerical = rows_of_kinds(part, "numerical")
     sentence = f"{name}: {rows.size} of {numerical.size} numerical choices are on the front, " + (
@@ -243,9 +242,8 @@ def _describe_result(part: "xr.Dataset", name: str, rounds: int) -> list[str]:
             f"{point(planned, 'the plan')} and no less exact"
         )
     elif rounds > 1:
-        plan = point(planned, "the plan")
         sentences.append(
-            f"{name}: no choice is faster in every round than {plan} and no less exact"
+            f"{name}: no choice is faster in every round than {point(planned, 'the plan')} and no less exact"
         )
     within = [k for k in numerical if error[k] <= tolerance and not np.isnan(time[k])]
     sentences.append(
@@ -267,16 +265,13 @@ def _describe_models(
     def list_choices(kind: str) -> str:
         texts = []
         for k in rows_of_kinds(part, kind):
-            time = ""
-            if rounds > 1 and (is_faster(part, k, planned) or is_faster(part, planned, k)):
-                time = f" in {float(part['seconds'][k]) / float(part['seconds'][planned]):.2g} times the time"
-            difference_text = (
-                str(statuses[k])
-                if np.isnan(difference[k])
-                else f"{_percent(difference[k], floor)}{time}"
-            )
+            text = str(statuses[k])
+            if not np.isnan(difference[k]):
+                text = _percent(difference[k], floor)
+                if rounds > 1 and (is_faster(part, k, planned) or is_faster(part, planned, k)):
+                    text += f" in {float(part['seconds'][k] / part['seconds'][planned]):.2g} times the time"
             if k != planned:
-                texts.append(f"{part['label'].values[k]} {difference_text}")
+                texts.append(f"{part['label'].values[k]} {text}")
         return "; ".join(texts)
 
     own = (

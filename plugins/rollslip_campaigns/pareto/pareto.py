@@ -115,9 +115,10 @@ def run_family(family: Family, folder: Path, show: "ProgressReporter") -> "xr.Da
             record = records[k]
             if len(record.seconds) > n or record.status not in ("", "done"):
                 continue
-            show(
-                f"{choice.study}: {choice.label}", done / len(turns), _time_left(turns[done:], last)
-            )
+            # each turn takes as long as the last one of the same choice, or as the mean of the others
+            mean = sum(last.values()) / len(last) if last else np.nan
+            time_left = sum(last.get(j, mean) for j, _ in turns[done:])
+            show(f"{choice.study}: {choice.label}", done / len(turns), time_left)
             turn_start = time.perf_counter()
             _take_turn(family, choice, record)
             if k in timed:  # the time of a reference does not estimate that of other choices
@@ -128,20 +129,15 @@ def run_family(family: Family, folder: Path, show: "ProgressReporter") -> "xr.Da
 
 def _digest(family: Family) -> str:
     """Return a hash of scene, settings of the studies and all choices, but not of the number of rounds."""
-    choices = [
-        f"{choice.study} {choice.label} {scene_hash(choice.scene)} {choice.resolution}"
-        for choice in family.choices
+    lines = [
+        scene_hash(family.plan.scene),
+        *(f"{name} {study}" for name, study in family.studies.items()),
+        *(
+            f"{choice.study} {choice.label} {scene_hash(choice.scene)} {choice.resolution}"
+            for choice in family.choices
+        ),
     ]
-    studies = [f"{name} {study}" for name, study in family.studies.items()]
-    return sha256(
-        "\n".join([scene_hash(family.plan.scene), *studies, *choices]).encode()
-    ).hexdigest()
-
-
-def _time_left(turns: Sequence[tuple[int, int]], last: Mapping[int, float]) -> float:
-    """Return the time of turns [s]: each as the last one of the same choice, or as the mean of the others."""
-    mean = sum(last.values()) / len(last) if last else np.nan
-    return sum(last.get(k, mean) for k, _ in turns)
+    return sha256("\n".join(lines).encode()).hexdigest()
 
 
 def _take_turn(family: Family, choice: Choice, record: Record) -> None:
@@ -196,9 +192,9 @@ def _dataset(
     results = [
         (study, name) for study in family.studies for name in by_label[study, REFERENCE].results
     ]
+    accuracy = family.plan.scene.accuracy
     tolerance = [
-        family.plan.scene.accuracy.of(by_label[study, REFERENCE].tolerances[name])
-        for study, name in results
+        accuracy.of(by_label[study, REFERENCE].tolerances[name]) for study, name in results
     ]
     labels, kinds, owners = (
         np.array([getattr(choice, name) for choice in family.choices])
@@ -248,8 +244,10 @@ def _dataset(
 
 def _by_label(family: Family, records: Sequence[Record]) -> dict[tuple[str, str], Record]:
     """Return the records by study and label."""
-    pairs = zip(family.choices, records, strict=True)
-    return {(choice.study, choice.label): record for choice, record in pairs}
+    return {
+        (choice.study, choice.label): record
+        for choice, record in zip(family.choices, records, strict=True)
+    }
 
 
 def _fronts(
@@ -336,11 +334,11 @@ def _relative_error(record: Record, reference: Record, name: str) -> tuple[float
 
 def _coordinates(family: Family) -> dict[str, Any]:
     """Return the settings of all choices as coordinates; 0 positions are doubled until the result converges."""
-    columns: dict[str, list[Any]] = {}
+    rows = list[dict[str, Any]]()
     for choice in family.choices:
         r = choice.resolution
-        settings = family.studies[choice.study]
-        own = settings.with_resolution(r).numerical_settings(family.plan.assembly)
+        study = family.studies[choice.study].with_resolution(r)
+        own = study.numerical_settings(family.plan.assembly)
         law = family.plan.assembly.traction.full_film.name if r.traction == "named" else r.traction
         row = {
             "slices": r.slices if family.plan.assembly.slices > 1 else 1,
@@ -356,16 +354,14 @@ def _coordinates(family: Family) -> dict[str, Any]:
             "compiled": int(r.compiled),
             "film": choice.scene.models.film.name,
         }
-        for name, value in row.items():
-            columns.setdefault(name, []).append(value)
-    units = {"table_tolerance", "integrator_tolerance"}
+        rows.append(row)
     return {
         name: (
             "choice",
-            np.array(values),
-            about("1", name.replace("_", " ") + (", relative" * (name in units))),
+            np.array([row[name] for row in rows]),
+            about("1", name.replace("_", " ") + (", relative" * name.endswith("tolerance"))),
         )
-        for name, values in columns.items()
+        for name in rows[0]
     }
 
 
@@ -377,8 +373,11 @@ def _origin(
     resumed: bool,
 ) -> dict[str, Any]:
     """Return the attributes: those of the plan, with the models of all choices."""
-    statuses = zip(dataset["choice"].to_numpy(), dataset["status"].to_numpy(), strict=True)
-    warnings = [f"{name}: {text}" for name, text in statuses if text != "done"]
+    warnings = [
+        f"{name}: {text}"
+        for name, text in zip(dataset["choice"].values, dataset["status"].values, strict=True)
+        if text != "done"
+    ]
     if resumed:
         warnings.append(
             "the run was interrupted and resumed: not all rounds ran under the same load of the machine"

@@ -77,7 +77,7 @@ def observe(
     outputs = (
         measurable.variable,
         *([status] if status else []),
-        *([_STABLE] if measurable.lasting is not None else []),
+        *([_STABLE] if measurable.steady_index is not None else []),
     )
     work = SweepWork(
         scene=scene, study=study.name, outputs=tuple(dict.fromkeys(outputs)), packages=("rollslip",)
@@ -100,10 +100,10 @@ def _value(
     dims: dict[str, Sequence[str]] = {
         name: about["dims"] for name, about in layout["variables"].items()
     }
-    if measurable.lasting is not None:
+    if measurable.steady_index is not None:
         lasting = np.flatnonzero(arrays[_STABLE] == 1.0)
         value = (
-            float(arrays[measurable.variable][lasting[measurable.lasting]])
+            float(arrays[measurable.variable][lasting[measurable.steady_index]])
             if lasting.size
             else math.nan
         )
@@ -122,9 +122,9 @@ def _value(
             if dim in at and at[dim] not in EXTREMES
             else statuses.ravel()[0]
         )
-    if measurable.below and Status.of(reason) is measurable.below:
+    if measurable.below_status and Status.of(reason) is measurable.below_status:
         return Value(-math.inf, reason, row.seconds)
-    return Value(math.inf if measurable.beyond else math.nan, reason, row.seconds)
+    return Value(math.inf if measurable.missing_is_above else math.nan, reason, row.seconds)
 
 
 def _single(

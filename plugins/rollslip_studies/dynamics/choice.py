@@ -58,131 +58,109 @@ from rollslip_studies.motion.torque_balance import describe_near_skidding
 FALLBACKS: Final = {"friction": "conventional", "level": "pocket", "integrator": None}
 
 
-@attrs.frozen(kw_only=True)
-class ErrorFractions:
-    """Fractions of the tolerance of the cage speed that the simplifications of a motion may use.
+# Fractions of the tolerance of the cage speed that the simplifications of a motion may use.
+#
+# They add up to 0.7. The rest is for slices and tables, whose errors are those of the friction.
 
-    They add up to 0.7. The rest is for slices and tables, whose errors are those of the friction.
-    """
+#: Effective in place of conventional friction. Doubled, effective friction, which is faster, is chosen more often,
+#: and the errors together may exceed the tolerance. Chosen; the largest, since this choice saves the largest part
+#: of the time.
+_FRICTION_FRACTION: Final = 0.3
+#: Level cage-set in place of pocket. Doubled, cage-set is chosen for looser pockets. Chosen: the play of the
+#: shipped bearing moves the mean speed by 7e-5, a third of what the usual tolerance of 1e-3 then allows.
+_LEVEL_FRACTION: Final = 0.2
+#: Steps in time. Doubled, steps grow by 15 % (order 5) to 40 % (leapfrog). Chosen.
+_STEPS_FRACTION: Final = 0.2
 
-    #: Effective in place of conventional friction. Doubled, effective friction, which is faster, is chosen more often,
-    #: and the errors together may exceed the tolerance. Chosen; the largest, since this choice saves the largest part
-    #: of the time.
-    friction: float = 0.3
-    #: Level cage-set in place of pocket. Doubled, cage-set is chosen for looser pockets. Chosen: the play of the
-    #: shipped bearing moves the mean speed by 7e-5, a third of what the usual tolerance of 1e-3 then allows.
-    level: float = 0.2
-    #: Steps in time. Doubled, steps grow by 15 % (order 5) to 40 % (leapfrog). Chosen.
-    steps: float = 0.2
+# Resolution of trial motions, and how long they are compared.
 
+#: Slices of a roller. Doubled, trial motions with conventional friction take twice as long. Chosen: few enough that
+#: a trial costs a hundredth of the run; tests/studies/test_dynamics_choice.py checks that the difference of the
+#: frictions is within 25 % of that with 25 slices.
+_TRIAL_SLICES: Final = 12
+#: Relative error of tables of loads and friction. Halved, tables take longer to build. Chosen: the usual tolerance;
+#: its error is common to the motions that are compared.
+_TRIAL_TABLE_TOLERANCE: Final = 1e-3
+#: Step tolerance over the tolerance of the cage speed. Doubled, trials are faster, and the errors of their steps
+#: may add up to the differences that are to be found (0.2 and 0.3 of the tolerance). Chosen.
+_TRIAL_TOLERANCE_RATIO: Final = 0.1
+#: Largest step tolerance, whatever the scene requests. Chosen; it counts from a requested tolerance of 1e-2 on.
+_MAX_TRIAL_TOLERANCE: Final = 1e-3
+#: Orbits of the cage over which levels are compared. Doubled, the trial at level pocket takes twice as long and
+#: sees slower drifts of the mean. Chosen: the first orbit contains the start.
+_TRIAL_ORBITS: Final = 3
+#: Samples of an orbit for its mean speed, and of the whole duration for the comparison of frictions. Halved,
+#: oscillations of the cage with more than 16 periods an orbit alias into the mean. Chosen; samples cost nothing
+#: beside the steps.
+_TRIAL_SAMPLES: Final = 64
+#: Samples after which frictions are compared before the trial goes on: at 1/16, 1/8, 1/4 and 1/2 of the duration.
+#: Each check may save the rest of the trial, and costs one restart of the integrator.
+_TRIAL_CHECKS: Final = (4, 8, 16, 32)
 
-@attrs.frozen(kw_only=True)
-class TrialResolution:
-    """Resolution of trial motions, and how long they are compared."""
+# Limits of the rule that chooses the integrator, from 144 cases of 24 random bearings (docs/trust/plan.rst).
 
-    #: Slices of a roller. Doubled, trial motions with conventional friction take twice as long. Chosen: few enough that
-    #: a trial costs a hundredth of the run; tests/studies/test_dynamics_choice.py checks that the difference of the
-    #: frictions is within 25 % of that with 25 slices.
-    slices: int = 12
-    #: Relative error of tables of loads and friction. Halved, tables take longer to build. Chosen: the usual tolerance;
-    #: its error is common to the motions that are compared.
-    table_tolerance: float = 1e-3
-    #: Step tolerance over the tolerance of the cage speed. Doubled, trials are faster, and the errors of their steps
-    #: may add up to the differences that are to be found (0.2 and 0.3 of the tolerance). Chosen.
-    step_tolerance: float = 0.1
-    #: Largest step tolerance, whatever the scene requests. Chosen; it counts from a requested tolerance of 1e-2 on.
-    max_step_tolerance: float = 1e-3
-    #: Orbits of the cage over which levels are compared. Doubled, the trial at level pocket takes twice as long and
-    #: sees slower drifts of the mean. Chosen: the first orbit contains the start.
-    orbits: int = 3
-    #: Samples of an orbit for its mean speed, and of the whole duration for the comparison of frictions. Halved,
-    #: oscillations of the cage with more than 16 periods an orbit alias into the mean. Chosen; samples cost nothing
-    #: beside the steps.
-    samples: int = 64
-    #: Samples after which frictions are compared before the trial goes on: at 1/16, 1/8, 1/4 and 1/2 of the duration.
-    #: Each check may save the rest of the trial, and costs one restart of the integrator.
-    checks: tuple[int, ...] = (4, 8, 16, 32)
+#: Damping [1/s] up to which rk45 is taken for motions without contacts. Up to there it takes fewer evaluations of
+#: the rates than rodas5p, or at most 1.6 times as many. Doubled, rk45 is also taken where its stability limits the
+#: step, 3.3 over the damping.
+_MAX_SMOOTH_DAMPING: Final = 1e4
+#: Step tolerance below which rk45 is taken in place of leapfrog where contacts are resolved: from there on its
+#: order of 5 makes up for 6 evaluations a step. Doubled, leapfrog is given up where it still takes fewer
+#: evaluations. Measured on the same bearings.
+_LEAPFROG_TOLERANCE: Final = 3e-8
+#: Step that resolves a contact times the frequency of the contact [rad]: that of leapfrog (CONTACT in
+#: kernels/rollslip_kernels/motion/leapfrog.pyx). Doubled, an impact (half a period) is resolved by 8
+#: steps in place of 16.
+_CONTACT_STEP: Final = 0.2
+#: Damping times that step from which on a motion is stiff. The shipped bearing has 0.003 at level pocket and 0.03
+#: at planar, heavy loads 0.4, films in the pockets 1.9 (docs/trust/dynamics.rst). Doubled, it exceeds the 0.3 up to
+#: which leapfrog extrapolates speeds with held friction; 0.25 leaves a fifth for the damping to grow along the
+#: motion.
+_MAX_DAMPING_PER_STEP: Final = 0.25
 
+# Two cages with different speeds, which show how fast an error of the cage speed decays.
 
-@attrs.frozen(kw_only=True)
-class IntegratorRule:
-    """Limits of the rule that chooses the integrator, from 144 cases of 24 random bearings (docs/trust/plan.rst)."""
+#: Difference of their slips at the start. Doubled, the decay may no longer be that of a small error. Chosen: large
+#: against the errors of the steps, small against the slips of the start and of skidding.
+_SLIP_DIFFERENCE: Final = 1e-2
+#: Step tolerance over that difference. Doubled, the decay can be followed down to 2e-5 of the difference
+#: only. Chosen; at level cage-set steps are cheap.
+_DECAY_TOLERANCE_RATIO: Final = 1e-5
+#: Longest time that is integrated [s]; later the difference is taken to stay as large as in its last quarter.
+#: Doubled, long motions of which errors decay slowly get larger steps, and the trial takes longer. Chosen.
+_MAX_DECAY_DURATION: Final = 10.0
+#: Samples of the decay, for its integral by the trapezoidal rule. Halved, a decay within a sample counts too much.
+#: Chosen.
+_DECAY_SAMPLES: Final = 256
 
-    #: Damping [1/s] up to which rk45 is taken for motions without contacts. Up to there it takes fewer evaluations of
-    #: the rates than rodas5p, or at most 1.6 times as many. Doubled, rk45 is also taken where its stability limits the
-    #: step, 3.3 over the damping.
-    max_smooth_damping: float = 1e4
-    #: Step tolerance below which rk45 is taken in place of leapfrog where contacts are resolved: from there on its
-    #: order of 5 makes up for 6 evaluations a step. Doubled, leapfrog is given up where it still takes fewer
-    #: evaluations. Measured on the same bearings.
-    leapfrog_tolerance: float = 3e-8
-    #: Step that resolves a contact times the frequency of the contact [rad]: that of leapfrog (CONTACT in
-    #: kernels/rollslip_kernels/motion/leapfrog.pyx). Doubled, an impact (half a period) is resolved by 8
-    #: steps in place of 16.
-    contact_step: float = 0.2
-    #: Damping times that step from which on a motion is stiff. The shipped bearing has 0.003 at level pocket and 0.03
-    #: at planar, heavy loads 0.4, films in the pockets 1.9 (docs/trust/dynamics.rst). Doubled, it exceeds the 0.3 up to
-    #: which leapfrog extrapolates speeds with held friction; 0.25 leaves a fifth for the damping to grow along the
-    #: motion.
-    max_damping_per_step: float = 0.25
+# Motions with different step tolerances: how large the error of a tolerance is, and how far motions diverge.
 
-
-@attrs.frozen(kw_only=True)
-class DecayTrial:
-    """Two cages with different speeds, which show how fast an error of the cage speed decays."""
-
-    #: Difference of their slips at the start. Doubled, the decay may no longer be that of a small error. Chosen: large
-    #: against the errors of the steps, small against the slips of the start and of skidding.
-    slip_difference: float = 1e-2
-    #: Step tolerance over that difference. Doubled, the decay can be followed down to 2e-5 of the difference
-    #: only. Chosen; at level cage-set steps are cheap.
-    step_tolerance: float = 1e-5
-    #: Longest time that is integrated [s]; later the difference is taken to stay as large as in its last quarter.
-    #: Doubled, long motions of which errors decay slowly get larger steps, and the trial takes longer. Chosen.
-    max_duration: float = 10.0
-    #: Samples of the decay, for its integral by the trapezoidal rule. Halved, a decay within a sample counts too much.
-    #: Chosen.
-    samples: int = 256
-
-
-@attrs.frozen(kw_only=True)
-class StepTrial:
-    """Motions with different step tolerances: how large the error of a tolerance is, and how far motions diverge."""
-
-    #: Duration [s] of the motion that gives the error of steps. Doubled, the trial takes twice as long and averages
-    #: over more impacts. Chosen: more than a hundred steps at level pocket (typically 4e-5 s), less than an orbit.
-    duration: float = 5e-3
-    #: Usual step tolerance: that of the trial, the largest that is chosen, and the default of the study. Larger steps
-    #: are not known to be right where a contact opens; at this one leapfrog takes its largest step, and the force on
-    #: pockets is within 1 % (docs/trust/dynamics.rst).
-    tolerance: float = 1e-5
-    #: Tolerance of the reference solution over the usual one. Doubled, the reference takes 13 % fewer steps (order 5).
-    #: Chosen: the error of the reference is then negligible against that of the trial.
-    reference: float = 1e-3
-    #: Divisors of the tolerance of the motions whose divergence is measured. Two, since one pair may stay close by
-    #: chance; near 1, since what is sought is the effect of chance and not the error. Chosen.
-    refinements: tuple[float, ...] = (4.0, 16.0)
-    #: Pieces of an orbit of the cage after each of which the work is checked. Doubled, a trial stops sooner after the
-    #: limit of evaluations, and restarts the integrators more often. Chosen.
-    pieces: int = 8
-    #: Samples of a piece at which speeds are compared. Halved, the largest difference may be missed. Chosen.
-    samples: int = 16
-    #: Evaluations of the rates after which no further piece begins: some seconds. Doubled, more of the orbit is seen,
-    #: and a plan may take twice as long. Chosen.
-    max_evaluations: int = 200_000
-    #: Largest divergence that other motions may have over that of the trial motions. Halved, the reported error is less
-    #: than the true one in 9 of the 60 scenes of tools/references/motions_by_scipy.csv at levels pocket and planar;
-    #: with 2 only in some of the five whose reference solutions diverge themselves (0.7 to 1.7 times the error).
-    safety_factor: float = 2.0
-    #: Samples of a history for the largest speeds without slip. Halved, a short peak may be missed. Chosen.
-    speed_samples: int = 256
-
-
-FRACTIONS: Final = ErrorFractions()
-TRIALS: Final = TrialResolution()
-INTEGRATORS: Final = IntegratorRule()
-DECAY: Final = DecayTrial()
-STEPS: Final = StepTrial()
+#: Duration [s] of the motion that gives the error of steps. Doubled, the trial takes twice as long and averages
+#: over more impacts. Chosen: more than a hundred steps at level pocket (typically 4e-5 s), less than an orbit.
+_STEP_TRIAL_DURATION: Final = 5e-3
+#: Usual step tolerance: that of the trial, the largest that is chosen, and the default of the study. Larger steps
+#: are not known to be right where a contact opens; at this one leapfrog takes its largest step, and the force on
+#: pockets is within 1 % (docs/trust/dynamics.rst).
+_USUAL_TOLERANCE: Final = 1e-5
+#: Tolerance of the reference solution over the usual one. Doubled, the reference takes 13 % fewer steps (order 5).
+#: Chosen: the error of the reference is then negligible against that of the trial.
+_REFERENCE_RATIO: Final = 1e-3
+#: Divisors of the tolerance of the motions whose divergence is measured. Two, since one pair may stay close by
+#: chance; near 1, since what is sought is the effect of chance and not the error. Chosen.
+_REFINEMENTS: Final = (4.0, 16.0)
+#: Pieces of an orbit of the cage after each of which the work is checked. Doubled, a trial stops sooner after the
+#: limit of evaluations, and restarts the integrators more often. Chosen.
+_DIVERGENCE_PIECES: Final = 8
+#: Samples of a piece at which speeds are compared. Halved, the largest difference may be missed. Chosen.
+_DIVERGENCE_SAMPLES: Final = 16
+#: Evaluations of the rates after which no further piece begins: some seconds. Doubled, more of the orbit is seen,
+#: and a plan may take twice as long. Chosen.
+_MAX_EVALUATIONS: Final = 200_000
+#: Largest divergence that other motions may have over that of the trial motions. Halved, the reported error is less
+#: than the true one in 9 of the 60 scenes of tools/references/motions_by_scipy.csv at levels pocket and planar;
+#: with 2 only in some of the five whose reference solutions diverge themselves (0.7 to 1.7 times the error).
+_SAFETY_FACTOR: Final = 2.0
+#: Samples of a history for the largest speeds without slip. Halved, a short peak may be missed. Chosen.
+_SPEED_SAMPLES: Final = 256
 
 
 class MotionStudy(Protocol):
@@ -265,9 +243,9 @@ def with_coarse_slices(assembly: Assembly) -> Assembly:
     return assembly.at(
         attrs.evolve(
             resolution,
-            slices=min(TRIALS.slices, resolution.slices),
+            slices=min(_TRIAL_SLICES, resolution.slices),
             quadrature="equal",
-            table_tolerance=TRIALS.table_tolerance,
+            table_tolerance=_TRIAL_TABLE_TOLERANCE,
         )
     )
 
@@ -294,21 +272,21 @@ def error_accumulation(study: MotionStudy, coarse: Assembly, span: float) -> flo
     float
         The factor, from 1 to the duration over the short time; the latter if the trial motion fails.
     """
-    end = min(study.duration, DECAY.max_duration)
-    times = np.linspace(0.0, end, DECAY.samples + 1)
+    end = min(study.duration, _MAX_DECAY_DURATION)
+    times = np.linspace(0.0, end, _DECAY_SAMPLES + 1)
     cage_set = study.with_settings(
         level="cage-set", friction="constant" if study.friction == "constant" else "effective"
     )
     moving = cage_set.moving(coarse)
-    tolerance = DECAY.step_tolerance * DECAY.slip_difference
+    tolerance = _DECAY_TOLERANCE_RATIO * _SLIP_DIFFERENCE
     speeds = []
-    for slip in (study.cage_slip, study.cage_slip + DECAY.slip_difference):
+    for slip in (study.cage_slip, study.cage_slip + _SLIP_DIFFERENCE):
         found = cage_set.with_settings(cage_slip=slip).trial_motion(moving, times, tolerance)
         if found.outcome != "finished":
             return study.duration / span
         speeds.append(np.asarray(moving.split(found.y)["cage_speed"]))
     decay = np.abs(speeds[1] - speeds[0]) / abs(speeds[1][0] - speeds[0][0])
-    later = (study.duration - end) * float(decay[-DECAY.samples // 4 :].max())
+    later = (study.duration - end) * float(decay[-_DECAY_SAMPLES // 4 :].max())
     integral = min(study.duration, float(np.trapezoid(decay, times)) + later)
     return max(1.0, integral / span)
 
@@ -370,11 +348,6 @@ class _Trials:
         """Tolerance of the cage speed."""
         return self.assembly.scene.accuracy.of("cage_speed")
 
-    @property
-    def step_tolerance(self) -> float:
-        """Step tolerance of trial motions."""
-        return min(TRIALS.step_tolerance * self.requested, TRIALS.max_step_tolerance)
-
     def moving(self, study: MotionStudy) -> MovingBearing:
         """Return the equations of motion, cached by friction and level."""
         if (key := (study.friction, study.level)) not in self._systems:
@@ -386,7 +359,8 @@ class _Trials:
     ) -> tuple[Array, Trajectory]:
         """Return cage speeds at some times, relative to the epicyclic one, and the motion that has them."""
         moving = self.moving(study)
-        found = study.trial_motion(moving, times, self.step_tolerance, before)
+        tolerance = min(_TRIAL_TOLERANCE_RATIO * self.requested, _MAX_TRIAL_TOLERANCE)
+        found = study.trial_motion(moving, times, tolerance, before)
         if found.outcome != "finished":
             raise ConvergenceError(
                 f"{study.friction} friction at level {study.level}: {found.message}"
@@ -395,10 +369,30 @@ class _Trials:
         return np.asarray(speeds), found
 
     def friction(self, study: MotionStudy) -> Choice:
-        """Choose effective friction if it moves the cage as conventional friction does, and not near skidding."""
-        allowed = FRACTIONS.friction * self.requested
-        difference, max_slip, end = self._friction_difference(study, allowed)
-        after = "" if end == study.duration else f" after {end:.2g} s already"
+        """Choose effective friction if it moves the cage as conventional friction does, and not near skidding.
+
+        The trial ends as soon as the difference of the cage speeds exceeds what is allowed.
+        """
+        allowed = _FRICTION_FRACTION * self.requested
+        conventional, effective = (
+            study.with_settings(friction=friction, level="cage-set")
+            for friction in ("conventional", "effective")
+        )
+        reference = simplified_traction = None
+        difference = 0.0
+        max_slip = 0.0
+        times = np.linspace(0.0, study.duration, _TRIAL_SAMPLES + 1)[1:]
+        for interval in np.split(times, _TRIAL_CHECKS):
+            reference_speed, reference = self.cage_speeds(conventional, interval, reference)
+            simplified_speed, simplified_traction = self.cage_speeds(
+                effective, interval, simplified_traction
+            )
+            change = np.abs(reference_speed - simplified_speed)
+            difference = max(difference, float(change.max()))
+            max_slip = max(max_slip, 1.0 - float(reference_speed.min()))
+            if difference > allowed:
+                break
+        after = "" if interval[-1] == study.duration else f" after {interval[-1]:.2g} s already"
         found = f"with few slices the two frictions give cage speeds that differ by up to {difference:.1e}{after}"
         if difference > allowed:
             return Choice(
@@ -411,48 +405,21 @@ class _Trials:
             "effective", f"{found}, less than the {allowed:.1e} allowed for that", difference
         )
 
-    def _friction_difference(
-        self, study: MotionStudy, allowed: float
-    ) -> tuple[float, float, float]:
-        """Return the largest difference of relative cage speeds between the frictions, the largest slip, and the time.
-
-        The trial ends as soon as the difference exceeds ``allowed``. The slip is that with conventional friction.
-        """
-        times = np.linspace(0.0, study.duration, TRIALS.samples + 1)[1:]
-        conventional, effective = (
-            study.with_settings(friction=friction, level="cage-set")
-            for friction in ("conventional", "effective")
-        )
-        reference = simplified_traction = None
-        difference = 0.0
-        max_slip = 0.0
-        for interval in np.split(times, TRIALS.checks):
-            reference_speed, reference = self.cage_speeds(conventional, interval, reference)
-            simplified_speed, simplified_traction = self.cage_speeds(
-                effective, interval, simplified_traction
-            )
-            change = np.abs(reference_speed - simplified_speed)
-            difference = max(difference, float(change.max()))
-            max_slip = max(max_slip, 1.0 - float(reference_speed.min()))
-            if difference > allowed:
-                break
-        return difference, max_slip, float(interval[-1])
-
     def level(self, study: MotionStudy) -> Choice:
         """Choose cage-set if play in the pockets does not change the mean speed of the cage in any orbit."""
         speed = abs(self.coarse.kinematics.epicyclic_cage_speed)
-        orbits = int(min(study.duration * speed / (2.0 * math.pi), TRIALS.orbits))
+        orbits = int(min(study.duration * speed / (2.0 * math.pi), _TRIAL_ORBITS))
         span = orbits * 2.0 * math.pi / speed if orbits else study.duration
-        times = np.linspace(0.0, span, max(orbits, 1) * TRIALS.samples + 1)
+        times = np.linspace(0.0, span, max(orbits, 1) * _TRIAL_SAMPLES + 1)
         friction = "constant" if study.friction == "constant" else "effective"
         cage_set, pocket = (
             self.cage_speeds(study.with_settings(friction=friction, level=level), times)[0]
             for level in ("cage-set", "pocket")
         )
         difference = pocket - cage_set
-        means = np.abs(difference[1:].reshape(-1, TRIALS.samples).mean(axis=1))
+        means = np.abs(difference[1:].reshape(-1, _TRIAL_SAMPLES).mean(axis=1))
         largest_mean = float(means.max())
-        allowed = FRACTIONS.level * self.requested
+        allowed = _LEVEL_FRACTION * self.requested
         found = (
             f"play in the pockets changes the mean speed of the cage by up to {largest_mean:.1e} (and lets it "
             f"oscillate by {np.ptp(difference):.1e})"
@@ -484,11 +451,10 @@ class _Trials:
         strongest = max(*without_slip, _damping(moving, 0.0, initial))
         damped = f"speeds are damped by up to {strongest:.2g}/s"
         contact = moving.system.frequencies[0]
-        limit = INTEGRATORS.max_smooth_damping
-        if not contact and strongest > limit:
+        if not contact and strongest > _MAX_SMOOTH_DAMPING:
             return Choice(
                 implicit,
-                f"{damped}, more than the {limit:g}/s up to which an explicit method takes fewer rates",
+                f"{damped}, more than the {_MAX_SMOOTH_DAMPING:g}/s up to which an explicit method takes fewer rates",
             )
         if not contact:
             return Choice("rk45", f"{damped}, which does not limit the steps of an explicit method")
@@ -498,15 +464,20 @@ class _Trials:
                 "the motion is stiff: films in the pockets are stiff when they are squeezed",
             )
         weakest = min(without_slip)
-        if _is_stiff(contact, weakest):
-            return Choice(implicit, _describe_stiffness(contact, weakest))
-        if _is_stiff(contact, strongest):
+        step = _CONTACT_STEP / contact
+        if weakest * step > _MAX_DAMPING_PER_STEP:
+            return Choice(
+                implicit,
+                f"the motion is stiff: its strongest damping, {weakest:.2g}/s, is {weakest * step:.2g} in a step of "
+                f"{step:.2g} s that resolves its contacts, more than the {_MAX_DAMPING_PER_STEP:g} of explicit steps",
+            )
+        if strongest * step > _MAX_DAMPING_PER_STEP:
             return Choice(
                 "rk45",
                 f"{damped}, but only for a short time, in which explicit steps follow their error",
             )
         oscillates = f"the motion oscillates, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
-        if study.relative_tolerance < INTEGRATORS.leapfrog_tolerance:
+        if study.relative_tolerance < _LEAPFROG_TOLERANCE:
             return Choice(
                 "rk45", f"{oscillates}: explicit steps of a high order are better at this tolerance"
             )
@@ -528,20 +499,6 @@ def _damping(moving: MovingBearing, t: float, y: Array) -> float:
     return max(0.0, float(-np.linalg.eigvals(jacobian[np.ix_(speeds, speeds)]).real.min()))
 
 
-def _is_stiff(contact: float, damping: float) -> bool:
-    """Return whether damping [1/s] limits an explicit step more than contacts of a frequency [rad/s] do."""
-    return damping * (INTEGRATORS.contact_step / contact) > INTEGRATORS.max_damping_per_step
-
-
-def _describe_stiffness(contact: float, damping: float) -> str:
-    """Describe why damping [1/s] makes a motion with contacts of a frequency [rad/s] stiff."""
-    step = INTEGRATORS.contact_step / contact
-    return (
-        f"the motion is stiff: its strongest damping, {damping:.2g}/s, is {damping * step:.2g} in a step of "
-        f"{step:.2g} s that resolves its contacts, more than the {INTEGRATORS.max_damping_per_step:g} of explicit steps"
-    )
-
-
 def step_tolerance(
     study: MotionStudy, assembly: Assembly, estimates_decay: bool
 ) -> tuple[float, float]:
@@ -560,16 +517,16 @@ def step_tolerance(
     moving = study.moving(assembly)
     if moving.friction.uses_slices:
         moving = study.moving(coarse)
-    span = min(STEPS.duration, study.duration)
+    span = min(_STEP_TRIAL_DURATION, study.duration)
     # a motion at level cage-set takes no longer than the trial that shows how its errors decay
     factor = error_accumulation(study, coarse, span) if estimates_decay else study.duration / span
-    tolerances = (STEPS.tolerance, STEPS.reference * STEPS.tolerance)
+    tolerances = (_USUAL_TOLERANCE, _REFERENCE_RATIO * _USUAL_TOLERANCE)
     cage = _divergence(study, moving, tolerances, [span])[0]
     error = float(cage[~np.isnan(cage)][-1:].sum()) * factor
-    allowed = FRACTIONS.steps * assembly.scene.accuracy.of("cage_speed")
+    allowed = _STEPS_FRACTION * assembly.scene.accuracy.of("cage_speed")
     lower = reference_resolution(assembly.scene).integrator_tolerance or 0.0
-    tolerance = min(max(STEPS.tolerance * allowed / max(error, 1e-300), lower), STEPS.tolerance)
-    step_error = error * tolerance / STEPS.tolerance
+    tolerance = min(max(_USUAL_TOLERANCE * allowed / max(error, 1e-300), lower), _USUAL_TOLERANCE)
+    step_error = error * tolerance / _USUAL_TOLERANCE
     if study.level == "cage-set":
         return tolerance, step_error
     return tolerance, max(step_error, _orbit_divergence(study, moving, tolerance))
@@ -601,12 +558,12 @@ def _divergence(
         at times that were not reached.
     """
     max_speeds = np.array(_max_speeds(moving))[:, None]
-    differences = np.full((2, len(ends), STEPS.samples), np.nan)
+    differences = np.full((2, len(ends), _DIVERGENCE_SAMPLES), np.nan)
     for start in _starting_points(study, moving, tolerances[0], ends[-1]):
         motions = [start] * len(tolerances)
         evaluations = 0
         for k, (first_time, last_time) in enumerate(itertools.pairwise((0.0, *ends))):
-            times = start.last_t + np.linspace(first_time, last_time, STEPS.samples + 1)[1:]
+            times = start.last_t + np.linspace(first_time, last_time, _DIVERGENCE_SAMPLES + 1)[1:]
             motions = [
                 study.trial_motion(moving, times, tolerance, motion)
                 for tolerance, motion in zip(tolerances, motions, strict=True)
@@ -620,7 +577,7 @@ def _divergence(
                 )
                 piece = differences[:, k, :count]
                 piece[:] = np.fmax(piece, np.stack((cage, spin.max(axis=-1))) / max_speeds)
-            if evaluations > STEPS.max_evaluations or count < STEPS.samples:
+            if evaluations > _MAX_EVALUATIONS or count < _DIVERGENCE_SAMPLES:
                 break
     return differences.reshape(2, -1)
 
@@ -645,7 +602,7 @@ def _starting_points(
 def _max_speeds(moving: MovingBearing) -> tuple[float, ...]:
     """Return the largest speeds of cage and rollers without slip [rad/s]."""
     sampled, _ = moving.sample_states()
-    even = np.linspace(0.0, sampled[-1], STEPS.speed_samples + 1)
+    even = np.linspace(0.0, sampled[-1], _SPEED_SAMPLES + 1)
     return tuple(
         float(np.nanmax(np.abs(speeds)))
         for speeds in moving.epicyclic_speeds(np.union1d(sampled, even))
@@ -658,12 +615,12 @@ def _orbit_divergence(study: MotionStudy, moving: MovingBearing, tolerance: floa
     If motions of that tolerance take too many evaluations for an orbit, motions of the usual tolerance are added.
     """
     span = min(study.duration, 2.0 * math.pi / _max_speeds(moving)[0])
-    ends = [span * k / STEPS.pieces for k in range(1, STEPS.pieces + 1)]
+    ends = [span * k / _DIVERGENCE_PIECES for k in range(1, _DIVERGENCE_PIECES + 1)]
     largest = 0.0
-    for own in dict.fromkeys((tolerance, STEPS.tolerance)):
-        finer = [own / divisor for divisor in STEPS.refinements]
+    for own in dict.fromkeys((tolerance, _USUAL_TOLERANCE)):
+        finer = [own / divisor for divisor in _REFINEMENTS]
         differences = _divergence(study, moving, (own, *finer), ends)
-        largest = max(largest, STEPS.safety_factor * float(np.nanmax(differences, initial=0.0)))
+        largest = max(largest, _SAFETY_FACTOR * float(np.nanmax(differences, initial=0.0)))
         if not np.isnan(differences).any():
             break
     return largest

@@ -83,7 +83,7 @@ LEVELS: Final = {
 #: before anything is measured. Doubled steps halve the estimate. Measured on the shipped bearing.
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
 #: Fraction of the tolerances that slices and roller positions may use. Doubled, there are fewer slices, and their
-#: errors use all of the tolerance. Chosen, with those of tables and of `choice.ErrorFractions`.
+#: errors use all of the tolerance. Chosen, with those of tables and of `choice._FRICTION_FRACTION` and others.
 _SLICES_FRACTION = 0.5
 #: Fraction of the smaller tolerance of friction and cage speed that tables may use. Doubled, tables are built faster,
 #: in 0.8 of the time where splines are cubic. Chosen, likewise.

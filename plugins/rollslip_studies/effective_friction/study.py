@@ -216,8 +216,8 @@ class EffectiveFriction(Study):
     shares_resolution: ClassVar[bool] = True
     measured: ClassVar[Mapping[str, Measurable]] = MappingProxyType(
         {
-            "critical-slip": Measurable(variable="critical_cage_slip", beyond=True),
-            "skidding-slip": Measurable(variable="skidding_slip", beyond=True),
+            "critical-slip": Measurable(variable="critical_cage_slip", missing_is_above=True),
+            "skidding-slip": Measurable(variable="skidding_slip", missing_is_above=True),
             "limit-drag": Measurable(variable="limit_drag"),
         }
     )

@@ -188,14 +188,20 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
 MEASURED: Final[Mapping[str, Measurable]] = MappingProxyType(
     {
         "cage-slip": Measurable(
-            variable="steady_slip", beyond=True, below=Status.DRIVEN, lasting=0
+            variable="steady_slip",
+            missing_is_above=True,
+            below_status=Status.DRIVEN,
+            steady_index=0,
         ),
         "largest-cage-slip": Measurable(
-            variable="steady_slip", beyond=True, below=Status.DRIVEN, lasting=-1
+            variable="steady_slip",
+            missing_is_above=True,
+            below_status=Status.DRIVEN,
+            steady_index=-1,
         ),
-        "cage-speed": Measurable(variable="cage_speed", lasting=0),
-        "friction-torque": Measurable(variable="friction_torque", lasting=0),
+        "cage-speed": Measurable(variable="cage_speed", steady_index=0),
+        "friction-torque": Measurable(variable="friction_torque", steady_index=0),
         "minimum-load": Measurable(variable="minimum_load"),
-        "limit-drag-slip": Measurable(variable="skidding_slip", beyond=True),
+        "limit-drag-slip": Measurable(variable="skidding_slip", missing_is_above=True),
     }
 )
