@@ -10,7 +10,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
@@ -58,9 +58,11 @@ def front_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
             if np.isnan(part["error"].to_numpy()[part["label"].to_numpy() == REFERENCE]).any():
                 continue
             text = f"{study} {name}" if several else str(name)
-            slug = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
-            caption = f"{study}, {name}: error against processor time; the line is the front that no choice passes."
-            yield f"pareto-{slug}", caption, _figure(part, str(name))
+            yield (
+                f"pareto-{re.sub(r'[^a-z0-9]+', '-', text.lower()).strip('-')}",
+                f"{study}, {name}: error against processor time; the line is the front that no choice passes.",
+                _figure(part, str(name)),
+            )
 
 
 def _figure(part: "xr.Dataset", name: str) -> "Figure":
@@ -136,7 +138,15 @@ def _panel(
         colour = _GREY
         if emphasised:
             colour = _COLOURS[kind if kind in kinds else kinds[0]]
-        style = _marker_style(kind, planned, bool(on_front[k]), colour)
+        # a diamond for the plan, a square for a film, a circle for others
+        style: dict[str, Any] = {
+            "marker": "D" if planned else {"film": "s"}.get(kind, "o"),
+            "markersize": 5 if planned else 3.8,
+            "markerfacecolor": "white" if planned and not on_front[k] else colour,
+            "markeredgecolor": "black" if planned else colour,
+            "markeredgewidth": 0.9,
+            "linestyle": "none",
+        }
         axes.errorbar(
             time[k],
             drawn[k],
@@ -152,18 +162,6 @@ def _panel(
     _set_limits(axes, low[rows], high[rows], drawn[rows], floor)
     axes.set(xlabel="Processor time of the study [ms]", ylabel=f"Relative {number} [–]")
     return numbered
-
-
-def _marker_style(kind: str, planned: bool, on_front: bool, colour: str) -> dict[str, Any]:
-    """Return the style of a point: a diamond for the plan, a square for a film, a circle for others."""
-    return {
-        "marker": "D" if planned else {"film": "s"}.get(kind, "o"),
-        "markersize": 5 if planned else 3.8,
-        "markerfacecolor": "white" if planned and not on_front else colour,
-        "markeredgecolor": "black" if planned else colour,
-        "markeredgewidth": 0.9,
-        "linestyle": "none",
-    }
 
 
 def _set_limits(axes: "Axes", low: Array, high: Array, drawn: Array, floor: float) -> None:
@@ -192,10 +190,6 @@ def _set_limits(axes: "Axes", low: Array, high: Array, drawn: Array, floor: floa
     axes.xaxis.set_major_formatter("{x:g}")
 
 
-#: Where a number stands from its point: distance [pt] and direction.
-Position: TypeAlias = tuple[float, tuple[int, int]]
-
-
 @attrs.frozen(eq=False)
 class _Obstacles:
     """What a number should not cover, in pixels: points of lines, points with markers, and other numbers."""
@@ -220,8 +214,9 @@ class _Obstacles:
         for line in corners:
             for a, b in itertools.pairwise(line):
                 pixels += list(a + steps * (b - a))
-        markers = np.array([line[0] for line in corners if len(line) == 1])
-        return cls(axes, np.array(pixels), markers)
+        return cls(
+            axes, np.array(pixels), np.array([line[0] for line in corners if len(line) == 1])
+        )
 
     def cost(
         self, point: Array, centre: Array, size: Array, distance: float
@@ -256,27 +251,26 @@ def _write_numbers(axes: "Axes", points: Sequence[tuple[str, float, float]]) -> 
             zorder=6,
         )
         size = np.array(label.get_window_extent().size)
-
-        def offset_of(position: Position, size: Array = size) -> Array:
-            """Return the vector from the point to the centre of the number, in pixels."""
-            return np.array(position[1]) * (position[0] / points_per_pixel + 0.5 * size)
-
-        def cost(
-            position: Position, point: Array = point, size: Array = size
-        ) -> tuple[int, int, float]:
-            centre = point + offset_of(position, size)
-            return obstacles.cost(point, centre, size, position[0])
-
-        positions = [(distance, towards) for distance in _DISTANCES for towards in _DIRECTIONS]
-        best = min(positions, key=cost)
-        offset = offset_of(best)
+        positions = list(itertools.product(_DISTANCES, _DIRECTIONS))
+        # vectors from the point to the centre of the number, in pixels
+        offsets = [
+            np.array(towards) * (distance / points_per_pixel + 0.5 * size)
+            for distance, towards in positions
+        ]
+        costs = [
+            obstacles.cost(point, point + offset, size, distance)
+            for offset, (distance, _) in zip(offsets, positions, strict=True)
+        ]
+        best = costs.index(min(costs))
+        offset = offsets[best]
+        distance, towards = positions[best]
         label.set_position(tuple(points_per_pixel * offset))
         obstacles.numbers.append((point + offset - 0.5 * size, point + offset + 0.5 * size))
-        if best[0] >= _LEADER:
+        if distance >= _LEADER:
             axes.annotate(
                 "",
                 (x, y),
-                tuple(points_per_pixel * (offset - 0.5 * size * np.array(best[1]))),
+                tuple(points_per_pixel * (offset - 0.5 * size * np.array(towards))),
                 textcoords="offset points",
                 arrowprops={
                     "arrowstyle": "-",
