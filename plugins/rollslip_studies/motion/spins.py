@@ -579,7 +579,8 @@ class Motions:
         """
         unit = self.unit(slips)
         pairs = None if starts is None else np.repeat((starts * unit)[:, None], 2, axis=1)
-        brakes, changes = None, None
+        brakes = None
+        changes = None
         if self.rubbing > 0.0:
             brakes, changes = self._find_brakes(slips, pairs)
         march = self._march(slips, pairs, brakes=brakes)
