@@ -309,7 +309,7 @@ def test_temperatures_that_are_given_and_follow_are_refused():
 
 
 def test_temperatures_beyond_the_data_of_the_oil_are_refused_in_words(monkeypatch):
-    monkeypatch.setattr(heating, "RELAXATION", heating.WaveformRelaxation(max_halvings=1))
+    monkeypatch.setattr(heating, "_MAX_HALVINGS", 1)
     hot = scene(2.0, oil_inlet_temperature="900 degC")
     with pytest.raises(
         ConvergenceError, match=r"after pass \d it fails: .*temperature.*models.thermal=given"
@@ -336,7 +336,7 @@ def test_losses_of_cold_oil_that_lead_beyond_its_data_are_approached_by_halves()
 
 
 def test_passes_that_do_not_settle_are_refused_in_words(monkeypatch):
-    monkeypatch.setattr(heating, "RELAXATION", heating.WaveformRelaxation(max_passes=1))
+    monkeypatch.setattr(heating, "_MAX_PASSES", 1)
     with pytest.raises(ConvergenceError, match=r"after 1 passes .* they still change by"):
         heated(scene(2.0))
 

@@ -86,32 +86,44 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     name = f"dynamics-{dataset.attrs['friction']}"
     motion = f"level {dataset.attrs['level']}, {dataset.attrs['friction']} friction"
     yield name, f"Speed of cage and rollers against time, {motion}.", _speeds(dataset)
-    caption = (
+    yield (
+        f"{name}-orbit",
         f"Contacts with the inner ring over orbit and time, {motion}; 0 is the line of load, and blank is where no "
-        "roller was loaded or the value is not known; pocket forces are the largest."
+        "roller was loaded or the value is not known; pocket forces are the largest.",
+        _orbit(dataset),
     )
-    yield f"{name}-orbit", caption, _orbit(dataset)
     if "measure" in dataset.dims and np.isfinite(dataset["worst"]).any():
-        caption = f"Worst value of each measure of damage over the contacts at a moment, {motion}; dashed are limits."
-        yield f"{name}-damage", caption, over_time(dataset)
+        yield (
+            f"{name}-damage",
+            f"Worst value of each measure of damage over the contacts at a moment, {motion}; dashed are limits.",
+            over_time(dataset),
+        )
     if history_findings.has_heating(dataset):
-        caption = f"Bulk temperatures that the losses of the motion lead to, {motion}."
-        yield f"{name}-temperatures", caption, course(dataset)
+        yield (
+            f"{name}-temperatures",
+            f"Bulk temperatures that the losses of the motion lead to, {motion}.",
+            course(dataset),
+        )
     if history_findings.has_history(dataset):
-        caption = (
+        yield (
+            f"{name}-history",
             f"Cage slip along the history, {motion}, with the slip at which skidding begins and that at largest "
-            "traction of a steady state at the operation of each moment; a curve is missing where it is not known."
+            "traction of a steady state at the operation of each moment; a curve is missing where it is not known.",
+            slip_along(dataset),
         )
-        yield f"{name}-history", caption, slip_along(dataset)
-        caption = (
+        yield (
+            f"{name}-phase",
             f"Cage slip against that at which skidding begins at that moment, {motion}: beyond the diagonal the cage "
-            "skids. Numbers are times in seconds; a moment at which either is not known is left out."
+            "skids. Numbers are times in seconds; a moment at which either is not known is left out.",
+            phase(dataset),
         )
-        yield f"{name}-phase", caption, phase(dataset)
     yield f"{name}-energy", f"Energy ledger since the start, {motion}.", _energy(dataset)
     if "ring_displacement" in dataset:
-        caption = f"Tracks of the centres of inner ring and cage, {motion}; colours tell the time, a circle is the end."
-        yield f"{name}-centres", caption, _centres(dataset)
+        yield (
+            f"{name}-centres",
+            f"Tracks of the centres of inner ring and cage, {motion}; colours tell the time, a circle is the end.",
+            _centres(dataset),
+        )
 
 
 def plot_together(datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[Path]:
@@ -145,7 +157,7 @@ def plot_together(datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[Pa
 
 
 def _speeds(dataset: "xr.Dataset") -> "Figure":
-    """Draw the speeds of cage and rollers over time."""
+    """Draw the speeds of cage and rollers over time, with their levels without slip, and events."""
     sheet = _sheet(1)
     cage, roller = sheet.axes
     time = _time(dataset)
@@ -156,7 +168,18 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
         _line(sheet, cage, time, epicyclic, label="without slip", linestyle="dotted", **_QUIET)
     else:
         _draw_levels(sheet, dataset)
-    _draw_events(sheet, dataset, speed)
+    passages = skidding_passages(dataset)
+    for passage_time, rising in passages:
+        shown_time = _scale(dataset) * passage_time
+        cage.plot(shown_time, np.interp(shown_time, time, speed), **_passage(rising))
+    for rising, label in ((True, "rising"), (False, "falling")):
+        if rising in [passage_rising for _, passage_rising in passages]:
+            sheet.key(f"passed while {label}", linestyle="none", **_passage(rising))
+    if others := _other_events(dataset):
+        cage.vlines(
+            others, 0.0, 0.03, transform=cage.get_xaxis_transform(), color="0.3", linewidth=0.6
+        )
+        sheet.key("events (at the foot)", linestyle="none", marker="|", color="0.3", markersize=5)
     _draw_roller_speeds(sheet, dataset)
     cage.set_ylabel("Cage speed [rpm]")
     roller.set_ylabel("Roller speed, relative to the cage [rpm]")
@@ -182,23 +205,6 @@ def _draw_levels(sheet: Sheet, dataset: "xr.Dataset") -> None:
         sheet.key(f"skidding begins, {100 * limit:.3g} %", linestyle=DASHES[1], **_QUIET)
 
 
-def _draw_events(sheet: Sheet, dataset: "xr.Dataset", speed: Array) -> None:
-    """Mark the passages of the skidding slip on the curve of the cage speed, and other events at its axis."""
-    cage = sheet.axes[0]
-    passages = skidding_passages(dataset)
-    for passage_time, rising in passages:
-        time = _scale(dataset) * passage_time
-        cage.plot(time, np.interp(time, _time(dataset), speed), **_passage(rising))
-    for rising, label in ((True, "rising"), (False, "falling")):
-        if rising in [passage_rising for _, passage_rising in passages]:
-            sheet.key(f"passed while {label}", linestyle="none", **_passage(rising))
-    if others := _other_events(dataset):
-        cage.vlines(
-            others, 0.0, 0.03, transform=cage.get_xaxis_transform(), color="0.3", linewidth=0.6
-        )
-        sheet.key("events (at the foot)", linestyle="none", marker="|", color="0.3", markersize=5)
-
-
 def _draw_roller_speeds(sheet: Sheet, dataset: "xr.Dataset") -> None:
     """Draw the range of the speeds of all rollers, and the curve of one roller or of the mean."""
     from matplotlib.patches import Patch
@@ -211,9 +217,7 @@ def _draw_roller_speeds(sheet: Sheet, dataset: "xr.Dataset") -> None:
         if time.size > 1:
             roller.fill_between(time, speeds.min(axis=1), speeds.max(axis=1), **tint)
         else:
-            roller.vlines(
-                time, speeds.min(), speeds.max(), color=MODEL_COLOURS[1], alpha=0.25, linewidth=4.0
-            )
+            roller.vlines(time, speeds.min(), speeds.max(), **(tint | {"linewidth": 4.0}))
         sheet.handles.append(Patch(label="range of all rollers", **tint))
     curve, label = _shown_roller(dataset)
     _line(sheet, roller, time, curve, label=label, color=MODEL_COLOURS[1], linewidth=0.8)
@@ -262,7 +266,7 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         inner[name].to_numpy() for name in ("sliding_speed", "normal_force", "film_parameter")
     )
     loaded = force > 0.0
-    power = inner["traction_force"].to_numpy() * sliding
+    power = np.abs(inner["traction_force"].to_numpy() * sliding)
     status = f"film parameter: {dataset['film_parameter'].attrs['film_status']}"
     nothing = "no roller is loaded"
     rows = [
@@ -278,7 +282,7 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         ),
         (
             "Sliding power [W]",
-            _Cells.summarise(dataset, np.where(loaded, np.abs(power), np.nan), np.mean),
+            _Cells.summarise(dataset, np.where(loaded, power, np.nan), np.mean),
             nothing,
         ),
         (
@@ -550,11 +554,10 @@ def _line(sheet: Sheet, axes: "Axes", x: Array, y: Array, **style: Any) -> None:
 
 def _passage(rising: bool) -> dict[str, Any]:
     """Return the style of the marker of a passage of the skidding slip, filled while slip rises."""
-    face = MODEL_COLOURS[1] if rising else "white"
     return {
         "marker": "o",
         "markersize": 5,
-        "color": face,
+        "color": MODEL_COLOURS[1] if rising else "white",
         "markeredgecolor": MODEL_COLOURS[1],
         "zorder": 4,
     }

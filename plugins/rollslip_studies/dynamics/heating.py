@@ -50,44 +50,35 @@ from rollslip_studies.motion.torque_balance import TorqueBalance
 VALUES: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
 
 
-@attrs.frozen(kw_only=True)
-class WaveformRelaxation:
-    """Settings of the passes through motion and thermal model."""
+# Settings of the passes through motion and thermal model.
 
-    #: Evenly spread samples of losses and temperatures, beside the breaks of a history. Halved, the power is constant
-    #: over a 128th of the duration, and temperatures that change faster are smoothed. Chosen.
-    samples: int = 257
-    #: Upper bound of the relative change of speeds per kelvin; the tolerance of temperatures is that of the cage speed
-    #: over it. Viscosities of oils change by 2 to 9 % per kelvin. Doubled, temperatures
-    #: have half the error, usually by one more pass.
-    relative_change_per_kelvin: float = 0.1
-    #: Largest number of passes. Doubled, a motion that does not converge takes twice as long to fail. Chosen: plans
-    #: expect 4 passes.
-    max_passes: int = 25
-    #: Earlier passes that Anderson acceleration uses. Doubled, older passes, at distant temperatures, count as well;
-    #: with none, passes oscillate. Chosen.
-    depth: int = 3
-    #: Halvings of a step to temperatures at which the motion fails. Doubled, steps down to a 4096th are tried. Chosen.
-    max_halvings: int = 6
+#: Evenly spread samples of losses and temperatures, beside the breaks of a history. Halved, the power is constant
+#: over a 128th of the duration, and temperatures that change faster are smoothed. Chosen.
+_SAMPLES: Final = 257
+#: Upper bound of the relative change of speeds per kelvin; the tolerance of temperatures is that of the cage speed
+#: over it. Viscosities of oils change by 2 to 9 % per kelvin. Doubled, temperatures
+#: have half the error, usually by one more pass.
+_RELATIVE_CHANGE_PER_KELVIN: Final = 0.1
+#: Largest number of passes. Doubled, a motion that does not converge takes twice as long to fail. Chosen: plans
+#: expect 4 passes.
+_MAX_PASSES: Final = 25
+#: Earlier passes that Anderson acceleration uses. Doubled, older passes, at distant temperatures, count as well;
+#: with none, passes oscillate. Chosen.
+_ANDERSON_DEPTH: Final = 3
+#: Halvings of a step to temperatures at which the motion fails. Doubled, steps down to a 4096th are tried. Chosen.
+_MAX_HALVINGS: Final = 6
 
+# What a plan expects of a run with temperatures that follow from losses.
+#
+# The time of a run is passes times (slowdown times the time of a motion, and bearings times that of assembling one).
 
-@attrs.frozen(kw_only=True)
-class CostOfHeating:
-    """What a plan expects of a run with temperatures that follow from losses.
+#: Passes. Doubled, the estimated time doubles. Chosen; the reason was not recorded.
+_TYPICAL_PASSES: Final = 4
+#: Bearings that are assembled for the maps of a pass. Chosen, likewise.
+_TYPICAL_BEARINGS: Final = 30
+#: Time of the rates interpolated between bearings over that of one bearing. Chosen, likewise.
+_SLOWDOWN: Final = 5
 
-    The time of a run is passes times (slowdown times the time of a motion, and bearings times that of assembling one).
-    """
-
-    #: Passes. Doubled, the estimated time doubles. Chosen; the reason was not recorded.
-    passes: int = 4
-    #: Bearings that are assembled for the maps of a pass. Chosen, likewise.
-    bearings: int = 30
-    #: Time of the rates interpolated between bearings over that of one bearing. Chosen, likewise.
-    slowdown: int = 5
-
-
-RELAXATION: Final = WaveformRelaxation()
-COST: Final = CostOfHeating()
 #: Step of temperature [K] for the difference quotients that linearise the thermal model, and to the bearing whose
 #: assembly a plan measures. Doubled, the linear part of a non-linear model is that over 2 K; a linear one is not
 #: affected. Chosen.
@@ -182,7 +173,7 @@ def model_of(assembly: Assembly) -> ThermalModel | None:
 
 def temperature_tolerance(assembly: Assembly) -> float:
     """Return the largest change of a temperature in the last pass [K]."""
-    return assembly.scene.accuracy.of("cage_speed") / RELAXATION.relative_change_per_kelvin
+    return assembly.scene.accuracy.of("cage_speed") / _RELATIVE_CHANGE_PER_KELVIN
 
 
 def solve_temperatures(
@@ -219,7 +210,7 @@ def solve_temperatures(
                 "temperatures follow from losses; leave one of both out"
             ]
         )
-    times = np.linspace(0.0, study.duration, RELAXATION.samples)
+    times = np.linspace(0.0, study.duration, _SAMPLES)
     if given is not None:
         times = np.union1d(times, given.breaks)
     rolling = _inner_rolling_fractions(bearing)
@@ -228,15 +219,17 @@ def solve_temperatures(
     guesses = list[Array]()
     changes = list[Array]()
     halvings = 0
-    for count in range(1, RELAXATION.max_passes + 1):
+    for count in range(1, _MAX_PASSES + 1):
         history = _history(study, assembly, bearing, model, given, times, current, tolerance)
         if progress is not None:
-            progress(f"temperatures, pass {count}", (count - 1) / max(COST.passes + 1, count + 1))
+            progress(
+                f"temperatures, pass {count}", (count - 1) / max(_TYPICAL_PASSES + 1, count + 1)
+            )
         try:
             moving, found = _motion(study, bearing, history, times, count)
         except ConvergenceError:
             halvings += 1
-            if not guesses or halvings > RELAXATION.max_halvings:
+            if not guesses or halvings > _MAX_HALVINGS:
                 raise
             current = 0.5 * (guesses[-1] + current)
             continue
@@ -256,11 +249,11 @@ def solve_temperatures(
                 passes=count,
                 change=max_change,
             )
-        guesses = [*guesses[-RELAXATION.depth :], current]
-        changes = [*changes[-RELAXATION.depth :], change]
+        guesses = [*guesses[-_ANDERSON_DEPTH:], current]
+        changes = [*changes[-_ANDERSON_DEPTH:], change]
         current = _anderson_step(guesses, changes)
     raise ConvergenceError(
-        f"temperatures do not converge: after {RELAXATION.max_passes} passes through the motion they still change by "
+        f"temperatures do not converge: after {_MAX_PASSES} passes through the motion they still change by "
         f"{max_change:.3g} K, more than {tolerance:.2g} K; shorten study.{study.name}.duration, raise "
         "accuracy.tolerance, or give temperatures with --set models.thermal=given"
     )
@@ -545,5 +538,5 @@ def heating_cost(
     warmer = with_changes(assembly, model.changes(warmer_nodes, assembly.scene))
     seconds = processor_time(lambda: study.moving_along(study.course(warmer), warmer), 1)
     return {
-        "temperatures": COST.passes * (COST.slowdown * motion_seconds + COST.bearings * seconds)
+        "temperatures": _TYPICAL_PASSES * (_SLOWDOWN * motion_seconds + _TYPICAL_BEARINGS * seconds)
     }

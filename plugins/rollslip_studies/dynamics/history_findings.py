@@ -222,18 +222,8 @@ def with_history_topics(
 
 
 def describe_history(dataset: "xr.Dataset") -> list[str]:
-    """Describe how the operation changed, and the sliding of the rollers."""
-    return [
-        *_describe_operation(dataset),
-        *_describe_starvation(dataset),
-        *_describe_sliding(dataset),
-    ]
-
-
-def _describe_operation(dataset: "xr.Dataset") -> list[str]:
-    """Describe how each value of the operation changed."""
+    """Describe how each value of the operation changed, the starvation of the film, and the sliding of the rollers."""
     sentences = []
-    t = dataset["time"].to_numpy()
     varies = json.loads(dataset.attrs["history_varies"])
     for name in json.loads(dataset.attrs["history"]):
         values = dataset[name].to_numpy()
@@ -244,29 +234,18 @@ def _describe_operation(dataset: "xr.Dataset") -> list[str]:
         )
         if name not in varies:
             sentences.append(f"{label} stays at {first}")
-        else:
-            extremes = f", with {low} at least and {high} at most"
-            if {first, last} == {low, high}:
-                extremes = ""
-            times = _describe_change_times(t, values)
-            sentences.append(f"{label} goes from {first} to {last} {times}{extremes}")
-    return sentences
-
-
-def _describe_starvation(dataset: "xr.Dataset") -> list[str]:
-    """Describe the starvation of the film, if it would differ much between the speeds."""
+            continue
+        text = f"{label} goes from {first} to {last} "
+        text += _describe_change_times(dataset["time"].to_numpy(), values)
+        if {first, last} != {low, high}:
+            text += f", with {low} at least and {high} at most"
+        sentences.append(text)
     factor, low_speed_factor = json.loads(dataset.attrs.get("starvation", "[1, 1]"))
     if abs(low_speed_factor - factor) > _MIN_STARVATION_CHANGE * low_speed_factor:
-        return [
+        sentences.append(
             f"starvation is that of the largest speed throughout, a factor of {factor:.3g} on the film; at the lowest "
             f"speed it would be {low_speed_factor:.3g}"
-        ]
-    return []
-
-
-def _describe_sliding(dataset: "xr.Dataset") -> list[str]:
-    """Describe sliding distances and frictional work at each ring."""
-    sentences = []
+        )
     works = frictional_work(dataset)
     for ring, distance in sliding_distance(dataset).items():
         mean, largest = (

@@ -140,9 +140,28 @@ def stored_variables(
     outputs : mapping of str to ndarray
         Forces and speeds of the contacts at the stored times, as of `outputs_of`.
     """
+    state = moving.split(found.y)
+    kinematics = moving.assembly.kinematics
+    cage = state["cage_speed"]
+    spin = state["roller_spin"]
+    rollers = spin.shape[1]
+    angles = state["cage_angle"][:, None] + 2.0 * np.pi / rollers * np.arange(rollers)
+    relative = spin + state.get("orbital_speed", cage[:, None])
+    cage_epicyclic, roller_epicyclic = moving.epicyclic_speeds(found.t)
     meanings = [_EVENT_MEANINGS[event.watched, event.rising] for event in found.events]
+    contacts = {name: np.moveaxis(outputs[name], 1, 0) for name in _CONTACT_OUTPUTS}
+    if (displacement := state.get("pocket_position")) is not None:
+        angles = angles + displacement / kinematics.orbit_radius
+        contacts["pocket_force"] = outputs["pocket_force"]
+        contacts["pocket_displacement"] = displacement
+    for ring, table in zip(RINGS, moving.friction.tables, strict=False):
+        contacts[f"{ring}_sliding"], contacts[f"{ring}_friction"] = table.curve
     return {
-        **_speed_variables(moving, found),
+        "cage_speed": kinematics.direction * cage,
+        "cage_slip": 1.0 - cage / cage_epicyclic,
+        "roller_speed": kinematics.direction * relative,
+        "roller_slip": 1.0 - relative / roller_epicyclic[:, None],
+        "orbit_angle": np.mod(angles, 2.0 * np.pi),
         "energy": moving.energy(found.y),
         "work_done": np.array(list(moving.works(found.y).values())),
         "energy_residual": moving.energy_residual(found.y),
@@ -151,8 +170,8 @@ def stored_variables(
         "event_time": np.array([event.time for event in found.events]),
         "event_what": np.array(meanings, dtype=np.dtypes.StringDType()).astype(object),
         "event_rising": np.array([int(event.rising) for event in found.events], dtype=int),
-        **_contact_variables(moving, found, outputs),
-        **_ring_variables(moving, found),
+        **contacts,
+        **_ring_variables(moving, state),
     }
 
 
@@ -184,43 +203,8 @@ def stored_coordinates(moving: MovingBearing, found: Trajectory) -> dict[str, An
     return coordinates
 
 
-def _speed_variables(moving: MovingBearing, found: Trajectory) -> dict[str, Array]:
-    """Return speeds, slips and angles of cage and rollers."""
-    state = moving.split(found.y)
-    kinematics = moving.assembly.kinematics
-    cage = state["cage_speed"]
-    spin = state["roller_spin"]
-    rollers = spin.shape[1]
-    angles = state["cage_angle"][:, None] + 2.0 * np.pi / rollers * np.arange(rollers)
-    if (displacement := state.get("pocket_position")) is not None:
-        angles = angles + displacement / kinematics.orbit_radius
-    relative = spin + state.get("orbital_speed", cage[:, None])
-    cage_epicyclic, roller_epicyclic = moving.epicyclic_speeds(found.t)
-    return {
-        "cage_speed": kinematics.direction * cage,
-        "cage_slip": 1.0 - cage / cage_epicyclic,
-        "roller_speed": kinematics.direction * relative,
-        "roller_slip": 1.0 - relative / roller_epicyclic[:, None],
-        "orbit_angle": np.mod(angles, 2.0 * np.pi),
-    }
-
-
-def _contact_variables(
-    moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array]
-) -> dict[str, Array]:
-    """Return forces and speeds of the contacts, and the curves of effective friction."""
-    variables = {name: np.moveaxis(outputs[name], 1, 0) for name in _CONTACT_OUTPUTS}
-    if (displacement := moving.split(found.y).get("pocket_position")) is not None:
-        variables["pocket_force"] = outputs["pocket_force"]
-        variables["pocket_displacement"] = displacement
-    for ring, table in zip(RINGS, moving.friction.tables, strict=False):
-        variables[f"{ring}_sliding"], variables[f"{ring}_friction"] = table.curve
-    return variables
-
-
-def _ring_variables(moving: MovingBearing, found: Trajectory) -> dict[str, Array]:
+def _ring_variables(moving: MovingBearing, state: Mapping[str, Array]) -> dict[str, Array]:
     """Return displacements of inner ring and cage, and deflections and angles of the rings, where they move."""
-    state = moving.split(found.y)
     assembly = moving.assembly
     variables = dict[str, Array]()
     for body, prefix in (("ring", "inner_ring"), ("cage", "cage")):

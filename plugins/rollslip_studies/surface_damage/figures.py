@@ -33,15 +33,19 @@ def damage_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     """Draw the figures; yield name, caption and figure of each."""
     known = _with_values(dataset)
     if known:
-        slip = f"at a cage slip of {100.0 * float(dataset['slip']):.3g} %"
         yield (
             "damage-along",
-            f"Worst value on a roller over its orbit {slip}; dashed are limits.",
+            f"Worst value on a roller over its orbit at a cage slip of {100.0 * float(dataset['slip']):.3g} %; "
+            "dashed are limits.",
             _along(known),
         )
     if inside := [measure for measure in known if np.isfinite(measure["across"]).any()]:
-        caption = "Values across the contacts where they are worst, from the inlet at -1 to the outlet at 1."
-        yield "damage-across", caption, _across(inside)
+        places = dataset["place"].to_numpy()
+        yield (
+            "damage-across",
+            "Values across the contacts where they are worst, from the inlet at -1 to the outlet at 1.",
+            _panels(inside, "across", places, r"Place across the contact $x/b$ [–]"),
+        )
 
 
 def _with_values(dataset: "xr.Dataset") -> "list[xr.Dataset]":
@@ -51,49 +55,43 @@ def _with_values(dataset: "xr.Dataset") -> "list[xr.Dataset]":
 
 def _along(known: "list[xr.Dataset]") -> "Figure":
     """Draw the worst value of each measure on a roller over its orbit."""
-    angle = np.degrees(known[0]["angle"].to_numpy())
-    centred = np.argsort((angle + 180.0) % 360.0)
-    shown = (angle[centred] + 180.0) % 360.0 - 180.0
-    figure, panels = _panels(known)
-    for measure, axes in zip(known, panels, strict=True):
-        _draw_with_limit(axes, measure, shown, measure["along"].to_numpy()[:, centred])
-        axes.set_xlim(-180.0, 180.0)
-        axes.set_xticks(range(-180, 181, 90))
-    panels[-1].set_xlabel("Position from the line of load [°]")
+    angle = (np.degrees(known[0]["angle"].to_numpy()) + 180.0) % 360.0 - 180.0
+    centred = np.argsort(angle)
+    rotated = [measure.isel(angle=centred) for measure in known]
+    figure = _panels(
+        rotated, "along", angle[centred], "Position from the line of load [°]", with_limit=True
+    )
+    figure.axes[-1].set_xlim(-180.0, 180.0)
+    figure.axes[-1].set_xticks(range(-180, 181, 90))
     return figure
 
 
 def over_time(dataset: "xr.Dataset") -> "Figure":
     """Draw the worst value of each measure over the time of a motion, by ring."""
-    known = _with_values(dataset)
-    figure, panels = _panels(known)
     time = dataset["measured_time"].to_numpy()
-    for measure, axes in zip(known, panels, strict=True):
-        _draw_with_limit(axes, measure, time, measure["worst_over_time"].to_numpy())
-        axes.set_xlim(time[0], time[-1] if time.size > 1 else time[0] + 1.0)
-    panels[-1].set_xlabel("Time [s]")
-    return figure
+    known = _with_values(dataset)
+    return _panels(known, "worst_over_time", time, "Time [s]", with_limit=True)
 
 
-def _draw_with_limit(
-    axes: "Axes", measure: "xr.Dataset", x: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]"
-) -> None:
-    """Draw a row for each ring, and the limit of the measure if it is near or exceeded."""
-    convert = _draw(axes, measure, x, rows)
-    limit = float(measure["limit"])
-    is_near = abs(limit) < _MAX_LIMIT_RATIO * np.nanmax(np.abs(rows))
-    if np.isfinite(limit) and (is_near or rings_beyond_limit(measure)):
-        axes.axhline(convert(limit), color="black", linewidth=0.8, linestyle="dashed")
-
-
-def _across(known: "list[xr.Dataset]") -> "Figure":
-    """Draw the values across the worst contacts."""
-    figure, panels = _panels(known)
-    for measure, axes in zip(known, panels, strict=True):
-        _draw(axes, measure, measure["place"].to_numpy(), measure["across"].to_numpy())
-        axes.set_xlim(-1.0, 1.0)
-    panels[-1].set_xlabel("Place across the contact $x/b$ [–]")
-    return figure
+def _panels(
+    known: "list[xr.Dataset]",
+    name: str,
+    x: "np.ndarray[Any, Any]",
+    label: str,
+    with_limit: bool = False,
+) -> "Figure":
+    """Draw a variable of each measure in a panel, with the limit of the measure if it is near or exceeded."""
+    sheet = Sheet(SINGLE_COLUMN, len(known), 1, sharex=True, squeeze=False)
+    for measure, axes in zip(known, sheet.axes[:, 0], strict=True):
+        rows = measure[name].to_numpy()
+        convert = _draw(axes, measure, x, rows)
+        limit = float(measure["limit"])
+        is_near = abs(limit) < _MAX_LIMIT_RATIO * np.nanmax(np.abs(rows))
+        if with_limit and np.isfinite(limit) and (is_near or rings_beyond_limit(measure)):
+            axes.axhline(convert(limit), color="black", linewidth=0.8, linestyle="dashed")
+    sheet.axes[-1, 0].set_xlim(x[0], x[-1] if x.size > 1 else x[0] + 1.0)
+    sheet.axes[-1, 0].set_xlabel(label)
+    return sheet.done(height=len(known) * (0.75 * SINGLE_COLUMN[1] + 2 * ROW) + ROW)
 
 
 def _draw(
@@ -122,10 +120,3 @@ def _draw(
     # above a power of ten at the axis
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=1.0)
     return convert
-
-
-def _panels(known: "list[xr.Dataset]") -> "tuple[Figure, list[Axes]]":
-    """Return a figure with a panel for each measure, and the panels."""
-    sheet = Sheet(SINGLE_COLUMN, len(known), 1, sharex=True, squeeze=False)
-    height = len(known) * (0.75 * SINGLE_COLUMN[1] + 2 * ROW) + ROW
-    return sheet.done(height=height), list(sheet.axes[:, 0])
