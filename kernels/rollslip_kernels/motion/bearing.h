@@ -17,20 +17,13 @@ enum { RS_UNKNOWNS = 5, RS_ADDED = 16, RS_MOST_DRAGS = 16 };   /* at most, of a 
 #define RS_POCKET_SLIDING 1e-2          /* m/s over which pocket friction changes its sign */
 #define RS_SQUEEZE 1e-4                 /* m/s over which the squeeze film sets in */
 
-/* Piecewise cubic on equal cells of v = V/(|V| + V_s + S u) and, if it has rows, of e = u/(u + u_s).  Without rows a
- * cell holds the coefficients of the powers of the place in it, 0 to 1.  With rows a node holds mu, dmu/dv, dmu/de and
- * d2mu/dv de, the derivatives times the widths of a cell.  Beyond its ends it is held. */
+/* Effective friction mu(V): piecewise cubic on equal cells of v = V/(|V| + V_s), constant beyond its ends. */
 typedef struct {
-    const double *values;    /* [cells x 4]; with rows [(rows + 1) x (cells + 1) x 4] */
-    int cells;               /* of v */
-    int rows;                /* of e; 0 where friction does not depend on the rolling speed */
+    const double *values;    /* [cells x 4] coefficients of the powers of the abscissa in a cell, 0 to 1 */
+    int cells;
     double sliding_scale;    /* V_s [m/s] */
-    double sliding_ratio;    /* S [1] */
-    double rolling_scale;    /* u_s [m/s] */
     double per_cell;         /* abscissa in cells = v per_cell + before */
     double before;
-    double per_row;          /* abscissa in rows = e per_row + before_row */
-    double before_row;
 } rs_friction_table;
 
 /* Friction of all rollers on one raceway; see rollslip_raceway.pxd. */

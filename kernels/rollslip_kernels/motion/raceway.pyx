@@ -31,28 +31,22 @@ def constant(Py_ssize_t rollers, double coefficient, double transition):
 
 
 def effective(
-    Py_ssize_t rollers, nodes: ArrayLike, limits: Sequence[float], double sliding_scale=0.0, double sliding_ratio=0.0,
-    row_limits: Sequence[float] = (0.0, 1.0), double rolling_scale=1.0,
+    Py_ssize_t rollers, nodes: ArrayLike, limits: Sequence[float], double sliding_scale=0.0
 ):
     """Return a raceway with F = mu_e Q from a Hermite table.
 
-    ``nodes`` holds, at equal steps of V/(|V| + V_s) between ``limits``, mu_e and its derivative times the step, (N, 2);
-    or, with rows at equal steps of u/(u + u_s) between ``row_limits``, also the two derivatives along the rows,
-    (M, N, 4). V_s is ``sliding_scale`` + ``sliding_ratio`` u, u_s ``rolling_scale`` [m/s].
+    ``nodes`` holds, at equal steps of V/(|V| + V_s) between ``limits``, mu_e and its derivative times the step, (N, 2).
+    V_s is ``sliding_scale`` [m/s].
     """
     table = np.array(nodes, dtype=float, order="C")
-    *rows, count, values = table.shape
-    if (len(rows), values) not in ((0, 2), (1, 4)) or any(size < 2 for size in (*rows, count)):
-        raise ValueError(f"a table is of shape (N, 2) or (M, N, 4) with at least two nodes, got {table.shape}")
-    cdef double[::1] flat = (table if rows else coefficients(*table.T)).ravel()
+    if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
+        raise ValueError(f"a table is of shape (N, 2) with at least two nodes, got {table.shape}")
+    cdef double[::1] flat = coefficients(*table.T).ravel()
     cdef rs_raceway w = _raceway(RS_EFFECTIVE, rollers, 1)
-    (low, high), (low_row, high_row) = limits, row_limits
-    w.table.values, w.table.cells, w.table.rows = &flat[0], count - 1, rows[0] - 1 if rows else 0
-    w.table.sliding_scale, w.table.sliding_ratio, w.table.rolling_scale = sliding_scale, sliding_ratio, rolling_scale
-    # the share first: that of the middle is 1/2 to the last bit, and its node is met exactly
+    low, high = limits
+    w.table.values, w.table.cells, w.table.sliding_scale = &flat[0], len(table) - 1, sliding_scale
+    # the fraction first: that of the middle is 1/2 to the last bit, and its node is met exactly
     w.table.per_cell, w.table.before = w.table.cells / (high - low), -low / (high - low) * w.table.cells
-    w.table.per_row, w.table.before_row = (
-        w.table.rows / (high_row - low_row), -low_row / (high_row - low_row) * w.table.rows)
     return _new(&w, (flat,))
 
 

@@ -36,7 +36,7 @@ cdef inline double rs_film_speed(double u) noexcept nogil:
 cdef inline void rs_curve_traction(
     const rs_friction_table *t, size_t n, const double *force, const double *sliding, double *traction
 ) noexcept nogil:
-    """mu(V) Q of n contacts by a table without rows."""
+    """mu(V) Q of n contacts by a table."""
     cdef double share[RS_ROUND]
     cdef int cell[RS_ROUND]
     cdef double V, x, scale = t.sliding_scale, per_cell = t.per_cell, before = t.before
@@ -51,26 +51,6 @@ cdef inline void rs_curve_traction(
             a, x = t.values + 4 * cell[j], share[j]
             traction[j] = force[j] * (a[0] + x * (a[1] + x * (a[2] + x * a[3])))
         n, force, sliding, traction = n - part, force + part, sliding + part, traction + part
-
-
-cdef inline double rs_map_friction(const rs_friction_table *t, double V, double u) noexcept nogil:
-    """mu at a sliding speed and a film speed by a table with rows."""
-    cdef double x, y, h1, d0, d1, k1, e0, e1
-    cdef double v = V / (fabs(V) + t.sliding_scale + t.sliding_ratio * u)
-    cdef int i = rs_cell(v * t.per_cell + t.before, t.cells, &x)
-    cdef int j = rs_cell(u / (u + t.rolling_scale) * t.per_row + t.before_row, t.rows, &y)
-    cdef const double *a = t.values + 4 * (<size_t>j * (t.cells + 1) + i)
-    cdef const double *b = a + 4 * (t.cells + 1)
-    h1 = x * x * (3.0 - 2.0 * x)
-    d0 = x * (1.0 - x) * (1.0 - x)
-    d1 = x * x * (x - 1.0)
-    k1 = y * y * (3.0 - 2.0 * y)
-    e0 = y * (1.0 - y) * (1.0 - y)
-    e1 = y * y * (y - 1.0)
-    return ((1.0 - k1) * (a[0] + h1 * (a[4] - a[0]) + d0 * a[1] + d1 * a[5])
-            + k1 * (b[0] + h1 * (b[4] - b[0]) + d0 * b[1] + d1 * b[5])
-            + e0 * (a[2] + h1 * (a[6] - a[2]) + d0 * a[3] + d1 * a[7])
-            + e1 * (b[2] + h1 * (b[6] - b[2]) + d0 * b[3] + d1 * b[7]))
 
 
 cdef inline void rs_fill_places(rs_raceway *w, const double *load, size_t j, size_t n) noexcept nogil:
@@ -178,11 +158,8 @@ cdef inline int rs_raceway_friction(
             for j in range(w.rollers):
                 traction[j] = w.coefficient * force[j] * sliding[j] / sqrt(
                     sliding[j] * sliding[j] + w.transition * w.transition)
-        elif w.table.rows == 0:
-            rs_curve_traction(&w.table, w.rollers, force, sliding, traction)
         else:
-            for j in range(w.rollers):
-                traction[j] = force[j] * rs_map_friction(&w.table, sliding[j], rs_film_speed(rolling[j]))
+            rs_curve_traction(&w.table, w.rollers, force, sliding, traction)
     if resistance != NULL and (w.resists or w.friction != RS_CONVENTIONAL):
         for j in range(w.rollers):
             resistance[j] *= rolling[j] / rs_film_speed(rolling[j])

@@ -386,14 +386,14 @@ cdef class Spin:
         how = self._ended(ended)
         return np.asarray(slip), multiplier, left, how
 
-    def sent_round(
+    def march_orbits(
         self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
         const double[:, ::1] bracket, const double[::1] wide, const double[:, ::1] starts,
         Py_ssize_t orbits, double exact, known: Array | None = None,
     ) -> tuple[Array, NDArray[np.bool_], Array, str]:
-        """Return what rollers come to when they are sent round, row by row, whether two are one, and what is left.
+        """March rollers round the orbit, row by row: return their slips, whether two agree, and the change per orbit.
 
-        Positions are rows of ``around`` ones, an orbit each; ``rows`` (n,) are those to go round. Of each ``inertia``
+        Positions are rows of ``around`` ones, an orbit each; ``rows`` (n,) are those to march. Of each ``inertia``
         is as in `periodic`, ``bracket`` (n, 2) holds the roller slips of rolling on either ring, ``wide`` is what steps
         and tolerances refer to, and ``starts`` (n, 2) are slips at its first position: two for two rollers, the same
         twice for one. ``exact`` is how exactly balances are found, relative to ``wide``.
@@ -425,7 +425,7 @@ cdef class Spin:
         cdef Py_ssize_t[:, ::1] who = np.empty((4, 2 * n + 1), dtype=np.intp)
         if n:
             with nogil:
-                ended = self._sent_round(K, n, &rows[0], &inertia[0], &bracket[0, 0], &wide[0], orbits, exact, second,
+                ended = self._march_orbits(K, n, &rows[0], &inertia[0], &bracket[0, 0], &wide[0], orbits, exact, second,
                                          &out[0, 0, 0], &one[0], &rest[0, 0], way, who)
         how = self._ended(ended)
         return slips, met.view(bool), left, how
@@ -441,7 +441,7 @@ cdef class Spin:
             raise ValueError("rows are for compiled contacts alone")
         return 0
 
-    cdef int _sent_round(self, Py_ssize_t K, Py_ssize_t n, const Py_ssize_t *rows, const double *inertia,
+    cdef int _march_orbits(self, Py_ssize_t K, Py_ssize_t n, const Py_ssize_t *rows, const double *inertia,
                          const double *bracket, const double *wide, Py_ssize_t orbits, double exact, bint second,
                          double *out, unsigned char *met, double *left, double[:, ::1] way,
                          Py_ssize_t[:, ::1] who) noexcept nogil:
@@ -643,13 +643,13 @@ cdef class Spin:
                 return FOUND
         return LOST
 
-    def settled(
+    def periodic_rows(
         self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
         const double[:, ::1] guess, const double[::1] unit, double settles=SETTLED, bint as_guessed=False,
     ) -> tuple[Array, Array, Array, NDArray[np.bool_], str]:
-        """Return the roller slips of rows that repeat after an orbit, beside a guess (n, K); see `periodic`.
+        """Return the periodic roller slips of rows near a guess (n, K); see `periodic`.
 
-        Rows are as in `sent_round`, one roller each; ``unit`` (n,) is what their slips go with. Returned are slips
+        Rows are as in `march_orbits`, one roller each; ``unit`` (n,) is what their slips go with. Returned are slips
         (n, K), multipliers and mean torques of a roller on the cage [N m], (n,), which rows were found, and how it
         ended. A row that is not found stays as it is guessed; so do all if that is asked for.
         """

@@ -547,7 +547,7 @@ class Motions:
         spins = self.spins(slips, self._march_loads, brakes) if spins is None else spins
         starts = self._march_starts(spins, slips) if starts is None else starts
         tolerance = MARCH.balance if self._inertia else MARCH.balance_without_inertia
-        roller_slips, agree, changes, status = spins.kernel.sent_round(
+        roller_slips, agree, changes, status = spins.kernel.march_orbits(
             np.arange(slips.size),
             self.positions,
             self._inertia * np.abs(1.0 - slips),
@@ -627,7 +627,7 @@ class Motions:
         spins = self.spins(slips, brakes=brakes)
         error = np.zeros(rows.size)
         if self._inertia:
-            found, multiplier, torque, is_found, status = spins.kernel.settled(
+            found, multiplier, torque, is_found, status = spins.kernel.periodic_rows(
                 rows, self.positions, inertia, marched, unit, MARCH.newton
             )
             spins.check(status)
@@ -665,7 +665,7 @@ class Motions:
         self, spins: Spins, rows: Rows, roller_slips: Array, inertia: Array, unit: Array
     ) -> tuple[Array, Array]:
         """Mean torques of all rollers on the cage [N m] and multipliers of given roller slips (m, K), (m,) each."""
-        _, multiplier, torque, _, status = spins.kernel.settled(
+        _, multiplier, torque, _, status = spins.kernel.periodic_rows(
             rows, self.positions, inertia, roller_slips, unit, as_guessed=True
         )
         spins.check(status)
@@ -679,7 +679,7 @@ class Motions:
         Where the march is not periodic, they are those of the march of first order, with its discretisation error.
         """
         inertia = (self._inertia * np.abs(1.0 - slips))[rows]
-        second, _, change, status = spins.kernel.sent_round(
+        second, _, change, status = spins.kernel.march_orbits(
             rows,
             self.positions,
             inertia,
