@@ -103,15 +103,16 @@ class ComparisonSettings(OfScene):
     @property
     def _of_scenes(self) -> bool:
         """Whether alternatives of the scene are compared by their answers, rather than laws by their curves."""
-        alternatives = (
-            self.oil,
-            self.bearing,
-            self.cage,
-            self.clearance_class,
-            self.outer_ring,
-            self.inner_ring,
+        return any(
+            (
+                self.oil,
+                self.bearing,
+                self.cage,
+                self.clearance_class,
+                self.outer_ring,
+                self.inner_ring,
+            )
         )
-        return any(map(bool, alternatives))
 
     def plan(self) -> "Comparison | Alternatives":
         """Return the combinations or alternatives, after a check of all names."""

@@ -135,13 +135,13 @@ def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
         except RollslipError as error:
             refused[label] = str(error).removeprefix("changes: ")
     if len(scenes) < 2:
-        faults = [f"{label}: {reason}" for label, reason in refused.items()]
         raise SceneError(
-            faults
+            [f"{label}: {reason}" for label, reason in refused.items()]
             or [f"{next(iter(named))}: name two at least, with commas between, to compare them"]
         )
-    keys = tuple(KEYS[option] for option in named)
-    return Alternatives(requested.base_scene, keys, scenes, refused)
+    return Alternatives(
+        requested.base_scene, tuple(KEYS[option] for option in named), scenes, refused
+    )
 
 
 def run_alternatives(plan: Alternatives, show: "ProgressReporter") -> "xr.Dataset":
@@ -279,12 +279,12 @@ def ratio_band(
 
 def _log_changes(result: "xr.Dataset") -> dict[str, tuple[float, ...]]:
     """Return the change of the logarithm of the slip by each quantity, low and high; empty if any is unknown."""
-    band = json.loads(result.attrs.get("band", "{}")).get("steady_slip", {})
+    bands = json.loads(result.attrs.get("band", "{}"))
     slip = float(np.ravel(result["steady_slip"])[0])
     changes = dict[str, tuple[float, ...]]()
     if not slip > 0.0:
         return {}
-    for row in band.get("changes", ()):
+    for row in bands.get("steady_slip", {}).get("changes", ()):
         if any(value is None or not value > 0.0 for value in row["values"]):
             return {}
         changes[row["key"]] = tuple(math.log(value / slip) for value in row["values"])

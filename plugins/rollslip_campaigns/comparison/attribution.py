@@ -84,11 +84,11 @@ class EvaluatedSlices:
 
     def _by_curve(self, values: Sequence[Array]) -> list[Array]:
         """Return the values of all parts of each curve in one array."""
-        pairs = list(zip(self.parts, values, strict=True))
-        curves = range(1 + max(part.curve for part in self.parts))
         return [
-            np.concatenate([value for part, value in pairs if part.curve == curve])
-            for curve in curves
+            np.concatenate(
+                [value for part, value in zip(self.parts, values, strict=True) if part.curve == k]
+            )
+            for k in range(1 + max(part.curve for part in self.parts))
         ]
 
     def evaluate(self, plan: Plan, extract: Extract) -> tuple[dict[str, list[Array]], Array]:
@@ -110,18 +110,21 @@ class EvaluatedSlices:
         seconds = np.zeros(len(self.parts))
         for k, part in enumerate(self.parts):
             raceway = getattr(plan.assembly, part.ring)
-            inputs = {
-                "load": part.load,
-                "rolling_speed": part.rolling,
-                "sliding_speed": part.sliding,
-            }
-            table = Slices(part.load.size, raceway.conditions, **inputs, **part.places)
+            table = Slices(
+                part.load.size,
+                raceway.conditions,
+                load=part.load,
+                rolling_speed=part.rolling,
+                sliding_speed=part.sliding,
+                **part.places,
+            )
             start = time.perf_counter()
             raceway.chain(table)
             seconds[k] = time.perf_counter() - start
             columns.append(extract(table))
-        names = columns[0]
-        return {name: self._by_curve([part[name] for part in columns]) for name in names}, seconds
+        return {
+            name: self._by_curve([part[name] for part in columns]) for name in columns[0]
+        }, seconds
 
 
 def _join(parts: Sequence[LoadedSlices]) -> LoadedSlices:
@@ -241,33 +244,32 @@ class Bins:
         limits: dict[str, tuple[float, ...]] = {"film regime": (0.5, 1.5, 2.5)}
         if (full := traction.full_film_from) is not None:
             limits["film parameter"] = (traction.boundary_up_to, full)
-            films = zip(
-                ("boundary", "mixed", "full"),
-                _ranges("Lambda", limits["film parameter"]),
-                strict=True,
-            )
+            intervals = _ranges("Lambda", limits["film parameter"])
             bins["film parameter"] = tuple(
-                f"in {film} film, {interval}" for film, interval in films
+                f"in {film} film, {interval}"
+                for film, interval in zip(("boundary", "mixed", "full"), intervals, strict=True)
             )
         regimes = {} if law is None else law.regimes
         for grouping, (_, symbol) in regimes.items():
             if not any(np.isnan(values).any() for values in criteria[grouping]):
                 limits[grouping] = LIMITS
                 bins[grouping] = tuple(f"where {interval}" for interval in _ranges(symbol, LIMITS))
-        curves = range(len(criteria["friction"]))
         return cls(
             bins,
             [
                 [np.digitize(criteria[name][k], limits[name], right=True) for name in bins]
-                for k in curves
+                for k in range(len(criteria["friction"]))
             ],
         )
 
 
 def _ranges(symbol: str, limits: tuple[float, ...]) -> list[str]:
     """Return the intervals that limits make of a quantity, as inequalities."""
-    between = [f"{low:g} < {symbol} <= {high:g}" for low, high in itertools.pairwise(limits)]
-    return [f"{symbol} <= {limits[0]:g}", *between, f"{symbol} > {limits[-1]:g}"]
+    return [
+        f"{symbol} <= {limits[0]:g}",
+        *(f"{low:g} < {symbol} <= {high:g}" for low, high in itertools.pairwise(limits)),
+        f"{symbol} > {limits[-1]:g}",
+    ]
 
 
 def attribute_differences(

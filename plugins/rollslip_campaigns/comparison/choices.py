@@ -111,10 +111,9 @@ def read_choice(
     label = _label(table)
     bare = table.keys() == {"model"}
     if inner is not None and not _children(new, kind):
-        same = bare and name == inner.name
-        return Choice(
-            name, label, f"{label} in {choice.name}", own if same else {**own, CHILD[kind]: table}
-        )
+        if not bare or name != inner.name:
+            own = {**own, CHILD[kind]: table}
+        return Choice(name, label, f"{label} in {choice.name}", own)
     return Choice(name, label, label, own if bare and name == choice.name else table)
 
 

@@ -125,14 +125,13 @@ class Comparison:
         from rollslip.cli.console import headline_of
 
         chosen = [combination.choices for combination in self.combinations.values()]
-        plans = self.plans.values()
         models = dict.fromkeys(
             (kind, c[kind].name, c[kind].full_label) for kind in chosen[0] for c in chosen
         )
         several = (
             f"{self.study} of {len(self.combinations)} combinations: {', '.join(self.combinations)}"
         )
-        slices = sum(plan.evaluations for plan in plans)
+        slices = sum(plan.evaluations for plan in self.plans.values())
         cost = f"about {slices} slices to evaluate, {duration_range(self.seconds)}"
         return [*filter(None, (headline_of(self.scene, models), several, self.exchanged, cost))]
 
@@ -186,10 +185,8 @@ def plan_comparison(requested: "ComparisonSettings") -> Comparison:
             ]
         )
     labels = [" + ".join(product[kind].label for kind in varying) for product in products]
-    combinations = {
-        label: _combination(scene, study, product)
-        for label, product in dict(zip(labels, products, strict=True)).items()
-    }
+    unique = dict(zip(labels, products, strict=True))
+    combinations = {label: _combination(scene, study, product) for label, product in unique.items()}
     return Comparison(
         scene=scene,
         study=study,
@@ -234,8 +231,11 @@ def _by_kind(
         if kind is None:
             near = nearest(name, (known for kind in KINDS for known in available(kind)), cutoff=0.4)
             hint = did_you_mean(near, "'rollslip models' lists them")
-            kinds = f"{', '.join(KINDS[:-1])} or {KINDS[-1]}"
-            unknown.append(UnknownNameError(f"reference: no {kinds} is called {name!r}; {hint}"))
+            unknown.append(
+                UnknownNameError(
+                    f"reference: no {', '.join(KINDS[:-1])} or {KINDS[-1]} is called {name!r}; {hint}"
+                )
+            )
         elif kind in found:
             problems.append(f"reference: {found[kind]!r} and {name!r} are both a {kind}; name one")
         else:
@@ -248,9 +248,9 @@ def _combination(scene: Scene, study: str, choices: Mapping[str, Choice]) -> Com
     changes: dict[str, object] = {
         f"models.{kind}": choice.table for kind, choice in choices.items()
     }
-    outputs = study_class(study).outputs.items()
-    # outputs of more dimensions than a curve are not compared
-    larger = [name for name, output in outputs if len(output.dims.split()) > 2]
+    larger = [
+        name for name, output in study_class(study).outputs.items() if len(output.dims.split()) > 2
+    ]
     try:
         return Combination(
             choices, plan(evolve(scene, changes), study, cheaper_laws=False, without=larger), None
@@ -282,8 +282,7 @@ def _with_equal_resolution(
                 quadrature=maximum.quadrature,
                 n_positions=maximum.n_positions,
             )
-            plan = combination.plan.at(study, resolution)
-            refined[label] = attrs.evolve(combination, plan=plan)
+            refined[label] = attrs.evolve(combination, plan=combination.plan.at(study, resolution))
     return refined
 
 
@@ -342,10 +341,13 @@ def run_comparison(
     dataset = dataset.assign(_costs(comparison, done, seconds_per_slice(work, plans, times)))
     dataset = dataset.assign(_errors(comparison, dataset))
     if reference in columns:
-        bins = Bins.from_criteria(plans[reference], columns[reference], law)
-        friction = {label: values["friction"] for label, values in columns.items()}
         dataset = attribute_differences(
-            dataset, comparison.curves.over, reference, work, friction, bins
+            dataset,
+            comparison.curves.over,
+            reference,
+            work,
+            {label: values["friction"] for label, values in columns.items()},
+            Bins.from_criteria(plans[reference], columns[reference], law),
         )
         own = law is not None and law is plans[reference].assembly.traction.full_film
         dataset = dataset.assign_attrs(
@@ -373,10 +375,9 @@ def _raise_all(errors: Mapping[str, Exception]) -> NoReturn:
     """Raise one error with the texts of all, of the class of the first one."""
     first = next(iter(errors.values()))
     texts = {label: _text(error) for label, error in errors.items()}
-    same = len(set(texts.values())) == 1
-    lines = [f"{label}: {text}" for label, text in texts.items()]
-    if same:
-        lines = list(texts.values())[:1]
+    lines = list(dict.fromkeys(texts.values()))
+    if len(lines) > 1:
+        lines = [f"{label}: {text}" for label, text in texts.items()]
     if isinstance(first, SceneError):
         raise SceneError(lines)
     error_class = type(first) if isinstance(first, RollslipError) else PluginError
@@ -398,7 +399,6 @@ def _merged(
     import xarray as xr
 
     labels = list(comparison.combinations)
-    chosen = [combination.choices for combination in comparison.combinations.values()]
     results = list(done.values())
     texts = {
         str(name): "" for name, values in results[0].variables.items() if values.dtype.kind in "OU"
@@ -426,11 +426,14 @@ def _merged(
     dataset["critical_status"] = (critical.dims, np.array(statuses), critical.attrs)
     status = np.array([failed.get(label, "done") for label in labels])
     dataset["status"] = ("combination", status, about("1", "what became of the combination"))
-    names = {kind: np.array([choices[kind].full_label for choices in chosen]) for kind in KINDS}
     return dataset.assign_coords(
         {
-            kind: ("combination", values, about("1", f"{kind} model"))
-            for kind, values in names.items()
+            kind: (
+                "combination",
+                np.array([c.choices[kind].full_label for c in comparison.combinations.values()]),
+                about("1", f"{kind} model"),
+            )
+            for kind in KINDS
         }
         | {
             "combination": (
@@ -447,25 +450,22 @@ def _costs(
 ) -> dict[str, Any]:
     """Return the smallest film and the cost of each combination."""
     curve = comparison.curves.over
-    slip = comparison.curves.slip
     labels = list(comparison.combinations)
     cheapest = min(cost, key=cost.__getitem__)
     films, parameters = np.full((2, len(labels), next(iter(done.values())).sizes[curve]), np.nan)
+    evaluations = np.zeros(len(labels), dtype=int)
+    locations = [""] * len(labels)
     for label, result in done.items():
         rings = [result.attrs["ring"]] if "ring" in result.attrs else RINGS
         roughness = [
             getattr(comparison.plans[label].assemblies[comparison.study], ring).conditions.roughness
             for ring in rings
         ]
-        parameters[labels.index(label)] = result["film_parameter"].isel({slip: 0})
+        parameters[labels.index(label)] = result["film_parameter"].isel({comparison.curves.slip: 0})
         films[labels.index(label)] = parameters[labels.index(label)] * np.array(roughness)
+        evaluations[labels.index(label)] = result.attrs["evaluations"]
+        locations[labels.index(label)] = comparison.plans[label].assembly.film.location
     seconds = np.array([cost.get(label, np.nan) for label in labels])
-    evaluations = np.array(
-        [done[label].attrs["evaluations"] if label in done else 0 for label in labels]
-    )
-    location = [
-        comparison.plans[label].assembly.film.location if label in done else "" for label in labels
-    ]
     dim = "combination"
     return {
         "smallest_film": ((dim, curve), films, about("m", "smallest film thickness without slip")),
@@ -476,7 +476,7 @@ def _costs(
         ),
         "film_location": (
             dim,
-            np.array(location),
+            np.array(locations),
             about("1", "which film thickness the film model returns"),
         ),
         "seconds_per_slice": (dim, seconds, about("s", "time of the chain per slice")),
@@ -540,12 +540,11 @@ def _origin(
             ]
         for warning in warnings:
             warned.setdefault(warning, []).append(label)
-    largest = [
-        key
+    return {
+        key: max(attributes[key] for attributes in runs.values())
         for key in ("positions_error", "slices_error", "force_residual", "moment_residual")
         if key in first
-    ]
-    return {key: max(attributes[key] for attributes in runs.values()) for key in largest} | origin(
+    } | origin(
         study="comparison",
         compared=comparison.study,
         curves=comparison.curves.attribute,

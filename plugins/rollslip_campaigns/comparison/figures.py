@@ -72,10 +72,12 @@ def _slips(dataset: "xr.Dataset") -> "Figure":
         style: dict[str, Any] = {"color": "0.35", "linewidth": 0.8, "linestyle": DASHES[2]}
         axes.axvline(100 * acceptable, **style)
         sheet.key(f"acceptable, {100 * acceptable:.3g} %", **style)
-    verdicts = dataset["verdict"].to_numpy()
     axes.set_yticks(
         place,
-        [f"{name}  {verdict or 'failed'}" for name, verdict in zip(names, verdicts, strict=True)],
+        [
+            f"{name}  {verdict or 'failed'}"
+            for name, verdict in zip(names, dataset["verdict"].to_numpy(), strict=True)
+        ],
     )
     axes.set_ylim(-0.6, len(names) - 0.4)
     axes.tick_params(axis="y", length=0)
@@ -87,8 +89,12 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     """Return a figure of all curves with their critical slips, their differences, and the differences over costs."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
-    layout = [["curves", "costs"], ["differences", "costs"]]
-    sheet = Sheet((TWO_COLUMNS[0], 100 * MM), layout, width_ratios=(3, 2), height_ratios=(3, 2))
+    sheet = Sheet(
+        (TWO_COLUMNS[0], 100 * MM),
+        [["curves", "costs"], ["differences", "costs"]],
+        width_ratios=(3, 2),
+        height_ratios=(3, 2),
+    )
     panels = sheet.axes
     of = curves_of(dataset)
     selected = dataset.isel({of.over: position})

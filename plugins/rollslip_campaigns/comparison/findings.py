@@ -59,7 +59,6 @@ class ComparisonAccount(Account):
         """
         reference = dataset.attrs["reference"]
         cheapest = dataset.isel(combination=int(np.nanargmin(dataset["cost"].to_numpy())))
-        time = f"{1e9 * float(cheapest['seconds_per_slice']):.3g} ns"
         places = dict(
             zip(dataset["film"].to_numpy(), dataset["film_location"].to_numpy(), strict=True)
         )
@@ -69,17 +68,25 @@ class ComparisonAccount(Account):
             f"{kind} {reference}"
             if "bin" in dataset.dims
             else f"there are no differences, because {reference} failed",
-            f"cost is the time of the models over that of {cheapest['combination'].item()}, {time} for a slice",
+            f"cost is the time of the models over that of {cheapest['combination'].item()}, "
+            f"{1e9 * float(cheapest['seconds_per_slice']):.3g} ns for a slice",
             f"film is the smallest without slip, of what the models return: {films}",
         ]
         if not dataset.attrs.get("sorted_by_own", 1):
-            sentences.append(_sorting(dataset.attrs["sorted_by"], reference))
+            law = dataset.attrs["sorted_by"]
+            sentences.append(
+                f"slices of {reference}, whose law states no regimes, are sorted by film and those of traction {law!r}"
+                if law
+                else "slices are sorted by film alone, since no traction compared states regimes of its law; "
+                "compare one that does as well, or give your law its regimes"
+            )
         largest: dict[str, dict[str, Any]] = {}
         for record in records(dataset):
             label = record["combination"]
             if label != reference and record["bins"]:
-                previous = largest.get(label, record)
-                largest[label] = max(previous, record, key=lambda row: float(row["rms_error"]))
+                largest[label] = max(
+                    largest.get(label, record), record, key=lambda row: float(row["rms_error"])
+                )
         return sentences + [_explanation(record, reference) for record in largest.values()]
 
     @staticmethod
@@ -112,9 +119,6 @@ class ComparisonAccount(Account):
         rows: dict[str, list[list[str]]] = {name: [] for name in curve_names(dataset)}
         for record in records(dataset):
             critical = record[curves_of(dataset).critical]
-            differences = [
-                record[name] for name in ("rms_error", "max_error", "critical_slip_error")
-            ]
             rows[record["curve"]].append(
                 [
                     record["combination"],
@@ -127,12 +131,11 @@ class ComparisonAccount(Account):
                     *(
                         ("reference", "", "")
                         if record["combination"] == dataset.attrs["reference"]
-                        else [
-                            _or_dash(value, form)
-                            for value, form in zip(
-                                differences, ("{:.2%}", "{:.2%}", "{:+.2%}"), strict=True
-                            )
-                        ]
+                        else (
+                            _or_dash(record["rms_error"], "{:.2%}"),
+                            _or_dash(record["max_error"], "{:.2%}"),
+                            _or_dash(record["critical_slip_error"], "{:+.2%}"),
+                        )
                     ),
                     _or_dash(record["cost"], "{:.3g}"),
                 ]
@@ -215,21 +218,11 @@ def _or_dash(value: float | None, form: str) -> str:
     return "–" if value is None else form.format(value)
 
 
-def _sorting(law: str, reference: str) -> str:
-    """Return a sentence on the criteria of the bins where the law of the reference states none."""
-    if law:
-        return f"slices of {reference}, whose law states no regimes, are sorted by film and those of traction {law!r}"
-    return (
-        "slices are sorted by film alone, since no traction compared states regimes of its law; "
-        "compare one that does as well, or give your law its regimes"
-    )
-
-
 def _explanation(record: Mapping[str, Any], reference: str) -> str:
     """Return a sentence on the mean difference of a combination, and on the regimes that explain it."""
-    if record["max_error"] == 0.0:
-        return f"{record['combination']} does not differ from {reference}"
     label = record["combination"]
+    if record["max_error"] == 0.0:
+        return f"{label} does not differ from {reference}"
     sentence = f"{label} is {_format_difference(record['mean_difference'])} {reference} ({record['curve']})"
     best = max(record["bins"], key=lambda bin: float(bin["explained"]))
     if best["explained"] < MIN_EXPLAINED:
@@ -237,16 +230,15 @@ def _explanation(record: Mapping[str, Any], reference: str) -> str:
             f"{sentence}; no regime explains more than {100 * MIN_EXPLAINED:.0f} % of its variation"
         )
     bins = [bin for bin in record["bins"] if bin["grouping"] == best["grouping"]]
-    fractions = [
-        f"{100 * bin['fraction']:.3g} %{'' if k else ' of the contact force'}"
+    parts = [
+        f"{_format_difference(bin['difference'])} {bin['bin']} "
+        f"({100 * bin['fraction']:.3g} %{'' if k else ' of the contact force'})"
         for k, bin in enumerate(bins)
     ]
-    parts = [
-        f"{_format_difference(bin['difference'])} {bin['bin']} ({fraction})"
-        for bin, fraction in zip(bins, fractions, strict=True)
-    ]
-    explained = f"{best['grouping']} explains {100 * best['explained']:.0f} % of its variation"
-    return f"{sentence}: {', '.join(parts)}; {explained}"
+    return (
+        f"{sentence}: {', '.join(parts)}; "
+        f"{best['grouping']} explains {100 * best['explained']:.0f} % of its variation"
+    )
 
 
 def _format_difference(difference: float) -> str:
@@ -325,12 +317,11 @@ class AlternativesAccount(Account):
         done = [row for row in rows if row["status"] == "done"]
         if len(done) < 2:
             return failed
-        first = done[0]["alternative"]
         groups: dict[str, list[str]] = {}
         for row in done[1:]:
             groups.setdefault(_compare_slips(row, done[0]), []).append(row["alternative"])
         sentence = "; ".join(
-            template.format(first=first, others=", ".join(groups[group]))
+            template.format(first=done[0]["alternative"], others=", ".join(groups[group]))
             for group, template in _SLIP_SENTENCES.items()
             if group in groups
         )
@@ -341,12 +332,11 @@ class AlternativesAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the rows, best first."""
-        names = ("alternative", *dataset.data_vars)
         return {
             "alternatives": [
                 {
                     str(name): or_none(row[name]) if isinstance(row[name], float) else row[name]
-                    for name in names
+                    for name in ("alternative", *dataset.data_vars)
                 }
                 for row in rows_along(dataset, "alternative")
             ]
