@@ -925,7 +925,7 @@ def test_a_chain_as_a_stage_is_the_chain_and_remembers_what_it_refused():
 
 
 def test_bad_tables_are_refused():
-    with pytest.raises(ValueError, match=r"shape \(N, 2\) or \(M, N, 4\)"):
+    with pytest.raises(ValueError, match=r"shape \(N, 2\) with at least two nodes"):
         compiled.effective(3, np.zeros((4, 3)), (-1, 1), 1.0)
     with pytest.raises(ValueError, match="at least one of each"):
         compiled.constant(0, 0.1, 1.0)
