@@ -15,8 +15,8 @@ from rollslip.lubricant import fit_walther, lubricant_from_table
 from rollslip.lubricant.base_oil import (
     BASE_OILS,
     ISO_GRADES,
-    viscosity_at_100,
     exponent_factor,
+    viscosity_at_100,
     viscosity_index,
 )
 from rollslip.planning.plausibility import implausible

@@ -29,7 +29,7 @@ from fifty_digits import maxwell_eyring_stress as exact_maxwell_eyring
 from fifty_digits import muraki_stress as exact_muraki
 from rollslip import Chain, Conditions, Slices, available, evolve, get_model, load_scene, run
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.critical import locate
+from rollslip.bearing.critical import find_critical_slip
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.errors import ConvergenceError, DomainError, SceneError
@@ -959,7 +959,7 @@ def maxima(subject, verdict):
         (lambda s: s / 1e-12 * math.exp(1 - s / 1e-12), np.linspace(0, 4e-12, 41), 1e-12, 1.0),
         (lambda s: s * 1e-300 * math.exp(1 - s * 1e-300), np.linspace(0, 4e300, 41), 1e300, 1.0),
     ):
-        found = locate(curve, grid, np.array([curve(float(s)) for s in grid]), "max_slip")
+        found = find_critical_slip(curve, grid, np.array([curve(float(s)) for s in grid]), "max_slip")
         assert found.status == "found"
         verdict.off(abs(found.slip / slip - 1), 3e-7, f"{found} for {slip}")
         verdict.off(
@@ -968,7 +968,7 @@ def maxima(subject, verdict):
             f"{found} for {friction}",
         )
     plateau = np.array([0.0, 1.0, 1.0, 0.5])
-    found = locate(
+    found = find_critical_slip(
         lambda s: float(np.interp(s, range(4), plateau)), np.arange(4.0), plateau, "max_slip"
     )
     assert found.status == "found"
@@ -978,7 +978,7 @@ def maxima(subject, verdict):
 def no_maximum(subject, verdict, values):
     """What there is in place of a maximum, in words, and NaN for its place."""
     slip = np.linspace(0.0, 0.3, len(values))
-    found = locate(lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip")
+    found = find_critical_slip(lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip")
     assert math.isnan(found.slip)
     assert math.isnan(found.friction)
     verdict.status(found.status)
@@ -991,7 +991,7 @@ def curve_of_no_number(subject, verdict):
         for place in range(5):
             friction = np.linspace(0.0, 1.0, 5)
             friction[place] = value
-            call = partial(locate, lambda s: s, slip, friction, "max_slip")
+            call = partial(find_critical_slip, lambda s: s, slip, friction, "max_slip")
             words = _raises(DomainError, r"friction is (nan|inf|-inf) at a slip of", call)
     verdict.refused(
         re.sub(r"is -inf at a slip of \S+", "is nan, inf or -inf at a slip of ...", words)
@@ -2149,7 +2149,7 @@ def lost_beside_centrifugal_force():
 
 def lost_at_a_maximum():
     slip = np.linspace(0.0, 4.1, 41)
-    found = locate(lambda s: s * math.exp(1 - s), slip, slip * np.exp(1 - slip), "max_slip")
+    found = find_critical_slip(lambda s: s * math.exp(1 - s), slip, slip * np.exp(1 - slip), "max_slip")
     return Loss(
         formula="critical slip, the place of a flat maximum",
         where="s exp(1 - s), maximum at s = 1",

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from scipy.optimize.elementwise import find_minimum
 
-from rollslip.search import illinois_root, find_maxima, secant_root, polynomial_maximum
+from rollslip.search import find_maxima, illinois_root, polynomial_maximum, secant_root
 
 pytestmark = pytest.mark.quick
 

@@ -1,9 +1,9 @@
 """Bind models into one compiled pass over slices: contact -> film -> traction, with compiled and NumPy stages.
 
-- A large table is divided between blocks, and threads evaluate its parts in order (`rollslip.engine.run_in_threads`), each
-  without the GIL. Stages are pure functions and a block is the same in any part, so that the number of threads does not
-  change a bit of the result. All parts before one that is refused are evaluated, so that it does not change the
-  refusal either.
+- A large table is divided between blocks, and threads evaluate its parts in order
+  (`rollslip.engine.run_in_threads`), each without the GIL. Stages are pure functions and a block is the same in any
+  part, so that the number of threads does not change a bit of the result. All parts before one that is refused are
+  evaluated, so that it does not change the refusal either.
 - A chain with a stage in Python runs in one thread: the GIL would block the others, and models need not be re-entrant.
 """
 

@@ -96,7 +96,7 @@ class Validity:
 class Tabled:
     """Error in per cent over a quantity, by points (value, per cent), linear in ln(value) and constant outside them.
 
-    >>> Tabled(((0.1, 90.0), (10.0, 10.0)))(1.0)
+    >>> round(Tabled(((0.1, 90.0), (10.0, 10.0)))(1.0), 6)
     50.0
     """
 

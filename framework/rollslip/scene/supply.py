@@ -197,9 +197,9 @@ class OilSupply(NamedTuple):
         exp(-3e-8 20 3000 140 sqrt(5.1/80)) = 0.938355.
 
         >>> rings, n = (0.05, 0.09), 314.159265
-        >>> f"{Supplied.of(Lubrication(), rings, 0.01, n, 1e-9).oil_fraction:.6f}"
+        >>> f"{OilSupply.from_lubrication(Lubrication(), rings, 0.01, n, 1e-9).oil_fraction:.6f}"
         '0.050000'
-        >>> f"{Supplied.of(Lubrication(oil_level=0.002), rings, 0.01, n, 20e-6).starvation:.6f}"
+        >>> f"{OilSupply.from_lubrication(Lubrication(oil_level=0.002), rings, 0.01, n, 20e-6).starvation:.6f}"
         '0.938355'
         """
         kind = SUPPLIES[lubrication.supply]
