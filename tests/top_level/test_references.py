@@ -26,9 +26,9 @@ from rollslip.references import (
     as_bibtex,
     as_dict,
     from_dict,
-    unique_works,
     read_bibliography,
     rollslip_itself,
+    unique_works,
 )
 from rollslip.results.dataset import citations_of
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
