@@ -312,7 +312,9 @@ def test_every_folder_stands_on_the_page_of_the_architecture():
 
 def test_what_others_import_of_a_study_is_listed_on_the_page_of_the_architecture():
     [listed] = re.findall(
-        r"- \*What others need of a study\*.*?\n- ", PAGES["develop/architecture.rst"], re.DOTALL
+        r"- \*Other packages import from a study\*.*?\n- ",
+        PAGES["develop/architecture.rst"],
+        re.DOTALL,
     )
     named = {path.replace("/", ".") for path in re.findall(r"``plugins/([\w/]+)\.py``", listed)}
     assert named == FACTS.architecture.SHARED

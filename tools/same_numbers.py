@@ -39,18 +39,18 @@ counted = {"rollers": 0, "friction": 0}
 def count() -> None:
     """Count the slips at which rollers and friction are evaluated."""
     at = Motions.find
-    together = raceways.friction_together
+    mean_friction = raceways.mean_friction
 
     def counted_at(self: Motions, slips: Any, starts: Any = None) -> Any:
         counted["rollers"] += slips.size
         return at(self, slips, starts)
 
-    def counted_friction(requested: Any) -> Any:
-        counted["friction"] += sum(slips.size for *_, slips in requested)
-        return together(requested)
+    def counted_friction(rings: Any) -> Any:
+        counted["friction"] += sum(len(sliding) for *_, sliding in rings)
+        return mean_friction(rings)
 
     Motions.find = counted_at  # type: ignore[method-assign]
-    raceways.friction_together = counted_friction
+    raceways.mean_friction = counted_friction
 
 
 def found(number: int) -> Iterator[tuple[str, Any]]:

@@ -8,6 +8,7 @@ rounds; a few seconds.
 import time
 
 import attrs
+import numpy as np
 from output import write_table
 
 from rollslip.bearing.assembly import assemble
@@ -22,7 +23,6 @@ from rollslip_studies.effective_friction.raceways import (
     evaluate_together,
     find_critical_together,
 )
-from rollslip_studies.effective_friction.study import _held_at
 
 SCENE = "1032930-70C"
 SAMPLES = 320
@@ -94,7 +94,7 @@ if __name__ == "__main__":
     )
     maxima = [both for some in found for both in some]
     held = [
-        (few, [_held_at(slip, ring) for ring in both])
+        (few, [slip[-1:] if np.isnan(c.slip) else np.array([c.slip, slip[-1]]) for c in both])
         for few, both in zip(raceways, maxima, strict=True)
     ]
     step(
