@@ -16,7 +16,7 @@ from output import BLACK, BLUE, figure, percent, save_figure, write_table
 from rollslip import evolve, load_scene, run
 from rollslip_studies.dynamics.findings import (
     energy_closure,
-    median_epicyclic_cage_speed,
+    median_epicyclic_speed,
     momentum_closure,
     relative_difference,
 )
@@ -107,7 +107,7 @@ def draw(found, steady):
         speeds = rpm * data.roller_speed
         axes[0].plot(data.time, rpm * data.cage_speed, label=f"{name} friction", **style)
         axes[1].plot(data.time, speeds.mean("roller"), **style)
-    cage = median_epicyclic_cage_speed(found["conventional"])
+    cage = median_epicyclic_speed(found["conventional"], "cage")
     axes[0].axhline(
         rpm * cage * (1 - steady),
         color=BLACK,

@@ -23,8 +23,7 @@ from rollslip_studies.dynamics.findings import (
     energy_closure,
     ledger,
     ledger_table,
-    median_epicyclic_cage_speed,
-    median_epicyclic_roller_speed,
+    median_epicyclic_speed,
     momentum_closure,
     relative_difference,
     turnover,
@@ -324,9 +323,9 @@ def test_a_result_of_an_older_version_has_no_slip_at_which_skidding_begins():
 
 def test_pure_rolling_is_found_from_speed_and_slip():
     for dataset in (motion(), motion(relaxing(1.0, 0.03)), motion(relaxing(2.0, 0.03))):
-        assert median_epicyclic_cage_speed(dataset) == pytest.approx(CAGE_SPEED, rel=1e-12)
-        assert median_epicyclic_roller_speed(dataset) == pytest.approx(ROLLER_SPEED, rel=1e-12)
-    assert np.isnan(median_epicyclic_cage_speed(motion(lambda t: 1.0 + 0.0 * t)))
+        assert median_epicyclic_speed(dataset, "cage") == pytest.approx(CAGE_SPEED, rel=1e-12)
+        assert median_epicyclic_speed(dataset, "roller") == pytest.approx(ROLLER_SPEED, rel=1e-12)
+    assert np.isnan(median_epicyclic_speed(motion(lambda t: 1.0 + 0.0 * t), "cage"))
 
 
 def test_the_ledger_is_summed_up():

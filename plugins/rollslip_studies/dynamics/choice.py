@@ -417,8 +417,7 @@ class _Trials:
             for level in ("cage-set", "pocket")
         )
         difference = pocket - cage_set
-        means = np.abs(difference[1:].reshape(-1, _TRIAL_SAMPLES).mean(axis=1))
-        largest_mean = float(means.max())
+        largest_mean = float(np.abs(difference[1:].reshape(-1, _TRIAL_SAMPLES).mean(axis=1)).max())
         allowed = _LEVEL_FRACTION * self.requested
         found = (
             f"play in the pockets changes the mean speed of the cage by up to {largest_mean:.1e} (and lets it "
@@ -447,8 +446,10 @@ class _Trials:
         implicit = study.method(self.assembly).name
         times, states = moving.sample_states()
         without_slip = [_damping(moving, t, y) for t, y in zip(times.tolist(), states, strict=True)]
-        initial = np.asarray(moving.initial(study.cage_slip, study.roller_slip))
-        strongest = max(*without_slip, _damping(moving, 0.0, initial))
+        strongest = max(
+            *without_slip,
+            _damping(moving, 0.0, np.asarray(moving.initial(study.cage_slip, study.roller_slip))),
+        )
         damped = f"speeds are damped by up to {strongest:.2g}/s"
         contact = moving.system.frequencies[0]
         if not contact and strongest > _MAX_SMOOTH_DAMPING:
@@ -520,8 +521,9 @@ def step_tolerance(
     span = min(_STEP_TRIAL_DURATION, study.duration)
     # a motion at level cage-set takes no longer than the trial that shows how its errors decay
     factor = error_accumulation(study, coarse, span) if estimates_decay else study.duration / span
-    tolerances = (_USUAL_TOLERANCE, _REFERENCE_RATIO * _USUAL_TOLERANCE)
-    cage = _divergence(study, moving, tolerances, [span])[0]
+    cage = _divergence(
+        study, moving, (_USUAL_TOLERANCE, _REFERENCE_RATIO * _USUAL_TOLERANCE), [span]
+    )[0]
     error = float(cage[~np.isnan(cage)][-1:].sum()) * factor
     allowed = _STEPS_FRACTION * assembly.scene.accuracy.of("cage_speed")
     lower = reference_resolution(assembly.scene).integrator_tolerance or 0.0
@@ -602,10 +604,11 @@ def _starting_points(
 def _max_speeds(moving: MovingBearing) -> tuple[float, ...]:
     """Return the largest speeds of cage and rollers without slip [rad/s]."""
     sampled, _ = moving.sample_states()
-    even = np.linspace(0.0, sampled[-1], _SPEED_SAMPLES + 1)
     return tuple(
         float(np.nanmax(np.abs(speeds)))
-        for speeds in moving.epicyclic_speeds(np.union1d(sampled, even))
+        for speeds in moving.epicyclic_speeds(
+            np.union1d(sampled, np.linspace(0.0, sampled[-1], _SPEED_SAMPLES + 1))
+        )
     )
 
 

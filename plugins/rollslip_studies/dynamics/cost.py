@@ -107,8 +107,9 @@ def _estimate_evaluations(
     )
     remaining = _extrapolate(ends, counts, study.duration)
     if found.outcome == "finished" and remaining > _TRIAL_EVALUATIONS:
-        rate = counts[-1] / (ends[-1] - ends[-2])
-        remaining = min(remaining, _sample_history(study, moving, found, rate))
+        remaining = min(
+            remaining, _sample_history(study, moving, found, counts[-1] / (ends[-1] - ends[-2]))
+        )
     return sum(counts) + remaining, seconds / max(counts[-1], 1), found
 
 
@@ -148,8 +149,9 @@ def _rate_at(
     evaluations = 0
     while evaluations < _LATER_EVALUATIONS and t + span < study.duration:
         span *= 2.0
-        end = np.array([min(t + span, study.duration)])
-        found = study.trial_motion(moving, end, study.relative_tolerance, start)
+        found = study.trial_motion(
+            moving, np.array([min(t + span, study.duration)]), study.relative_tolerance, start
+        )
         evaluations = found.evaluations
         if found.outcome != "finished":
             return math.inf

@@ -30,8 +30,7 @@ from rollslip_studies.dynamics.findings import (
     common_times,
     describe_differences,
     ledger,
-    median_epicyclic_cage_speed,
-    median_epicyclic_roller_speed,
+    median_epicyclic_speed,
     relative_difference,
     skidding_passages,
     skidding_slip,
@@ -164,8 +163,15 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
     speed = _RPM * dataset["cage_speed"].to_numpy()
     _line(sheet, cage, time, speed, label="cage", color=MODEL_COLOURS[0])
     if history_findings.has_history(dataset):
-        epicyclic = _RPM * dataset["epicyclic_cage_speed"].to_numpy()
-        _line(sheet, cage, time, epicyclic, label="without slip", linestyle="dotted", **_QUIET)
+        _line(
+            sheet,
+            cage,
+            time,
+            _RPM * dataset["epicyclic_cage_speed"].to_numpy(),
+            label="without slip",
+            linestyle="dotted",
+            **_QUIET,
+        )
     else:
         _draw_levels(sheet, dataset)
     passages = skidding_passages(dataset)
@@ -191,10 +197,13 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
 def _draw_levels(sheet: Sheet, dataset: "xr.Dataset") -> None:
     """Draw the speeds without slip, the axis of slips, and the cage speed at which skidding begins."""
     cage, roller = sheet.axes
-    epicyclic = _RPM * median_epicyclic_cage_speed(dataset)
+    epicyclic = _RPM * median_epicyclic_speed(dataset, "cage")
     if math.isnan(epicyclic):
         return
-    for axes, speed in ((cage, epicyclic), (roller, _RPM * median_epicyclic_roller_speed(dataset))):
+    for axes, speed in (
+        (cage, epicyclic),
+        (roller, _RPM * median_epicyclic_speed(dataset, "roller")),
+    ):
         if not math.isnan(speed):
             axes.axhline(speed, linestyle="dotted", **_QUIET)
     sheet.key("without slip", linestyle="dotted", **_QUIET)
@@ -255,8 +264,11 @@ def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
     for axes in panels[1]:
         axes.axhline(0.0, **_QUIET)
         _time_axis(axes, longest)
-    title = f"differences are from {first}, over its largest speed"
-    return _done(sheet, height=TWO_COLUMNS[1] + 25 * MM, title=title)
+    return _done(
+        sheet,
+        height=TWO_COLUMNS[1] + 25 * MM,
+        title=f"differences are from {first}, over its largest speed",
+    )
 
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
@@ -295,8 +307,14 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         pocket = np.abs(dataset["pocket_force"].to_numpy())
         cells = _Cells.summarise(dataset, np.where(pocket > 0.0, pocket, np.nan), np.max)
         rows.append(("Pocket force [N]", cells, "no roller touches the cage"))
-    size = (TWO_COLUMNS[0], (32 * len(rows) + 8) * MM)
-    sheet = Sheet(size, len(rows), 1, sharex=True, sharey=True, squeeze=False)
+    sheet = Sheet(
+        (TWO_COLUMNS[0], (32 * len(rows) + 8) * MM),
+        len(rows),
+        1,
+        sharex=True,
+        sharey=True,
+        squeeze=False,
+    )
     panels = sheet.axes[:, 0]
     for axes, (label, cells, otherwise) in zip(panels, rows, strict=True):
         axes.set_xlim(cells.edges[0], cells.edges[-1])
@@ -332,7 +350,6 @@ def _energy(dataset: "xr.Dataset") -> "Figure":
     energy = dataset["energy"].to_numpy()
     for k, (name, work) in enumerate(ledger(dataset).items()):
         # entries of the same colour have different dashes
-        dashes = DASHES[(k + k // len(MODEL_COLOURS)) % len(DASHES)]
         _line(
             sheet,
             works,
@@ -340,7 +357,7 @@ def _energy(dataset: "xr.Dataset") -> "Figure":
             work,
             label=name,
             color=MODEL_COLOURS[k % len(MODEL_COLOURS)],
-            linestyle=dashes,
+            linestyle=DASHES[(k + k // len(MODEL_COLOURS)) % len(DASHES)],
         )
     _line(
         sheet,
@@ -407,8 +424,9 @@ def _centres(dataset: "xr.Dataset") -> "Figure":
         axes.set_xlabel("Across the load [µm]")
         axes.set_ylabel("Along the load [µm]")
     if edges.size > 1:
-        shade_of = ScalarMappable(BoundaryNorm(edges, colours.N), colours)
-        bar = sheet.figure.colorbar(shade_of, ax=panels, aspect=30, pad=0.01)
+        bar = sheet.figure.colorbar(
+            ScalarMappable(BoundaryNorm(edges, colours.N), colours), ax=panels, aspect=30, pad=0.01
+        )
         bar.set_label(f"Time [{_time_unit(dataset)}]")
         bar.set_ticks(edges[:: -(-edges.size // 6)].tolist())
         bar.ax.yaxis.set_major_formatter("{x:.3g}")
@@ -500,8 +518,14 @@ def _draw_cells(
     classes = np.where(np.isfinite(cells.values), np.digitize(cells.values, levels[1:-1]), -1)
     for k, colour in enumerate(scale.to_rgba(0.5 * (levels[:-1] + levels[1:]))):
         if np.any(classes == k):
-            outline = Outline.make_compound_path_from_polys(cells.rectangles(classes == k))
-            axes.add_patch(PathPatch(outline, facecolor=colour, edgecolor=colour, linewidth=0.2))
+            axes.add_patch(
+                PathPatch(
+                    Outline.make_compound_path_from_polys(cells.rectangles(classes == k)),
+                    facecolor=colour,
+                    edgecolor=colour,
+                    linewidth=0.2,
+                )
+            )
     bar = figure.colorbar(
         scale, ax=axes, aspect=14, pad=0.015, extend="max" if is_cut else "neither"
     )
@@ -575,8 +599,7 @@ def _other_events(dataset: "xr.Dataset") -> list[float]:
 def _resolved(dataset: "xr.Dataset") -> bool:
     """Return whether the motion of a roller within an orbit is stored, and can be seen."""
     time = dataset["time"].to_numpy()
-    speed = np.abs(dataset["cage_speed"].to_numpy())
-    orbits = float(np.trapezoid(speed, time)) / (2.0 * math.pi)
+    orbits = float(np.trapezoid(np.abs(dataset["cage_speed"].to_numpy()), time)) / (2.0 * math.pi)
     return bool(time.size > _MIN_TIMES_PER_ORBIT * orbits and orbits < _MAX_ORBITS)
 
 
@@ -597,8 +620,9 @@ def _slip_axis(axes: "Axes", epicyclic: float) -> None:
     def speed(slip: Any) -> Array:
         return np.asarray((1.0 - np.asarray(slip) / 100.0) * epicyclic)
 
-    right = axes.secondary_yaxis("right", functions=(slip, speed))
-    right.set_ylabel(r"Cage slip $S_\mathrm{c}$ [%]")
+    axes.secondary_yaxis("right", functions=(slip, speed)).set_ylabel(
+        r"Cage slip $S_\mathrm{c}$ [%]"
+    )
 
 
 def _done(sheet: Sheet, **options: Any) -> "Figure":

@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 import numpy as np
 
@@ -55,22 +55,9 @@ _UNKNOWN_STATUS: Final = "this result does not say where skidding begins; run it
 _MAX_SENTENCES = 5
 
 
-def median_epicyclic_cage_speed(dataset: "xr.Dataset") -> float:
-    """Return the cage speed of pure rolling [rad/s], NaN if the cage was at rest all the time."""
-    return _median_epicyclic_speed(
-        dataset["cage_speed"].to_numpy(), dataset["cage_slip"].to_numpy()
-    )
-
-
-def median_epicyclic_roller_speed(dataset: "xr.Dataset") -> float:
-    """Return the spin of a roller in pure rolling, relative to the cage [rad/s]; NaN if none ever turned."""
-    return _median_epicyclic_speed(
-        dataset["roller_speed"].to_numpy().ravel(), dataset["roller_slip"].to_numpy().ravel()
-    )
-
-
-def _median_epicyclic_speed(speed: Array, slip: Array) -> float:
-    """Return the speed without slip, the median over all samples with a speed."""
+def median_epicyclic_speed(dataset: "xr.Dataset", part: Literal["cage", "roller"]) -> float:
+    """Return the speed of cage or rollers without slip [rad/s], the median over all samples with a speed; or NaN."""
+    speed, slip = (dataset[f"{part}_{name}"].to_numpy().ravel() for name in ("speed", "slip"))
     turning = np.abs(1.0 - slip) > _MIN_SPEED_RATIO
     return float(np.median(speed[turning] / (1.0 - slip[turning]))) if np.any(turning) else math.nan
 
@@ -241,8 +228,10 @@ class DynamicsAccount(Account):
 def _passages(dataset: "xr.Dataset") -> dict[str, list[tuple[float, bool]]]:
     """Return time and direction (True while rising) of the events, by their meaning."""
     found: dict[str, list[tuple[float, bool]]] = {}
-    columns = (dataset[name].to_numpy() for name in ("event_what", "event_time", "event_rising"))
-    for what, time, rising in zip(*columns, strict=True):
+    for what, time, rising in zip(
+        *(dataset[name].to_numpy() for name in ("event_what", "event_time", "event_rising")),
+        strict=True,
+    ):
         found.setdefault(str(what), []).append((float(time), bool(rising)))
     return found
 
@@ -319,10 +308,9 @@ def relative_difference(reference: "xr.Dataset", dataset: "xr.Dataset", name: st
     name : str
         Name of the speed.
     """
-    times = common_times(reference, dataset)
     reference_speed, speed = (
         np.interp(
-            times,
+            common_times(reference, dataset),
             run["time"].to_numpy(),
             run[name].to_numpy().reshape(run.sizes["time"], -1).mean(axis=1),
         )
@@ -392,8 +380,9 @@ def _describe_steady_slip(dataset: "xr.Dataset") -> str:
             f"steady cage slip {_percent(float(a['steady_cage_slip']))}, the mean of the last orbit"
         )
     status = str(a["steady_status"])
-    is_adjective = status.startswith("not ")
-    text = f"cage slip is {status}" if is_adjective else f"no steady cage slip: {status}"
+    text = (
+        f"cage slip is {status}" if status.startswith("not ") else f"no steady cage slip: {status}"
+    )
     last = float(dataset["cage_slip"][-1])
     return text if math.isnan(last) else f"{text}; at the end it is {_percent(last)}"
 
@@ -522,11 +511,10 @@ def _describe_cage(dataset: "xr.Dataset") -> list[str]:
 
 def _describe_step_error(dataset: "xr.Dataset") -> list[str]:
     """Describe an error of the steps that exceeds the tolerance."""
-    rows = json.loads(dataset.attrs.get("accuracy", "[]"))
     return [
         f"the cage speed may be off by {row['estimated']:.1e} of its largest at an instant, more than the tolerance of "
         f"{row['tolerance']:g}, as motions with other steps diverge; raise accuracy.cage_speed"
-        for row in rows
+        for row in json.loads(dataset.attrs.get("accuracy", "[]"))
         if row["result"] == "cage_speed" and (row["estimated"] or 0.0) > row["tolerance"]
     ]
 

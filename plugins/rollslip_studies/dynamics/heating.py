@@ -301,8 +301,9 @@ def _history(
     if not np.ptp(temperatures, axis=0).any():
         return given
     rows = [model.changes(row, original.scene) for row in temperatures]
-    values = {key: np.array([row[key] for row in rows]) for key in rows[0]}
-    path = ThermalPath.from_samples(times, values, error)
+    path = ThermalPath.from_samples(
+        times, {key: np.array([row[key] for row in rows]) for key in rows[0]}, error
+    )
     courses = {key.removeprefix("operation."): course for key, course in path.courses.items()}
     known: dict[str, Any] = {name: courses[name] for name in TEMPERATURES if name in courses}
     operation = assembly.scene.operation
@@ -369,8 +370,9 @@ def _heat_by_place(
     work = np.diff(state["work_drag"])
     impulse = np.diff(state["impulse_drag"])
     speeds = moving.ring_speeds(t)
-    fractions = _torque_fractions(moving, torques, t, state["cage_speed"], speeds)
-    for torque, fraction in zip(torques, fractions, strict=True):
+    for torque, fraction in zip(
+        torques, _torque_fractions(moving, torques, t, state["cage_speed"], speeds), strict=True
+    ):
         place = _place(torque.against)
         middle = 0.0
         if torque.against in RINGS:
@@ -415,8 +417,9 @@ def _torque_fractions(
     )
     values = 0.5 * (values[:, 1:] + values[:, :-1])
     total = values.sum(axis=0)
-    equal = np.full(values.shape, 1.0 / len(torques))
-    return list(np.divide(values, total, out=equal, where=total != 0.0))
+    return list(
+        np.divide(values, total, out=np.full(values.shape, 1.0 / len(torques)), where=total != 0.0)
+    )
 
 
 def _inner_rolling_fractions(assembly: Assembly) -> tuple[Array, Array]:
@@ -485,8 +488,10 @@ def _rates(
     model: ThermalModel, temperatures: Array, power: Mapping[str, float], capacities: Array
 ) -> Array:
     """Return the rates of the temperatures [K/s] and the heat flow out of the bearing [W], (n + 1,)."""
-    inflows = model.inflows(temperatures, power) / capacities
-    return np.append(inflows, sum(model.carried_away(temperatures).values()))
+    return np.append(
+        model.inflows(temperatures, power) / capacities,
+        sum(model.carried_away(temperatures).values()),
+    )
 
 
 def plan_parts(study: HistoryStudy, assembly: Assembly, costs: dict[str, float]) -> list[Part]:
@@ -534,8 +539,9 @@ def heating_cost(
     model = model_of(assembly)
     if model is None:
         return {}
-    warmer_nodes = model.start(assembly.scene) + _TEMPERATURE_STEP
-    warmer = with_changes(assembly, model.changes(warmer_nodes, assembly.scene))
+    warmer = with_changes(
+        assembly, model.changes(model.start(assembly.scene) + _TEMPERATURE_STEP, assembly.scene)
+    )
     seconds = processor_time(lambda: study.moving_along(study.course(warmer), warmer), 1)
     return {
         "temperatures": _TYPICAL_PASSES * (_SLOWDOWN * motion_seconds + _TYPICAL_BEARINGS * seconds)

@@ -87,8 +87,10 @@ def time_beyond(dataset: "xr.Dataset") -> float:
 
 def sliding_distance(dataset: "xr.Dataset") -> dict[str, Array]:
     """Return ring -> sliding distance of each roller [m], (rollers,): the time integral of |V|."""
-    distances = dataset["roller_sliding_distance"]
-    return {str(ring): distances.sel(ring=ring).to_numpy() for ring in dataset["ring"].to_numpy()}
+    return {
+        str(ring): dataset["roller_sliding_distance"].sel(ring=ring).to_numpy()
+        for ring in dataset["ring"].to_numpy()
+    }
 
 
 def frictional_work(dataset: "xr.Dataset") -> dict[str, float]:
@@ -128,11 +130,12 @@ def format_energy(joules: float) -> str:
 def describe_heating(dataset: "xr.Dataset") -> list[str]:
     """Describe the temperatures that follow from losses, and the heat."""
     a = dataset.attrs
-    nodes = [str(node) for node in dataset["node"].to_numpy()]
     rows = dataset["course_temperature"].to_numpy()
     ends = ", ".join(
         f"{node} from {format_quantity(float(first), 'K', 4)} to {format_quantity(float(last), 'K', 4)}"
-        for node, first, last in zip(nodes, rows[0], rows[-1], strict=True)
+        for node, first, last in zip(
+            [str(node) for node in dataset["node"].to_numpy()], rows[0], rows[-1], strict=True
+        )
     )
     made, stored, carried = (format_energy(abs(float(a[name]))) for name in _HEAT[1:])
     warmed = "warmed the parts" if float(a["heat_stored"]) >= 0.0 else "came out of the parts"

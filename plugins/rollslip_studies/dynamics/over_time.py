@@ -84,9 +84,14 @@ def history_of(
     """
     if settings is None:
         return None
-    where = Location(assembly.scene.origins, (*table_of.split("."), "history"))
     return assembly.cached(
-        "history", (settings, duration), lambda: settings.history(assembly.scene, duration, where)
+        "history",
+        (settings, duration),
+        lambda: settings.history(
+            assembly.scene,
+            duration,
+            Location(assembly.scene.origins, (*table_of.split("."), "history")),
+        ),
     )
 
 
@@ -182,17 +187,16 @@ def skidding_along(
     """
     if not history.speeds_in_proportion():
         unknown = np.full(times.size, np.nan)
-        reason = "not computed because the ratio of the speeds of the rings changes"
         return SkiddingCourse(
             unknown,
             unknown,
             unknown,
-            f"the slip at which skidding begins along the way is {reason}",
+            "the slip at which skidding begins along the way is not computed because the ratio of the speeds of the "
+            "rings changes",
         )
     operation = history.at(times)
     speed = np.abs(operation["inner_speed"] - operation["outer_speed"])
-    max_speed = speed.max(initial=0.0)
-    is_turning = speed > MIN_EPICYCLIC_FRACTION * max_speed
+    is_turning = speed > MIN_EPICYCLIC_FRACTION * speed.max(initial=0.0)
     spans: dict[str, tuple[float, float]] = history.spans | {
         "speed": (MIN_EPICYCLIC_FRACTION * speed.max(), speed.max())
     }
@@ -306,8 +310,7 @@ class _OperationGrid:
             used = (weight > 0.0) & is_turning
             for point in {tuple(row) for row in points[:, used].T.tolist()}:
                 here = used & (points == np.array(point)[:, None]).all(axis=0)
-                onset = np.array(self.onset(point[: len(cells)]))
-                result[:, here] += weight[here] * onset[:, None]
+                result[:, here] += weight[here] * np.array(self.onset(point[: len(cells)]))[:, None]
         result[:, ~is_turning] = np.nan
         return result
 
@@ -390,10 +393,13 @@ def choose_over_history(
     if history is None:
         return estimated
     for end in (0, 1):
-        extremes = {name: history.spans[name][end] for name in history.conditions}
         try:
             other, *_ = choose_slices_and_positions(
-                study, with_operation(assembly, extremes), fraction
+                study,
+                with_operation(
+                    assembly, {name: history.spans[name][end] for name in history.conditions}
+                ),
+                fraction,
             )
         except RollslipError:  # the run reports which bearing cannot be assembled
             continue
@@ -423,7 +429,6 @@ def history_variables(
     history = moving.history
     skidding = skidding_along(study, moving.assembly, history, times)
     operation = history.at(times)
-    stations = moving.stations
     works, distances = moving.sliding_work_and_distance(states[-1])
     variables = {name: operation[name] for name in history.prescribed} | {
         "epicyclic_cage_speed": moving.direction
@@ -440,7 +445,7 @@ def history_variables(
         "history_sha256": history.sha256,
         "history_varies": json.dumps(history.varies),
         "history_stations": len(moving.system.owner.stations),
-        "history_error": stations.error,
+        "history_error": moving.stations.error,
         "slip_status": "known while the cage's epicyclic speed is more than "
         f"{100 * MIN_EPICYCLIC_FRACTION:g} % of its largest, to which slips refer",
         "starvation": json.dumps(_starvation(moving, operation)),
@@ -454,8 +459,10 @@ def _starvation(moving: VaryingMotion, operation: Mapping[str, Array]) -> list[f
     """
     bearing = moving.base.assembly
     speed = np.abs(operation["inner_speed"] - operation["outer_speed"])
-    models = (*bearing.models.values(), *bearing.cage.named)
-    starved = any("starvation" in taken_from_scene(model) for model in models)
+    starved = any(
+        "starvation" in taken_from_scene(model)
+        for model in (*bearing.models.values(), *bearing.cage.named)
+    )
     if not (starved and moving.stations.speeds_vary) or "speed" in [
         axis.name for axis in moving.stations.axes
     ]:
@@ -529,11 +536,10 @@ def history_cost(
     if history is None:
         return {}
     times = np.linspace(0.0, history.end, _PLAN_TIMES)
-    _build_maps(history, make_moving())
-    skidding_along(study, make_moving().assembly, history, times)
-    start = time.process_time()
-    _build_maps(history, make_moving())
-    skidding_along(study, make_moving().assembly, history, times)
+    for _ in range(2):
+        start = time.process_time()
+        _build_maps(history, make_moving())
+        skidding_along(study, make_moving().assembly, history, times)
     return {"history": time.process_time() - start}
 
 
@@ -614,8 +620,9 @@ def steady_slip_along(moving: Any, times: Array, status: tuple[float, str]) -> t
         return status
     if math.isnan(moving.epicyclic_speeds(times)[0][-1]):
         return math.nan, "the rings are nearly at rest at the end"
-    last = times[times >= times[-1] - 0.375 * (times[-1] - times[0])]
-    operation: Mapping[str, Array] = moving.history.at(last)
+    operation: Mapping[str, Array] = moving.history.at(
+        times[times >= times[-1] - 0.375 * (times[-1] - times[0])]
+    )
     path = moving.history.path
     errors = {} if path is None else dict.fromkeys(TEMPERATURES, path.error)
     changing = [

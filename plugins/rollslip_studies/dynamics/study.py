@@ -318,13 +318,12 @@ class Dynamics(Study):
             n_positions=assembly.resolution.n_positions or over_time.N_POSITIONS,
         )
         curves = attrs.evolve(self.curve_study(assembly), map_points=0)
-        skidding = sum(curves.cost(assembly.at(resolution)).values())
         history = over_time.history_cost(
             self.course(assembly), lambda: self.moving(assembly), self.curve_study(assembly)
         )
         motion = costs_of(self, assembly)
         return {
-            "skidding": skidding,
+            "skidding": sum(curves.cost(assembly.at(resolution)).values()),
             **history,
             **motion,
             **heating.heating_cost(self, assembly, motion["motion"]),
@@ -419,14 +418,13 @@ class Dynamics(Study):
         SceneError, PluginError
             If the cage is wrong, or a model is missing.
         """
-        drags = (("drag", model) for model in assembly.cage.drags)
         heat = heating.model_of(assembly)
-        measures = damage_of(assembly)
-        others = [
+        return (
+            *(("drag", model) for model in assembly.cage.drags),
+            ("integrator", self.method(assembly)),
             *([] if heat is None else [("thermal", heat)]),
-            *(("damage", model) for model in measures),
-        ]
-        return *drags, ("integrator", self.method(assembly)), *others
+            *(("damage", model) for model in damage_of(assembly)),
+        )
 
     @property
     def validity_state(self) -> str:
@@ -541,7 +539,6 @@ class Dynamics(Study):
         """Return the motion, from its last checkpoint on, up to its end or an event whose number is in ``stop``."""
         store = None if context.store is None else Checkpoints(*attrs.astuple(context.store))
         times = np.linspace(0.0, self.duration, self.points)
-        watch = moving.system.watch if moving.system.watched else None
         before = None if store is None else store.load(times, moving.system.n)
         stored_times = 0 if before is None else before.t.size
         stored_parts = 0 if before is None or store is None else len(store.parts())
@@ -557,7 +554,12 @@ class Dynamics(Study):
                 )
 
         found = integrate(
-            self._initial_value_problem(moving, self.relative_tolerance, before, watch=watch),
+            self._initial_value_problem(
+                moving,
+                self.relative_tolerance,
+                before,
+                watch=moving.system.watch if moving.system.watched else None,
+            ),
             integrator,
             times[stored_times:],
             rtol=self.relative_tolerance,
@@ -673,10 +675,11 @@ class Dynamics(Study):
     def _planar_settings(self, assembly: Assembly) -> PlanarSettings:
         """Return the settings of level planar, which a scene must give; else a SceneError."""
         if self.planar is None:
-            where = Location(assembly.scene.origins, ("study", self.name))
             raise SceneError(
                 [
-                    where.at("planar").message(
+                    Location(assembly.scene.origins, ("study", self.name))
+                    .at("planar")
+                    .message(
                         "missing, but required for level = 'planar'; give [study.dynamics.planar] with the mass that "
                         "moves with the inner ring, such as inner_ring_mass = '5 kg'"
                     )
@@ -693,8 +696,12 @@ class Dynamics(Study):
             If its parameters are wrong, or there is none of that name.
         """
         problems = list[str]()
-        where = Location(assembly.scene.origins, ("study", self.name, "integrator"))
-        model = structure_model("integrator", self.integrator, where, problems)
+        model = structure_model(
+            "integrator",
+            self.integrator,
+            Location(assembly.scene.origins, ("study", self.name, "integrator")),
+            problems,
+        )
         if problems or not isinstance(model, IntegratorModel):
             raise SceneError(problems)
         return model
@@ -715,10 +722,14 @@ class Dynamics(Study):
         import xarray as xr
 
         t = found.t
-        cage = moving.split(found.y)["cage_speed"]
         variables = self.variables(**stored_variables(moving, found, outputs))
-        variables["film_parameter"][2]["film_status"] = self._film_status()
-        cage_slip = variables["cage_slip"][1]
+        film_status = "of the loaded slices"
+        if self.friction != "conventional":
+            film_status = (
+                f"friction is {self.friction}, which has no film; set it with "
+                f"--set {self.table}.friction=conventional"
+            )
+        variables["film_parameter"][2]["film_status"] = film_status
         history, history_attributes = over_time.history_variables(
             self.curve_study(assembly), moving, t, found.y
         )
@@ -726,8 +737,8 @@ class Dynamics(Study):
         is_finished = found.outcome == "finished"  # else a longer run would end there, too
         steady, steady_status = steady_slip_of(
             t,
-            cage_slip,
-            cage,
+            variables["cage_slip"][1],
+            moving.split(found.y)["cage_speed"],
             assembly.scene.accuracy.tolerance,
             lambda seconds: (
                 f"; run longer with --set {self.table}.duration={seconds:.2g}s"
@@ -770,9 +781,3 @@ class Dynamics(Study):
                 **found.diagnostics,
             },
         )
-
-    def _film_status(self) -> str:
-        """Return what the film parameter is of, or why it is not known."""
-        if self.friction == "conventional":
-            return "of the loaded slices"
-        return f"friction is {self.friction}, which has no film; set it with --set {self.table}.friction=conventional"

@@ -148,7 +148,6 @@ def stored_variables(
     angles = state["cage_angle"][:, None] + 2.0 * np.pi / rollers * np.arange(rollers)
     relative = spin + state.get("orbital_speed", cage[:, None])
     cage_epicyclic, roller_epicyclic = moving.epicyclic_speeds(found.t)
-    meanings = [_EVENT_MEANINGS[event.watched, event.rising] for event in found.events]
     contacts = {name: np.moveaxis(outputs[name], 1, 0) for name in _CONTACT_OUTPUTS}
     if (displacement := state.get("pocket_position")) is not None:
         angles = angles + displacement / kinematics.orbit_radius
@@ -168,7 +167,10 @@ def stored_variables(
         "angular_momentum": moving.angular_momentum(found.y),
         "momentum_residual": moving.momentum_residual(found.y),
         "event_time": np.array([event.time for event in found.events]),
-        "event_what": np.array(meanings, dtype=np.dtypes.StringDType()).astype(object),
+        "event_what": np.array(
+            [_EVENT_MEANINGS[event.watched, event.rising] for event in found.events],
+            dtype=np.dtypes.StringDType(),
+        ).astype(object),
         "event_rising": np.array([int(event.rising) for event in found.events], dtype=int),
         **contacts,
         **_ring_variables(moving, state),
@@ -185,13 +187,19 @@ def stored_coordinates(moving: MovingBearing, found: Trajectory) -> dict[str, An
     found : Trajectory
         The motion.
     """
-    rollers = np.arange(moving.assembly.scene.bearing.rollers)
-    works = [*moving.works(found.y)]
     coordinates = {
         "time": ("time", found.t, about("s", "time")),
-        "roller": ("roller", rollers, about("1", "roller")),
+        "roller": (
+            "roller",
+            np.arange(moving.assembly.scene.bearing.rollers),
+            about("1", "roller"),
+        ),
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
-        "work": ("work", np.array(works), about("1", "what the work was done by")),
+        "work": (
+            "work",
+            np.array([*moving.works(found.y)]),
+            about("1", "what the work was done by"),
+        ),
         "direction": (
             "direction",
             np.array(["along", "across"]),
@@ -209,8 +217,9 @@ def _ring_variables(moving: MovingBearing, state: Mapping[str, Array]) -> dict[s
     variables = dict[str, Array]()
     for body, prefix in (("ring", "inner_ring"), ("cage", "cage")):
         if f"{prefix}_x" in state:
-            displacement = [state[f"{prefix}_x"], state[f"{prefix}_y"]]
-            variables[f"{body}_displacement"] = np.array(displacement)
+            variables[f"{body}_displacement"] = np.array(
+                [state[f"{prefix}_x"], state[f"{prefix}_y"]]
+            )
     if shapes := ring_shapes(moving):
         variables["ring_deflection"] = np.array([state[name] for name in shapes])
     angles = [state.get(f"{ring}_form_angle") for ring in RINGS]
@@ -288,10 +297,15 @@ def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]
             raceway.ring, last.orbit_angle.to_numpy()[owner], owner.astype(float)
         )
         places |= {"position": places["position"][column]} if places else {}
-        forces = slice_load * assembly.widths[column]
         found.append(
             LoadedSlices(
-                0, raceway.ring, slice_load, rolling[owner], sliding[owner], forces, places
+                0,
+                raceway.ring,
+                slice_load,
+                rolling[owner],
+                sliding[owner],
+                slice_load * assembly.widths[column],
+                places,
             )
         )
     return found

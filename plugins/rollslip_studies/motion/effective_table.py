@@ -119,16 +119,19 @@ class EffectiveTable:
     @property
     def record(self) -> dict[str, object]:
         """Size and errors by name, as results store them; NaN is None."""
-        names = ("error", "slope_error", "critical_speed", "critical_error")
-        values = {name: getattr(self, name) for name in names}
+        values = {
+            name: getattr(self, name)
+            for name in ("error", "slope_error", "critical_speed", "critical_error")
+        }
         known = {name: value if math.isfinite(value) else None for name, value in values.items()}
         return {"nodes": [len(self.nodes)], **known}
 
     @property
     def curve(self) -> tuple[Array, Array]:
         """Sliding speeds [m/s] and friction at the nodes."""
-        x = np.linspace(*self.limits, len(self.nodes))
-        return _sliding_speed(x, self.sliding_scale), self.nodes[:, 0]
+        return _sliding_speed(
+            np.linspace(*self.limits, len(self.nodes)), self.sliding_scale
+        ), self.nodes[:, 0]
 
     def raceway(self, rollers: int) -> object:
         """Return the compiled raceway of so many rollers."""

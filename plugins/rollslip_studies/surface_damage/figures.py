@@ -111,8 +111,13 @@ def _draw(
         if np.isfinite(row).any():
             value = format_value(float(extreme(row)), unit)
             label = f"{ring} ring, {value}".replace("degC", "°C").replace("m2", "m²")
-            dashes = DASHES[0 if ring == "inner" else 1]
-            axes.plot(x, convert(row), color=RING_COLOURS[ring], linestyle=dashes, label=label)
+            axes.plot(
+                x,
+                convert(row),
+                color=RING_COLOURS[ring],
+                linestyle=DASHES[0 if ring == "inner" else 1],
+                label=label,
+            )
     if not is_largest:  # large values, of contacts that hardly touch, would hide the worst
         axes.set_ylim(0.0, _MAX_RATIO * convert(float(np.nanmax(np.nanmin(rows, axis=1)))))
     meaning = str(measure["meaning"].item())

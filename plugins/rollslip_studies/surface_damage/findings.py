@@ -40,11 +40,6 @@ def format_value(value: float, unit: str) -> str:
     return f"{value:.3g} K" if unit == RISE else format_quantity(value, unit, 3)
 
 
-def from_load_line(angle: float) -> float:
-    """Return an angle [rad] in degrees from -180 to 180."""
-    return (math.degrees(angle) + 180.0) % 360.0 - 180.0
-
-
 def rings_beyond_limit(measure: "xr.Dataset") -> list[str]:
     """Return the rings on which a measure is beyond its limit."""
     limit = float(measure["limit"])
@@ -99,7 +94,8 @@ def _describe(measure: "xr.Dataset") -> list[str]:
 
 def _location(worst: "xr.Dataset") -> str:
     """Describe where and when the worst value on a ring was found, with problems of other times."""
-    text = f"{from_load_line(float(worst['worst_angle'])):.3g} degrees from the line of load"
+    angle = (math.degrees(float(worst["worst_angle"])) + 180.0) % 360.0 - 180.0
+    text = f"{angle:.3g} degrees from the line of load"
     distance = abs(float(worst["worst_place"]))
     if distance > 0.0:
         text += f" and {format_quantity(distance, 'm', 2)} from the middle of the roller"
@@ -132,8 +128,13 @@ def _row(measure: "xr.Dataset") -> Row:
     values = measure["worst"].to_numpy()
     known = values[np.isfinite(values)]
     if not known.size:
-        note = str(measure["worst_status"].to_numpy()[0])
-        return Row(key=key, label=label, unit=unit, text="not found", note=note)
+        return Row(
+            key=key,
+            label=label,
+            unit=unit,
+            text="not found",
+            note=str(measure["worst_status"].to_numpy()[0]),
+        )
     worst = float(known.max() if measure["sense"].item() == "largest" else known.min())
     limit = float(measure["limit"])
     rings = rings_beyond_limit(measure)
@@ -156,11 +157,11 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         return float(value) if np.isfinite(value) else None
 
     def by_ring(measure: "xr.Dataset", name: str) -> dict[str, Any]:
-        rings = map(str, measure["ring"].to_numpy())
-        values = measure[name].to_numpy().tolist()
         return {
             ring: value if isinstance(value, str) else number(value)
-            for ring, value in zip(rings, values, strict=True)
+            for ring, value in zip(
+                map(str, measure["ring"].to_numpy()), measure[name].to_numpy().tolist(), strict=True
+            )
         }
 
     if "measure" not in dataset.dims:
@@ -194,9 +195,13 @@ class SurfaceDamageAccount(Account):
         """Return the cage slip, and the worst value of each measure."""
         slip = float(dataset["slip"]) if "slip" in dataset else math.nan
         status = str(dataset["status"].item()) if math.isnan(slip) else ""
-        text = "not found" if status else percent(slip)
         cage_slip = Row(
-            key="cage_slip", label="cage slip", value=slip, rank=1, text=text, note=status
+            key="cage_slip",
+            label="cage slip",
+            value=slip,
+            rank=1,
+            text="not found" if status else percent(slip),
+            note=status,
         )
         return Answer(rows=(cage_slip, *rows(dataset)), commands=next_of_others(dataset))
 

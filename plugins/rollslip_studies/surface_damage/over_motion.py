@@ -145,7 +145,11 @@ def over_motion(
     measures = damage_of(assembly)
     if not measures:
         return {}, {}
-    indices = _measured_times(assembly, dataset)
+    times = dataset["time"].to_numpy()
+    indices = np.linspace(0, times.size - 1, min(times.size, _MAX_POINTS)).round().astype(int)
+    selection = "all stored instants"
+    if times.size > indices.size:
+        indices = np.union1d(indices, _suspects(assembly, dataset))
     shape = len(measures), len(RINGS)
     found = _WorstValues(
         over_time=np.full((*shape, indices.size), np.nan),
@@ -154,8 +158,6 @@ def over_motion(
     )
     for n, index in enumerate(indices.tolist()):
         found.measure(measures, bearing_at(index), dataset.isel(time=index), n)
-    times = dataset["time"].to_numpy()
-    selection = "all stored instants"
     if indices.size < times.size:
         selection = f"{indices.size} of {times.size} stored instants"
     status = np.full(shape, "", dtype=object)
@@ -168,8 +170,9 @@ def over_motion(
         if problem:
             texts.append(f"at some: {problem}")
         index = int(np.searchsorted(times, found.extremes[1, k, i]))
-        state = dataset.isel(time=index)
-        error = _slice_error(bearing_at(index), state, i, measures[k], found.extremes[0, k, i])
+        error = _slice_error(
+            bearing_at(index), dataset.isel(time=index), i, measures[k], found.extremes[0, k, i]
+        )
         if error > assembly.scene.accuracy.tolerance:
             texts.append(f"its slices leave about {100.0 * error:.2g} %")
         status[k, i] = "; ".join(texts)
@@ -181,13 +184,6 @@ def over_motion(
         "measure": named(measures),
         "measured_time": ("measured_time", times[indices], about("s", "time")),
     }
-
-
-def _measured_times(assembly: Assembly, dataset: "xr.Dataset") -> Numbers:
-    """Return the indices of the stored times that are measured, in order."""
-    stored = dataset.sizes["time"]
-    indices = np.linspace(0, stored - 1, min(stored, _MAX_POINTS)).round().astype(int)
-    return np.union1d(indices, _suspects(assembly, dataset)) if stored > indices.size else indices
 
 
 def _suspects(assembly: Assembly, dataset: "xr.Dataset") -> list[int]:
@@ -237,15 +233,17 @@ def _slice_error(
 def _rolling_speed(assembly: Assembly, state: "xr.Dataset", i: int) -> NDArray[np.float64]:
     """Return the entrainment speed [m/s], with spin w and sliding V r w + V/2 on the inner, r w - V/2 on the outer."""
     radius = assembly.kinematics.direction * assembly.kinematics.roller_radius
-    surface_speed = radius * state["roller_speed"].to_numpy()
-    return np.asarray(surface_speed + (0.5 - i) * state["sliding_speed"].to_numpy())
+    return np.asarray(
+        radius * state["roller_speed"].to_numpy() + (0.5 - i) * state["sliding_speed"].to_numpy()
+    )
 
 
 def _tilted_loads(assembly: Assembly, state: "xr.Dataset") -> NDArray[np.float64] | None:
     """Return the loads per length [N/m] on both rings in static equilibrium, (2, Z, n); None if no roller tilts."""
     drop = assembly.drop
-    is_symmetric = np.allclose(drop, drop[::-1], rtol=_ROUNDING, atol=_MIN_DROP)
-    if assembly.scene.operation.misalignment == 0.0 and is_symmetric:
+    if assembly.scene.operation.misalignment == 0.0 and np.allclose(
+        drop, drop[::-1], rtol=_ROUNDING, atol=_MIN_DROP
+    ):
         return None
     direction = 0.0
     if "load_direction" in state:
@@ -282,7 +280,6 @@ def _contacts(
     loaded = np.flatnonzero((force > 0.0) & (rolling > 0.0) & np.isfinite(sliding))
     if not loaded.size:
         return None
-    raceway = assembly.raceways[i]
     load = np.array(
         [
             _distribute(assembly, i, float(force[j]), None if tilted is None else tilted[i, j])
@@ -291,5 +288,12 @@ def _contacts(
     )
     row, column = np.nonzero(load > 0.0)
     owner = loaded[row]
-    slices = raceway.evaluate(load[row, column], rolling[owner], sliding[owner])
-    return Contacts.of(assembly, RINGS[i], slices), owner, column
+    return (
+        Contacts.of(
+            assembly,
+            RINGS[i],
+            assembly.raceways[i].evaluate(load[row, column], rolling[owner], sliding[owner]),
+        ),
+        owner,
+        column,
+    )

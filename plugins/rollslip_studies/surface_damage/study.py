@@ -153,8 +153,14 @@ class SurfaceDamage(Study):
         left_out = tuple(
             bound for bound in found.left_out if bound.reinstated(resolution) != resolution
         )
-        errors = {name: error for name, error in found.errors.items() if name not in _CONTACT_PARTS}
-        return attrs.evolve(found, resolution=resolution, left_out=left_out, errors=errors)
+        return attrs.evolve(
+            found,
+            resolution=resolution,
+            left_out=left_out,
+            errors={
+                name: error for name, error in found.errors.items() if name not in _CONTACT_PARTS
+            },
+        )
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the damage models, each with its kind; nothing if nothing is measured."""
@@ -386,8 +392,7 @@ def _measure(
     along = np.full(loaded.rollers, np.nan)
     np.fmax.at(along, loaded.owner, harm(model, values))
     index = int(np.nanargmax(harm(model, values)))
-    worst_contact = attrs.evolve(contacts, slices=contacts.slices.taken([index]))
-    inside = model.across(worst_contact, places)
+    inside = model.across(attrs.evolve(contacts, slices=contacts.slices.taken([index])), places)
     across = np.full(places.size, np.nan) if inside is None else np.asarray(inside[0], dtype=float)
     return harm(model, along), float(values[index]), index, across
 

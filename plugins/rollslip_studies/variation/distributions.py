@@ -55,13 +55,12 @@ class Distribution(abc.ABC):
         if None not in (self.at_least, self.at_most) and not self.at_least < self.at_most:
             raise FieldError("at_most", "must be above at_least")
 
+    @abc.abstractmethod
     def centred(self, nominal: float | None) -> "Distribution":
         """Return the distribution with its parameters complete, by default from the value of the scene."""
-        return self
 
     def quantile(self, probability: Array) -> Array:
         """Return the values below which fractions of the distribution lie; both bounds of a truncation are included."""
-        p = np.asarray(probability, dtype=float)
         low = 0.0
         if self.at_least is not None:
             low = float(self._fraction(np.asarray(self.at_least, dtype=float)))
@@ -72,7 +71,7 @@ class Distribution(abc.ABC):
             raise FieldError(
                 "at_least", "leaves nothing of the distribution; move at_least or at_most"
             )
-        values = self._quantile(low + p * (high - low))
+        values = self._quantile(low + np.asarray(probability, dtype=float) * (high - low))
         if self.at_least is None and self.at_most is None:
             return values
         return np.clip(values, self.at_least, self.at_most)
@@ -104,8 +103,9 @@ def _normal_quantile(probability: Array) -> Array:
     if probability.size <= _MAX_WITHOUT_SCIPY and bool(
         ((probability > 0.0) & (probability < 1.0)).all()
     ):
-        scores = [NormalDist().inv_cdf(p) for p in probability.ravel().tolist()]
-        return np.array(scores).reshape(probability.shape)
+        return np.array([NormalDist().inv_cdf(p) for p in probability.ravel().tolist()]).reshape(
+            probability.shape
+        )
     from scipy.special import ndtri
 
     return np.asarray(ndtri(probability))
@@ -114,8 +114,9 @@ def _normal_quantile(probability: Array) -> Array:
 def _normal_probability(score: Array) -> Array:
     """Return cumulative probabilities of the standard normal distribution."""
     if score.size <= _MAX_WITHOUT_SCIPY:
-        probabilities = [0.5 * math.erfc(-z / 2.0**0.5) for z in score.ravel().tolist()]
-        return np.array(probabilities).reshape(score.shape)
+        return np.array([0.5 * math.erfc(-z / 2.0**0.5) for z in score.ravel().tolist()]).reshape(
+            score.shape
+        )
     from scipy.special import ndtr
 
     return np.asarray(ndtr(score))

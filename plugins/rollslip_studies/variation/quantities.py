@@ -39,7 +39,11 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     found = [*_bearing_name(scene)]
     for table in _tables(scene):
         found += _values_of(getattr(scene, table), table)
-    found += _supply_values(assembly)
+    # with the starvation constant of the kind of supply by default
+    constant = oil_supply(scene, assembly.lubricant).starvation_constant
+    found += _values_of(
+        attrs.evolve(scene.lubrication, starvation_constant=constant), "lubrication"
+    )
     found += _oil_values(assembly)
     for attribute in attrs.fields(type(scene.models)):
         found += _model_values(assembly, attribute)
@@ -65,10 +69,12 @@ def _model_values(assembly: Assembly, attribute: "attrs.Attribute[Any]") -> Iter
         yield _choice(key, attribute, choice.name, kind)
         yield from _values_of(assembly.models.get(kind) or _thermal(scene), key)
     elif isinstance(choice, Separator):
-        field = attrs.fields(Separator).coefficient
         yield _choice(key, attribute, choice.name, "")
         yield from _single_value(
-            f"{key}.coefficient", float, field, scene.models.neighbour_friction
+            f"{key}.coefficient",
+            float,
+            attrs.fields(Separator).coefficient,
+            scene.models.neighbour_friction,
         )
     elif isinstance(choice, tuple):  # each of several models has its name in the key
         for model in choice:
@@ -84,9 +90,13 @@ def _bearing_name(scene: Scene) -> Iterator[Quantity]:
     """Yield the name of the bearing, if the scene has one: it determines the cage and all that is not stated."""
     table = None if scene.raw is None else scene.raw.get("bearing")
     if isinstance(table, Mapping) and isinstance(name := table.get("name"), str):
-        attribute = attrs.fields_dict(LubricantTable)["name"]
         yield Quantity(
-            "bearing.name", None, "name of a bearing that a plugin ships", name, False, attribute
+            "bearing.name",
+            None,
+            "name of a bearing that a plugin ships",
+            name,
+            False,
+            attrs.fields_dict(LubricantTable)["name"],
         )
 
 
@@ -120,14 +130,6 @@ def _values_of(instance: Any, prefix: str) -> Iterator[Quantity]:
             yield from _values_of(value, key)
         else:
             yield from _single_value(key, kinds.get(attribute.name), attribute, value)
-
-
-def _supply_values(assembly: Assembly) -> Iterator[Quantity]:
-    """Yield the values of the lubrication, with the starvation constant of the kind of supply by default."""
-    scene = assembly.scene
-    constant = oil_supply(scene, assembly.lubricant).starvation_constant
-    lubrication = attrs.evolve(scene.lubrication, starvation_constant=constant)
-    yield from _values_of(lubrication, "lubrication")
 
 
 def _oil_values(assembly: Assembly) -> Iterator[Quantity]:

@@ -44,8 +44,10 @@ def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
         offered.pop("lubricant.pressure_exponent_factor", None)
     for offer in named_data(raw):
         if offer.kind != "lubricant":
-            scatters = getattr(load(offer), "scatter", ())
-            offered |= {f"{offer.kind}.{scatter.quantity}": scatter for scatter in scatters}
+            offered |= {
+                f"{offer.kind}.{scatter.quantity}": scatter
+                for scatter in getattr(load(offer), "scatter", ())
+            }
     for scatter in clearance_scatter(scene.bearing):
         offered[f"bearing.{scatter.quantity}"] = scatter
     for key, quantity in known.items():
@@ -86,8 +88,10 @@ def _states(raw: Mapping[str, object], key: str) -> bool:
     value: object = raw
     for part in key.split("."):
         if isinstance(value, list | tuple):
-            models = [item for item in value if isinstance(item, Mapping)]
-            value = next((model for model in models if model.get("model") == part), None)
+            value = next(
+                (item for item in value if isinstance(item, Mapping) and item.get("model") == part),
+                None,
+            )
         elif isinstance(value, Mapping) and part in value:
             value = value[part]
         else:
