@@ -98,9 +98,7 @@ def regime_variables(
         "load_parameter": load_parameter,
         "light_fraction": light,
     }
-    variables: dict[str, Any] = {
-        name: output.variable(values[name]) for name, output in REGIMES.items()
-    }
+    variables = {name: output.variable(values[name]) for name, output in REGIMES.items()}
     for _, _, attributes in variables.values():
         attributes["long_name"] += where
     return variables | {"regime": ("regime", np.array(NAMES), about("1", "film regime"))}
@@ -145,9 +143,9 @@ class LoadedRaceways:
         orbit = float(np.sign(assembly.kinematics.epicyclic_cage_speed))
         # positions m within a pitch and rollers j are positions j M + m of the orbit; k and -k have equal loads
         positions = distribution.psi.size
-        number = np.repeat(np.arange(float(distribution.psi.shape[1])), len(distribution.psi))
-        angle = distribution.psi
-        self._folded = assembly.load_case(len(distribution.psi)).mirrored
+        n_positions, rollers = distribution.psi.shape
+        number = np.repeat(np.arange(float(rollers)), n_positions)
+        self._folded = assembly.load_case(n_positions).mirrored
         if self._folded:
             count = np.full(positions // 2 + 1, 2.0)
             count[0] = 1.0
@@ -157,7 +155,7 @@ class LoadedRaceways:
 
         def loaded_contacts(raceway: Raceway, load: Array) -> LoadedContacts:
             whole = load.swapaxes(0, 1).reshape(positions, -1)
-            if places := assembly.places(raceway.ring, angle.T.ravel(), number):
+            if places := assembly.places(raceway.ring, distribution.psi.T.ravel(), number):
                 return LoadedContacts(raceway, whole, assembly.widths, orbit, places=places)
             return LoadedContacts(raceway, whole[: count.size], assembly.widths, orbit, count)
 
@@ -167,7 +165,6 @@ class LoadedRaceways:
                 loaded_contacts(assembly.outer, distribution.outer_load),
             )
 
-        n_positions = int(distribution.psi.shape[0])
         rings = (
             assembly.cached_by_loads(("contacts", n_positions), n_positions, both_rings)
             if shared
@@ -207,8 +204,7 @@ class LoadedRaceways:
         coarse._fractions = {}
         coarse._slopes = np.zeros(0)
         coarse._spins = None
-        key = ("few", n_positions, is_free)
-        rings = self.assembly.cached_by_loads(key, n_positions, reduced)
+        rings = self.assembly.cached_by_loads(("few", n_positions, is_free), n_positions, reduced)
         coarse.whole = self
         coarse.inner, coarse.outer = (
             ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True)
@@ -232,7 +228,7 @@ class LoadedRaceways:
             self._find_spins(new)
         none = np.zeros(self.inner.rollers)
         fractions = np.array(
-            [self._fractions[slip] if slip > 0.0 else none for slip in cage_slip.tolist()]
+            [self._fractions.get(slip, none) for slip in cage_slip.tolist()]  # none at slip 0
         )
         return kinematics.surface_speeds(cage_slip[:, None], outer_rolling[:, None] * fractions)
 
@@ -360,22 +356,21 @@ class LoadedRaceways:
     def means(self, speeds: SurfaceSpeeds) -> dict[str, Array]:
         """Return the means of roller slip, sliding and rolling speed over the contacts by force, (2, n) each."""
         roller_slip = 1.0 - speeds.roller_speed / self.assembly.kinematics.epicyclic_roller_speed
-        rings = (
-            (self.inner, speeds.inner_sliding, speeds.inner_rolling),
-            (self.outer, speeds.outer_sliding, speeds.outer_rolling),
-        )
-        values = {
-            name: [
-                row if row.ndim == 1 else row @ contacts.per_roller(contacts.force) / contacts.total
-                for contacts, row in rows
-            ]
-            for name, rows in {
-                "roller_slip": [(contacts, roller_slip) for contacts, _, _ in rings],
-                "sliding_speed": [(contacts, V) for contacts, V, _ in rings],
-                "rolling_speed": [(contacts, u) for contacts, _, u in rings],
-            }.items()
+        by_ring = {
+            "roller_slip": (roller_slip, roller_slip),
+            "sliding_speed": (speeds.inner_sliding, speeds.outer_sliding),
+            "rolling_speed": (speeds.inner_rolling, speeds.outer_rolling),
         }
-        return {name: np.array(rows) for name, rows in values.items()}
+
+        def mean(contacts: LoadedContacts, row: Array) -> Array:
+            if row.ndim == 1:
+                return row
+            return row @ contacts.per_roller(contacts.force) / contacts.total
+
+        return {
+            name: np.array([mean(self.inner, inner), mean(self.outer, outer)])
+            for name, (inner, outer) in by_ring.items()
+        }
 
     def regimes(self, speeds: SurfaceSpeeds) -> tuple[Array, Array, Array]:
         """Return fractions by film regime, the largest load parameter and the light fraction, means over speeds."""
@@ -390,8 +385,7 @@ class LoadedRaceways:
         """Return the friction coefficient of every roller at the first position, (2, Z, n), NaN without load."""
         n_positions, rollers = self.distribution.psi.shape
         position = n_positions * np.arange(rollers)
-        folded = self._folded and not self.inner.places
-        if folded:
+        if self._folded and not self.inner.places:
             position = np.minimum(position, n_positions * rollers - position)
         out = np.full((2, rollers, slip.size), np.nan)
         for k, both in enumerate(self.contacts(self.speeds(slip))):
@@ -441,13 +435,6 @@ def evaluate_together(
     ]
 
 
-def mean_friction_together(requested: Sequence[tuple[LoadedRaceways, int, Array]]) -> list[Array]:
-    """Return the effective friction of rings of bearings, 0 or 1, at cage slips, (n,) each, by one evaluation."""
-    return mean_friction(
-        [raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in requested]
-    )
-
-
 def find_critical_together(
     cases: Sequence[tuple[LoadedRaceways, Array, Array]],
 ) -> list[tuple[Critical, Critical]]:
@@ -460,8 +447,8 @@ def find_critical_together(
         ]
         return find_critical_slips(
             curves,
-            lambda requested: mean_friction_together(
-                [(cases[k][0], ring, slip) for k, slip in requested]
+            lambda requested: mean_friction(
+                [cases[k][0].rings(cases[k][0].speeds(slip))[ring] for k, slip in requested]
             ),
         )
 
@@ -491,13 +478,12 @@ def are_confirmed(
 
 def no_load_error(scene: Scene, consequence: str) -> SceneError:
     """Return the error that no roller is loaded on the inner ring, with a consequence."""
-    clearance = scene.bearing.radial_clearance
     return SceneError(
         [
             Location(scene.origins, ("operation", "radial_load")).message(
                 f"no roller is loaded on the inner ring with {format_quantity(scene.operation.radial_load, 'N')} and "
-                f"bearing.radial_clearance = {format_quantity(clearance, 'm')}, so {consequence}; raise "
-                "operation.radial_load, or give bearing.radial_clearance below zero"
+                f"bearing.radial_clearance = {format_quantity(scene.bearing.radial_clearance, 'm')}, so {consequence}; "
+                "raise operation.radial_load, or give bearing.radial_clearance below zero"
             )
         ]
     )

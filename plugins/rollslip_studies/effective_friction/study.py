@@ -64,22 +64,14 @@ _FIRST_POSITIONS: Final = 2
 #: Roller positions above which the run fails. Twice as many take twice the time of the last step; chosen.
 _MAX_POSITIONS: Final = 1024
 
-
-@attrs.frozen
-class _CostModel:
-    """Numbers by which times of small evaluations are extrapolated to the cost of a run."""
-
-    #: Slices up to which times are measured; above it they are proportional to the number of slices. Half as many would
-    #: measure the overhead of a call. Chosen.
-    max_slices: int = 128
-    #: Points of the two maps whose times are extrapolated linearly. Larger ones cost more than they improve. Chosen.
-    map_points: tuple[int, int] = (3, 6)
-    #: Evaluations of the search for the critical slips of both rings, each of one ring. The estimated time of the
-    #: search is proportional to it; four scenes of the catalogue take 2 to 32. Chosen, rather too large.
-    search_evaluations: int = 40
-
-
-_COST: Final = _CostModel()
+#: Slices up to which the times of a cost estimate are measured; above it they are proportional to the number of slices.
+#: Half as many would measure the overhead of a call. Chosen.
+_MAX_TIMED_SLICES: Final = 128
+#: Points of the two maps whose times are extrapolated linearly. Larger ones cost more than they improve. Chosen.
+_TIMED_MAP_POINTS: Final = (3, 6)
+#: Evaluations of the search for the critical slips of both rings, each of one ring. The estimated time of the search is
+#: proportional to it; four scenes of the catalogue take 2 to 32. Chosen, rather too large.
+_SEARCH_EVALUATIONS: Final = 40
 #: Error of the smallest film parameter just before a roller jumps to another balance of forces. It is a bound; it falls
 #: only with the number of roller positions, because the jump lies between two of them.
 FILM_AT_JUMPS: Final = "film parameter, where rollers jump,"
@@ -307,8 +299,9 @@ class EffectiveFriction(Study):
         """Return the time [s] of loads, friction, regimes and map, extrapolated from coarse evaluations."""
         resolution = assembly.resolution
         slip = slip_grid(self.max_cage_slip, POINTS[0])[1:]
-        slices = min(resolution.slices, _COST.max_slices)
-        coarse = assembly.at(attrs.evolve(resolution, slices=slices))
+        coarse = assembly.at(
+            attrs.evolve(resolution, slices=min(resolution.slices, _MAX_TIMED_SLICES))
+        )
         times: dict[str, list[float]] = {
             "load distribution": [],
             "friction": [],
@@ -316,8 +309,9 @@ class EffectiveFriction(Study):
         }
         for m in N_POSITIONS:
             uncached = attrs.evolve(coarse, load_cache={})
-            load_time = processor_time(partial(uncached.load_distribution, m), 1)
-            times["load distribution"].append(load_time)
+            times["load distribution"].append(
+                processor_time(partial(uncached.load_distribution, m), 1)
+            )
             raceways = self.loaded(uncached, m)
             # the spin of a free roller is a root, which is found once
             closure = processor_time(partial(raceways.speeds, slip), 1) / slip.size
@@ -327,8 +321,8 @@ class EffectiveFriction(Study):
                 for work in (raceways.evaluated, raceways.regimes)
             )
             times["friction"].append(
-                friction * (self.points + _COST.search_evaluations / 2)
-                + closure * (self.points + _COST.search_evaluations / 4)
+                friction * (self.points + _SEARCH_EVALUATIONS / 2)
+                + closure * (self.points + _SEARCH_EVALUATIONS / 4)
             )
             times["film regimes"].append(regimes * self.points)
         factor = assembly.slices / coarse.slices
@@ -340,15 +334,12 @@ class EffectiveFriction(Study):
         if self.skidding_range:
             costs["skidding"] = torque_balance(assembly, n_positions).seconds(self.skidding_range)
         if self.map_points:
-            small, large = _COST.map_points
-            sizes = (small * (2 * small - 1), large * (2 * large - 1))
             maps = [
                 processor_time(partial(raceways.map, self.max_cage_slip, n), 1)
-                for n in (small, large)
+                for n in _TIMED_MAP_POINTS
             ]
-            costs["map"] = extrapolate_line(
-                sizes, maps, self.map_points * max(2 * self.map_points - 1, 1)
-            )
+            small, large, own = (n * (2 * n - 1) for n in (*_TIMED_MAP_POINTS, self.map_points))
+            costs["map"] = extrapolate_line((small, large), maps, own)
         return costs
 
     def loaded_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[LoadedSlices]:
@@ -479,8 +470,9 @@ class EffectiveFriction(Study):
             # rollers with equal speeds do not jump, and with other slices only the jump of the run counts
             if np.ndim(u) and n_positions > dataset.attrs["n_positions"]:
                 for step in (1, -1):
-                    error = _film_error_at_jumps(raceways, both[ring], along, step)
-                    jump_error = max(jump_error, error)
+                    jump_error = max(
+                        jump_error, _film_error_at_jumps(raceways, both[ring], along, step)
+                    )
         errors = {"film parameter": float(film_error)}
         if jump_error:
             errors[FILM_AT_JUMPS] = float(jump_error)
@@ -659,17 +651,13 @@ class EffectiveFriction(Study):
         import xarray as xr
 
         speeds = raceways.speeds(slip)
-        means = raceways.means(speeds)
-        (friction, film) = curves
+        friction, film = curves
         loads = raceways.distribution
         forces = np.stack([loads.inner_force[0], loads.outer_force[0]])
-        curve_variables, coords = _curve_variables(slip, friction, critical)
-        variables: dict[str, Any] = {
-            **curve_variables,
-            **self.variables(**means, film_parameter=film),
-            **regime_variables(*raceways.regimes(speeds)),
-            **self.variables(normal_force=forces, angle=loads.psi[0]),
-        }
+        variables, coords = _curve_variables(slip, friction, critical)
+        variables |= self.variables(**raceways.means(speeds), film_parameter=film)
+        variables |= regime_variables(*raceways.regimes(speeds))
+        variables |= self.variables(normal_force=forces, angle=loads.psi[0])
         coords["roller"] = ("roller", np.arange(forces.shape[1]), about("1", "roller"))
         variables |= self._balanced(assembly, int(loads.psi.shape[0]))
         if self.per_roller:
@@ -679,14 +667,14 @@ class EffectiveFriction(Study):
             variables |= self.variables(friction_map=surface)
             coords["map_cage_slip"] = ("map_cage_slip", cage, about("1", "cage slip"))
             coords["map_roller_slip"] = ("map_roller_slip", roller, about("1", "roller slip"))
-        attributes = {
+        attributes = self.attributes | {
             "closure": self.closure,
             "n_positions": int(loads.psi.shape[0]),
             "slices": assembly.slices,
             "force_residual": loads.force_residual,
             "moment_residual": loads.moment_residual,
         }
-        return xr.Dataset(variables, coords, attrs=self.attributes | attributes)
+        return xr.Dataset(variables, coords, attrs=attributes)
 
 
 #: Slips, friction if all slices are evaluated, (2, n), and critical slips of both rings.
@@ -736,7 +724,8 @@ def _find_maxima_by_reduced_loads(
         ]
     )
     compared = [
-        (own, [_compared_slips(slip, ring) for ring in both])
+        # at the maximum and at the end of the range
+        (own, [slip[-1:] if np.isnan(c.slip) else np.array([c.slip, slip[-1]]) for c in both])
         for own, (slip, _), both in zip(coarse, cases, critical, strict=True)
     ]
     errors = [
@@ -747,11 +736,6 @@ def _find_maxima_by_reduced_loads(
         both if agrees else None
         for both, agrees in zip(critical, are_confirmed(compared, errors), strict=True)
     ]
-
-
-def _compared_slips(slip: Array, critical: Critical) -> Array:
-    """Return the slips at which friction of reduced loads and of all slices is compared: the maximum and the end."""
-    return slip[-1:] if np.isnan(critical.slip) else np.array([critical.slip, slip[-1]])
 
 
 def _film_error_at_jumps(
@@ -788,13 +772,10 @@ def _curve_variables(
 ) -> PartialResult:
     """Return variables and coordinates of the maxima of curves, and of the curves if their friction is known."""
     curves = {} if friction is None else EffectiveFriction.variables(effective_friction=friction)
-    return curves | EffectiveFriction.variables(
-        critical_cage_slip=np.array([c.slip for c in critical]),
-        critical_friction=np.array([c.friction for c in critical]),
-        critical_status=np.array([c.status for c in critical]),
-        first_maximum_slip=np.array([c.first_slip for c in critical]),
-        first_maximum_friction=np.array([c.first_friction for c in critical]),
-    ), {
+    columns = map(np.array, zip(*map(attrs.astuple, critical), strict=True))
+    # in the order of the fields of `Critical`
+    names = ("critical_cage_slip", "critical_friction", "critical_status", *FIRST)
+    return curves | EffectiveFriction.variables(**dict(zip(names, columns, strict=True))), {
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
     }

@@ -190,11 +190,15 @@ class FrictionCurve(Study):
     def _evaluated(self, assembly: Assembly, u: float, slips: Array) -> Iterator[LoadedSlices]:
         """Yield the slices of each normal force at an entrainment speed [m/s] and slide-roll ratios."""
         for k, contacts in enumerate(self.contacts(assembly)):
-            load = contacts.slices.load
-            force = contacts.force
             for slip in slips:
                 yield LoadedSlices(
-                    k, contacts.raceway.ring, load, u, slip * u, force, contacts.places
+                    k,
+                    contacts.raceway.ring,
+                    contacts.slices.load,
+                    u,
+                    slip * u,
+                    contacts.force,
+                    contacts.places,
                 )
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
@@ -219,18 +223,8 @@ class FrictionCurve(Study):
         friction = _friction(curves)
         found, coords = self._curve_variables(slip, friction, self._critical(curves, friction))
         rows = [_heaviest_slice(loaded, u, slip) for loaded in contacts]
-
-        def stacked(name: str) -> Array:
-            return np.stack([row[name] for row in rows])
-
         variables = {"friction": found["friction"]} | self.variables(
-            film_thickness=stacked("film_thickness"),
-            film_parameter=stacked("film_parameter"),
-            regime=stacked("regime"),
-            half_width=stacked("half_width"),
-            pressure=stacked("pressure"),
-            load_parameter=stacked("M"),
-            lubricant_parameter=stacked("L"),
+            **{name: np.stack([row[name] for row in rows]) for name in rows[0]}
         )
         variables["film_thickness"][2]["long_name"] += f", {assembly.film.location}"
         variables["regime"][2].update(flag_values=[0, 1, 2, 3], flag_meanings=" ".join(NAMES))
@@ -282,12 +276,12 @@ class FrictionCurve(Study):
     def _critical(cls, curves: Sequence[_Curve], friction: Sequence[Array]) -> list[Critical]:
         """Return the critical slips of curves, the slips of the largest friction."""
         key = f"study.{cls.name}.max_slip"
-        sought = [
-            Curve(slip, known, key, max_slip=PURE_SLIDING)
-            for (*_, slip), known in zip(curves, friction, strict=True)
-        ]
         return find_critical_slips(
-            sought, lambda requested: _friction([(*curves[k][:2], slip) for k, slip in requested])
+            [
+                Curve(slip, known, key, max_slip=PURE_SLIDING)
+                for (*_, slip), known in zip(curves, friction, strict=True)
+            ],
+            lambda requested: _friction([(*curves[k][:2], slip) for k, slip in requested]),
         )
 
     def _curve_variables(
@@ -295,13 +289,10 @@ class FrictionCurve(Study):
     ) -> PartialResult:
         """Return variables and coordinates of the maxima of curves, and of curves whose friction is known."""
         curves = {} if friction is None else self.variables(friction=np.stack(friction))
-        return curves | self.variables(
-            critical_slip=np.array([c.slip for c in critical]),
-            critical_friction=np.array([c.friction for c in critical]),
-            critical_status=np.array([c.status for c in critical]),
-            first_maximum_slip=np.array([c.first_slip for c in critical]),
-            first_maximum_friction=np.array([c.first_friction for c in critical]),
-        ), {
+        columns = map(np.array, zip(*map(attrs.astuple, critical), strict=True))
+        # in the order of the fields of `Critical`
+        names = ("critical_slip", "critical_friction", "critical_status", *FIRST)
+        return curves | self.variables(**dict(zip(names, columns, strict=True))), {
             "normal_force": (
                 "normal_force",
                 np.array(self.normal_force),
@@ -367,17 +358,16 @@ def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Arra
 
 def _heaviest_slice(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, Any]:
     """Return film, pressure and regime of the most loaded slice at slide-roll ratios, (n,)."""
-    raceway = contacts.raceway
     at = int(np.argmax(contacts.load))
     place = {name: column[at] for name, column in contacts.places.items()}
-    slices = raceway.evaluate(np.full(slip.size, contacts.load[at]), u, slip * u, **place)
+    slices = contacts.raceway.evaluate(np.full(slip.size, contacts.load[at]), u, slip * u, **place)
     M, L = moes_groups(slices)
     return {
         "film_thickness": slices.film_thickness,
-        "film_parameter": slices.film_thickness / raceway.conditions.roughness,
+        "film_parameter": slices.film_thickness / contacts.raceway.conditions.roughness,
         "regime": film_by_regime(*groups(slices))[1].astype(np.int8),
         "half_width": slices.half_width[0],
         "pressure": slices.pressure[0],
-        "M": M[0],
-        "L": L[0],
+        "load_parameter": M[0],
+        "lubricant_parameter": L[0],
     }

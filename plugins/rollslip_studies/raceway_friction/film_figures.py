@@ -21,8 +21,7 @@ FILM_TINTS: Final = {"mixed": "0.93", "boundary": "0.84"}
 
 def film_limits(dataset: "xr.Dataset") -> dict[str, float]:
     """Return the film parameters up to which a film is mixed or boundary, as the traction law states them."""
-    limits: dict[str, float] = json.loads(dataset.attrs.get("film_limits", "{}"))
-    return limits
+    return dict(json.loads(dataset.attrs.get("film_limits", "{}")))
 
 
 def film_text(curve: Curve, limits: Mapping[str, float]) -> str:
@@ -80,6 +79,7 @@ def shade_film(axes: "Axes", shown: Sequence[Curve], limits: Mapping[str, float]
                 linewidth=0.0,
                 zorder=0,
             )
-            label = f"{film} film: smallest Λ < {limit:.3g}"
-            handles.append(Patch(facecolor=FILM_TINTS[film], label=label))
+            handles.append(
+                Patch(facecolor=FILM_TINTS[film], label=f"{film} film: smallest Λ < {limit:.3g}")
+            )
     return handles

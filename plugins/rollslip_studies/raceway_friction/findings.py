@@ -35,7 +35,7 @@ class RacewayFrictionAccount(Account):
                 text=f"{friction:.4g}",
                 note="largest effective friction",
             )
-            for ring, friction in _largest(dataset).items()
+            for ring, friction in _largest(dataset, "largest_friction").items()
         ]
         return Answer(rows=tuple(rows), commands=next_of_others(dataset))
 
@@ -47,12 +47,11 @@ class RacewayFrictionAccount(Account):
             ends = dict.fromkeys(format_quantity(end, unit, 4) for end in _ends(dataset, name))
             spans.append(f"{name.replace('_', ' ')} {' to '.join(ends)}")
         sentences = {"speeds": [f"over {', '.join(spans)}"]}
-        for ring, friction in _largest(dataset).items():
-            forces = (
-                float(dataset[name].sel(ring=ring).max())
+        for ring, friction in _largest(dataset, "largest_friction").items():
+            force, resistance = (
+                format_quantity(_largest(dataset, name)[ring], "N", 4)
                 for name in ("ring_force", "ring_resistance")
             )
-            force, resistance = (format_quantity(value, "N", 4) for value in forces)
             sentences[ring] = [
                 f"{ring} ring: largest effective friction {friction:.4g}, forces up to {force}, resistance up to "
                 f"{resistance}"
@@ -62,14 +61,11 @@ class RacewayFrictionAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the ends of the axes, and the largest values of each ring."""
-        largest = {
-            name: {
-                str(ring): float(dataset[name].sel(ring=ring).max())
-                for ring in dataset["ring"].values
-            }
+        ends = {name: [*_ends(dataset, name)] for name in _SPANS}
+        return ends | {
+            name: _largest(dataset, name)
             for name in ("largest_friction", "ring_force", "ring_resistance")
         }
-        return {name: [*_ends(dataset, name)] for name in _SPANS} | largest
 
 
 def _ends(dataset: "xr.Dataset", name: str) -> tuple[float, float]:
@@ -77,12 +73,9 @@ def _ends(dataset: "xr.Dataset", name: str) -> tuple[float, float]:
     return float(dataset[name].min()), float(dataset[name].max())
 
 
-def _largest(dataset: "xr.Dataset") -> dict[str, float]:
-    """Return the largest effective friction of each ring."""
-    return {
-        str(ring): float(dataset["largest_friction"].sel(ring=ring).max())
-        for ring in dataset["ring"].values
-    }
+def _largest(dataset: "xr.Dataset", name: str) -> dict[str, float]:
+    """Return the largest value of a variable for each ring."""
+    return {str(ring): float(dataset[name].sel(ring=ring).max()) for ring in dataset["ring"].values}
 
 
 ACCOUNT: Final = RacewayFrictionAccount("raceway-friction")
