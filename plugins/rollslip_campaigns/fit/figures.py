@@ -54,13 +54,12 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 def _operating_points(dataset: "xr.Dataset") -> tuple[str, list[str]]:
     """Return what all operating points have in common, and the differences of each, as texts."""
-    columns = {"point_temperature": "K", "point_pressure": "Pa", "point_speed": "m/s"}
-    texts = {
-        name: [format_quantity(float(v), unit, 3) for v in dataset[name]]
-        for name, unit in columns.items()
-    }
-    common = [column[0] for column in texts.values() if len(set(column)) == 1]
-    different = [column for column in texts.values() if len(set(column)) > 1]
+    texts = [
+        [format_quantity(float(v), unit, 3) for v in dataset[f"point_{name}"]]
+        for name, unit in (("temperature", "K"), ("pressure", "Pa"), ("speed", "m/s"))
+    ]
+    common = [column[0] for column in texts if len(set(column)) == 1]
+    different = [column for column in texts if len(set(column)) > 1]
     return ", ".join(common), [", ".join(row) for row in zip(*different, strict=True)]
 
 

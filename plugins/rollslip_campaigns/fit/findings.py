@@ -36,11 +36,15 @@ _HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data de
 def headline(dataset: "xr.Dataset") -> str:
     """Return the first line of a report: version, data with hash, and models with third-party packages."""
     a = dataset.attrs
-    models = (
-        (model["kind"], model["name"], model["package"], model["version"])
-        for model in json.loads(a["models"])
+    return first_line(
+        json.loads(a["packages"])["rollslip"],
+        a["source"],
+        a["data_sha256"],
+        (
+            (model["kind"], model["name"], model["package"], model["version"])
+            for model in json.loads(a["models"])
+        ),
     )
-    return first_line(json.loads(a["packages"])["rollslip"], a["source"], a["data_sha256"], models)
 
 
 def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
@@ -121,12 +125,13 @@ class FitAccount(Account):
             (i, j) for i in range(names.size) for j in range(i) if math.isfinite(correlation[i, j])
         ]
         if pairs:
-            strongest = sorted(pairs, key=lambda pair: -abs(correlation[pair]))[:3]
+            # more digits close to 1
             lines.append(
                 "correlation: "
                 + ", ".join(
-                    f"{names[j]} with {names[i]} {_correlation(correlation[i, j])}"
-                    for i, j in strongest
+                    f"{names[j]} with {names[i]} "
+                    f"{correlation[i, j]:.{3 if abs(correlation[i, j]) < 0.999 else 6}f}"
+                    for i, j in sorted(pairs, key=lambda pair: -abs(correlation[pair]))[:3]
                 )
             )
         for i, j in pairs:
@@ -181,11 +186,6 @@ class FitAccount(Account):
             "evaluations": int(a["evaluations"]),
             "wall_time": float(a["wall_time"]),
         }
-
-
-def _correlation(r: float) -> str:
-    """Return a correlation as text, with more digits close to 1."""
-    return f"{r:.3f}" if abs(r) < 0.999 else f"{r:.6f}"
 
 
 ACCOUNT: Final = FitAccount("fit")

@@ -66,29 +66,23 @@ def run_fit(problem: RigProblem, requested: list[Parameter], report: Report) -> 
         Receives the progress: a text, and the fraction that is done.
     """
     start = time.perf_counter()
-    fit = _fit(problem, requested, report)
-    return dataset_of(problem, fit, requested, time.perf_counter() - start)
-
-
-def _fit(problem: RigProblem, requested: list[Parameter], report: Report) -> Fit:
-    """Fit, and again without the parameters that have no effect, the one with the smallest effect first."""
     free = requested
     fixed = dict[str, str]()
     largest = float(np.abs(problem.data.columns["friction"]).max())
     while True:
         fit = fit_parameters(problem, free, fixed, report=report)
-        unlimited = [
-            k
+        # of parameters without a limit, the one with the smallest effect is fixed first
+        effects = {
+            k: _effect(fit, k)
             for k, profile in enumerate(fit.estimate.profiles)
             if not np.isfinite(profile.limits[-1]).any()
-        ]
-        effects = {k: _effect(fit, k) for k in unlimited}
+        }
         k, (effect, ends) = min(
             effects.items(), key=lambda item: item[1][0], default=(0, (math.inf, ""))
         )
         scatter = float(np.sqrt(np.mean(fit.sigma**2)))
         if effect > scatter:
-            return fit
+            return dataset_of(problem, fit, requested, time.perf_counter() - start)
         fixed[free[k].name] = (
             f"not determined, kept at {free[k].format(free[k].start)}: from {ends} it changes friction by at most "
             f"{100 * effect / largest:.2g} % of its largest value, the data scatter by {100 * scatter / largest:.2g} %"
@@ -124,11 +118,18 @@ def fit_parameters(
     # without uncertainties all rows have the same weight; the size keeps residuals of order 1
     size = float(np.sqrt(np.mean(measured**2))) or 1.0
     weight = np.full(measured.size, size) if uncertainty is None else uncertainty
-    residuals = partial(misfit, problem, free, weight)
-    known = uncertainty is not None
-    estimated = estimate(residuals, *bounds_of(free), known=known, profiles=profiles, report=report)
     return Fit(
-        problem=problem, parameters=free, weight=weight, fixed=dict(fixed), estimate=estimated
+        problem=problem,
+        parameters=free,
+        weight=weight,
+        fixed=dict(fixed),
+        estimate=estimate(
+            partial(misfit, problem, free, weight),
+            *bounds_of(free),
+            known=uncertainty is not None,
+            profiles=profiles,
+            report=report,
+        ),
     )
 
 

@@ -229,8 +229,11 @@ def estimate(
         try:
             for k in range(count if profiles else 0):
                 report(f"profile {k + 1} of {count}", (len(starts) + k * count) / total)
-                walk = _ProfileWalk(residuals, best, k, low, high, scale)
-                curves.append(walk.profile(quantiles, math.sqrt(covariance[k, k])))
+                curves.append(
+                    _ProfileWalk(residuals, best, k, low, high, scale).profile(
+                        quantiles, math.sqrt(covariance[k, k])
+                    )
+                )
         except _LowerMinimumError as lower:
             minimum = minimise(residuals, lower.x, low, high)
             assert minimum is not None  # the law has a value there
@@ -257,8 +260,7 @@ def _starts(low: Array, high: Array) -> list[Array]:
     root = 2.0  # of g^(d + 1) = g + 1, by fixed-point iteration to rounding
     for _ in range(50):
         root = (1.0 + root) ** (1.0 / (count + 1))
-    numbers = np.arange(1, _OTHER_STARTS + 1)
-    points = np.outer(numbers, root ** -np.arange(1.0, count + 1)) % 1.0
+    points = np.outer(np.arange(1, _OTHER_STARTS + 1), root ** -np.arange(1.0, count + 1)) % 1.0
     return [np.zeros(count), *np.clip(_START_SPREAD * (2.0 * points - 1.0), low, high)]
 
 
@@ -270,10 +272,13 @@ def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Min
     if not np.all(np.isfinite(first)):
         return None
     if start.size == 0:
-        jacobian = np.zeros((first.size, 0))
-        chi2 = float(first @ first)
         return Minimum(
-            start=start, x=start, chi2=chi2, residuals=first, jacobian=jacobian, converged=True
+            start=start,
+            x=start,
+            chi2=float(first @ first),
+            residuals=first,
+            jacobian=np.zeros((first.size, 0)),
+            converged=True,
         )
     search = least_squares(
         residuals,
@@ -306,10 +311,10 @@ def _jacobian(residuals: Residuals, x: Array) -> Array:
         step[k] = _JACOBIAN_STEP
         above = residuals(x + step)
         below = residuals(x - step)
-        here = None if np.all(np.isfinite(above)) and np.all(np.isfinite(below)) else residuals(x)
-        if here is None:
+        if np.all(np.isfinite(above)) and np.all(np.isfinite(below)):
             columns.append((above - below) / (2 * _JACOBIAN_STEP))
         else:
+            here = residuals(x)
             columns.append(
                 np.where(np.isfinite(above), above - here, here - below) / _JACOBIAN_STEP
             )
@@ -335,14 +340,6 @@ def _quantiles(freedom: int, *, known: bool) -> tuple[float, ...]:
 
     upper = [(1.0 + level) / 2.0 for level in LEVELS]
     return tuple(float(ndtri(p) if known else stdtrit(freedom, p)) ** 2 for p in upper)
-
-
-def _active_bounds(minimum: Minimum, low: Array, high: Array, scale: float) -> Indices:
-    """Return the parameters at a bound beyond which chi2 would fall."""
-    slope = np.abs(minimum.jacobian.T @ minimum.residuals) * 2 / scale**2
-    distance = _BOUND_DISTANCE
-    at_bound = (minimum.x - low < distance) | (high - minimum.x < distance)
-    return np.flatnonzero(at_bound & (slope > _BOUND_SLOPE))
 
 
 @attrs.define(eq=False)
@@ -373,7 +370,10 @@ class _ProfileWalk:
         if rise < -_LOWER_MINIMUM:
             raise _LowerMinimumError(np.insert(minimum.x, k, value))
         self.others[value] = minimum.x
-        active = _active_bounds(minimum, low, high, self.scale)
+        # parameters at a bound beyond which chi2 would fall
+        slope = np.abs(minimum.jacobian.T @ minimum.residuals) * 2 / self.scale**2
+        at_bound = (minimum.x - low < _BOUND_DISTANCE) | (high - minimum.x < _BOUND_DISTANCE)
+        active = np.flatnonzero(at_bound & (slope > _BOUND_SLOPE))
         if active.size:
             self.bounded[value] = tuple(int(j) for j in active + (active >= k))
         return max(rise, 0.0)
@@ -398,8 +398,8 @@ class _ProfileWalk:
             reach = _OPEN_REACH
             if np.isfinite(limit):
                 reach = _REACH * abs(limit - best)
-            edge = float(best) + sign * min(reach, abs(end - best))
-            x = np.linspace(best, edge, PROFILE_POINTS + 1)[1:]
+            extent = sign * min(reach, abs(end - best))
+            x = np.linspace(best, float(best) + extent, PROFILE_POINTS + 1)[1:]
             sides.append(np.column_stack((x, [self.rise(float(value)) for value in x])))
         curve = np.concatenate((sides[0][::-1], [[best, 0.0]], sides[1]))
         return LikelihoodProfile(
@@ -441,8 +441,12 @@ class _ProfileWalk:
 
         for (near, before), (far, after) in pairwise(walk):
             if before < quantile <= after:
-                tolerance = _CROSSING_TOLERANCE * abs(far - near)
                 return float(
-                    brentq(lambda value: self.rise(value) - quantile, near, far, xtol=tolerance)
+                    brentq(
+                        lambda value: self.rise(value) - quantile,
+                        near,
+                        far,
+                        xtol=_CROSSING_TOLERANCE * abs(far - near),
+                    )
                 )
         return math.nan

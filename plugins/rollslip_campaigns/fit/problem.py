@@ -77,7 +77,6 @@ class RigProblem:
             given: dict[str, Any] = (
                 {} if self.film is not None else {"film_thickness": c["film_thickness"][rows]}
             )
-            sliding = c["slide_roll_ratio"][rows] * speed
             tables.append(
                 (
                     float(temperature),
@@ -86,7 +85,7 @@ class RigProblem:
                         rows.size,
                         load=self.load[rows],
                         rolling_speed=speed,
-                        sliding_speed=sliding,
+                        sliding_speed=c["slide_roll_ratio"][rows] * speed,
                         **given,
                     ),
                 )
@@ -107,8 +106,11 @@ class RigProblem:
         """Return the bound chain of laws with a traction model."""
         law = self.lubricant.pressure_viscosity_law
         *before, last = ({**self.models, "traction": traction}).values()
-        slopes = self.lubricant.slopes
-        return Chain(*(with_law(model, law) for model in before), law, with_law(last, law, slopes))
+        return Chain(
+            *(with_law(model, law) for model in before),
+            law,
+            with_law(last, law, self.lubricant.slopes),
+        )
 
     def conditions(self, lubricant: Lubricant, temperature: float) -> Conditions:
         """Return the conditions that all contacts of one temperature have in common."""
@@ -420,8 +422,10 @@ def _without_start(
     """Yield faults: names that are not known, and parameters without an initial value."""
     for name in names:
         if name not in known:
-            near = ", ".join(nearest(name, known, cutoff=0.0))
-            yield f"parameters: there is no {name!r} to fit; nearest: {near}"
+            yield (
+                f"parameters: there is no {name!r} to fit; "
+                f"nearest: {', '.join(nearest(name, known, cutoff=0.0))}"
+            )
         elif math.isnan(known[name].start):
             yield (
                 f"parameters: {name}: oil {problem.lubricant.name!r} gives none to start from; give lubricant.{name} "

@@ -136,6 +136,9 @@ def dataset_of(
     for _, rows, slices in problem.tables:
         film[rows] = slices.film_thickness
     sets = operating_points(problem)
+    point = np.empty(len(problem.data), dtype=np.intp)
+    for k, rows in enumerate(sets):
+        point[rows] = k
     c = problem.data.columns
     variables = {
         **_parameter_variables(fit, requested),
@@ -157,23 +160,29 @@ def dataset_of(
             fit.sigma,
             about("1", "standard deviation of the friction, given or estimated"),
         ),
-        "operating_point": ("row", _point_numbers(sets), about("1", "operating point")),
+        "operating_point": ("row", point, about("1", "operating point")),
         "line": ("row", np.array(problem.data.lines), about("1", "line of the data file")),
         **_curves(fit, sets),
     }
     names, determined = ([p.name for p in parameters] for parameters in (requested, fit.parameters))
-    coordinates = {
-        "parameter": ("parameter", _texts(names), about("1", "parameter")),
-        "with_parameter": ("with_parameter", _texts(names), about("1", "parameter")),
-        "fitted_parameter": (
-            "fitted_parameter",
-            _texts(determined),
-            about("1", "parameter that the data see"),
-        ),
-        "level": ("level", np.array(LEVELS), about("1", "level of confidence")),
-        "side": ("side", _texts(["lower", "upper"]), about("1", "side of an interval")),
-    }
-    dataset = xr.Dataset(variables, coords=coordinates)
+    dataset = xr.Dataset(
+        variables,
+        coords={
+            "parameter": ("parameter", np.array(names, dtype=str), about("1", "parameter")),
+            "with_parameter": (
+                "with_parameter",
+                np.array(names, dtype=str),
+                about("1", "parameter"),
+            ),
+            "fitted_parameter": (
+                "fitted_parameter",
+                np.array(determined, dtype=str),
+                about("1", "parameter that the data see"),
+            ),
+            "level": ("level", np.array(LEVELS), about("1", "level of confidence")),
+            "side": ("side", np.array(["lower", "upper"]), about("1", "side of an interval")),
+        },
+    )
     known = "friction_uncertainty" in c
     dataset.attrs |= {
         "freedom": fit.estimate.freedom,
@@ -186,11 +195,6 @@ def dataset_of(
         dataset.attrs["chi2"] = fit.estimate.best.chi2
     dataset.attrs |= _provenance(fit, dataset)
     return dataset
-
-
-def _texts(values: Any) -> NDArray[Any]:
-    """Return texts as an array."""
-    return np.array(values, dtype=str)
 
 
 def _parameter_variables(fit: Fit, requested: Sequence[Parameter]) -> dict[str, Any]:
@@ -214,26 +218,20 @@ def _parameter_variables(fit: Fit, requested: Sequence[Parameter]) -> dict[str, 
     covariance = np.full((n, n), np.nan)
     covariance[np.ix_(position, position)] = estimate.covariance * np.outer(size, size)
     error = np.sqrt(np.diag(covariance))
-    limits = [
-        p.value(profile.limits) for p, profile in zip(parameters, estimate.profiles, strict=True)
-    ]
+    profiles = list(zip(parameters, estimate.profiles, strict=True))
     status, limit_status = _all_statuses(fit, requested)
     absolute = error * np.array(
         [v if p.logarithmic else 1.0 for p, v in zip(requested, value, strict=True)]
     )
-    determined = np.array([text == DETERMINED for text in status])
-    profile_values = [
-        p.value(profile.x) for p, profile in zip(parameters, estimate.profiles, strict=True)
-    ]
     return {
         "unit": (
             "parameter",
-            _texts([p.unit for p in requested]),
+            np.array([p.unit for p in requested], dtype=str),
             about("1", "unit of the parameter"),
         ),
         "meaning": (
             "parameter",
-            _texts([p.doc for p in requested]),
+            np.array([p.doc for p in requested], dtype=str),
             about("1", "what the parameter is"),
         ),
         "start_value": (
@@ -244,18 +242,18 @@ def _parameter_variables(fit: Fit, requested: Sequence[Parameter]) -> dict[str, 
         "value": ("parameter", value, about(unit, "value")),
         "standard_error": (
             "parameter",
-            np.where(determined, absolute, np.nan),
+            np.where(np.array(status) == DETERMINED, absolute, np.nan),
             about(unit, "standard error after the covariance"),
         ),
         "interval": (
             ("parameter", "level", "side"),
-            for_all(limits, len(LEVELS), 2),
+            for_all([p.value(profile.limits) for p, profile in profiles], len(LEVELS), 2),
             about(unit, "interval of confidence after the profile likelihood"),
         ),
-        "status": ("parameter", _texts(status), about("1", "what the data determine")),
+        "status": ("parameter", np.array(status, dtype=str), about("1", "what the data determine")),
         "limit_status": (
             ("parameter", "side"),
-            _texts(limit_status),
+            np.array(limit_status, dtype=str),
             about("1", "whether the data give a limit"),
         ),
         "covariance": (
@@ -270,12 +268,12 @@ def _parameter_variables(fit: Fit, requested: Sequence[Parameter]) -> dict[str, 
         ),
         "profile_value": (
             ("parameter", "profile_point"),
-            for_all(profile_values, points),
+            for_all([p.value(profile.x) for p, profile in profiles], points),
             about(unit, "fixed value"),
         ),
         "profile_rise": (
             ("parameter", "profile_point"),
-            for_all([profile.rise for profile in estimate.profiles], points),
+            for_all([profile.rise for _, profile in profiles], points),
             about("1", "rise of chi2 over the variance"),
         ),
         "rise_limit": (
@@ -288,12 +286,32 @@ def _parameter_variables(fit: Fit, requested: Sequence[Parameter]) -> dict[str, 
 
 def _all_statuses(fit: Fit, requested: Sequence[Parameter]) -> tuple[list[str], list[list[str]]]:
     """Return the statuses of all requested parameters, and those of their lower and upper limits."""
-    fitted = dict(zip((p.name for p in fit.parameters), _statuses(fit), strict=True))
-    statuses = [
-        fitted.get(p.name, (fit.fixed.get(p.name, ""), ["not determined", "not determined"]))
-        for p in requested
-    ]
-    return [status for status, _ in statuses], [limits for _, limits in statuses]
+    estimate = fit.estimate
+    statuses = {
+        name: (status, ["not determined", "not determined"]) for name, status in fit.fixed.items()
+    }
+    for parameter, profile in zip(fit.parameters, estimate.profiles, strict=True):
+        has_limit = np.isfinite(profile.limits[-1])
+        sides = ["found", "found"]
+        for k, side in enumerate(("lower", "upper")):
+            if not has_limit[k]:
+                end = parameter.format(parameter.value(profile.ends[k]))
+                sides[k] = _describe_open_side(fit, side, end, profile.stops[k])
+        if has_limit.all():
+            status = DETERMINED
+        elif has_limit.any():
+            status = sides[int(np.argmin(has_limit))]
+        else:
+            weakest = np.abs(estimate.directions[int(np.argmax(estimate.spread))])
+            partners = [
+                p.name
+                for p, component in zip(fit.parameters, weakest, strict=True)
+                if component > _MIN_COMPONENT
+            ]
+            together = f"only a combination of {' and '.join(partners)} is"
+            status = f"not determined: {together if len(partners) > 1 else '; '.join(sides)}"
+        statuses[parameter.name] = (status, sides)
+    return [statuses[p.name][0] for p in requested], [statuses[p.name][1] for p in requested]
 
 
 def _search_variables(fit: Fit) -> dict[str, Any]:
@@ -330,34 +348,6 @@ def _search_variables(fit: Fit) -> dict[str, Any]:
     }
 
 
-def _statuses(fit: Fit) -> list[tuple[str, list[str]]]:
-    """Return for each fitted parameter its status, and the statuses of its lower and upper limit."""
-    estimate = fit.estimate
-    statuses = []
-    for parameter, profile in zip(fit.parameters, estimate.profiles, strict=True):
-        has_limit = np.isfinite(profile.limits[-1])
-        sides = ["found", "found"]
-        for k, side in enumerate(("lower", "upper")):
-            if not has_limit[k]:
-                end = parameter.format(parameter.value(profile.ends[k]))
-                sides[k] = _describe_open_side(fit, side, end, profile.stops[k])
-        if has_limit.all():
-            status = DETERMINED
-        elif has_limit.any():
-            status = sides[int(np.argmin(has_limit))]
-        else:
-            weakest = np.abs(estimate.directions[int(np.argmax(estimate.spread))])
-            partners = [
-                p.name
-                for p, component in zip(fit.parameters, weakest, strict=True)
-                if component > _MIN_COMPONENT
-            ]
-            together = f"only a combination of {' and '.join(partners)} is"
-            status = f"not determined: {together if len(partners) > 1 else '; '.join(sides)}"
-        statuses.append((status, sides))
-    return statuses
-
-
 def _describe_open_side(fit: Fit, side: str, end: str, stop: Stop) -> str:
     """Return the status of a side without a limit: how far was searched, and what stopped the search."""
     if stop is None:
@@ -372,14 +362,6 @@ def _describe_open_side(fit: Fit, side: str, end: str, stop: Stop) -> str:
         f"the {side} limit {UNKNOWN}: searched to {end}, beyond which {ranges} would have to leave its range; start "
         f"{' or '.join(p.name for p in bounded)} elsewhere, or fit without it"
     )
-
-
-def _point_numbers(sets: Sequence[Indices]) -> Indices:
-    """Return the number of the operating point of each row."""
-    numbers = np.empty(sum(rows.size for rows in sets), dtype=np.intp)
-    for k, rows in enumerate(sets):
-        numbers[rows] = k
-    return numbers
 
 
 def _curves(fit: Fit, sets: Sequence[Indices]) -> dict[str, Any]:
@@ -430,7 +412,7 @@ def _curves(fit: Fit, sets: Sequence[Indices]) -> dict[str, Any]:
 
 def _warnings(fit: Fit, sets: Sequence[Indices]) -> list[str]:
     """Return the warnings about a fit."""
-    from scipy.special import chdtrc
+    from scipy.special import bdtr, chdtrc
 
     problem = fit.problem
     estimate = fit.estimate
@@ -449,12 +431,13 @@ def _warnings(fit: Fit, sets: Sequence[Indices]) -> list[str]:
             f"{count} of {slides.size} rows have a slide-roll ratio above 2, at most {slides.max():.3g}, as surfaces "
             "that run against each other have; so has per cent under [1]: then write slide_roll_ratio [%]"
         )
+    residuals = estimate.best.residuals
     largest = float(np.abs(problem.data.columns["friction"]).max())
-    is_exact = (
-        float(np.abs(estimate.best.residuals * fit.weight).max()) <= _RESIDUAL_ROUNDING * largest
-    )
-    chance = 1.0 if is_exact else _sign_test(estimate.best.residuals, sets)
-    if chance < _SIGNIFICANCE:
+    is_exact = float(np.abs(residuals * fit.weight).max()) <= _RESIDUAL_ROUNDING * largest
+    # binomial test: the probability of so few changes of sign along the curves if the residuals are random
+    changes = sum(int(np.count_nonzero(np.diff(residuals[rows] > 0.0))) for rows in sets)
+    chance = float(bdtr(changes, sum(rows.size - 1 for rows in sets), 0.5))
+    if chance < _SIGNIFICANCE and not is_exact:
         warnings.append(
             f"the residuals are not random along the curves (probability {chance:.1g}): the model misses something "
             "that the data show, and the intervals, which take the errors for independent, are too narrow"
@@ -475,16 +458,13 @@ def _warnings(fit: Fit, sets: Sequence[Indices]) -> list[str]:
             "covariance, standard error and correlation, does not hold; the intervals do"
         )
     fit.friction(estimate.best.x)  # stores film and pressure of the fit in the tables
-    rows = [
-        validity.RingSlices("", slices, np.ones(len(slices))) for _, _, slices in problem.tables
-    ]
     # oil and traction are fitted: within the data their values compensate the deviations of their laws
-    not_fitted = [model for kind, model in problem.models.items() if kind != "traction"]
+    excesses = validity.range_excesses(
+        [model for kind, model in problem.models.items() if kind != "traction"],
+        [validity.RingSlices("", slices, np.ones(len(slices))) for _, _, slices in problem.tables],
+    )
     warnings += [
-        message.text
-        for message in validity.validity_messages(
-            validity.range_excesses(not_fitted, rows), None, what="of the rows"
-        )
+        message.text for message in validity.validity_messages(excesses, None, what="of the rows")
     ]
     return warnings
 
@@ -498,17 +478,21 @@ def _same_size(distances: Array, width: float) -> NDArray[np.bool_]:
 def _other_minima(fit: Fit) -> list[str]:
     """Return a warning if searches ended in another minimum."""
     estimate = fit.estimate
-    rises = [
-        (end, (end.chi2 - estimate.best.chi2) / estimate.scale**2)
+    different = [
+        end
         for end in estimate.others
         if end is not None
+        and end.converged
+        and (end.chi2 - estimate.best.chi2) / estimate.scale**2 > _MIN_OTHER_RISE
     ]
-    different = [(end, rise) for end, rise in rises if end.converged and rise > _MIN_OTHER_RISE]
     if not different:
         return []
-    second, rise = min(different, key=lambda pair: pair[1])
-    values = zip(fit.parameters, fit.values_at(second.x), strict=True)
-    at = ", ".join(f"{p.name} {p.format(value)}" for p, value in values)
+    second = min(different, key=lambda end: end.chi2)
+    rise = (second.chi2 - estimate.best.chi2) / estimate.scale**2
+    at = ", ".join(
+        f"{p.name} {p.format(value)}"
+        for p, value in zip(fit.parameters, fit.values_at(second.x), strict=True)
+    )
     fit_quality = "which fits worse"
     if rise < estimate.quantiles[-1]:
         fit_quality = "which the data do not exclude"
@@ -516,14 +500,6 @@ def _other_minima(fit: Fit) -> list[str]:
         f"{len(different)} of {len(estimate.others)} searches ended in another minimum, {fit_quality} (chi2 higher by "
         f"{rise:.3g} variances): {at}"
     ]
-
-
-def _sign_test(residuals: Array, sets: Sequence[Indices]) -> float:
-    """Return the probability of so few changes of sign along the curves if the residuals are random (binomial test)."""
-    from scipy.special import bdtr
-
-    changes = sum(int(np.count_nonzero(np.diff(residuals[rows] > 0.0))) for rows in sets)
-    return float(bdtr(changes, sum(rows.size - 1 for rows in sets), 0.5))
 
 
 # Origin -------------------------------------------------------------------------------------------------------------
