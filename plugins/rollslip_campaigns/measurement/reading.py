@@ -116,8 +116,9 @@ class _Reader:
         self._check_names()
         references = self._references(table.source)
         # what could not be read may have values
-        has_values = any(each is None or each.rows for each in series) or bool(statements)
-        self._check_source(table.source, has_values)
+        self._check_source(
+            table.source, any(each is None or each.rows for each in series) or bool(statements)
+        )
         self._check_estimates()
         measurement = Measurement(
             name=table.name,
@@ -190,11 +191,6 @@ class _Reader:
         where = self.where.at("source")
         digitised = source.read == "digitised"
         closed = source.licence == _CLOSED
-        without_error = [
-            k
-            for k, series in enumerate(self.table.series)
-            if digitised and series.reading_error is None
-        ]
         faults = [
             (
                 not source.licence.strip(),
@@ -212,7 +208,8 @@ class _Reader:
                     self.where.at("series").at(k).at("reading_error"),
                     "missing: digitised values have an error of reading, such as '2 %'",
                 )
-                for k in without_error
+                for k, series in enumerate(self.table.series)
+                if digitised and series.reading_error is None
             ),
             (
                 source.read == _TO_READ and has_values,
@@ -237,21 +234,15 @@ class _Reader:
         scenes = [scene for scene in self._scenes.values() if scene is not None]
         for key in self.table.estimated:
             path = key.split(".")
-            stated = [
-                value
-                for scene in scenes
-                if (value := _nested_value(scene.raw or {}, path)) is not None
-            ]
-            if scenes and not stated:
+            values = [_nested_value(scene.raw or {}, path) for scene in scenes]
+            if scenes and all(value is None for value in values):
                 reason = "no scene of the data set states this key"
                 self.problems.append(self.where.at("estimated").at(key).message(reason))
-            for scene in scenes:
-                value = _nested_value(scene.raw or {}, path)
+            for scene, value in zip(scenes, values, strict=True):
                 if _is_number(value) and _nested_value(scene.uncertainty or {}, path) is None:
-                    place = readable(scene.source)
                     self.problems.append(
-                        f"{place}: uncertainty.{key}: missing: {as_written(value)} is estimated, so it needs a "
-                        "distribution, such as { distribution = 'uniform', scatter = 0.25 }"
+                        f"{readable(scene.source)}: uncertainty.{key}: missing: {as_written(value)} is estimated, so "
+                        "it needs a distribution, such as { distribution = 'uniform', scatter = 0.25 }"
                     )
 
     # Scenes and quantities --------------------------------------------------------------------------------------------
@@ -286,8 +277,11 @@ class _Reader:
         if not _STUDY_VARIABLE.fullmatch(table.quantity):
             self._add_unknown(table.quantity, where)
         elif not table.unit:
-            reason = "missing: the variable of a study needs its SI unit, '1' for none"
-            self.problems.append(where.at("unit").message(reason))
+            self.problems.append(
+                where.at("unit").message(
+                    "missing: the variable of a study needs its SI unit, '1' for none"
+                )
+            )
         else:
             try:
                 return check_unit(table.unit)
@@ -393,15 +387,15 @@ class _Reader:
         if path is None:
             return
         source, text = text_named(path)
-        stripped = ((number, line.strip()) for number, line in enumerate(text.split("\n"), 1))
         lines = [
             (number, next(csv.reader([line], skipinitialspace=True)))
-            for number, line in stripped
+            for number, line in enumerate(map(str.strip, text.split("\n")), 1)
             if line and not line.startswith("#")
         ]
         if not lines:
-            example = "operation.radial_load [N], measured [%], uncertainty [%]"
-            self.problems.append(f"{source}: no header, such as '{example}'")
+            self.problems.append(
+                f"{source}: no header, such as 'operation.radial_load [N], measured [%], uncertainty [%]'"
+            )
             return
         number, cells = lines[0]
         header = [_parse_head(cell) for cell in cells]
@@ -566,8 +560,11 @@ def _parse_head(cell: str) -> tuple[str, str]:
 def _header_problems(header: list[tuple[str, str]], unit: str, where: str) -> Iterator[str]:
     """Yield the faults of a header."""
     names = [name for name, _ in header]
-    repeated = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-    yield from (f"{where}: {as_written(name)} stands there twice" for name in repeated)
+    yield from (
+        f"{where}: {as_written(name)} stands there twice"
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
+    )
     yield from (
         f"{where}: {name}: missing, but required"
         for name in (MEASURED, UNCERTAINTY)

@@ -204,24 +204,23 @@ def read_data(path: str | os.PathLike[str], row: type = TractionRow) -> RigData:
     values, lines = read_columns(text, source, row, faults, check=_check_loads)
     if not faults:
         columns = {name: np.array(column) for name, column in values.items()}
-        if "friction" in columns:
-            faults = _friction_faults(columns, source)
-        if not faults:
-            sha256 = hashlib.sha256(content).hexdigest()
-            return RigData(source=source, text=text, sha256=sha256, columns=columns, lines=lines)
+        friction = columns.get("friction")
+        if friction is not None and not friction.any():
+            faults.append(f"{source}: friction: is 0 in every row, so that there is nothing to fit")
+        elif friction is not None and friction[columns["slide_roll_ratio"] < 0.0].sum() > 0.0:
+            faults.append(
+                f"{source}: friction: is positive where slide_roll_ratio is negative; it has the sign of the "
+                "slide-roll ratio, so give both with their signs, or both without"
+            )
+        else:
+            return RigData(
+                source=source,
+                text=text,
+                sha256=hashlib.sha256(content).hexdigest(),
+                columns=columns,
+                lines=lines,
+            )
     raise faults_of(source, faults)
-
-
-def _friction_faults(columns: Mapping[str, Array], source: str) -> list[str]:
-    """Return the faults of the friction column as a whole."""
-    if not columns["friction"].any():
-        return [f"{source}: friction: is 0 in every row, so that there is nothing to fit"]
-    if columns["friction"][columns["slide_roll_ratio"] < 0.0].sum() <= 0.0:
-        return []
-    return [
-        f"{source}: friction: is positive where slide_roll_ratio is negative; it has the sign of the slide-roll "
-        "ratio, so give both with their signs, or both without"
-    ]
 
 
 def content_named(path: str | os.PathLike[str]) -> tuple[str, bytes]:
@@ -250,8 +249,9 @@ def faults_of(source: str, faults: Sequence[str]) -> SceneError:
 
 def _check_loads(names: Collection[str]) -> str:
     """Return the fault of columns without, or with more than one, column of the load."""
-    is_unique = sum(name in names for name in _LOADS) == 1
-    return "" if is_unique else f"one of the columns {', '.join(_LOADS)} is needed, and not more"
+    if sum(name in names for name in _LOADS) == 1:
+        return ""
+    return f"one of the columns {', '.join(_LOADS)} is needed, and not more"
 
 
 # Rig ----------------------------------------------------------------------------------------------------------------
@@ -320,10 +320,12 @@ def load_rig(path: str | os.PathLike[str]) -> Rig:
         With all faults of the file, each with file, line and key; if the file does not exist, with an example.
     """
     if not Path(path).exists():
-        message = (
-            "there is no such file; it states the contact and the oil of the data, for example:"
+        raise SceneError(
+            [
+                f"{readable(os.fspath(path))}: there is no such file; it states the contact and the oil of the data, "
+                f"for example:\n\n{EXAMPLE}"
+            ]
         )
-        raise SceneError([f"{readable(os.fspath(path))}: {message}\n\n{EXAMPLE}"])
     source, text = text_named(path)
     raw, origins = parse(text, source)
     problems: list[str] = []

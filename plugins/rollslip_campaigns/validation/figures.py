@@ -54,8 +54,13 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 def _colours(dataset: "xr.Dataset") -> Mapping[str, tuple[str, str]]:
     """Return colour and marker of each combination of models."""
-    styles = zip(models_of(dataset), cycle(MODEL_COLOURS), cycle(_MARKS), strict=False)
-    return {name: (colour, mark) for name, colour, mark in styles}
+    return dict(
+        zip(
+            models_of(dataset),
+            zip(cycle(MODEL_COLOURS), cycle(_MARKS), strict=False),
+            strict=False,
+        )
+    )
 
 
 def _sheet(rows: int, models: int) -> Sheet:
@@ -71,7 +76,7 @@ def _ratios(dataset: "xr.Dataset") -> "Figure":
     axes = sheet.axes
     step = 0.7 / max(len(colours), 1)
     for row in rows_along(dataset, "row"):
-        key = row["row_data_set"], row["row_series"], row["row_condition"]
+        key = (row["row_data_set"], row["row_series"], row["row_condition"])
         position = keys.index(key) + step * (
             list(colours).index(row["row_models"]) - (len(colours) - 1) / 2
         )

@@ -175,8 +175,11 @@ class ValidationAccount(Account):
                 f"not stated by the source and estimated: {'; '.join(estimated)}"
             ]
         undetermined = dataset["row_verdict"].to_numpy() == UNDETERMINED
-        reasons = dict.fromkeys(map(str, dataset["row_status"].to_numpy()[undetermined]))
-        topics["undetermined"] = [f"cannot be determined: {reason}" for reason in reasons if reason]
+        topics["undetermined"] = [
+            f"cannot be determined: {reason}"
+            for reason in dict.fromkeys(map(str, dataset["row_status"].to_numpy()[undetermined]))
+            if reason
+        ]
         return {name: texts for name, texts in topics.items() if texts}
 
     @staticmethod

@@ -152,8 +152,11 @@ def _single(
         elif values.shape[k] == 1:
             index.append(0)
         else:
-            reason = f"{variable} has {values.shape[k]} values along {dim}; say which by at = {{ {dim} = ... }}"
-            raise SceneError([reason])
+            raise SceneError(
+                [
+                    f"{variable} has {values.shape[k]} values along {dim}; say which by at = {{ {dim} = ... }}"
+                ]
+            )
     selected = np.asarray(values[tuple(index)])
     finite = selected[np.isfinite(selected)]
     if extreme is None:

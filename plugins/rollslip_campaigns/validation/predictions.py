@@ -109,12 +109,13 @@ def _measurement_of_file(path: Path) -> Measurement:
     data = read_data(path)
     rig = load_rig(path.with_name("rig.toml"))
     friction = data.columns["friction"]
-    given = data.columns.get("friction_uncertainty")
-    sigma = (
-        np.full(friction.shape, DEFAULT_UNCERTAINTY * np.abs(friction).max())
-        if given is None
-        else given
-    )
+    sigma = data.columns.get("friction_uncertainty")
+    about = ""
+    if sigma is None:
+        sigma = np.full(friction.shape, DEFAULT_UNCERTAINTY * np.abs(friction).max())
+        about = (
+            f"none given: {100.0 * DEFAULT_UNCERTAINTY:g} % of the largest friction in every row"
+        )
     names = [name for name in data.columns if not name.startswith("friction")]
     rows = tuple(
         Row(
@@ -125,24 +126,17 @@ def _measurement_of_file(path: Path) -> Measurement:
         )
         for k, line in enumerate(data.lines)
     )
-    about = ""
-    if given is None:
-        about = (
-            f"none given: {100.0 * DEFAULT_UNCERTAINTY:g} % of the largest friction in every row"
-        )
-    unit = QUANTITIES["friction"].unit
     series = ContactSeries(
         name=path.stem,
         quantity="friction",
-        unit=unit,
+        unit=QUANTITIES["friction"].unit,
         rig=rig,
         data=data,
         rows=rows,
         about_uncertainty=about,
     )
-    name = f"{path.resolve().parent.name}/{path.stem}"
     return Measurement(
-        name=name,
+        name=f"{path.resolve().parent.name}/{path.stem}",
         description=rig.title,
         references=(),
         read="file of a rig",
@@ -197,8 +191,6 @@ def form(measurement: Measurement) -> str:
     text = io.StringIO()
     text.write(
         f"# Predictions for data set {measurement.name}: fill the column predicted, in the unit of the row;\n"
-    )
-    text.write(
         "# uncertainty is its standard uncertainty, and may stay empty.\n# program: NAME\n# parameters: 0\n"
     )
     writer = csv.writer(text, lineterminator="\n")
@@ -247,9 +239,12 @@ def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> 
         problems.append(f"{source}: no rows are predicted")
     if problems:
         raise SceneError(problems)
-    program = comments.get("program", Path(path).stem)
     return Predictions(
-        data_set=measurement.name, program=program, parameters=count, source=source, values=values
+        data_set=measurement.name,
+        program=comments.get("program", Path(path).stem),
+        parameters=count,
+        source=source,
+        values=values,
     )
 
 

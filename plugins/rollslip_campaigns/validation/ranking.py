@@ -25,6 +25,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
@@ -39,7 +40,6 @@ from rollslip.search import Array
 from rollslip_campaigns.fit.least_squares import Residuals, estimate, minimise
 from rollslip_campaigns.fit.problem import (
     Parameter,
-    RigProblem,
     bounds_of,
     friction_at,
     misfit,
@@ -134,7 +134,9 @@ def run_ranking(
     for measurement, series in parts:
         labels = _labels(series)
         conditions += [f"{measurement.name}, {series.name}: {label}" for label in labels]
-        group = measurement.name + (f", {series.name}" if requested.groups == "series" else "")
+        group = measurement.name
+        if requested.groups == "series":
+            group = f"{measurement.name}, {series.name}"
         groups += [group] * len(labels)
     for k, law in enumerate(laws):
         report(law.label, k / len(laws))
@@ -248,7 +250,11 @@ def _cross_validate(
     problem = rig_problem(
         series.data, series.rig, law.models.get("traction"), law.models.get("film")
     )
-    free = _parameters_of_law(problem, names)
+    # those of the named parameters that the law or its oil has
+    free = list[Parameter]()
+    for name in names:
+        with suppress(SceneError):
+            free += parameters_named(problem, [name])
     start = time.perf_counter()
     values = problem.friction(problem.lubricant, problem.chain)
     seconds = (time.perf_counter() - start) / len(series.rows)
@@ -268,17 +274,6 @@ def _cross_validate(
 def _select(residuals: Residuals, rows: NDArray[np.intp], x: Array) -> Array:
     """Return the residuals of some rows at coordinates x."""
     return residuals(x)[rows]
-
-
-def _parameters_of_law(problem: RigProblem, names: Sequence[str]) -> list[Parameter]:
-    """Return those of the named parameters that a law or its oil has."""
-    parameters = list[Parameter]()
-    for name in names:
-        try:
-            parameters += parameters_named(problem, [name])
-        except SceneError:
-            continue
-    return parameters
 
 
 def _score_predictions(
@@ -371,7 +366,7 @@ def _grouped(errors: Array, groups: Sequence[str]) -> Array:
     if not groups:
         return errors
     which = np.unique(np.array(groups), return_inverse=True)[1]
-    sums = np.array([np.bincount(which, np.log(row)) for row in errors])
+    sums = [np.bincount(which, np.log(row)) for row in errors]
     return np.asarray(np.exp(sums / np.bincount(which)))
 
 

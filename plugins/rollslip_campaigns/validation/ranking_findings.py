@@ -95,10 +95,9 @@ class RankingAccount(Account):
                 f"whether it is better than {', '.join(undetermined)} cannot be determined: differences as large come "
                 "by chance; more conditions would show it, or less uncertain data"
             )
-        others = ((name, better(dataset, k)[0]) for k, name in enumerate(names))
-        sentences += [
-            f"{name} is better than {', '.join(worse)}" for name, worse in [*others][1:] if worse
-        ]
+        for k in range(1, len(names)):
+            if worse := better(dataset, k)[0]:
+                sentences.append(f"{names[k]} is better than {', '.join(worse)}")
         if not groups:
             sentences.append(
                 "the confidence is that of noise alone, with conditions taken for independent: what a rig or a day has "

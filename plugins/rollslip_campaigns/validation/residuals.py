@@ -133,14 +133,18 @@ def compare_series(
         Status of the whole series, where there is one already.
     """
     named = dict(zip(("data_set", "series", "models"), labels, strict=True))
-    rows = [_row(named, series, k, value, samples[:, k]) for k, value in enumerate(nominal)]
-    return rows, _series(named, series, nominal, samples, note)
+    return (
+        [_row(named, series, k, value, samples[:, k]) for k, value in enumerate(nominal)],
+        _series(named, series, nominal, samples, note),
+    )
 
 
 def _row(
     named: Mapping[str, str], series: Series, k: int, value: Value, samples: Array
 ) -> RowResult:
     """Return the comparison of row k with its calculated value and samples, (samples,)."""
+    from scipy.special import ndtri
+
     row = series.rows[k]
     sampled = samples if samples.size else np.array([value.value])
     unknown = float(np.isnan(sampled).mean())
@@ -150,8 +154,9 @@ def _row(
     ratio_band = (math.nan, math.nan)
     if unknown <= _BAND[0]:
         known = sampled[~np.isnan(sampled)]
-        error = row.uncertainty * _normal(_ERROR_QUANTILES)
-        measured = row.measured + error
+        # quantiles of the normal distribution in the middle of intervals of equal probability
+        quantiles = ndtri((np.arange(_ERROR_QUANTILES) + 0.5) / _ERROR_QUANTILES)
+        measured = row.measured + row.uncertainty * quantiles
         differences = (known[:, None] - measured[None, :]).ravel()
         low, high = _quantiles(differences)
         verdict = INSIDE if low <= 0.0 <= high else OUTSIDE
@@ -188,13 +193,6 @@ def _quantiles(values: Array) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _normal(count: int) -> Array:
-    """Return quantiles of the normal distribution in the middle of intervals of equal probability, (count,)."""
-    from scipy.special import ndtri
-
-    return np.asarray(ndtri((np.arange(count) + 0.5) / count))
-
-
 def _series(
     named: Mapping[str, str], series: Series, nominal: Sequence[Value], samples: Array, note: str
 ) -> SeriesResult:
@@ -211,8 +209,10 @@ def _series(
     elif not np.isfinite(values).all() or not np.isfinite(samples).all():
         status = "a value is not known, or beyond the range"
     elif 0 < len(samples) < _SAMPLES_PER_ROW * count:
-        shortage = f"{len(samples)} samples are too few for the covariance of {count} rows"
-        status = f"{shortage}, which takes {_SAMPLES_PER_ROW} a row"
+        status = (
+            f"{len(samples)} samples are too few for the covariance of {count} rows, which takes "
+            f"{_SAMPLES_PER_ROW} a row"
+        )
     if status:
         return SeriesResult(
             **named, chi2=math.nan, freedom=count, probability=math.nan, status=note or status

@@ -13,6 +13,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -176,10 +177,13 @@ def _combinations(requested: "ValidationSettings | RankingSettings") -> tuple[Co
     named = {kind: names for kind, names in laws.items() if names}
     if not named:
         return (AS_STATED,)
-    products = [
-        dict(zip(named, names, strict=True)) for names in itertools.product(*named.values())
-    ]
-    return (AS_STATED, *(Combination(" + ".join(models.values()), models) for models in products))
+    return (
+        AS_STATED,
+        *(
+            Combination(" + ".join(names), dict(zip(named, names, strict=True)))
+            for names in itertools.product(*named.values())
+        ),
+    )
 
 
 # Running ------------------------------------------------------------------------------------------------------------
@@ -221,8 +225,9 @@ def run_validation(
         measurement = next(known for known in plan.sets if known.name == prediction.data_set)
         for series in measurement.series:
             if (values := prediction.values_of(series)) is not None:
-                labels = (measurement.name, series.name, prediction.program)
-                compared, group = compare_series(labels, series, *values, "")
+                compared, group = compare_series(
+                    (measurement.name, series.name, prediction.program), series, *values, ""
+                )
                 rows += compared
                 groups.append(group)
     for measurement in plan.sets:
@@ -317,10 +322,11 @@ def _bearing_values(
 def _sample_scene(scene: Scene, plan: Validation) -> list[dict[str, object]]:
     """Return samples of the uncertain quantities of a scene, as changes of it."""
     problems: list[str] = []
-    assembly = assemble(scene)
-    known = quantities(assembly, settings(scene))
     uncertain = read_uncertainty(
-        scene.uncertainty or {}, Location(scene.origins, ("uncertainty",)), known, problems
+        scene.uncertainty or {},
+        Location(scene.origins, ("uncertainty",)),
+        quantities(assemble(scene), settings(scene)),
+        problems,
     )
     if problems:
         raise SceneError(problems)
@@ -339,8 +345,9 @@ def _contact_values(
         columns = {name: values for name, values in data.columns.items() if name != column}
         data = attrs.evolve(data, columns=columns | {"slide_roll_ratio": np.zeros(len(data))})
     start = time.perf_counter()
-    film_choice = _film_model(series, combination)
-    problem = rig_problem(data, series.rig, combination.models.get("traction"), film_choice)
+    problem = rig_problem(
+        data, series.rig, combination.models.get("traction"), _film_model(series, combination)
+    )
     nominal = _contact_column(problem, problem.lubricant, column)
     seconds = (time.perf_counter() - start) / len(data)
     oils, note = _sample_oils(problem.lubricant, plan)
@@ -396,9 +403,8 @@ def _sample_oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str
         )
     drawn = probabilities("sobol", plan.samples, len(oil.scatter), plan.seed)
     columns = dict[str, Array]()
-    fields = {attribute.name: attribute for attribute in attrs.fields(Lubricant)}
     for k, scatter in enumerate(oil.scatter):
-        unit = fields[scatter.quantity].metadata.get("unit") or "1"
+        unit = attrs.fields_dict(Lubricant)[scatter.quantity].metadata.get("unit") or "1"
         stated = {
             key: in_unit(value, unit) if isinstance(value, str) else value
             for key, value in scatter.parameters.items()
@@ -455,8 +461,11 @@ def evaluate_statement(
             quantity = step.quantity or statement.quantity
             text = format_value(value.value, statement.unit, quantity)
         texts.append(f"{step.text}: {text}")
-    verdict = check_statement(statement, np.array([value.value for value in values]))
-    return StatementResult(**labels, verdict=verdict, found=", ".join(texts))
+    return StatementResult(
+        **labels,
+        verdict=check_statement(statement, np.array([value.value for value in values])),
+        found=", ".join(texts),
+    )
 
 
 # Dataset ------------------------------------------------------------------------------------------------------------
@@ -531,29 +540,28 @@ def _dataset(
             **_variables("statement", StatementResult, statements, _STATEMENT_VARIABLES),
         }
     )
-    sources = {
-        measurement.name: {
-            "description": measurement.description,
-            "source": measurement.source,
-            "estimated": dict(measurement.estimated),
-            "form": measurement.is_form,
-        }
-        for measurement in plan.sets
-    }
     requested = {
         (kind, name)
         for combination in plan.combinations
         for kind, name in combination.models.items()
     }
+    models = list[SliceModel]()
+    for kind, name in sorted(requested):
+        with suppress(RollslipError):  # a model that cannot be made without parameters
+            models.append(get_model(kind, name))
     dataset.attrs |= plan.origin(
-        [
-            get_model(kind, name)
-            for kind, name in sorted(requested)
-            if _needs_no_parameters(kind, name)
-        ],
+        models,
         study="validation",
         title="Models against what was measured",
-        data_sets=sources,
+        data_sets={
+            measurement.name: {
+                "description": measurement.description,
+                "source": measurement.source,
+                "estimated": dict(measurement.estimated),
+                "form": measurement.is_form,
+            }
+            for measurement in plan.sets
+        },
         samples=plan.samples,
         seed=plan.seed,
         warnings=list(dict.fromkeys(warnings)),
@@ -561,12 +569,3 @@ def _dataset(
         wall_time=seconds,
     )
     return dataset
-
-
-def _needs_no_parameters(kind: str, name: str) -> bool:
-    """Return whether a model can be made without parameters."""
-    try:
-        get_model(kind, name)
-    except RollslipError:
-        return False
-    return True
