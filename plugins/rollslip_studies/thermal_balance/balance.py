@@ -18,7 +18,7 @@ slip is the steady one of `rollslip_studies.steady_slip` at every temperature.
 """
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Final
 
 import attrs
@@ -199,10 +199,14 @@ class Heated:
             balance, steady, status = self._study.steady(bearing)
             stable = next((motion for motion in steady if motion.slope > 0.0), None)
             if stable is None:
-                refusal = "no slip is held" if steady else status
-                return State(np.nan, refusal=refusal, cage_skids=True)
-            power = power_balance(balance, balance.orbit_from_motion(stable.motion))
-            state = State(stable.slip, power, slope=stable.slope)
+                return State(
+                    np.nan, refusal="no slip is held" if steady else status, cage_skids=True
+                )
+            state = State(
+                stable.slip,
+                power_balance(balance, balance.orbit_from_motion(stable.motion)),
+                slope=stable.slope,
+            )
             self._searched.append((changes, state))
             return state
         except (SceneError, DomainError) as error:
@@ -213,8 +217,11 @@ class Heated:
 
     def _bearing(self, changes: Mapping[str, float]) -> Assembly:
         """Return the bearing with changes of its scene."""
-        scene = evolve(self.scene, changes) if changes else self.scene
-        bearing = assemble(scene, self.assembly.resolution, like=self.assembly)
+        bearing = assemble(
+            evolve(self.scene, changes) if changes else self.scene,
+            self.assembly.resolution,
+            like=self.assembly,
+        )
         return bearing.with_bounds(*self.assembly.inner.chain.bounds).with_resistance()
 
     def relative_errors(
@@ -287,6 +294,8 @@ class Heated:
         guess : ndarray, shape (n,)
             Temperatures from which those of the other nodes are iterated [K].
         """
+        from scipy.optimize import root
+
         T = np.concatenate(([leading], guess[1:]))
         previous: tuple[Array, Array] | None = None
         for _ in range(_MAX_ITERATIONS):
@@ -304,22 +313,17 @@ class Heated:
                     step = residual - factor * (T - previous[0] + difference)
             previous = (T, residual)
             T = T + step
-        T = self._followed_by_powell(leading, guess)
-        return T, self.at(T).heat
-
-    def _followed_by_powell(self, leading: float, guess: Array) -> Array:
-        """Return temperatures as `followed` does, by Powell's hybrid method, where that iteration does not converge."""
-        from scipy.optimize import root
 
         def flows(following: Array) -> Array:
             return self.inflows(np.concatenate(([leading], following)))[1:]
 
+        # the iteration does not converge: Powell's hybrid method
         solution = root(flows, guess[1:], method="hybr", options=_POWELL)
         T = np.concatenate(([leading], solution.x))
         if not float(np.abs(solution.fun).max()) <= _POWELL_RESIDUAL * self._total_loss(T):
             refusal = f"beside {leading - 273.15:.4g} degC the other parts find no temperatures: losses jump with them"
             raise _Refused(State(np.nan, refusal=refusal, not_converged=True))
-        return T
+        return T, self.at(T).heat
 
     def _cooled(self, temperatures: Array, heat: Mapping[str, float]) -> Array:
         """Return the temperatures of the nodes for fixed losses, by Newton's method on the thermal model alone."""
@@ -367,9 +371,31 @@ class Heated:
         """
         scan = _Scan(self)
         grid = scan.sample_grid(lowest, highest, points, first=first)
-        scan.skip_unconverged(grid)
-        scan.bisect_ends(grid)
-        return scan.curve(), scan.temperatures
+        refused = scan.refused
+        for a, x, b in zip(grid, grid[1:], grid[2:], strict=False):
+            if x in refused and refused[x].not_converged and a not in refused and b not in refused:
+                self.skipped.append(x)
+        for x in self.skipped:
+            grid.remove(x)
+            del scan.excess[x], refused[x]
+        # the ends of the curve, between a point with and a point without a steady state
+        for a, b in itertools.pairwise(grid):
+            if (a in refused) == (b in refused):
+                continue
+            inside, outside = (b, a) if a in refused else (a, b)
+            for _ in range(_END_BISECTIONS):
+                middle = 0.5 * (inside + outside)
+                if scan.sample(middle):
+                    inside = middle
+                else:
+                    outside = middle
+        leading = sorted(scan.excess)
+        curve = Curve(
+            np.array(leading),
+            np.array([scan.excess[x] for x in leading]),
+            tuple(refused.get(x, State(0.0)) for x in leading),
+        )
+        return curve, scan.temperatures
 
     def zeros(self, curve: Curve, temperatures: dict[float, Array]) -> list[float]:
         """Return every temperature of the leading node at which the curve is zero [K].
@@ -381,33 +407,17 @@ class Heated:
         temperatures : dict
             Temperatures of all nodes by that of the leading one; new ones are added.
         """
-        from scipy.optimize import brentq
+        from scipy.optimize import brentq, minimize_scalar
 
         def excess(leading: float) -> float:
-            guess = _extrapolated(leading, temperatures)
-            value, temperatures[leading] = self.excess(leading, guess)
+            value, temperatures[leading] = self.excess(
+                leading, _extrapolated(leading, temperatures)
+            )
             return value
-
-        x, values = self._with_extrema(curve, excess)
-        zeros = []
-        for a, b, left, right in zip(x, x[1:], values, values[1:], strict=False):
-            if np.isfinite([left, right]).all() and left * right < 0.0:
-                try:
-                    zeros.append(float(brentq(excess, a, b, xtol=_TEMPERATURE_TOLERANCE)))
-                except _Refused:  # a jump past zero, at which nothing is in balance
-                    self.jumps.append((a, b))
-        return zeros
-
-    @staticmethod
-    def _with_extrema(
-        curve: Curve, excess: Callable[[float], float]
-    ) -> tuple[list[float], list[float]]:
-        """Return the points of a curve and, between them, extrema beyond zero: they part two zeros of an interval."""
-        from scipy.optimize import minimize_scalar
 
         x = list(curve.temperature)
         values = list(curve.excess)
-        for k in range(len(x) - 2, 0, -1):
+        for k in range(len(x) - 2, 0, -1):  # an extremum beyond zero parts two zeros of an interval
             left, middle, right = values[k - 1 : k + 2]
             same_sign = (middle > 0.0) == (left > 0.0) and (middle > 0) == (right > 0)
             is_extremum = same_sign and abs(middle) <= min(abs(left), abs(right))
@@ -424,7 +434,14 @@ class Heated:
                 position = k + (extremum.x > x[k])
                 x.insert(position, float(extremum.x))
                 values.insert(position, sign * float(extremum.fun))
-        return x, values
+        zeros = []
+        for a, b, left, right in zip(x, x[1:], values, values[1:], strict=False):
+            if np.isfinite([left, right]).all() and left * right < 0.0:
+                try:
+                    zeros.append(float(brentq(excess, a, b, xtol=_TEMPERATURE_TOLERANCE)))
+                except _Refused:  # a jump past zero, at which nothing is in balance
+                    self.jumps.append((a, b))
+        return zeros
 
     def minimum_excess(
         self, curve: Curve, temperatures: dict[float, Array], start: float
@@ -445,29 +462,19 @@ class Heated:
         """
         from scipy.optimize import minimize_scalar
 
-        finite = []
-        end: State | None = None
-        for x, value, state in zip(curve.temperature, curve.excess, curve.refusals, strict=True):
-            if x < start:
-                continue
-            if not np.isfinite(value):
-                end = state
-                break
-            finite.append((float(x), float(value)))
-        if not finite:
+        first = int(np.searchsorted(curve.temperature, start))
+        x = curve.temperature[first:]
+        values = curve.excess[first:]
+        points = int(np.argmin(np.append(np.isfinite(values), False)))  # up to the end of the curve
+        end = curve.refusals[first + points] if points < x.size else None
+        if not points:
             return start, 0.0, end
-        k = int(np.argmin([value for _, value in finite]))
-        if k == len(finite) - 1:
-            return *finite[k], end
-        low = finite[max(k - 1, 0)][0]
-        high = finite[k + 1][0]
-
-        def excess(leading: float) -> float:
-            return self.excess(leading, _extrapolated(leading, temperatures))[0]
-
+        k = int(np.argmin(values[:points]))
+        if k == points - 1:
+            return float(x[k]), float(values[k]), end
         minimum = minimize_scalar(
-            excess,
-            bounds=(max(low, start), high),
+            lambda leading: self.excess(leading, _extrapolated(leading, temperatures))[0],
+            bounds=(max(float(x[max(k - 1, 0)]), start), float(x[k + 1])),
             method="bounded",
             options={"xatol": _LIMIT_TOLERANCE},
         )
@@ -482,10 +489,12 @@ class Heated:
         except _Refused:
             balance = None
         self.precise_slips = False
-        if balance is not None:
-            distance = float(np.abs(balance.temperatures - temperatures).max())
-            if balance.error <= _BALANCE_TOLERANCE and not distance > _MAX_DISTANCE:
-                return balance
+        if (
+            balance is not None
+            and balance.error <= _BALANCE_TOLERANCE
+            and not float(np.abs(balance.temperatures - temperatures).max()) > _MAX_DISTANCE
+        ):
+            return balance
         self.jumps.append((float(temperatures[0]), float(temperatures[0])))
         return None
 
@@ -499,8 +508,7 @@ class Heated:
             previous = T, flow
             if float(np.abs(flow).max()) <= _NEWTON_RESIDUAL * self._total_loss(T):
                 break
-            step = np.linalg.solve(jacobian, -flow)
-            T = T + step
+            T = T + np.linalg.solve(jacobian, -flow)
             flow = self.inflows(T)
             if float(np.abs(flow).max()) >= float(np.abs(previous[1]).max()):
                 T, flow = previous  # rounding is reached
@@ -520,12 +528,13 @@ class Heated:
 
     def _jacobian(self, temperatures: Array) -> Array:
         """Return dH/dT by central differences [W/K], (n, n)."""
-        columns = [
-            (self.inflows(temperatures + step) - self.inflows(temperatures - step))
-            / (2.0 * _DIFFERENCE_STEP)
-            for step in _DIFFERENCE_STEP * np.eye(temperatures.size)
-        ]
-        return np.array(columns).T
+        return np.array(
+            [
+                (self.inflows(temperatures + step) - self.inflows(temperatures - step))
+                / (2.0 * _DIFFERENCE_STEP)
+                for step in _DIFFERENCE_STEP * np.eye(temperatures.size)
+            ]
+        ).T
 
     def course(self, duration: float, points: int, solver: type) -> tuple[Array, Array, Array, str]:
         """Return the course of the temperatures: times, temperatures, slips, and why it ended early.
@@ -567,8 +576,7 @@ class Heated:
                 rows += [np.asarray(interpolant(t)) for t in of_step]
         except _Refused as refusal:
             ended = refusal.state.refusal
-        slips = np.array([self.at(row).slip for row in rows])
-        return np.array(times), np.array(rows), slips, ended
+        return np.array(times), np.array(rows), np.array([self.at(row).slip for row in rows]), ended
 
 
 @attrs.frozen(eq=False)
@@ -625,35 +633,6 @@ class _Scan:
             grid.insert(0, colder)
         return grid
 
-    def skip_unconverged(self, grid: list[float]) -> None:
-        """Remove single points at which a search did not converge, between two points with a steady state."""
-        refused = self.refused
-        for a, x, b in zip(grid, grid[1:], grid[2:], strict=False):
-            if x in refused and refused[x].not_converged and a not in refused and b not in refused:
-                self.heated.skipped.append(x)
-        for x in self.heated.skipped:
-            grid.remove(x)
-            del self.excess[x], refused[x]
-
-    def bisect_ends(self, grid: list[float]) -> None:
-        """Bisect each interval between a point with and a point without a steady state."""
-        for a, b in itertools.pairwise(grid):
-            if (a in self.refused) == (b in self.refused):
-                continue
-            inside, outside = (b, a) if a in self.refused else (a, b)
-            for _ in range(_END_BISECTIONS):
-                middle = 0.5 * (inside + outside)
-                if self.sample(middle):
-                    inside = middle
-                else:
-                    outside = middle
-
-    def curve(self) -> Curve:
-        """Return all samples in ascending order."""
-        x = sorted(self.excess)
-        states = tuple(self.refused.get(leading, State(0.0)) for leading in x)
-        return Curve(np.array(x), np.array([self.excess[leading] for leading in x]), states)
-
 
 def _extrapolated(leading: float, temperatures: Mapping[float, Array]) -> Array:
     """Return the temperatures of all nodes [K] at a leading one, on the line through those of the two nearest."""
@@ -662,5 +641,4 @@ def _extrapolated(leading: float, temperatures: Mapping[float, Array]) -> Array:
         return temperatures[nearest[0]]
     a, b = nearest
     of_a = temperatures[a]
-    of_b = temperatures[b]
-    return np.asarray(of_a + (leading - a) / (b - a) * (of_b - of_a))
+    return np.asarray(of_a + (leading - a) / (b - a) * (temperatures[b] - of_a))

@@ -49,9 +49,12 @@ def _excess(dataset: "xr.Dataset") -> "Figure":
     sheet = Sheet()
     axes = sheet.axes
     node = str(dataset["node"].to_numpy()[0])
-    at = dataset["leading_temperature"].to_numpy() - _ZERO
-    heat = dataset["excess_heat"].to_numpy()
-    sheet.line(at, heat, "losses less what is carried away", color=MODEL_COLOURS[0])
+    sheet.line(
+        dataset["leading_temperature"].to_numpy() - _ZERO,
+        dataset["excess_heat"].to_numpy(),
+        "losses less what is carried away",
+        color=MODEL_COLOURS[0],
+    )
     axes.axhline(0.0, color="black", linewidth=0.6)
     for stable, style, label in (
         (1, MARKER, "balance that lasts"),
@@ -84,10 +87,12 @@ def course(dataset: "xr.Dataset") -> "Figure":
     time = time / second
     for k, node in enumerate(dataset["node"].to_numpy()):
         values = dataset["course_temperature"].to_numpy()[:, k] - _ZERO
-        style: dict[str, Any] = {
-            "color": MODEL_COLOURS[k % len(MODEL_COLOURS)],
-            "linestyle": DASHES[k % len(DASHES)],
-        }
-        sheet.line(time, values, f"{node}, {values[-1]:.3g} °C at the end", **style)
+        sheet.line(
+            time,
+            values,
+            f"{node}, {values[-1]:.3g} °C at the end",
+            color=MODEL_COLOURS[k % len(MODEL_COLOURS)],
+            linestyle=DASHES[k % len(DASHES)],
+        )
     sheet.axes.set_xlim(0.0, time[-1] or 1.0)
     return sheet.done(f"Time [{unit}]", "Temperature [°C]")

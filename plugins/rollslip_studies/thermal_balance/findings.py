@@ -103,23 +103,27 @@ class ThermalBalanceAccount(Account):
         values = coldest["temperature"].to_numpy()
         slip = float(coldest["steady_slip"])
         shown = [f"{value - 273.15:.0f} °C" for value in values]
-        rows = (
-            Row(
-                key="temperature",
-                label=f"temperature, {names[0]}",
-                value=float(values[0]),
-                unit="K",
-                text=shown[0],
-                note=", ".join(
-                    f"{name} {text}" for name, text in zip(names[1:], shown[1:], strict=True)
+        return Answer(
+            rows=(
+                Row(
+                    key="temperature",
+                    label=f"temperature, {names[0]}",
+                    value=float(values[0]),
+                    unit="K",
+                    text=shown[0],
+                    note=", ".join(
+                        f"{name} {text}" for name, text in zip(names[1:], shown[1:], strict=True)
+                    ),
+                ),
+                Row(
+                    key="cage_slip_in_balance",
+                    label="cage slip there",
+                    value=slip,
+                    text=percent(slip),
                 ),
             ),
-            Row(
-                key="cage_slip_in_balance", label="cage slip there", value=slip, text=percent(slip)
-            ),
-        )
-        return Answer(
-            rows=rows, assumed=tuple(filter(None, [describe_estimated(dataset)])), commands=commands
+            assumed=tuple(filter(None, [describe_estimated(dataset)])),
+            commands=commands,
         )
 
     @staticmethod
@@ -164,15 +168,14 @@ class ThermalBalanceAccount(Account):
             for balance in all_balances(dataset)
             if math.isfinite(float(balance["steady_slip"]))
         ]
-        texts = [
-            name
-            for name in ("status", "given_status", "limit_status", "course_status")
-            if name in dataset
-        ]
         return (
             {"balances": balances}
             | {name: None if math.isnan(value) else value for name, value in values.items()}
-            | {name: str(dataset[name].item()) for name in texts}
+            | {
+                name: str(dataset[name].item())
+                for name in ("status", "given_status", "limit_status", "course_status")
+                if name in dataset
+            }
         )
 
 
@@ -199,8 +202,11 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
         given = f", against {100.0 * slip:.3g} % at the temperatures of the scene"
     for balance in all_balances(dataset):
         loss = float(balance["loss"].sum())
-        sinks = balance["sink"].to_numpy()
-        heats = list(zip(sinks, balance["carried_away"].to_numpy().tolist(), strict=True))
+        heats = list(
+            zip(
+                balance["sink"].to_numpy(), balance["carried_away"].to_numpy().tolist(), strict=True
+            )
+        )
         away = " and ".join(f"{_watt(heat)} leave by {sink}" for sink, heat in heats if heat > 0.0)
         brought = "".join(
             f", {_watt(-heat)} come in with {sink}" for sink, heat in heats if heat < 0.0

@@ -213,8 +213,11 @@ class ThermalBalance(Study):
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
         """Return the steady slip of the coldest stable balance."""
-        status = str(dataset["stationary_status"].item())
-        return {"steady cage slip": ComparedValues([[float(dataset["stationary_slip"])]], status)}
+        return {
+            "steady cage slip": ComparedValues(
+                [[float(dataset["stationary_slip"])]], str(dataset["stationary_status"].item())
+            )
+        }
 
     def without_outputs(self, outputs: frozenset[str]) -> "ThermalBalance":
         """Return the study without the course over time, or the study of the coldest stable balance alone."""
@@ -285,31 +288,30 @@ class ThermalBalance(Study):
         assembly.cage  # noqa: B018 - a wrong cage is refused before anything is computed
         heated = Heated(assembly, model, self._steady)
         given = heated.given()
-        operation = assembly.scene.operation
-        temperatures = [getattr(operation, key.partition(".")[2]) for key in ROLES]
-        coords: dict[str, Any] = {
-            "part": ("part", list(ROLES.values()), about("1", "part of the bearing"))
-        }
-        variables = self.variables(
-            given_slip=given.slip,
-            given_loss=given.loss,
-            given_temperature=np.array(temperatures),
-            given_status=given.refusal or Status.FOUND.value,
-        )
+        temperatures = [getattr(assembly.scene.operation, key.partition(".")[2]) for key in ROLES]
         if model.nodes:
             of_model, coords_of_model = self._balances(heated)
         else:
             of_model, coords_of_model = self._given_temperatures(given, np.array(temperatures))
         import xarray as xr
 
-        attributes = {
-            "thermal": model.name,
-            "evaluated_temperatures": heated.evaluations,
-            "thermal_model": repr(model),
-            "taken_from_bearing": json.dumps(from_bearing(assembly.scene, model)),
-        }
         return xr.Dataset(
-            variables | of_model, coords | coords_of_model, attrs=self.attributes | attributes
+            self.variables(
+                given_slip=given.slip,
+                given_loss=given.loss,
+                given_temperature=np.array(temperatures),
+                given_status=given.refusal or Status.FOUND.value,
+            )
+            | of_model,
+            {"part": ("part", list(ROLES.values()), about("1", "part of the bearing"))}
+            | coords_of_model,
+            attrs=self.attributes
+            | {
+                "thermal": model.name,
+                "evaluated_temperatures": heated.evaluations,
+                "thermal_model": repr(model),
+                "taken_from_bearing": json.dumps(from_bearing(assembly.scene, model)),
+            },
         )
 
     def _given_temperatures(
@@ -350,11 +352,15 @@ class ThermalBalance(Study):
         lowest = float(
             min([*model.start(heated.scene), *(() if model.inlet is None else model.inlet[:1])])
         )
-        highest = max(self.highest_temperature, lowest + 1.0)
-        curve, temperatures = heated.curve(lowest, highest, self.points, first=first)
-        zeros = heated.zeros(curve, temperatures)
-        balances = (heated.balance(temperatures[x]) for x in zeros)
-        return curve, temperatures, [balance for balance in balances if balance is not None]
+        curve, temperatures = heated.curve(
+            lowest, max(self.highest_temperature, lowest + 1.0), self.points, first=first
+        )
+        balances = [
+            balance
+            for x in heated.zeros(curve, temperatures)
+            if (balance := heated.balance(temperatures[x])) is not None
+        ]
+        return curve, temperatures, balances
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return variables and coordinates of the balances, the excess heat, the limit and the course over time."""
@@ -370,14 +376,20 @@ class ThermalBalance(Study):
         )
         if stationary is None:
             status = _NONE_STABLE if balances else status
-            nothing = np.full(len(model.nodes), np.nan)
-            variables |= self._stationary(nothing, State(np.nan), status)
+            variables |= self._stationary(np.full(len(model.nodes), np.nan), State(np.nan), status)
+            variables |= self.variables(
+                heat_margin=np.nan,
+                limit_temperature=np.nan,
+                inlet_limit=np.nan,
+                limit_status=_NONE_STABLE,
+            )
         else:
             variables |= self._stationary(stationary.temperatures, stationary.state, status)
-        variables |= self._limit(heated, curve, temperatures, balances)
+            variables |= self._limit(heated, curve, temperatures, balances, stationary)
         if self.duration > 0.0:
-            solver = get_model("integrator", self.integrator).solver()
-            times, rows, slips, reason = heated.course(self.duration, self.course_points, solver)
+            times, rows, slips, reason = heated.course(
+                self.duration, self.course_points, get_model("integrator", self.integrator).solver()
+            )
             variables |= self.variables(
                 course_temperature=rows,
                 course_slip=slips,
@@ -396,8 +408,9 @@ class ThermalBalance(Study):
         shown = balances or [Balance(np.full(start.size, np.nan), State(np.nan), np.nan, np.nan)]
         carried_away = np.full((len(sinks), 1), np.nan)
         if balances:
-            heats = [list(model.carried_away(balance.temperatures).values()) for balance in shown]
-            carried_away = np.array(heats).T
+            carried_away = np.array(
+                [list(model.carried_away(balance.temperatures).values()) for balance in shown]
+            ).T
         sources, losses = _losses_by_source(balances)
         variables = self.variables(
             temperature=np.array([balance.temperatures for balance in shown]).T,
@@ -457,44 +470,36 @@ class ThermalBalance(Study):
         curve: Curve,
         temperatures: dict[float, Any],
         balances: list[Balance],
+        stable: Balance,
     ) -> dict[str, Any]:
         """Return how much heat, or how warm an inlet, the coldest stable balance bears."""
         model = heated.model
-        stable = next((balance for balance in balances if balance.stable), None)
-        if stable is None:
-            return self.variables(
-                heat_margin=np.nan,
-                limit_temperature=np.nan,
-                inlet_limit=np.nan,
-                limit_status=_NONE_STABLE,
-            )
         start = float(stable.temperatures[0])
         warmer = [
             leading for balance in balances if (leading := float(balance.temperatures[0])) > start
         ]
         if warmer:  # only the curve up to the next balance counts
-            excess = np.where(curve.temperature > min(warmer), np.nan, curve.excess)
-            curve = attrs.evolve(curve, excess=excess)
+            curve = attrs.evolve(
+                curve, excess=np.where(curve.temperature > min(warmer), np.nan, curve.excess)
+            )
         limit, value, end = heated.minimum_excess(curve, temperatures, start)
-        inlet = np.nan if model.inlet is None else model.inlet[0] - value / model.inlet[1]
         status = "the bulk: warmer than that losses rise faster than what is carried away"
-        is_known = True
         last = float(curve.temperature[-1])
         if limit >= last - 1e-6:
-            is_known = False
             status = (
                 f"no limit up to {last - 273.15:.4g} degC: there more is carried away than is lost, look further with "
                 f"--set {self.table}.highest_temperature"
             )
+            limit = value = np.nan
         elif end is not None and end.cage_skids:
             status = f"the film: {end.refusal}"
         elif end is not None and end.refusal:
-            is_known = False
             status = f"no limit is known beyond {limit - 273.15:.4g} degC: {end.refusal}"
+            limit = value = np.nan
         return self.variables(
-            heat_margin=-(value if is_known else np.nan),
-            limit_temperature=limit if is_known else np.nan,
-            inlet_limit=inlet if is_known else np.nan,
+            heat_margin=-value,
+            limit_temperature=limit,
+            inlet_limit=np.nan if model.inlet is None else model.inlet[0] - value / model.inlet[1],
             limit_status=status,
         )
 
