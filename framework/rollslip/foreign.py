@@ -14,7 +14,9 @@ from rollslip_kernels.slices import CONDITIONS
 
 __all__ = ["EVALUATE", "NumbaSlices", "SlicesStruct", "capsule_from_address", "numba_slices"]
 
-_SIZE, _OFFSETS = layout()
+#: Member of ``rs_slices`` -> its offset [bytes] by the C compiler.
+_OFFSETS = layout()[1]
+#: The members in the order of the struct.
 _MEMBERS = sorted(_OFFSETS, key=_OFFSETS.__getitem__)
 #: Types of the members that are not columns.
 _TYPES: dict[str, Any] = {"n": ctypes.c_size_t} | dict.fromkeys(CONDITIONS, ctypes.c_double)
