@@ -22,6 +22,7 @@ H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue proble
 Theory (1977): pseudo-arclength.
 """
 
+import math
 from collections.abc import Callable
 from typing import Final
 
@@ -33,36 +34,28 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
 from rollslip.search import secant_root
 
+# Settings of the continuation; lengths are relative to the unit box of slip and parameter. Their effects were measured
+# on branches over the load of two scenes of the catalogue, with a constant drag of 0.6 N m: no half or double value
+# changed the load at the fold by 1e-7.
 
-@attrs.frozen
-class _Continuation:
-    """Settings of the continuation; lengths are relative to the unit box of slip and parameter.
-
-    Their effects were measured on branches over the load of two scenes of the catalogue, with a constant drag of 0.6 N
-    m: no half or double value changed the load at the fold by 1e-7.
-    """
-
-    #: Length of the first step. Half or twice as much adds or saves three points. Chosen.
-    first_step: float = 0.01
-    #: Largest step. Half of it takes 75 points instead of 40 and 39 % more time, twice of it 24 to 29 points, between
-    #: which figures draw straight lines. Chosen.
-    max_step: float = 0.05
-    #: Step below which the continuation gives up, because no step is small enough where rollers change their motion at
-    #: once. Half as much costs one halving more. Chosen.
-    min_step: float = 1e-6
-    #: Cosine of the largest angle between tangent and chord, 18 degrees, beyond which a step may lead to another
-    #: branch. Neither 0.8 nor 0.99 changed a point. Chosen.
-    min_cosine: float = 0.95
-    #: Largest number of steps, rejected ones included, a bound on the time. A branch takes 40 to 80. Chosen.
-    max_steps: int = 600
-    #: Tolerance of a point, along the normal. Half or twice as much changes neither points nor time. Chosen.
-    tolerance: float = 1e-7
-    #: Step of the differences for the gradient. Twice as much doubles their error by curvature, half as much their
-    #: error by rounding; neither changed a point. Chosen between both.
-    difference: float = 1e-5
-
-
-_CONTINUATION: Final = _Continuation()
+#: Length of the first step. Half or twice as much adds or saves three points. Chosen.
+_FIRST_STEP: Final = 0.01
+#: Largest step. Half of it takes 75 points instead of 40 and 39 % more time, twice of it 24 to 29 points, between which
+#: figures draw straight lines. Chosen.
+_MAX_STEP: Final = 0.05
+#: Step below which the continuation gives up, because no step is small enough where rollers change their motion at
+#: once. Half as much costs one halving more. Chosen.
+_MIN_STEP: Final = 1e-6
+#: Cosine of the largest angle between tangent and chord, 18 degrees, beyond which a step may lead to another branch.
+#: Neither 0.8 nor 0.99 changed a point. Chosen.
+_MIN_COSINE: Final = 0.95
+#: Largest number of steps, rejected ones included, a bound on the time. A branch takes 40 to 80. Chosen.
+_MAX_STEPS: Final = 600
+#: Tolerance of a point, along the normal. Half or twice as much changes neither points nor time. Chosen.
+_TOLERANCE: Final = 1e-7
+#: Step of the differences for the gradient. Twice as much doubles their error by curvature, half as much their error by
+#: rounding; neither changed a point. Chosen between both.
+_DIFFERENCE: Final = 1e-5
 
 
 @attrs.frozen(eq=False)
@@ -88,9 +81,8 @@ class Branch:
         before = self.parameter[:-1]
         after = self.parameter[1:]
         crosses = np.flatnonzero((before - parameter) * (after - parameter) <= 0.0)
-        fraction = (parameter - before[crosses]) / np.where(after == before, 1.0, after - before)[
-            crosses
-        ]
+        change = np.where(after == before, 1.0, after - before)[crosses]
+        fraction = (parameter - before[crosses]) / change
         slips = self.slip[crosses] + fraction * (self.slip[crosses + 1] - self.slip[crosses])
         return bool(np.any(np.abs(slips - slip) <= 0.01 * np.ptp(self.slip)))
 
@@ -154,20 +146,18 @@ def follow(
     return Branch(z[:, 0] * largest, parameter, stable, tuple(folds), first)
 
 
+@attrs.frozen
 class _Path:
     """Excess torque in the unit box of slip and parameter, and the continuation there."""
 
-    def __init__(
-        self, excess: Callable[[float, float], float], limits: tuple[float, float], largest: float
-    ) -> None:
-        self._excess = excess
-        self._limits = limits
-        self._largest = largest
+    excess: Callable[[float, float], float]  #: Excess torque [N m] at slip and parameter.
+    limits: tuple[float, float]  #: Smallest and largest parameter, in SI units.
+    largest: float  #: Largest slip [-].
 
     def value(self, z: Array) -> float:
         """Return the excess torque [N m] at a point of the box."""
-        low, high = self._limits
-        return self._excess(float(z[0]) * self._largest, low + float(z[1]) * (high - low))
+        low, high = self.limits
+        return self.excess(float(z[0]) * self.largest, low + float(z[1]) * (high - low))
 
     def gradient(self, z: Array) -> Array:
         """Return the gradient of the excess torque [N m] by one-sided differences, towards the inside of the box."""
@@ -175,18 +165,17 @@ class _Path:
         slopes = []
         for axis in range(2):
             shifted = z.copy()
-            difference = _CONTINUATION.difference
-            shifted[axis] += difference if z[axis] < 0.5 else -difference
+            shifted[axis] -= math.copysign(_DIFFERENCE, z[axis] - 0.5)
             slopes.append((self.value(shifted) - here) / (shifted[axis] - z[axis]))
         return np.array(slopes)
 
     def walk(self, z: Array, tangent: Array, slope: float) -> list[Array]:
         """Return the points of the branch beyond a point z, until the branch leaves the box."""
         points: list[Array] = []
-        step = _CONTINUATION.first_step
-        for _ in range(_CONTINUATION.max_steps):
+        step = _FIRST_STEP
+        for _ in range(_MAX_STEPS):
             reach = _to_edge(z, tangent)
-            if reach <= _CONTINUATION.min_step:
+            if reach <= _MIN_STEP:
                 return points
             ends = reach <= step
             across = np.array([-tangent[1], tangent[0]])
@@ -199,36 +188,35 @@ class _Path:
             if balance is not None:
                 corrected, slope = balance
                 chord = (corrected - z) / np.hypot(*(corrected - z))
-                if chord @ tangent >= _CONTINUATION.min_cosine:
+                if chord @ tangent >= _MIN_COSINE:
                     tangent = 2.0 * (chord @ tangent) * chord - tangent  # as on a circle
                     points.append(corrected)
                     if ends:
                         return points
-                    near = np.hypot(*(corrected - predicted)) < 0.1 * step
+                    if np.hypot(*(corrected - predicted)) < 0.1 * step:
+                        step = 1.5 * step
+                    step = min(step, _MAX_STEP)
                     z = corrected
-                    step = min(step * (1.5 if near else 1.0), _CONTINUATION.max_step)
                     continue
             step *= 0.5
-            if step < _CONTINUATION.min_step:
+            if step < _MIN_STEP:
                 break
-        slip = z[0] * self._largest
-        parameter = self._limits[0] + z[1] * (self._limits[1] - self._limits[0])
+        parameter = self.limits[0] + z[1] * (self.limits[1] - self.limits[0])
         raise ConvergenceError(
-            f"the steady slip cannot be followed beyond a cage slip of {slip:.4g} at {parameter:.6g}: it turns within "
-            f"{step:.0e} of the range, where rollers change their motion at once"
+            f"the steady slip cannot be followed beyond a cage slip of {z[0] * self.largest:.4g} at {parameter:.6g}: "
+            f"it turns within {step:.0e} of the range, where rollers change their motion at once"
         )
 
     def _across(
         self, z: Array, across: Array, slope: float, reach: float
     ) -> tuple[Array, float] | None:
         """Return the nearest root on a line within reach, by secants, and the slope there; None if they fail."""
-        within = -min(reach, _to_edge(z, -across)), min(reach, _to_edge(z, across))
         found = secant_root(
             lambda at: self.value(z + at * across),
             0.0,
             slope,
-            tolerance=_CONTINUATION.tolerance,
-            within=within,
+            tolerance=_TOLERANCE,
+            within=(-min(reach, _to_edge(z, -across)), min(reach, _to_edge(z, across))),
         )
         return None if found is None else (z + found[0] * across, found[1])
 
@@ -239,18 +227,17 @@ class _Path:
         """
         from scipy.optimize import minimize_scalar
 
-        upwards = np.array([0.0, 1.0])
         sign = 1.0 if middle[1] < left[1] else -1.0
         best = middle
         slope = self.gradient(middle)[1]
 
         def parameter(slip: float) -> float:
             nonlocal best, slope
-            balance = self._across(np.array([slip, best[1]]), upwards, slope, 1.0)
+            balance = self._across(np.array([slip, best[1]]), np.array([0.0, 1.0]), slope, 1.0)
             if balance is None:
                 raise ConvergenceError(
-                    f"the fold of the steady slips between cage slips of {left[0] * self._largest:.4g} and "
-                    f"{right[0] * self._largest:.4g} cannot be located, where rollers change their motion at once"
+                    f"the fold of the steady slips between cage slips of {left[0] * self.largest:.4g} and "
+                    f"{right[0] * self.largest:.4g} cannot be located, where rollers change their motion at once"
                 )
             best, slope = balance
             return sign * float(best[1])

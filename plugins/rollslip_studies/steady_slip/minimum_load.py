@@ -53,57 +53,45 @@ __all__ = [
 # The effects of these constants were measured by 24 searches: in four scenes of the catalogue at acceptable slips of 2
 # and 30 %, and with a constant drag of 0.6 N m at 50 to 94 %, where eight loads are those of a maximum.
 
+# The load at which the excess torque is zero:
 
-@attrs.frozen
-class _LoadSearch:
-    """Settings of the search for the load at which the excess torque is zero."""
+#: Relative tolerance of the load. Half or twice as much changes loads by up to 1.4e-4. Chosen, far below the digits of
+#: an answer.
+_LOAD_TOLERANCE: Final = 1e-4
+#: Load at which the search starts where the scene has none [N]. Half or twice as much changes nothing else.
+_START_LOAD: Final = 1.0
+#: Factor by which the load changes at most in one step. 2 and 8 change loads by less than 3e-5, 8 takes 10 % more time.
+#: Chosen.
+_WIDENING: Final = 4.0
+#: Factor from the start beyond which no load is searched. Twice as much costs one more step where no load serves;
+#: chosen, so that from 1 N every load of a bearing is within it.
+_MAX_LOAD_FACTOR: Final = 1e6
+#: Repetitions with other slips around maxima. Half as many change loads by up to 9e-4, twice as many change none.
+_MAX_ROUNDS: Final = 4
 
-    #: Relative tolerance of the load. Half or twice as much changes loads by up to 1.4e-4. Chosen, far below the digits
-    #: of an answer.
-    tolerance: float = 1e-4
-    #: Load at which the search starts where the scene has none [N]. Half or twice as much changes nothing else.
-    start: float = 1.0
-    #: Factor by which the load changes at most in one step. 2 and 8 change loads by less than 3e-5, 8 takes 10 % more
-    #: time. Chosen.
-    widening: float = 4.0
-    #: Factor from the start beyond which no load is searched. Twice as much costs one more step where no load serves;
-    #: chosen, so that from 1 N every load of a bearing is within it.
-    farthest: float = 1e6
-    #: Repetitions with other slips around maxima. Half as many change loads by up to 9e-4, twice as many change none.
-    max_rounds: int = 4
+# Maxima of the excess torque at slips up to the acceptable one:
 
-
-@attrs.frozen
-class _MaximumSearch:
-    """Settings of the search for maxima of the excess torque at slips up to the acceptable one."""
-
-    #: Points of the logarithmic grid of slips. With the spacing it goes down to 1/310 of the acceptable slip, with half
-    #: as many points to 1/12. Neither half nor twice as many changed a load. Chosen.
-    points: int = 25
-    #: Difference of the logarithms of neighbouring slips. A maximum that is narrower may be stepped over. Neither half
-    #: nor twice as much changed a load. Chosen.
-    spacing: float = 0.25
-    #: Largest slip of the grid over the acceptable slip, so that a maximum at the acceptable slip is inside. Neither
-    #: 1.1 nor 2.6 changed a load. Chosen.
-    beyond: float = 1.3
-    #: Fraction of the drag that the torque at a maximum of the grid has to exceed for a search on the loading branch:
-    #: less than 1, as between two points the torque may rise. With twice as much the eight maxima are not found, half
-    #: as much changes nothing. Chosen.
-    drag_fraction: float = 0.7
-    #: The same for maxima on the loading branch, whose points are denser, but of few loads of a roller. The same
-    #: effects.
-    branch_drag_fraction: float = 0.9
-    #: Differences of the logarithm of the slip around a maximum at which all slices are evaluated. Half of them change
-    #: loads by up to 3e-4, twice of them by 6e-5. Chosen.
-    around: tuple[float, ...] = (-0.2, -0.1, 0.0, 0.1, 0.2)
-    #: Difference of logarithms below which two slips count as one. Neither half nor twice as much changed a load.
-    #: Chosen, less than half the spacing of `around`.
-    min_difference: float = 0.03
-
-
-_LOAD_SEARCH: Final = _LoadSearch()
-_MAXIMUM_SEARCH: Final = _MaximumSearch()
-
+#: Points of the logarithmic grid of slips. With the spacing it goes down to 1/310 of the acceptable slip, with half as
+#: many points to 1/12. Neither half nor twice as many changed a load. Chosen.
+_GRID_POINTS: Final = 25
+#: Difference of the logarithms of neighbouring slips. A maximum that is narrower may be stepped over. Neither half nor
+#: twice as much changed a load. Chosen.
+_GRID_SPACING: Final = 0.25
+#: Largest slip of the grid over the acceptable slip, so that a maximum at the acceptable slip is inside. Neither 1.1
+#: nor 2.6 changed a load. Chosen.
+_GRID_END: Final = 1.3
+#: Fraction of the drag that the torque at a maximum of the grid has to exceed for a search on the loading branch: less
+#: than 1, as between two points the torque may rise. With twice as much the eight maxima are not found, half as much
+#: changes nothing. Chosen.
+_DRAG_FRACTION: Final = 0.7
+#: The same for maxima on the loading branch, whose points are denser, but of few loads of a roller. The same effects.
+_BRANCH_DRAG_FRACTION: Final = 0.9
+#: Differences of the logarithm of the slip around a maximum at which all slices are evaluated. Half of them change
+#: loads by up to 3e-4, twice of them by 6e-5. Chosen.
+_AROUND_MAXIMUM: Final = (-0.2, -0.1, 0.0, 0.1, 0.2)
+#: Difference of logarithms below which two slips count as one. Neither half nor twice as much changed a load. Chosen,
+#: less than half the spacing of `_AROUND_MAXIMUM`.
+_MIN_DIFFERENCE: Final = 0.03
 
 #: Torque balance of a bearing at a radial load [N].
 Balances = Callable[[float], TorqueBalance]
@@ -136,11 +124,11 @@ def minimum_load(
     if balance(load).rolls_freely:
         return math.nan, f"{Status.NO_LOAD_NEEDED}: {SWITCHED_OFF}", ()
     try:
-        found = load or _LOAD_SEARCH.start
+        found = load or _START_LOAD
         at = slip
         over = excess(math.log(found))
         drag = -balance(found).drag(slip)
-        for _ in range(_LOAD_SEARCH.max_rounds):
+        for _ in range(_MAX_ROUNDS):
             start = math.log(found)
             found = _load_by_secants(excess, start, over, drag)
             if math.isnan(found):
@@ -151,7 +139,7 @@ def minimum_load(
                 break
             slips = (slip, *_around_maxima(balance(found), slip))
             at, over = largest_excess(balance(found), slips, slip)
-            if abs(over) <= 4.0 * _LOAD_SEARCH.tolerance * abs(drag):
+            if abs(over) <= 4.0 * _LOAD_TOLERANCE * abs(drag):
                 break
         # compiled searches check no validity ranges; an evaluated orbit does
         balance(found).orbit(at)
@@ -188,25 +176,19 @@ def largest_excess(
 
 def _around_maxima(balance: TorqueBalance, slip: float) -> Iterator[float]:
     """Yield slips around maxima of the excess torque that the cage may reach before a slip."""
-    search = _MAXIMUM_SEARCH
     upper = max(RANGE, slip)
-    slips = search.beyond * slip * np.exp(-search.spacing * np.arange(search.points)[::-1])
+    slips = _GRID_END * slip * np.exp(-_GRID_SPACING * np.arange(_GRID_POINTS)[::-1])
     slips = slips[slips <= upper]
-    if not any(_maxima(balance, slips, balance.torques(slips, reduced=True), search.drag_fraction)):
+    if not any(_maxima(balance, slips, balance.torques(slips, reduced=True), _DRAG_FRACTION)):
         return
-    path = [
-        motion
-        for motion in balance.loading_branch(upper).motions
-        if motion.slip <= search.beyond * slip
-    ]
-    branch_slips = np.array([motion.slip for motion in path])
-    branch_torques = np.array([motion.torque for motion in path])
+    path = np.array([(step.slip, step.torque) for step in balance.loading_branch(upper).motions])
+    path = path[path[:, 0] <= _GRID_END * slip]
     known = [slip]
-    for peak in _maxima(balance, branch_slips, branch_torques, search.branch_drag_fraction):
-        for step in search.around:
+    for peak in _maxima(balance, path[:, 0], path[:, 1], _BRANCH_DRAG_FRACTION):
+        for step in _AROUND_MAXIMUM:
             near = peak * math.exp(step)
             distance = min(abs(math.log(near / other)) for other in known)
-            if near <= upper and distance > search.min_difference:
+            if near <= upper and distance > _MIN_DIFFERENCE:
                 known.append(near)
                 yield near
 
@@ -217,12 +199,8 @@ def _maxima(
     """Yield slips with more excess torque than both neighbours, and with a torque above a fraction of the drag."""
     drags = -np.array([balance.drag(slip) for slip in slips.tolist()])
     over = torques - drags
-    inside = (
-        (over[1:-1] > over[:-2])
-        & (over[1:-1] >= over[2:])
-        & (torques[1:-1] > fraction * drags[1:-1])
-    )
-    yield from slips[1:-1][inside].tolist()
+    is_maximum = (over[1:-1] > over[:-2]) & (over[1:-1] >= over[2:])
+    yield from slips[1:-1][is_maximum & (torques[1:-1] > fraction * drags[1:-1])].tolist()
 
 
 def rollers_weight(assembly: Assembly) -> float:
@@ -239,12 +217,11 @@ def _load_by_secants(
     Secants go over the square of the load relative to the start, as the torque is roughly proportional to it. The root
     has to be one at which a larger load leaves more torque.
     """
-    torque = over + drag
-    max_step = math.log(_LOAD_SEARCH.widening)
+    max_step = math.log(_WIDENING)
     guess = math.copysign(max_step, -over)
-    if torque > 0.0 < drag:
-        guess = -0.5 * math.log(torque / drag)
-    guess = min(max(guess, -max_step), max_step) or _LOAD_SEARCH.tolerance
+    if over + drag > 0.0 < drag:
+        guess = -0.5 * math.log((over + drag) / drag)
+    guess = min(max(guess, -max_step), max_step) or _LOAD_TOLERANCE
 
     def squared(square: float) -> float:
         return excess(start + 0.5 * math.log(square))
@@ -255,12 +232,11 @@ def _load_by_secants(
     if not slope > 0.0:
         return math.nan
     first = at - value / slope
-    farthest = _LOAD_SEARCH.widening**2
+    farthest = _WIDENING**2
     within = min(at, 1.0) / farthest, max(at, 1.0) * farthest
     if not within[0] <= first <= within[1]:
         return math.nan
-    tolerance = _LOAD_SEARCH.tolerance * first
-    found = secant_root(squared, first, slope, tolerance=tolerance, within=within)
+    found = secant_root(squared, first, slope, tolerance=_LOAD_TOLERANCE * first, within=within)
     return math.exp(start) * math.sqrt(found[0]) if found and found[1] > 0.0 else math.nan
 
 
@@ -270,22 +246,24 @@ def _load_by_bracketing(
     """Return the load [N] at which an excess over its logarithm changes its sign; NaN and why there is none."""
     at = before = start
     value = last = over
-    widening = math.log(_LOAD_SEARCH.widening)
+    widening = math.log(_WIDENING)
     step = -widening if over > 0.0 else widening
     while (value > 0.0) == (over > 0.0):
-        if abs(at - start) > math.log(_LOAD_SEARCH.farthest):
+        if abs(at - start) > math.log(_MAX_LOAD_FACTOR):
             ends = " and ".join(
                 format_quantity(math.exp(end), "N", 3) for end in sorted((start, at))
             )
             relation = "less" if over > 0.0 else "more"
             serves = Status.ANY_LOAD if over > 0.0 else Status.NO_LOAD
-            reason = f"{serves}: between {ends} the steady slip stays {relation} than {slip:g}"
-            return math.nan, reason
+            return (
+                math.nan,
+                f"{serves}: between {ends} the steady slip stays {relation} than {slip:g}",
+            )
         before = at
         last = value
         at = at + step
         value = excess(at)
-    root = illinois_root(excess, before, at, last, value, tolerance=_LOAD_SEARCH.tolerance)
+    root = illinois_root(excess, before, at, last, value, tolerance=_LOAD_TOLERANCE)
     return math.exp(root), ""
 
 
@@ -328,11 +306,11 @@ class Rule:
         ]
         if missing:
             return math.nan, f"needs {' and '.join(missing)} of the maker's catalogue"
+        load = self.load(bearing, speed)
         if self.grows_with and getattr(catalogue, self.grows_with) is None:
-            return self.load(
-                bearing, speed
-            ), f"{Status.FOUND_AT_REST}; with speed it grows by bearing.catalogue.{self.grows_with}"
-        return self.load(bearing, speed), Status.FOUND
+            key = f"bearing.catalogue.{self.grows_with}"
+            return load, f"{Status.FOUND_AT_REST}; with speed it grows by {key}"
+        return load, Status.FOUND
 
 
 def _nke(bearing: Bearing, speed: float) -> float:

@@ -44,6 +44,7 @@ from rollslip.studies.answers import (
 )
 from rollslip.studies.error_estimate import choose_by_curves
 from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip_studies.effective_friction.raceways import largest_relative_change
 from rollslip_studies.motion.loading_branch import LoadingBranch, SteadyMotion
 from rollslip_studies.motion.torque_balance import (
     RANGE,
@@ -94,25 +95,17 @@ _COMPARED_FRACTIONS: Final = (0.02, 0.15, 0.5, 1.0)
 #: Twice as much, all of it, leaves nothing for these. Half as much took 3 to 5 instead of 3 to 4 positions and 24 %
 #: more time in two scenes, and changed slip and load at the fold by up to 3e-3 at a tolerance of 5 %. Chosen.
 _TOLERANCE_FRACTION: Final = 0.5
+# Numbers of evaluations by which the cost is extrapolated from measured times; an estimate scales with them.
 
-
-@attrs.frozen
-class _CostModel:
-    """Numbers of evaluations by which the cost is extrapolated from measured times; an estimate scales with them."""
-
-    #: Loading branches of a run: those of the last two numbers of positions.
-    branches: int = 2
-    #: Motions of a loading branch; four scenes of the catalogue have 50 to 59.
-    branch_motions: int = 50
-    #: Motions of the rollers of a followed branch. Four scenes of the catalogue evaluate 94 to 167, each with loads of
-    #: its own; chosen, rather too large, because loads take time, too.
-    followed_motions: int = 350
-    #: Loading branches of a search for the minimum load, where rollers have several motions at the acceptable slip.
-    #: Chosen.
-    minimum_load_branches: int = 9
-
-
-_COST: Final = _CostModel()
+#: Loading branches of a run: those of the last two numbers of positions.
+_BRANCHES: Final = 2
+#: Motions of a loading branch; four scenes of the catalogue have 50 to 59.
+_BRANCH_MOTIONS: Final = 50
+#: Motions of the rollers of a followed branch. Four scenes of the catalogue evaluate 94 to 167, each with loads of its
+#: own; chosen, rather too large, because loads take time, too.
+_FOLLOWED_MOTIONS: Final = 350
+#: Loading branches of a search for the minimum load, where rollers have several motions at the acceptable slip. Chosen.
+_MINIMUM_LOAD_BRANCHES: Final = 9
 #: Outputs that an acceptable slip adds.
 _MINIMUM_LOAD_OUTPUTS: Final = frozenset(
     f"{name}{suffix}"
@@ -173,9 +166,8 @@ class SteadySlip(Study):
     temperature: tuple[float, ...] = _range("temperature")
 
     def __attrs_post_init__(self) -> None:
-        for name in VARIED:
-            limits = getattr(self, name)
-            if limits and not (len(limits) == 2 and limits[0] < limits[1]):
+        for name, limits in self._followed_ranges.items():
+            if not (len(limits) == 2 and limits[0] < limits[1]):
                 raise FieldError(
                     name, f"must be two values that ascend, or empty, not {list(limits)}"
                 )
@@ -183,8 +175,12 @@ class SteadySlip(Study):
     @property
     def libraries(self) -> tuple[str, ...]:  # type: ignore[override]
         """Modules of SciPy that following slips imports; the import takes longer than a run without it."""
-        followed = any(getattr(self, name) for name in VARIED)
-        return ("scipy.optimize", "scipy.interpolate") if followed else ()
+        return ("scipy.optimize", "scipy.interpolate") if self._followed_ranges else ()
+
+    @property
+    def _followed_ranges(self) -> dict[str, tuple[float, float]]:
+        """Smallest and largest value of the operating conditions over which slips are followed, by name."""
+        return {name: limits for name in VARIED if (limits := getattr(self, name))}
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
         """Return how many numbers the slip-drag curve has at least."""
@@ -195,8 +191,7 @@ class SteadySlip(Study):
         loads = assembly.load_distribution(1)
         loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
         per_orbit = 10 * 2 * minimum_positions(assembly)
-        followed = sum(bool(getattr(self, name)) for name in VARIED)
-        slips = 3 * self.points + 60 + _COST.followed_motions * followed
+        slips = 3 * self.points + 60 + _FOLLOWED_MOTIONS * len(self._followed_ranges)
         return int(loaded) * per_orbit * slips
 
     @property
@@ -232,15 +227,11 @@ class SteadySlip(Study):
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the motions of the rollers, extrapolated from a few of them."""
-        bearing = assembly.with_resistance()
-        n_positions = assembly.resolution.n_positions or 2
-        balance = TorqueBalance(
-            bearing, bearing.cage.drags, n_positions=n_positions, inertia=self.inertia
-        )
-        n_followed = sum(bool(getattr(self, name)) for name in VARIED)
-        branches = _COST.branches + _COST.followed_motions * n_followed / _COST.branch_motions
+        balance = self._balance(assembly.with_resistance(), assembly.resolution.n_positions or 2)
+        n_followed = len(self._followed_ranges)
+        branches = _BRANCHES + _FOLLOWED_MOTIONS * n_followed / _BRANCH_MOTIONS
         if self.acceptable_slip is not None and balance.has_several_motions(self.acceptable_slip):
-            branches += _COST.minimum_load_branches
+            branches += _MINIMUM_LOAD_BRANCHES
         return {"orbits": balance.seconds() * branches}
 
     def without_outputs(self, outputs: frozenset[str]) -> "SteadySlip":
@@ -337,30 +328,28 @@ class SteadySlip(Study):
         variables |= (
             self._steady(balance, branch, states, steady) if slips else self._unsteady(positions)
         )
-        angle = 2.0 * np.pi * np.arange(positions) / positions
         coords["angle"] = (
             "angle",
-            angle,
+            2.0 * np.pi * np.arange(positions) / positions,
             about("rad", "position from the line of load, in the sense of the orbit"),
         )
         variables |= film_variables(self, balance, states, steady=bool(slips))
         losses, sources = loss_variables(balance, states, steady=bool(slips))
-        variables |= losses
         coords |= sources
+        variables |= losses
         variables |= self.variables(status=describe_steady_status(balance, branch, slips))
         variables |= self._reserve(balance)
-        for name in VARIED:
-            if limits := getattr(self, name):
-                branches = self._followed(assembly, n_positions, name, limits, slips)
-                no_fold = describe_no_fold(
-                    name,
-                    limits,
-                    branches,
-                    self.table,
-                    self.max_cage_slip,
-                    free=balance.rolls_freely,
-                )
-                variables |= _branch_variables(name, branches, no_fold)
+        for name, limits in self._followed_ranges.items():
+            branches = self._followed(assembly, n_positions, name, limits, slips)
+            no_fold = describe_no_fold(
+                name,
+                limits,
+                branches,
+                self.table,
+                self.max_cage_slip,
+                free=balance.rolls_freely,
+            )
+            variables |= _branch_variables(name, branches, no_fold)
         attributes = {
             "friction": "conventional",
             "inertia": int(self.inertia),
@@ -460,7 +449,8 @@ class SteadySlip(Study):
             balance = self._balance(assembly, n_positions)
             torques = self._compared_torques(balance)
             if before is not None:
-                change = _relative_change(before, torques)
+                size = min(before.size, torques.size)  # laws may have no value at the largest slips
+                change = largest_relative_change(before[None, :size], torques[None, :size])
                 if change <= tolerance and not (
                     with_limit_drag and self._needs_more_positions(balance)
                 ):
@@ -507,10 +497,10 @@ class SteadySlip(Study):
         steady: list[SteadyMotion],
     ) -> dict[str, Any]:
         """Return the variables of steady slips; without a steady motion the cage rolls freely, which is stable."""
-        kinds = ["stable"]
-        if steady:
-            pairs = zip(states, steady, strict=True)
-            kinds = [describe_stability(branch, state, motion) for state, motion in pairs]
+        kinds = [
+            describe_stability(branch, state, motion)
+            for state, motion in zip(states, steady, strict=False)
+        ] or ["stable"]
         force = np.stack([state.force for state in states], axis=1)
         traction = np.stack([state.traction for state in states], axis=1)
         total = force.sum(axis=2)
@@ -572,9 +562,10 @@ class SteadySlip(Study):
         def balance(load: float) -> TorqueBalance:
             return self._balance(bearing.at_load(load), n_positions)
 
-        start = assembly.scene.operation.radial_load
         weight = rollers_weight(assembly)
-        load, status, slips = minimum_load(balance, start, slip, weight)
+        load, status, slips = minimum_load(
+            balance, assembly.scene.operation.radial_load, slip, weight
+        )
         makers, statuses = minimum_loads_of_makers(assembly.scene)
         variables = self.variables(
             minimum_load=load,
@@ -633,9 +624,10 @@ class SteadySlip(Study):
                     lambda s, p: balance(p).excess(s), (slip, value), limits, self.max_cage_slip
                 )
             except ConvergenceError as error:
-                condition = f"followed against {VARIED[name][1]} [{VARIED[name][0]}]"
-                hint = f"narrow {self.table}.{name}"
-                raise ConvergenceError(f"{condition}: {error}; {hint}") from error
+                unit, what = VARIED[name]
+                raise ConvergenceError(
+                    f"followed against {what} [{unit}]: {error}; narrow {self.table}.{name}"
+                ) from error
             branches.append(branch)
         return branches
 
@@ -649,32 +641,30 @@ def _play_attributes(assembly: Assembly, states: list[Orbit]) -> dict[str, float
     return {"train_play": play, "slower_by_play": slower_by_play(play, states[0].force[0], orbit)}
 
 
-def _relative_change(before: Array, after: Array) -> float:
-    """Return the largest change relative to the largest value, over the slips at which laws have values in both."""
-    size = min(before.size, after.size)
-    change = np.abs(after[:size] - before[:size]).max()
-    return float(change / (np.abs(after[:size]).max() or 1.0))
-
-
 def _branch_variables(name: str, branches: list[Branch], no_fold: str) -> dict[str, Any]:
     """Return the variables of followed branches; ``no_fold`` is the status where the first one has no fold."""
     fold = branches[0].nearest_fold() if branches else None
     value = np.nan
     slip = np.nan
-    status = no_fold
     if fold is not None:
-        status = str(Status.FOUND)
         value = float(branches[0].parameter[fold])
         slip = float(branches[0].slip[fold])
-    columns: dict[str, list[Any]] = {
-        name: [b.parameter for b in branches],
-        f"{name}_slip": [b.slip for b in branches],
-        f"{name}_stable": [b.stable.astype(np.int8) for b in branches],
-        f"{name}_fold": [b.at_fold.astype(np.int8) for b in branches],
-        f"{name}_branch": [np.full(b.slip.size, k) for k, b in enumerate(branches)],
+    columns: list[dict[str, Any]] = [
+        {
+            name: branch.parameter,
+            f"{name}_slip": branch.slip,
+            f"{name}_stable": branch.stable.astype(np.int8),
+            f"{name}_fold": branch.at_fold.astype(np.int8),
+            f"{name}_branch": np.full(branch.slip.size, k),
+        }
+        for k, branch in enumerate(branches)
+    ]
+    values = dict[str, Any]()
+    if columns:
+        values = {key: np.concatenate([each[key] for each in columns]) for key in columns[0]}
+    values |= {
+        f"{name}_limit": value,
+        f"{name}_limit_slip": slip,
+        f"{name}_limit_status": no_fold if fold is None else str(Status.FOUND),
     }
-    values: dict[str, Any] = (
-        {key: np.concatenate(each) for key, each in columns.items()} if branches else {}
-    )
-    values |= {f"{name}_limit": value, f"{name}_limit_slip": slip, f"{name}_limit_status": status}
     return SteadySlip.variables(**values)
