@@ -135,9 +135,10 @@ def _binomial(known: Array, n: int, probability: float, confidence: float) -> tu
     # the unknown samples may lie below all others
     low_rank = int(binom.ppf(tail, n, probability)) - (n - known.size)
     high_rank = int(binom.isf(tail, n, probability)) + 1
-    low = float(known[low_rank - 1]) if low_rank >= 1 else -math.inf
-    high = float(known[high_rank - 1]) if high_rank <= known.size else math.inf
-    return low, high
+    return (
+        float(known[low_rank - 1]) if low_rank >= 1 else -math.inf,
+        float(known[high_rank - 1]) if high_rank <= known.size else math.inf,
+    )
 
 
 def _replicated(

@@ -40,14 +40,23 @@ def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figu
     sentence = describe_margin(dataset) if "margin" in dataset else describe_allowable_slip(dataset)
     yield "uncertainty", f"Margin of cage slip: {sentence}.", _margin(dataset)
     if np.isfinite(dataset["rank_correlation"].to_numpy()).any():
-        caption = "Rank correlations of each uncertain quantity with what is acted on, the strongest first."
-        yield "uncertainty-ranks", caption, _ranks(dataset)
+        yield (
+            "uncertainty-ranks",
+            "Rank correlations of each uncertain quantity with what is acted on, the strongest first.",
+            _ranks(dataset),
+        )
     if dataset.sizes.get("indexed"):
-        caption = "Sobol indices: fractions of the variance due to each uncertain quantity, with 95 % intervals."
-        yield "uncertainty-indices", caption, _indices(dataset)
+        yield (
+            "uncertainty-indices",
+            "Sobol indices: fractions of the variance due to each uncertain quantity, with 95 % intervals.",
+            _indices(dataset),
+        )
     if np.isfinite(dataset["batch_allowable"].to_numpy()).sum() > 1:
-        caption = "Allowable slip by the number of samples, with its 95 % interval."
-        yield "uncertainty-convergence", caption, _convergence(dataset)
+        yield (
+            "uncertainty-convergence",
+            "Allowable slip by the number of samples, with its 95 % interval.",
+            _convergence(dataset),
+        )
 
 
 def _reserve(dataset: "xr.Dataset") -> "Figure":
@@ -63,8 +72,13 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
     if drawn.any():
         shown = known[drawn]
         below = np.arange(1, known.size + 1)[drawn] / n
-        label = f"drag reserve: fraction of {n} samples below"
-        axes.plot(shown, 100 * below, color=MODEL_COLOURS[0], drawstyle="steps-post", label=label)
+        axes.plot(
+            shown,
+            100 * below,
+            color=MODEL_COLOURS[0],
+            drawstyle="steps-post",
+            label=f"drag reserve: fraction of {n} samples below",
+        )
         if unknown:
             axes.fill_between(
                 shown,
@@ -113,8 +127,14 @@ def _draw_input_panels(
     """Draw a panel for each name with a row for each input, of a height [mm]; `draw_bars` draws into one panel."""
     keys = [short_label(str(key)) for key in dataset["input"].to_numpy()[order]]
     positions = np.arange(order.size)
-    size = 2 * SINGLE_COLUMN[0], (24 + row_height * len(keys)) * MM
-    sheet = Sheet(size, 1, len(names), sharex=True, sharey=True, squeeze=False)
+    sheet = Sheet(
+        (2 * SINGLE_COLUMN[0], (24 + row_height * len(keys)) * MM),
+        1,
+        len(names),
+        sharex=True,
+        sharey=True,
+        squeeze=False,
+    )
     for k, (axes, name) in enumerate(zip(sheet.axes[0], names, strict=True)):
         draw_bars(axes, positions, k)
         axes.set(
@@ -157,14 +177,14 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
             if side == "below"
             else (1 - below - unknown / n, 1 - below)
         )
-        label = f"{name}: fraction of {n} samples {side}"
-        style: dict[str, Any] = {
-            "drawstyle": "steps-post",
-            "color": colour,
-            "linestyle": dashes,
-            "label": label,
-        }
-        axes.plot(100 * known, 100 * (lower if side == "below" else upper), **style)
+        axes.plot(
+            100 * known,
+            100 * (lower if side == "below" else upper),
+            drawstyle="steps-post",
+            color=colour,
+            linestyle=dashes,
+            label=f"{name}: fraction of {n} samples {side}",
+        )
         if unknown:
             axes.fill_between(
                 100 * known,
@@ -177,17 +197,19 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
             )
     allowed, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
     if np.isfinite(allowed):
-        p = float(dataset.attrs["probability"])
         finite = np.isfinite([low, high]).all()
-        label = f"allowable at {p:g}: {100 * allowed:.3g} %"
+        label = f"allowable at {float(dataset.attrs['probability']):g}: {100 * allowed:.3g} %"
         label += f" ({100 * low:.3g} to {100 * high:.3g})" if finite else ""
         axes.axvline(100 * allowed, color="black", linewidth=0.9, label=label)
         if finite:
             axes.axvspan(100 * low, 100 * high, color="0.8", linewidth=0, zorder=0)
     if (acceptable := dataset.attrs.get("acceptable_slip", "")) != "":
-        label = f"acceptable: {100 * float(acceptable):.3g} %"
         axes.axvline(
-            100 * float(acceptable), color="0.4", linewidth=0.9, linestyle=DASHES[2], label=label
+            100 * float(acceptable),
+            color="0.4",
+            linewidth=0.9,
+            linestyle=DASHES[2],
+            label=f"acceptable: {100 * float(acceptable):.3g} %",
         )
     if limits and min(limits) > 0.0:
         plain_decades(axes.xaxis)
@@ -214,7 +236,6 @@ def _indices(dataset: "xr.Dataset") -> "Figure":
                 result[f"{order_name}{suffix}"].to_numpy()[order]
                 for suffix in ("", "_low", "_high")
             )
-            spread = [np.maximum(value - low, 0.0), np.maximum(high - value, 0.0)]
             axes.barh(
                 positions + shift,
                 value,
@@ -222,7 +243,7 @@ def _indices(dataset: "xr.Dataset") -> "Figure":
                 color=colour,
                 label=order_name.replace("_", " "),
                 error_kw={"elinewidth": 0.7},
-                xerr=spread,
+                xerr=[np.maximum(value - low, 0.0), np.maximum(high - value, 0.0)],
             )
 
     sheet = _draw_input_panels(dataset, order, 9, names, "Fraction of the variance [–]", draw_bars)

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
@@ -27,6 +27,10 @@ LOAD: Final = "minimum load"
 #: Quantity of which the allowable slip is a quantile.
 SKIDDING: Final = "slip at which skidding begins"
 DRAG: Final = "limit drag torque"
+#: Quantity -> its SI unit, where it has one.
+QUANTITY_UNITS: Final = {LOAD: "N", DRAG: "N m"}
+#: Quantity -> text of an infinite value, where it is not a slip.
+_INFINITE: Final = {RESERVE: "without limit", LOAD: "more than any", DRAG: "beyond the range"}
 #: Prefix of the column heads in the sheet of inputs.
 RANKED: Final = "rank correlation with "
 #: Rank (`rollslip.results.answer.Row.rank`) of a band that comes from samples: of several results about one quantity
@@ -68,7 +72,6 @@ class UncertaintyAccount(Account):
             )
         low, slip, high = (_quantile(dataset, STEADY, q)[0] for q in (0.05, 0.5, 0.95))
         lower_reserve = _quantile(dataset, RESERVE, round(1.0 - p, 12))[0]
-        n = int(dataset["samples"].sel(quantity=STEADY))
         skids = float(dataset["skidding"])
         rows = [
             Row(
@@ -79,7 +82,7 @@ class UncertaintyAccount(Account):
                 rank=_ANSWER_RANK,
                 tolerance=math.inf,
                 text=percent(slip) if math.isfinite(slip) else "skidding",
-                note=f"{format_slip_band(low, high)}; median of {n} samples",
+                note=f"{format_slip_band(low, high)}; median of {int(dataset['samples'].sel(quantity=STEADY))} samples",
             )
             if not math.isnan(slip)
             else Row(
@@ -169,10 +172,9 @@ class UncertaintyAccount(Account):
         rows = list[list[Any]]()
         for name in map(str, dataset["quantity"].to_numpy()):
             is_upper = name in (STEADY, LOAD)
-            bound = _quantile(dataset, name, p if is_upper else round(1.0 - p, 12))
             values = (
                 *(_quantile(dataset, name, fraction)[0] for fraction in (0.5, 0.05, 0.95)),
-                *bound,
+                *_quantile(dataset, name, p if is_upper else round(1.0 - p, 12)),
             )
             unit, shown = in_shown_unit(name, values, units.get(name, "1"))
             counts = [
@@ -208,18 +210,20 @@ class UncertaintyAccount(Account):
             for name, unit, median, low, high, side, bound, *interval, _, _, _ in rows
             if any(value is not None for value in (median, low, high, bound, *interval))
         ]
-        ranked_inputs = [
-            [name, *("-" if rank is None else f"{rank:+.2f}" for rank in row)]
-            for name, *row in ranks
-        ]
-        ranks_head = [name.removeprefix(RANKED) for name in inputs]
         return [
             Table(
                 "quantities, - where one is beyond its range or not known",
                 ("quantity", "median", "5 to 95 %", head[6], "95 % interval of that"),
                 shown,
             ),
-            Table("what decides, by rank correlation with", tuple(ranks_head), ranked_inputs),
+            Table(
+                "what decides, by rank correlation with",
+                tuple(name.removeprefix(RANKED) for name in inputs),
+                [
+                    [name, *("-" if rank is None else f"{rank:+.2f}" for rank in row)]
+                    for name, *row in ranks
+                ],
+            ),
         ]
 
     @staticmethod
@@ -279,8 +283,11 @@ class UncertaintyAccount(Account):
 
 def _bounds_of(dataset: "xr.Dataset", name: str, suffix: str = "") -> dict[str, float | None]:
     """An estimate and its bounds, from three variables, of which that of the value has a suffix."""
-    variables = {"value": f"{name}{suffix}", "low": f"{name}_low", "high": f"{name}_high"}
-    return {key: or_none(dataset[variable]) for key, variable in variables.items()}
+    return {
+        "value": or_none(dataset[f"{name}{suffix}"]),
+        "low": or_none(dataset[f"{name}_low"]),
+        "high": or_none(dataset[f"{name}_high"]),
+    }
 
 
 def _quantile(dataset: "xr.Dataset", name: str, probability: float) -> tuple[float, float, float]:
@@ -290,22 +297,22 @@ def _quantile(dataset: "xr.Dataset", name: str, probability: float) -> tuple[flo
     return value, low, high
 
 
-def _describe_band(dataset: "xr.Dataset", name: str, shown: Callable[[float], str]) -> str:
-    """Median and 5 to 95 % band of a quantity, formatted by `shown`."""
-    low, median, high = (_quantile(dataset, name, p)[0] for p in (0.05, 0.5, 0.95))
-    return f"median {shown(median)}, 5 to 95 %: {shown(low)} to {shown(high)}"
+def _describe_band(dataset: "xr.Dataset", name: str) -> str:
+    """Median and 5 to 95 % band of a quantity."""
+    low, median, high = (
+        _format_value(name, _quantile(dataset, name, p)[0]) for p in (0.05, 0.5, 0.95)
+    )
+    return f"median {median}, 5 to 95 %: {low} to {high}"
 
 
-def _describe_interval(
-    dataset: "xr.Dataset", low: float, high: float, shown: Callable[[float], str], name: str
-) -> str:
-    """Confidence interval of a quantile, formatted by `shown`, or why it has no lower bound."""
+def _describe_interval(dataset: "xr.Dataset", name: str, low: float, high: float) -> str:
+    """Confidence interval of a quantile, or why it has no lower bound."""
     n = int(dataset["samples"].sel(quantity=name))
     if math.isinf(low) and low < 0.0:
         return f"{n} samples are too few to tell how much less it may be"
     if math.isinf(high) and name != RESERVE and not math.isinf(low):
-        return f"95 % interval: from {shown(low)} on, {n} samples"
-    return f"95 % interval: {shown(low)} to {shown(high)}, {n} samples"
+        return f"95 % interval: from {_format_value(name, low)} on, {n} samples"
+    return f"95 % interval: {_format_value(name, low)} to {_format_value(name, high)}, {n} samples"
 
 
 def describe_reserve(dataset: "xr.Dataset") -> str:
@@ -315,19 +322,21 @@ def describe_reserve(dataset: "xr.Dataset") -> str:
     value, low, high = _quantile(dataset, RESERVE, round(1.0 - p, 12))
     if math.isnan(value):
         return f"the drag reserve is not known: none of {n} samples has one"
-    text = f"the rollers carry at least {_format_factor(value)} the drag of the scene, with probability {p:g}"
-    interval = _describe_interval(dataset, low, high, _format_factor, RESERVE)
-    text += f" ({interval}); {_describe_band(dataset, RESERVE, _format_factor)}"
-    bounded = int(dataset["bounded"])
-    if bounded:
+    text = (
+        f"the rollers carry at least {_format_value(RESERVE, value)} the drag of the scene, with probability {p:g} "
+        f"({_describe_interval(dataset, RESERVE, low, high)}); {_describe_band(dataset, RESERVE)}"
+    )
+    if bounded := int(dataset["bounded"]):
         text += f"; in {bounded} of {n} samples there is no skidding in the range, and the reserve is a lower bound"
     skids, skids_low, skids_high = (
         float(dataset[f"skidding{suffix}"]) for suffix in ("", "_low", "_high")
     )
     if not skids > 0.0:
         return text
-    skids_interval = f"{_format_percent(skids_low)} to {_format_percent(skids_high)}"
-    return f"{text}; in {_format_percent(skids)} of the samples the cage skids ({skids_interval})"
+    return (
+        f"{text}; in {_format_percent(skids)} of the samples the cage skids "
+        f"({_format_percent(skids_low)} to {_format_percent(skids_high)})"
+    )
 
 
 def _describe_steady_slip(dataset: "xr.Dataset") -> str:
@@ -336,12 +345,13 @@ def _describe_steady_slip(dataset: "xr.Dataset") -> str:
     value, low, high = _quantile(dataset, STEADY, p)
     if math.isnan(value):
         return "the steady slip is not known: no sample has one"
-    interval = _describe_interval(dataset, low, high, _format_percent, STEADY)
     bound = (
         f"below {_format_percent(value)}" if math.isfinite(value) else "not below any in the range"
     )
-    band = _describe_band(dataset, STEADY, _format_percent)
-    text = f"the cage slips by {band}; {bound} with probability {p:g} ({interval})"
+    text = (
+        f"the cage slips by {_describe_band(dataset, STEADY)}; {bound} with probability {p:g} "
+        f"({_describe_interval(dataset, STEADY, low, high)})"
+    )
     acceptable = dataset.attrs.get("acceptable_slip", "")
     if acceptable == "":
         return text
@@ -359,11 +369,10 @@ def _describe_minimum_load(dataset: "xr.Dataset") -> str:
     value, low, high = _quantile(dataset, LOAD, p)
     if math.isnan(value):
         return "the minimum load is not known: no sample has one"
-    slip = _format_percent(float(dataset.attrs["acceptable_slip"]))
-    interval = _describe_interval(dataset, low, high, _format_force, LOAD)
     return (
-        f"a radial load of {_format_force(value)} keeps the slip below {slip} with probability {p:g} ({interval}); "
-        f"{_describe_band(dataset, LOAD, _format_force)}"
+        f"a radial load of {_format_value(LOAD, value)} keeps the slip below "
+        f"{_format_percent(float(dataset.attrs['acceptable_slip']))} with probability {p:g} "
+        f"({_describe_interval(dataset, LOAD, low, high)}); {_describe_band(dataset, LOAD)}"
     )
 
 
@@ -384,11 +393,13 @@ def _describe_skidding_onset(dataset: "xr.Dataset") -> str:
     if math.isnan(median):
         return "no sample says where skidding begins"
     if math.isinf(median):
-        beyond = int(dataset["beyond"].sel(quantity=SKIDDING))
-        n = int(dataset["samples"].sel(quantity=SKIDDING))
-        return f"no skidding was found in {beyond} of {n} samples up to the end of the range"
+        counts = dataset.sel(quantity=SKIDDING)
+        return (
+            f"no skidding was found in {int(counts['beyond'])} of {int(counts['samples'])} samples up to the end of "
+            "the range"
+        )
     low_drag, median_drag, high_drag = (
-        _format_torque(_quantile(dataset, DRAG, p)[0]) for p in (0.05, 0.5, 0.95)
+        _format_value(DRAG, _quantile(dataset, DRAG, p)[0]) for p in (0.05, 0.5, 0.95)
     )
     return (
         f"skidding begins at a cage slip of {_format_percent(median)}, limit drag torque {median_drag} "
@@ -462,16 +473,15 @@ def _describe_indices(indices: "xr.Dataset") -> str:
     return f"fraction of the variance of {indices['indexed'].item()}, total Sobol index: {', '.join(parts)}{additions}"
 
 
-def _format_torque(value: float) -> str:
-    return format_quantity(value, "N m", 3) if math.isfinite(value) else "beyond the range"
-
-
-def _format_factor(value: float) -> str:
-    return f"{value:.3g} times" if math.isfinite(value) else "without limit"
-
-
-def _format_force(value: float) -> str:
-    return format_quantity(value, "N", 3) if math.isfinite(value) else "more than any"
+def _format_value(name: str, value: float) -> str:
+    """Text of a value of a quantity, of slips in percent."""
+    if name in (STEADY, SKIDDING):
+        return _format_percent(value)
+    if not math.isfinite(value):
+        return _INFINITE[name]
+    return (
+        f"{value:.3g} times" if name == RESERVE else format_quantity(value, QUANTITY_UNITS[name], 3)
+    )
 
 
 def _format_percent(fraction: float) -> str:

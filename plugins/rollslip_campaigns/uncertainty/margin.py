@@ -62,7 +62,14 @@ from rollslip_campaigns.uncertainty.estimators import (
     min_samples,
     quantile,
 )
-from rollslip_campaigns.uncertainty.findings import DRAG, LOAD, RESERVE, SKIDDING, STEADY
+from rollslip_campaigns.uncertainty.findings import (
+    DRAG,
+    LOAD,
+    QUANTITY_UNITS,
+    RESERVE,
+    SKIDDING,
+    STEADY,
+)
 from rollslip_campaigns.uncertainty.samples import (
     CRITICAL_SLIP,
     classify_reserves,
@@ -190,7 +197,25 @@ class Margin:
 def plan_margin(requested: "UncertaintySettings") -> Margin:
     """Check the settings and plan the sweeps over the samples."""
     samples, loads = _sample_counts(requested)
-    problems = _faults(requested, samples, loads)
+    problems = []
+    if not 0.5 <= requested.probability < 1.0:
+        problems.append(f"probability: must be from 0.5 to below 1, not {requested.probability:g}")
+    if requested.until is not None and not requested.until > 0.0:
+        problems.append(
+            f"until: a half width above 0 is expected, such as 0.01, not {requested.until:g}"
+        )
+    if loads > samples:
+        problems.append(
+            f"loads: the samples of the minimum load are the first of all {samples}, not {loads}"
+        )
+    if requested.indices and (requested.indices < 4 or requested.indices & (requested.indices - 1)):
+        problems.append(
+            f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {requested.indices}"
+        )
+    if not EffectiveFriction.from_scene(requested.base_scene).skidding_range:
+        problems.append(
+            f"study.{EffectiveFriction.name}.skidding_range: a range is needed, such as 0.95, not 0"
+        )
     if problems:
         raise SceneError(problems)
     scene, scatter = with_scatter(requested.base_scene)
@@ -200,13 +225,19 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
         "time_limit": requested.time_limit,
     }
     friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
-    balance = {"study": SteadySlip.name, "output": ["minimum_load"], **shared}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
     _check_design(critical, requested.indices)
     requested_engine(critical)  # an unusable engine is refused before a folder is made
     return Margin(
         critical=critical,
-        load=plan_sweep(scene, samples=loads, sampling="replicated-sobol", **balance)
+        load=plan_sweep(
+            scene,
+            samples=loads,
+            sampling="replicated-sobol",
+            study=SteadySlip.name,
+            output=["minimum_load"],
+            **shared,
+        )
         if loads
         else None,
         varied=plan_sweep(scene, samples=requested.indices, sampling="saltelli", **friction)
@@ -230,31 +261,6 @@ def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
         )
         loads = min(_DEFAULT_LOADS, samples) if has_acceptable_slip else 0
     return samples, loads
-
-
-def _faults(requested: "UncertaintySettings", samples: int, loads: int) -> list[str]:
-    """Messages on settings that are out of their range."""
-    probability = requested.probability
-    until = requested.until
-    indices = requested.indices
-    problems = []
-    if not 0.5 <= probability < 1.0:
-        problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
-    if until is not None and not until > 0.0:
-        problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
-    if loads > samples:
-        problems.append(
-            f"loads: the samples of the minimum load are the first of all {samples}, not {loads}"
-        )
-    if indices and (indices < 4 or indices & (indices - 1)):
-        problems.append(
-            f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}"
-        )
-    if not EffectiveFriction.from_scene(requested.base_scene).skidding_range:
-        problems.append(
-            f"study.{EffectiveFriction.name}.skidding_range: a range is needed, such as 0.95, not 0"
-        )
-    return problems
 
 
 def _check_design(sweep: Sweep, indices: int) -> None:
@@ -400,24 +406,51 @@ def _dataset(
         )
     variables |= _estimate_variables("allowable", batches[-1][1], "allowable slip")
     variables["allowable_slip"] = variables.pop("allowable")
-    probabilities = tuple(
-        sorted({*_REPORTED_PROBABILITIES, round(1.0 - plan.probability, 12), plan.probability})
+    probabilities = sorted(
+        {*_REPORTED_PROBABILITIES, round(1.0 - plan.probability, 12), plan.probability}
     )
     variables |= _distributions(plan, values, probabilities, n)
-    variables |= _batch_variables(batches)
-    variables["input_value"] = (
-        ("input", "sample"),
-        plan.critical.design.samples[:n].T,
-        about("SI", "value of an uncertain quantity"),
-    )
+    # convergence: the allowable slip after each batch
+    allowable = np.array([attrs.astuple(estimate) for _, estimate in batches])
     acted = [name for name in (RESERVE, STEADY, LOAD, SKIDDING) if name in values]
-    variables |= _rank_correlations(plan, values, acted)
+    ranks = [
+        [_rank_correlation(column, values[name]) for name in acted]
+        for column in plan.critical.design.samples.T
+    ]
+    variables |= {
+        "batch_samples": (
+            "batch",
+            np.array([count for count, _ in batches]),
+            about("1", "samples"),
+        ),
+        "batch_allowable": ("batch", allowable[:, 0], about("1", "allowable slip")),
+        "batch_low": ("batch", allowable[:, 1], about("1", "low end of its interval")),
+        "batch_high": ("batch", allowable[:, 2], about("1", "high end of its interval")),
+        "input_value": (
+            ("input", "sample"),
+            plan.critical.design.samples[:n].T,
+            about("SI", "value of an uncertain quantity"),
+        ),
+        "rank_correlation": (
+            ("input", "acted"),
+            np.array(ranks),
+            about("1", "rank correlation of an uncertain quantity with what is acted on"),
+        ),
+        "strength_correlation": (
+            (),
+            _rank_correlation(values[SKIDDING], values[DRAG]),
+            about(
+                "1",
+                "rank correlation of the slip at which skidding begins and the limit drag torque",
+            ),
+        ),
+    }
     coords: dict[str, Any] = {
         "acted": ("acted", np.array(acted), about("1", "what is acted on")),
         "quantity": (
             "quantity",
             np.array(list(values)),
-            about("1", "what it is") | {UNITS: json.dumps({LOAD: "N", DRAG: "N m"})},
+            about("1", "what it is") | {UNITS: json.dumps(QUANTITY_UNITS)},
         ),
         "probability": (
             "probability",
@@ -430,13 +463,15 @@ def _dataset(
         index_variables, names = _indices(plan, points)
         variables |= index_variables
         coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
-    statuses = {
-        name: Counter(sweep_points["status"].to_numpy().tolist())
+    status_counts = {
+        name: dict(sorted(Counter(sweep_points["status"].to_numpy().tolist()).items()))
         for name, sweep_points in points.items()
     }
-    status_counts = {name: dict(sorted(counts.items())) for name, counts in statuses.items()}
-    left_out = json.loads(critical.attrs.get("left", "[]"))
-    return xr.Dataset(variables, coords, _attributes(plan, status_counts, left_out))
+    return xr.Dataset(
+        variables,
+        coords,
+        _attributes(plan, status_counts, json.loads(critical.attrs.get("left", "[]"))),
+    )
 
 
 def _probabilities(critical: "xr.Dataset", values: Mapping[str, Array]) -> dict[str, Any]:
@@ -446,19 +481,23 @@ def _probabilities(critical: "xr.Dataset", values: Mapping[str, Array]) -> dict[
     n = slip.size
     reserves = classify_reserves(critical)
     known = ~np.isnan(slip) & ~np.isnan(skidding_slip)
-    margin = fraction(int((slip < skidding_slip)[known].sum()), int((~known).sum()), n, CONFIDENCE)
-    skids = fraction(int(reserves["skids"].sum()), int(reserves["unknown"].sum()), n, CONFIDENCE)
-    variables = _estimate_variables(
-        "margin",
-        margin,
-        "probability that the steady slip is below that at which skidding begins",
-    )
-    variables |= _estimate_variables(
-        "skidding", skids, "probability that the cage has no balance of torques"
-    )
-    long_name = "samples of which the reserve is a lower bound"
-    variables["bounded"] = (), int(reserves["bound"].sum()), about("1", long_name)
-    return variables
+    return {
+        **_estimate_variables(
+            "margin",
+            fraction(int((slip < skidding_slip)[known].sum()), int((~known).sum()), n, CONFIDENCE),
+            "probability that the steady slip is below that at which skidding begins",
+        ),
+        **_estimate_variables(
+            "skidding",
+            fraction(int(reserves["skids"].sum()), int(reserves["unknown"].sum()), n, CONFIDENCE),
+            "probability that the cage has no balance of torques",
+        ),
+        "bounded": (
+            (),
+            int(reserves["bound"].sum()),
+            about("1", "samples of which the reserve is a lower bound"),
+        ),
+    }
 
 
 def _distributions(
@@ -497,58 +536,12 @@ def _distributions(
     }
 
 
-def _batch_variables(batches: Sequence[tuple[int, Estimate]]) -> dict[str, Any]:
-    """Variables of the convergence: the allowable slip after each batch."""
-    estimates = np.array([attrs.astuple(estimate) for _, estimate in batches])
-    return {
-        "batch_samples": (
-            "batch",
-            np.array([count for count, _ in batches]),
-            about("1", "samples"),
-        ),
-        "batch_allowable": ("batch", estimates[:, 0], about("1", "allowable slip")),
-        "batch_low": ("batch", estimates[:, 1], about("1", "low end of its interval")),
-        "batch_high": ("batch", estimates[:, 2], about("1", "high end of its interval")),
-    }
-
-
-def _rank_correlations(
-    plan: Margin, values: Mapping[str, Array], acted: Sequence[str]
-) -> dict[str, Any]:
-    """Variables of the rank correlations of inputs with results, and of skidding slip with limit drag torque."""
-    ranks = np.array(
-        [
-            [_rank_correlation(column, values[name]) for name in acted]
-            for column in plan.critical.design.samples.T
-        ]
-    )
-    return {
-        "rank_correlation": (
-            ("input", "acted"),
-            ranks,
-            about("1", "rank correlation of an uncertain quantity with what is acted on"),
-        ),
-        "strength_correlation": (
-            (),
-            _rank_correlation(values[SKIDDING], values[DRAG]),
-            about(
-                "1",
-                "rank correlation of the slip at which skidding begins and the limit drag torque",
-            ),
-        ),
-    }
-
-
 def _estimate_variables(name: str, estimate: Estimate, doc: str) -> dict[str, Any]:
     """Three scalar variables of an estimate: its value and both bounds."""
-    parts = {
-        "": (estimate.value, doc),
-        "_low": (estimate.low, f"{doc}, low end of its 95 % interval"),
-        "_high": (estimate.high, f"{doc}, high end of its 95 % interval"),
-    }
     return {
-        f"{name}{suffix}": ((), value, about("1", long_name))
-        for suffix, (value, long_name) in parts.items()
+        name: ((), estimate.value, about("1", doc)),
+        f"{name}_low": ((), estimate.low, about("1", f"{doc}, low end of its 95 % interval")),
+        f"{name}_high": ((), estimate.high, about("1", f"{doc}, high end of its 95 % interval")),
     }
 
 
@@ -574,13 +567,14 @@ def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     rows = list[Any]()
     names = list[str]()
     study = EffectiveFriction.from_scene(plan.critical.scene)
-    seed = plan.critical.table.seed
     for name, values in friction_samples(points["indices"]).items():
         if name == DRAG or name.startswith(f"{CRITICAL_SLIP},"):
             continue
         last = study.slip_range if name == CRITICAL_SLIP else study.skidding_range
         table = np.where(np.isinf(values), last, values).reshape(-1, d + 2)
-        estimates = indices(table[:, 0], table[:, 1], table[:, 2:].T, seed, CONFIDENCE)
+        estimates = indices(
+            table[:, 0], table[:, 1], table[:, 2:].T, plan.critical.table.seed, CONFIDENCE
+        )
         if estimates is not None:
             names.append(name)
             rows.append(
@@ -603,8 +597,11 @@ def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     for k, order in enumerate(("first_order", "total_order")):
         stacked = np.array([row[k] for row in rows]).reshape(len(rows), 3, d)
         for i, suffix in enumerate(("", "_low", "_high")):
-            attributes = about("1", f"Sobol index, {order.replace('_', ' ')}")
-            variables[f"{order}{suffix}"] = ("indexed", "input"), stacked[:, i], attributes
+            variables[f"{order}{suffix}"] = (
+                ("indexed", "input"),
+                stacked[:, i],
+                about("1", f"Sobol index, {order.replace('_', ' ')}"),
+            )
     return variables, names
 
 
@@ -612,7 +609,6 @@ def _attributes(
     plan: Margin, status_counts: Mapping[str, Mapping[str, int]], left_out: Sequence[str]
 ) -> dict[str, Any]:
     """Attributes of the dataset: origin, warnings, and the settings that its sentences need."""
-    sweep = plan.critical
     study = EffectiveFriction.from_scene(plan.critical.scene)
     warnings = [
         f"{name}: {count} of {sum(counts.values())} points are {status}; they count as the worst and as the best"
@@ -626,7 +622,7 @@ def _attributes(
             f"{'; '.join(plan.scatter)}"
         )
     return origin_of_points(
-        sweep,
+        plan.critical,
         warnings,
         left_out,
         study="uncertainty",
@@ -638,7 +634,7 @@ def _attributes(
         curves_with=CLOSURES[study.closure],
         confidence=CONFIDENCE,
         min_samples=min_samples(plan.probability, REPLICATES, plan.confidence),
-        acceptable_slip=SteadySlip.from_scene(sweep.scene).acceptable_slip or "",
-        until=plan.until if plan.until is not None else "",
+        acceptable_slip=SteadySlip.from_scene(plan.critical.scene).acceptable_slip or "",
+        until=plan.until or "",
         points=status_counts,
     )

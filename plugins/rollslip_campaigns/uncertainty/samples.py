@@ -26,27 +26,23 @@ CRITICAL_SLIP: Final = "critical slip"
 def friction_samples(points: "xr.Dataset") -> dict[str, Array]:
     """Return the samples of study effective-friction, (n,) each, by quantity; reserve and steady slip come first."""
     slips = _rings(points, "critical_cage_slip")
-    frictions = _rings(points, "critical_friction")
     skidding_slips = _skidding(points)
-    drag = _scalar(points, "limit_drag")
     samples = (
         {RESERVE: _scalar(points, "drag_reserve"), STEADY: _steady(points)}
-        if has_cage(points)
+        if "drag_reserve" in points  # the cage is dragged
         else {}
     )
     samples |= {
         SKIDDING: skidding_slips,
-        DRAG: np.where(np.isinf(skidding_slips), np.inf, drag),
+        DRAG: np.where(np.isinf(skidding_slips), np.inf, _scalar(points, "limit_drag")),
         CRITICAL_SLIP: np.asarray(slips.min(axis=0)),
     }
-    for name, rows in ((CRITICAL_SLIP, slips), ("peak friction", frictions)):
+    for name, rows in (
+        (CRITICAL_SLIP, slips),
+        ("peak friction", _rings(points, "critical_friction")),
+    ):
         samples |= {f"{name}, {ring} ring": row for ring, row in zip(RINGS, rows, strict=True)}
     return samples
-
-
-def has_cage(points: "xr.Dataset") -> bool:
-    """Whether the samples are of a bearing whose cage is dragged."""
-    return "drag_reserve" in points
 
 
 def classify_reserves(points: "xr.Dataset") -> dict[str, Any]:
@@ -86,8 +82,9 @@ def _skidding(points: "xr.Dataset") -> Array:
     slips = _scalar(points, "skidding_slip")
     slips[_has_status(points, "skidding_status", Status.NOT_DRIVEN)] = 0.0
     has_result = points["status"].to_numpy() == "ok"
-    unknown = _has_status(points, "skidding_status", Status.NOT_KNOWN)
-    slips[np.isnan(slips) & has_result & ~unknown] = np.inf
+    slips[
+        np.isnan(slips) & has_result & ~_has_status(points, "skidding_status", Status.NOT_KNOWN)
+    ] = np.inf
     return slips
 
 
@@ -104,8 +101,11 @@ def _steady(points: "xr.Dataset") -> Array:
 
 def _scalar(points: "xr.Dataset", name: str) -> Array:
     """Values of a scalar output at the points, (n,), NaN where there is none."""
-    size = points["status"].size
-    return points[name].to_numpy().astype(float) if name in points else np.full(size, np.nan)
+    return (
+        points[name].to_numpy().astype(float)
+        if name in points
+        else np.full(points["status"].size, np.nan)
+    )
 
 
 def _has_status(points: "xr.Dataset", name: str, *statuses: Status) -> Any:
