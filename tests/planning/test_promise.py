@@ -19,7 +19,8 @@ from rollslip.bearing.resolution import BoundBrokenError, Resolution
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import error_warnings, verify
-from rollslip.studies.error_estimate import ErrorEstimate, errors_between, refine_resolution
+from rollslip.studies.bounds import ErrorEstimate, errors_between
+from rollslip.studies.error_estimate import refine_resolution
 from rollslip_studies.effective_friction.study import FILM_AT_JUMPS
 from tabled import REFERENCES, TABLES, rows_of
 

@@ -17,16 +17,14 @@ from rollslip.planning.lines import _CHECK_FRACTION, _CHECK_TIME, part_as_dict
 from rollslip.planning.verification import accuracy_rows, error_warnings
 from rollslip.scene.reading import from_raw
 from rollslip.studies.answers import Part
-from rollslip.studies.bounds import LightContacts
-from rollslip.studies.error_estimate import (
+from rollslip.studies.bounds import (
     ErrorEstimate,
-    _joint_factors,
-    _observed_order,
-    _ReferenceComparison,
-    refine_resolution,
+    LightContacts,
+    observed_order,
     richardson_factor,
     with_observed_slice_order,
 )
+from rollslip.studies.error_estimate import _ReferenceComparison, refine_resolution
 from rollslip.studies.study import settings
 
 pytestmark = pytest.mark.quick
@@ -66,7 +64,7 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
     assert orders["friction"] == pytest.approx(order)
     change = (4**-p - 9**-p) / (1.0 + 9**-p)
     assert errors["friction"] == pytest.approx(change / (1.0 - (4 / 9) ** min(order, 2.0)))
-    assert _observed_order(4, 8, 4**-p, 8**-p) == pytest.approx(p)
+    assert observed_order(4, 8, 4**-p, 8**-p) == pytest.approx(p)
     assert (4**-p - 9**-p) / richardson_factor(4, 9, p) == pytest.approx(4**-p)
 
 
@@ -125,10 +123,8 @@ def test_what_both_move_at_once_counts_where_it_is_more():
 def test_more_of_a_part_is_asked_for_by_what_the_others_leave_of_the_aim():
     """0.7 of the tolerance is aimed at for both: of 0.7e-3 less 0.1e-3 slices have 2e-3, that fall with the square."""
     alone = {"slices": {"friction": 2e-3}, "n_positions": {"friction": 1e-4}}
-    found = _joint_factors(
-        ErrorEstimate(errors={"slices": {}, "n_positions": {}}, separate_errors=alone),
-        {"friction": 1e-3},
-    )
+    estimate = ErrorEstimate(errors={"slices": {}, "n_positions": {}}, separate_errors=alone)
+    found = estimate.joint_factors({"friction": 0.35e-3})
     assert found["slices"] == pytest.approx(math.sqrt(2e-3 / 6e-4))
     assert found["n_positions"] < 1.0
 

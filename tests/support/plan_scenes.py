@@ -17,7 +17,7 @@ from rollslip.bearing.resolution import reference_resolution
 from rollslip.errors import RollslipError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
-from rollslip.studies.error_estimate import errors_between
+from rollslip.studies.bounds import errors_between
 
 STUDY = "effective-friction"
 BASE = evolve(

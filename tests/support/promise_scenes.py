@@ -21,7 +21,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
-from rollslip.studies.error_estimate import errors_between
+from rollslip.studies.bounds import errors_between
 
 STUDY = "effective-friction"
 BASE = load_scene("1032930-70C")

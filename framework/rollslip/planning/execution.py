@@ -32,7 +32,8 @@ from rollslip.scene.values import Scene
 from rollslip.structure import scene_hash
 from rollslip.studies import validity
 from rollslip.studies.answers import RunContext, Store
-from rollslip.studies.error_estimate import ErrorEstimate, estimate_error, refine_resolution
+from rollslip.studies.bounds import ErrorEstimate
+from rollslip.studies.error_estimate import estimate_error, refine_resolution
 from rollslip.studies.law_outputs import law_outputs
 from rollslip.studies.study import Study
 

@@ -9,15 +9,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import reference_resolution
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT, Accuracy
-from rollslip.studies.error_estimate import (
-    MAX_ORDER,
-    MIN_ORDER,
-    REFERENCE_SLIP_FACTOR,
-    ErrorEstimate,
-    errors_between,
-    exceeding,
-    resolution_numbers,
-)
+from rollslip.studies.bounds import MAX_ORDER, MIN_ORDER, ErrorEstimate, errors_between, exceeding
+from rollslip.studies.error_estimate import REFERENCE_SLIP_FACTOR, resolution_numbers
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -39,7 +39,7 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 
 import attrs
 import numpy as np
@@ -52,88 +52,86 @@ from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
 from rollslip.studies.answers import Errors, PartialResult, ResolutionChoice, combine_errors
 from rollslip.studies.bounds import (
+    ASSUMED_ORDER,
+    JOINT_ORDER,
+    MAX_ORDER,
+    MIN_ORDER,
+    SLICE_FACTOR,
     BoundaryFriction,
+    ErrorBound,
+    ErrorEstimate,
     ExactLaw,
     Extremes,
     InletHeating,
     LightContacts,
+    Sample,
+    errors_between,
+    exceeding,
+    observed_order,
+    pointwise_errors,
+    richardson_factor,
+    sample_errors,
+    with_observed_slice_order,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-@attrs.frozen(kw_only=True)
-class _ProbeSettings:
-    """How many slips a probe samples, and what counts as a maximum."""
+# Probe: how many slips it samples, and what counts as a maximum ------------------------------------------------------
 
-    #: Slips of the grid over the range on which maxima are searched. Chosen: a curve has one or two maxima. Twice as
-    #: many find maxima that lie closer, at twice the cost.
-    grid_slips: int = 13
-    #: Every how many slips of that grid the curves are compared, too. Chosen: four slips show the level of a curve.
-    stride: int = 3
-    #: Slips on which a maximum is searched again between its neighbours of the grid. Chosen: they set the step of the
-    #: parabola; with twice as many a maximum that shifts between two resolutions may leave its three slips.
-    refined_slips: int = 7
-    #: Height, relative to the largest maximum, from which a maximum counts: finer slices may make it the largest. In
-    #: scene 7 of docs/tables/plan_proof.csv coarse slices had the other one of two for the largest. Halved, evaluations
-    #: are spent on maxima that never become the largest.
-    rival_height: float = 0.7
-    #: Difference of values around a maximum, relative to it, up to which they are equal but for rounding: such a curve
-    #: is level and has no vertex. Rounding is some 1e-14; from about 1e-6 on real maxima would be dropped.
-    rounding: float = 1e-9
+#: Slips of the grid over the range on which maxima are searched. Chosen: a curve has one or two maxima. Twice as
+#: many find maxima that lie closer, at twice the cost.
+_GRID_SLIPS: Final = 13
+#: Every how many slips of that grid the curves are compared, too. Chosen: four slips show the level of a curve.
+_GRID_STRIDE: Final = 3
+#: Slips on which a maximum is searched again between its neighbours of the grid. Chosen: they set the step of the
+#: parabola; with twice as many a maximum that shifts between two resolutions may leave its three slips.
+_REFINED_SLIPS: Final = 7
+#: Height, relative to the largest maximum, from which a maximum counts: finer slices may make it the largest. In
+#: scene 7 of docs/tables/plan_proof.csv coarse slices had the other one of two for the largest. Halved, evaluations
+#: are spent on maxima that never become the largest.
+_RIVAL_HEIGHT: Final = 0.7
+#: Difference of values around a maximum, relative to it, up to which they are equal but for rounding: such a curve
+#: is level and has no vertex. Rounding is some 1e-14; from about 1e-6 on real maxima would be dropped.
+_LEVEL_ROUNDING: Final = 1e-9
 
+# Fractions of the tolerance of a result: what parts of the error may take, and from where estimates are doubted. All
+# are chosen. They trade the cost of a run against the number of runs that exceed their tolerance; docs/trust/plan has
+# these numbers for random scenes.
 
-@attrs.frozen(kw_only=True)
-class _ToleranceFractions:
-    """Fractions of the tolerance of a result: what parts of the error may take, and from where estimates are doubted.
+#: Of slices and roller positions together before a run. The other half is for tables, models left out and what a
+#: few slips do not show. Doubled, an estimate that is only a little low exceeds the tolerance.
+_DISCRETISATION_FRACTION: Final = 0.5
+#: Of `_DISCRETISATION_FRACTION` that slices get at least, whatever the positions leave of it. Without it one position
+#: that happens to take all would ask for infinitely many slices.
+_MIN_SLICE_FRACTION: Final = 0.3
+#: By which a closed form may change the curves in place of the law that a scene names.
+_LAW_FRACTION: Final = 0.1
+#: By which every value may change, relative to itself, where a part of a contact is left out. It is relative to the
+#: value since a steady slip goes with the friction at that slip, and not with the largest friction.
+_LEFT_OUT_FRACTION: Final = 0.2
+#: Below which an error is believed without its order. Doubled, fewer runs are compared with a third number of
+#: positions, and an order that is worse than expected shows later.
+_CLEAR_FRACTION: Final = 0.3
+#: From which agreement with one joint reference may be chance, so that a second one is computed. Doubled, more runs
+#: save the second reference, and more errors that cancel by chance are missed.
+_CHANCE_FRACTION: Final = 0.15
+#: At which slices and positions aim, each, where a run is made again: both stay below the tolerance together, with
+#: some room for an order that is lower than the observed one.
+_REFINED_FRACTION: Final = 0.35
 
-    All are chosen. They trade the cost of a run against the number of runs that exceed their tolerance; docs/trust/plan
-    has these numbers for random scenes.
-    """
+# Reference solutions: how much finer they are ------------------------------------------------------------------------
 
-    #: Of slices and roller positions together before a run. The other half is for tables, models left out and what a
-    #: few slips do not show. Doubled, an estimate that is only a little low exceeds the tolerance.
-    discretisation: float = 0.5
-    #: Of `discretisation` that slices get at least, whatever the positions leave of it. Without it one position that
-    #: happens to take all would ask for infinitely many slices.
-    slices_at_least: float = 0.3
-    #: By which a closed form may change the curves in place of the law that a scene names.
-    cheaper_law: float = 0.1
-    #: By which every value may change, relative to itself, where a part of a contact is left out. It is relative to the
-    #: value since a steady slip goes with the friction at that slip, and not with the largest friction.
-    left_out: float = 0.2
-    #: Below which an error is believed without its order. Doubled, fewer runs are compared with a third number of
-    #: positions, and an order that is worse than expected shows later.
-    clear: float = 0.3
-    #: From which agreement with one joint reference may be chance, so that a second one is computed. Doubled, more runs
-    #: save the second reference, and more errors that cancel by chance are missed.
-    chance: float = 0.15
-    #: At which slices and positions aim, each, where a run is made again: both stay below the tolerance together, with
-    #: some room for an order that is lower than the observed one.
-    refined: float = 0.35
-
-
-@attrs.frozen(kw_only=True)
-class _ReferenceSettings:
-    """How much finer the reference solutions are with which a run is compared."""
-
-    #: How many times as many slices. With twice as many a contact that ends between two slices may err alike.
-    slice_factor: int = 4
-    #: Slices of a joint reference at least. Chosen: contacts that end between a few slices may err alike in both runs.
-    #: Doubled, a check of a coarse run takes twice as long.
-    min_slices: int = 40
-    #: Roller positions of a joint reference at least, where a run has fewer slices than `min_slices`. Chosen; with
-    #: few of both they may err alike, and nine cost little on few slices.
-    min_positions: int = 9
-    #: Slips of the curves of another study, where the result has none. Chosen; twice as many take twice as long
-    #: and show a maximum between the slips more exactly.
-    sampled_slips: int = 25
-
-
-_PROBE: Final = _ProbeSettings()
-_FRACTIONS: Final = _ToleranceFractions()
-_REFERENCE: Final = _ReferenceSettings()
+#: Slices of a joint reference at least. Chosen: contacts that end between a few slices may err alike in both runs.
+#: Doubled, a check of a coarse run takes twice as long.
+_MIN_REFERENCE_SLICES: Final = 40
+#: Roller positions of a joint reference at least, where a run has fewer slices than `_MIN_REFERENCE_SLICES`.
+#: Chosen; with few of both they may err alike, and nine cost little on few slices.
+_MIN_REFERENCE_POSITIONS: Final = 9
+#: Slips of the curves of another study, where the result has none. Chosen; twice as many take twice as long
+#: and show a maximum between the slips more exactly.
+_SAMPLED_SLIPS: Final = 25
 #: How many times as many slips a reference solution has where a curve is continued from slip to slip, so that it may
 #: depend on the steps. Chosen; with 2 the way through a jump differs less, with 6 a check takes twice as long.
 REFERENCE_SLIP_FACTOR: Final = 3
@@ -161,28 +159,19 @@ _LAW_POSITIONS: Final = 4
 #: Factor by which a quantity may exceed the largest that the probe met before what was left out is reinstated. Chosen;
 #: with 1 nearly every run would start again, as its slips and positions are others. The error grows by about this much.
 _BOUND_MARGIN: Final = 1.2
+#: Part of a contact that is left out, or the law that has a closed form -> how the change of the curves is measured,
+#: and the fraction of the tolerance that it may take.
+_SIMPLIFICATIONS: Final = {
+    "inlet_heating": (pointwise_errors, _LEFT_OUT_FRACTION),
+    "light_contacts": (pointwise_errors, _LEFT_OUT_FRACTION),
+    "law": (sample_errors, _LAW_FRACTION),
+}
 #: Number from which a needed number of points counts as infinite; a float beyond it may not fit into an integer.
 _UNLIMITED: Final = 1e9
 
-# Orders of convergence -----------------------------------------------------------------------------------------------
-
-#: Order with which errors fall where slices and positions are doubled together: the second on the whole, less by kinks
-#: from some numbers to twice as many. With 2 the joint error would be 14 % smaller, with 1 it would be 29 % larger.
-JOINT_ORDER: Final = 1.5
-#: Factor on a joint error of the minimum over some points, for example the smallest film parameter. The minimum may
-#: fall with the order of a half: with twice as many points its error is this many times (2.2) that by `JOINT_ORDER`.
-MINIMUM_ERROR_FACTOR: Final = (1.0 - 2.0**-JOINT_ORDER) / (1.0 - 2.0**-0.5)
-#: Lowest order that is taken for an error; one that falls more slowly does not converge. At a half, 2 m + 1 positions
-#: show 0.3 of the error of m.
-MIN_ORDER: Final = 0.5
-#: Highest order that is taken for an error: past the kinks of the loads it falls like n^-2, and more is chance.
-MAX_ORDER: Final = 2.0
 #: Order of the mean over positions of a curve with jumps, at the worst, whatever two numbers of positions show: each
 #: roller jumps somewhere between two positions.
 _JUMP_ORDER: Final = 1.0
-#: Order that is assumed where two errors do not give one. Chosen, between both limits; with 2 errors would be smaller.
-_ASSUMED_ORDER: Final = 1.0
-
 # Runs that are made again --------------------------------------------------------------------------------------------
 
 #: Name of the part of an error that comes from models left out, which the probe did not show to be needed.
@@ -198,9 +187,6 @@ _MAX_FACTOR: Final = 4.0
 #: up to a minute of steady slips with their check. Beyond, the error is only reported. A limit of time would let the
 #: result depend on the machine.
 _MAX_SLICES: Final = 500_000
-
-#: Curves at the slips of a probe, (curves, n), and the slips of their maxima, (peaks,).
-Sample: TypeAlias = tuple[Array, Array]
 
 
 @attrs.frozen(kw_only=True)
@@ -323,13 +309,6 @@ class DiscretisedStudy:
         return not assembly.scene.accuracy.exact and self.curve_study(assembly) in (None, self)
 
 
-def exceeding(errors: Errors, accuracy: Accuracy, fraction: float = 1.0) -> Errors:
-    """Return those of some errors that exceed a fraction of their tolerances; NaN exceeds every tolerance."""
-    return {
-        name: error for name, error in errors.items() if not error <= fraction * accuracy.of(name)
-    }
-
-
 # Curves at a few slips -----------------------------------------------------------------------------------------------
 
 
@@ -346,22 +325,22 @@ class Probe:
 
     def __init__(self, study: DiscretisedStudy, assembly: Assembly) -> None:
         self._study = study
-        grid = slip_grid(study.slip_range, _PROBE.grid_slips)
-        slips = [*grid[_PROBE.stride :: _PROBE.stride]]
+        grid = slip_grid(study.slip_range, _GRID_SLIPS)
+        slips = [*grid[_GRID_STRIDE::_GRID_STRIDE]]
         peaks = list[tuple[float, ...]]()
         for k, curve in enumerate(study.curves(assembly, grid, (1,))[0]):
             for best in _rival_maxima(curve):
                 near = np.linspace(
                     grid[max(best - 1, 0)],
                     grid[min(best + 1, grid.size - 1)],
-                    _PROBE.refined_slips + 2,
+                    _REFINED_SLIPS + 2,
                 )[1:]
                 values = study.curves(assembly, near, (1,))[0][k]
                 top = max(int(np.argmax(values)), 1)
                 if top == near.size - 1:
                     continue  # it rises up to the end of the range
                 around = slice(top - 1, top + 2)
-                if np.min(np.abs(np.diff(values[around]))) <= _PROBE.rounding * values[top]:
+                if np.min(np.abs(np.diff(values[around]))) <= _LEVEL_ROUNDING * values[top]:
                     continue  # level
                 peaks.append((k, len(slips), near[1] - near[0]))
                 slips += [*near[around]]
@@ -403,7 +382,7 @@ class Probe:
         with np.errstate(all="ignore"):
             steps = np.where(curvature < 0.0, 0.5 * (low - high) / curvature, np.inf)
             vertex = self._slip[first + 1] + step * steps
-        return np.where(np.abs(steps) <= 0.5 * (_PROBE.refined_slips + 1), vertex, np.nan)
+        return np.where(np.abs(steps) <= 0.5 * (_REFINED_SLIPS + 1), vertex, np.nan)
 
 
 def _rival_maxima(curve: Array) -> list[int]:
@@ -412,104 +391,10 @@ def _rival_maxima(curve: Array) -> list[int]:
     is_peak = (
         (curve >= padded[:-2])
         & (curve > padded[2:])
-        & (curve >= _PROBE.rival_height * curve.max())
+        & (curve >= _RIVAL_HEIGHT * curve.max())
         & (curve > 0.0)
     )
-    indices: list[int] = np.flatnonzero(is_peak).tolist()
-    return indices
-
-
-def _largest(error: Array) -> float:
-    """Return the largest error; infinite where one is not finite, 0 where there is none."""
-    return float(np.nan_to_num(error, nan=np.inf, posinf=np.inf).max(initial=0.0))
-
-
-def sample_errors(coarse: Sample, fine: Sample) -> Errors:
-    """Return the relative errors of friction and critical slip of a sample against a finer one.
-
-    Parameters
-    ----------
-    coarse, fine : Sample
-        Curves and maxima at the same slips.
-
-    Returns
-    -------
-    mapping of str to float
-        "friction", relative to the largest value of each curve. "critical_slip", where a maximum exists: infinite where
-        only one of both samples has it. A maximum that neither has belongs to the coarse curves that found it.
-    """
-    scale = np.abs(fine[0]).max(axis=1, keepdims=True)
-    errors = {"friction": _largest(np.abs(coarse[0] - fine[0]) / np.where(scale > 0.0, scale, 1.0))}
-    any_has = ~(np.isnan(coarse[1]) & np.isnan(fine[1]))
-    if any_has.any():
-        errors["critical_slip"] = _largest(np.abs(coarse[1] / fine[1] - 1.0)[any_has])
-    return errors
-
-
-def _pointwise_errors(coarse: Sample, fine: Sample) -> Errors:
-    """Return errors as `sample_errors`, but that of friction relative to its value at each slip."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        change = np.abs(coarse[0] / fine[0] - 1.0)[coarse[0] != fine[0]]
-    return {**sample_errors(coarse, fine), "friction": _largest(change)}
-
-
-def errors_between(
-    controlled_outputs: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.Dataset"
-) -> dict[str, float]:
-    """Return the relative errors of a result against a finer one.
-
-    Parameters
-    ----------
-    controlled_outputs : mapping of str to str
-        Key of [accuracy] -> variable.
-    dataset, fine : xarray.Dataset
-        Both results, with the same slips.
-
-    Returns
-    -------
-    dict of str to float
-        Errors by key. A variable of several values is a curve, and relative to its largest value; critical slips are
-        each relative to themselves. Infinite where only one of both has a value.
-    """
-    errors = {}
-    for result, name in controlled_outputs.items():
-        coarse = np.atleast_1d(dataset[name].to_numpy())
-        true = np.atleast_1d(fine[name].to_numpy())
-        if coarse.shape != true.shape or np.any(np.isnan(coarse) != np.isnan(true)):
-            errors[result] = math.inf
-        elif not np.all(np.isnan(true)):
-            scale = (
-                np.abs(true)
-                if result == "critical_slip"
-                else np.fmax.reduce(np.abs(true), axis=-1, keepdims=True)
-            )
-            scale = np.maximum(scale, fine[name].attrs.get("floor", 0.0))
-            errors[result] = float(
-                np.nanmax(np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0))
-            )
-    return errors
-
-
-def richardson_factor(n: float, fine: float, order: float = MAX_ORDER) -> float:
-    """Return the fraction 1 - (n/N)^p of the error of n points by which they differ from N finer ones.
-
-    Richardson extrapolation: the finer ones err, too, so that a difference divided by this factor is the error.
-
-    Parameters
-    ----------
-    n, fine : float
-        Numbers of points.
-    order : float
-        Order of convergence p, limited to `MIN_ORDER` and `MAX_ORDER`.
-    """
-    return 1.0 - math.pow(n / fine, min(max(order, MIN_ORDER), MAX_ORDER))
-
-
-def _observed_order(coarse: int, fine: int, coarse_error: float, fine_error: float) -> float:
-    """Return the order with which an error falls between two numbers; `_ASSUMED_ORDER` where they do not give one."""
-    if coarse == fine or not (0.0 < coarse_error < math.inf and 0.0 < fine_error < math.inf):
-        return _ASSUMED_ORDER
-    return math.log(coarse_error / fine_error) / math.log(fine / coarse)
+    return [*map(int, np.flatnonzero(is_peak))]
 
 
 def _min_order(study: DiscretisedStudy) -> float:
@@ -518,53 +403,6 @@ def _min_order(study: DiscretisedStudy) -> float:
 
 
 # Before a run: the coarsest resolution whose estimated error keeps the tolerance -------------------------------------
-
-
-@attrs.frozen(kw_only=True)
-class ErrorBound:
-    """A bound C n^-2 on the error of n points, with a constant C for each result."""
-
-    constants: Errors
-
-    @classmethod
-    def from_samples(cls, numbers: Sequence[int], samples: Sequence[Sample]) -> "ErrorBound":
-        """Return the bound by samples of a ladder, compared with its last; maxima that the last lacks are artefacts."""
-        is_known = ~np.isnan(samples[-1][1])
-        *ladder, fine = ((curves, maxima[is_known]) for curves, maxima in samples)
-        errors = [sample_errors(sample, fine) for sample in ladder]
-        return cls.from_errors(numbers[:-1], errors, numbers[-1])
-
-    @classmethod
-    def from_errors(
-        cls, numbers: Sequence[int], errors: Sequence[Errors], fine: int
-    ) -> "ErrorBound":
-        """Return the smallest bound on the errors by which some numbers of points differ from `fine` points.
-
-        Parameters
-        ----------
-        numbers : sequence of int
-            Numbers of points.
-        errors : sequence of mappings
-            Relative errors of each number against the finer points, by result.
-        fine : int
-            Number of the finer points.
-        """
-        scaled = [
-            {name: n * n / richardson_factor(n, fine) * error for name, error in found.items()}
-            for n, found in zip(numbers, errors, strict=True)
-        ]
-        return cls(constants=combine_errors(scaled, max))
-
-    def errors(self, n: int) -> Errors:
-        """Return the bounds on the errors of n points."""
-        return {name: constant / (n * n) for name, constant in self.constants.items()}
-
-    def required_points(self, allowed: Errors) -> float:
-        """Return the number of points, not rounded, whose errors are bounded by the allowed ones."""
-        return max(
-            (math.sqrt(constant / allowed[name]) for name, constant in self.constants.items()),
-            default=0.0,
-        )
 
 
 def coarse_assembly(assembly: Assembly) -> Assembly:
@@ -595,15 +433,50 @@ def choose_by_curves(
     if assembly.scene.accuracy.exact:
         return reference_choice(study, assembly)
     choice, probe, coarse = choose_slices_and_positions(study, assembly, fraction)
-    return _choose_laws(choice, study, probe, coarse, cheaper_laws)
+    limit = coarse.traction.full_film_from
+    resolution = choice.resolution
+    errors = dict(choice.errors)
+    left_out = list[LeftOut]()
+    law = coarse.traction.full_film
+    extremes = Extremes(law)
+    probe.sample(coarse.with_bounds(extremes), 1)
+    study.sample_other_contacts(coarse.with_bounds(extremes))
+    if limit is not None and extremes.thinnest >= limit:
+        resolution = attrs.evolve(resolution, boundary=False)
+        left_out.append(BoundaryFriction(limit))
+    reference: Sample | None = None
+    groups = {name: _BOUND_MARGIN * size for name, size in extremes.groups.items()}
+    hottest = _BOUND_MARGIN * extremes.hottest
+    lightest = extremes.lightest / _BOUND_MARGIN
+    has_film_pressure = coarse.pressure in coarse.inner.chain.models
+    for name, applies, changes, bound in (
+        ("inlet_heating", coarse.film.inlet_heating, {"inlet_heating": False}, InletHeating(hottest)),
+        ("light_contacts", has_film_pressure, {"light_contacts": False}, LightContacts(lightest)),
+        ("law", groups, {"traction": law.closed_form}, ExactLaw(law, groups)),
+    ):  # fmt: skip
+        if not (applies and cheaper_laws):
+            continue
+        if reference is None:
+            reference = probe.sample(coarse, _LAW_POSITIONS, small_slips=_SMALL_SLIPS)[0]
+        cheaper = coarse.at(attrs.evolve(coarse.resolution, **changes))
+        (sample,) = probe.sample(cheaper, _LAW_POSITIONS, small_slips=_SMALL_SLIPS)
+        error_norm, fraction = _SIMPLIFICATIONS[name]
+        error = error_norm(sample, reference)
+        if not exceeding(error, coarse.scene.accuracy, fraction):
+            resolution = attrs.evolve(resolution, **changes)
+            errors[name] = error
+            left_out.append(bound)
+    return attrs.evolve(
+        choice, resolution=resolution, errors=errors, left_out=tuple(left_out), compared_laws=True
+    )
 
 
 def reference_choice(study: DiscretisedStudy, assembly: Assembly) -> ResolutionChoice:
     """Return the reference resolution, with one position where the curves are not means over positions."""
     best = reference_resolution(assembly.scene)
-    if study.is_averaged:
-        return ResolutionChoice(resolution=best)
-    return ResolutionChoice(resolution=attrs.evolve(best, n_positions=1))
+    if not study.is_averaged:
+        best = attrs.evolve(best, n_positions=1)
+    return ResolutionChoice(resolution=best)
 
 
 def with_table_tolerance(
@@ -649,7 +522,7 @@ def choose_slices_and_positions(
     best = reference_resolution(assembly.scene)
     has_slices = assembly.slices > 1
     allowed = {
-        name: _FRACTIONS.discretisation * fraction * accuracy.of(name)
+        name: _DISCRETISATION_FRACTION * fraction * accuracy.of(name)
         for name in ("friction", "critical_slip")
     }
     coarse = coarse_assembly(assembly)
@@ -659,15 +532,14 @@ def choose_slices_and_positions(
     if study.is_averaged:
         numbers = _POSITION_LADDER if study.has_nested_positions else _SEPARATE_POSITION_LADDER
         bound = ErrorBound.from_samples(numbers, probe.sample(coarse, *numbers))
-        parts = 1 + has_slices
-        each = {name: error / parts for name, error in allowed.items()}
+        each = {name: error / (1 + has_slices) for name, error in allowed.items()}
         n_positions = _whole_number(bound.required_points(each), 1, best.n_positions)
         position_errors = bound.errors(n_positions)
     resolution = attrs.evolve(assembly.resolution, quadrature="equal", n_positions=n_positions)
     errors = {"n_positions": position_errors} if position_errors else {}
     if has_slices:
         rest = {
-            name: max(error - position_errors.get(name, 0.0), _FRACTIONS.slices_at_least * error)
+            name: max(error - position_errors.get(name, 0.0), _MIN_SLICE_FRACTION * error)
             for name, error in allowed.items()
         }
         slices, rule, slice_errors = _choose_slices(probe, coarse, rest, best.slices)
@@ -682,17 +554,16 @@ def _choose_slices(
     """Return number and quadrature rule of the slices that keep the allowed errors, and the bounds on their errors."""
 
     def sample(n: int, rule: str = "equal") -> Sample:
-        at = coarse.at(attrs.evolve(coarse.resolution, slices=n, quadrature=rule))
-        return probe.sample(at, COARSE_POSITIONS)[0]
+        resolution = attrs.evolve(coarse.resolution, slices=n, quadrature=rule)
+        return probe.sample(coarse.at(resolution), COARSE_POSITIONS)[0]
 
     stated = coarse.scene.accuracy.slices
     fine = sample(_SLICE_LADDER[-1])
-    rules = ["equal", "gauss"] if stated is None else ["equal"]
     bounds = {
         rule: ErrorBound.from_samples(
             _SLICE_LADDER, [*(sample(n, rule) for n in _SLICE_LADDER[:-1]), fine]
         )
-        for rule in rules
+        for rule in (("equal", "gauss") if stated is None else ("equal",))
     }
     required = {rule: bound.required_points(allowed) for rule, bound in bounds.items()}
     rule = min(required, key=required.__getitem__)
@@ -703,78 +574,6 @@ def _choose_slices(
 def _whole_number(number: float, low: int, high: int | None) -> int:
     """Return a number rounded up, between two limits; without an upper one where that is None or 0, it is the lower."""
     return int(min(max(math.ceil(min(number, _UNLIMITED)), low), high or low))
-
-
-def _choose_laws(
-    choice: ResolutionChoice,
-    study: DiscretisedStudy,
-    probe: Probe,
-    coarse: Assembly,
-    cheaper_laws: bool,
-) -> ResolutionChoice:
-    """Leave out models that change too little, and take a closed form of a law where the tolerance allows it."""
-    law = coarse.traction.full_film
-    limit = coarse.traction.full_film_from
-    resolution = choice.resolution
-    errors = dict(choice.errors)
-    left_out = list[LeftOut]()
-    extremes = Extremes(law)
-    probe.sample(coarse.with_bounds(extremes), 1)
-    study.sample_other_contacts(coarse.with_bounds(extremes))
-    if limit is not None and extremes.thinnest >= limit:
-        resolution = attrs.evolve(resolution, boundary=False)
-        left_out.append(BoundaryFriction(limit))
-    reference: Sample | None = None
-    simplifications = _simplifications(coarse, extremes) if cheaper_laws else []
-    for name, applies, changes, bound, fraction, error_norm in simplifications:
-        if not applies:
-            continue
-        if reference is None:
-            reference = probe.sample(coarse, _LAW_POSITIONS, small_slips=_SMALL_SLIPS)[0]
-        cheaper = coarse.at(attrs.evolve(coarse.resolution, **changes))
-        sample = probe.sample(cheaper, _LAW_POSITIONS, small_slips=_SMALL_SLIPS)[0]
-        error = error_norm(sample, reference)
-        if not exceeding(error, coarse.scene.accuracy, fraction):
-            resolution = attrs.evolve(resolution, **changes)
-            errors[name] = error
-            left_out.append(bound)
-    return attrs.evolve(
-        choice, resolution=resolution, errors=errors, left_out=tuple(left_out), compared_laws=True
-    )
-
-
-def _simplifications(
-    coarse: Assembly, extremes: Extremes
-) -> list[tuple[str, bool, dict[str, Any], LeftOut, float, Callable[[Sample, Sample], Errors]]]:
-    """Return the simplifications of laws: name, whether it applies, change of the resolution, bound, fraction, norm."""
-    law = coarse.traction.full_film
-    groups = {name: _BOUND_MARGIN * size for name, size in extremes.groups.items()}
-    return [
-        (
-            "inlet_heating",
-            bool(coarse.film.inlet_heating),
-            {"inlet_heating": False},
-            InletHeating(_BOUND_MARGIN * extremes.hottest),
-            _FRACTIONS.left_out,
-            _pointwise_errors,
-        ),
-        (
-            "light_contacts",
-            coarse.pressure in coarse.inner.chain.models,
-            {"light_contacts": False},
-            LightContacts(extremes.lightest / _BOUND_MARGIN),
-            _FRACTIONS.left_out,
-            _pointwise_errors,
-        ),
-        (
-            "law",
-            bool(groups),
-            {"traction": law.closed_form},
-            ExactLaw(law, groups),
-            _FRACTIONS.cheaper_law,
-            sample_errors,
-        ),
-    ]
 
 
 def choose_by_doubling(
@@ -824,7 +623,7 @@ def choose_by_doubling(
     numbers: dict[str, Any] = {"n_positions": 1}
     errors = dict[str, Errors]()
     # slices and positions add up
-    fraction = 0.5 * _FRACTIONS.discretisation
+    fraction = 0.5 * _DISCRETISATION_FRACTION
     for part, start in starts.items():
         if part not in affected_by:
             continue
@@ -840,49 +639,21 @@ def choose_by_doubling(
             if not exceeded:
                 break
         else:
-            raise ConvergenceError(_describe_divergence(part, maximum, exceeded))
+            changes = " and ".join(
+                f"{name.replace('_', ' ')} by {error:.1e}"
+                if math.isfinite(error)
+                else f"whether {name.replace('_', ' ')} has a value"
+                for name, error in exceeded.items()
+            )
+            raised = " and ".join(f"accuracy.{name}" for name in exceeded)
+            raise ConvergenceError(
+                f"the last doubling up to {maximum} {_NUMBER_NAMES[part]} still changes {changes}; raise {raised}"
+            )
         numbers[part] = number
     return ResolutionChoice(resolution=attrs.evolve(coarse, **numbers), errors=errors)
 
 
-def _describe_divergence(part: str, maximum: int, exceeded: Errors) -> str:
-    """Say what the last doubling of a number still changes, and which tolerances to raise."""
-    changes = " and ".join(
-        f"{name.replace('_', ' ')} by {error:.1e}"
-        if math.isfinite(error)
-        else f"whether {name.replace('_', ' ')} has a value"
-        for name, error in exceeded.items()
-    )
-    raised = " and ".join(f"accuracy.{name}" for name in exceeded)
-    number = f"{maximum} {_NUMBER_NAMES[part]}"
-    return f"the last doubling up to {number} still changes {changes}; raise {raised}"
-
-
 # After a run: a posteriori error estimate ----------------------------------------------------------------------------
-
-
-@attrs.frozen(kw_only=True)
-class ErrorEstimate:
-    """The discretisation error that slices and roller positions leave in the result of a run."""
-
-    #: Part ("slices", "n_positions") -> key of [accuracy] -> relative error.
-    errors: Mapping[str, Errors]
-    #: Key of [accuracy] -> observed order with which the error falls with the positions; only where it was needed.
-    orders: Mapping[str, float] = attrs.field(factory=dict)
-    #: Errors by refining slices and positions together: of curves by key of [accuracy], of single values by name.
-    joint_errors: Errors = attrs.field(factory=dict)
-    #: Part -> errors by refining this part alone, or by reinstating what was left out (`LEFT_OUT`); only where the
-    #: joint errors exceed the tolerance.
-    separate_errors: Mapping[str, Errors] = attrs.field(factory=dict)
-    #: Slices of the run.
-    slices: int = 0
-    #: Why there is no estimate, in words; empty where there is one.
-    refusal: str = ""
-
-    @property
-    def total(self) -> Errors:
-        """Sum over the parts, or the joint error where that is larger."""
-        return combine_errors((combine_errors(self.errors.values(), sum), self.joint_errors), max)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -916,12 +687,14 @@ class _ReferenceComparison:
         study = self.curve_study
         stride = 1
         if study is not self.study:
-            study = study.with_settings(points=_REFERENCE.sampled_slips)
+            study = study.with_settings(points=_SAMPLED_SLIPS)
         if dense and (points := getattr(study, "points", 0)):
             study = study.with_settings(points=REFERENCE_SLIP_FACTOR * (points - 1) + 1)
             stride = REFERENCE_SLIP_FACTOR
-        case = study, at.at(attrs.evolve(at.resolution, n_positions=n_positions))
-        results = type(study).run_batch([case], frozenset(study.controlled_outputs.values()))
+        results = type(study).run_batch(
+            [(study, at.at(attrs.evolve(at.resolution, n_positions=n_positions)))],
+            frozenset(study.controlled_outputs.values()),
+        )
         if results is None or study.curves_of is None:
             return self.probe.sample(at, n_positions)[0]
         return xr.Dataset(*results[0]).isel({study.curves_of.slip: slice(None, None, stride)})
@@ -940,14 +713,14 @@ class _ReferenceComparison:
         """
         resolution = self.assembly.resolution
         finer = attrs.evolve(
-            resolution, slices=_REFERENCE.slice_factor * resolution.slices, quadrature="gauss"
+            resolution, slices=SLICE_FACTOR * resolution.slices, quadrature="gauss"
         )
         pair = self.assembly, self.assembly.at(finer)
         changes = self.errors_of(*(self.probe.sample(at, n_positions)[0] for at in pair))
-        if exceeding(changes, self.accuracy, _FRACTIONS.clear):
+        if exceeding(changes, self.accuracy, _CLEAR_FRACTION):
             changes = self.errors_of(*(self.solution(at, n_positions) for at in pair))
         return {
-            name: change / richardson_factor(1, _REFERENCE.slice_factor, JOINT_ORDER)
+            name: change / richardson_factor(1, SLICE_FACTOR, JOINT_ORDER)
             for name, change in changes.items()
         }
 
@@ -972,17 +745,18 @@ class _ReferenceComparison:
         )
         changes = self.errors_of(self.dataset if is_known else self.solution(at, m), reference)
         if self.curve_study.uses_continuation:
-            neighbour = self.errors_of(self.solution(at, m + 1), reference)
-            changes = combine_errors((changes, neighbour), max)
+            changes = combine_errors(
+                (changes, self.errors_of(self.solution(at, m + 1), reference)), max
+            )
         errors = {
             name: change / richardson_factor(m, 2 * m + 1, lowest)
             for name, change in changes.items()
         }
-        if not exceeding(errors, self.accuracy, _FRACTIONS.clear):
+        if not exceeding(errors, self.accuracy, _CLEAR_FRACTION):
             return errors
         coarser = self.errors_of(self.solution(at, half), reference)
         orders |= {
-            name: _observed_order(half, m, coarser.get(name, 0.0), change)
+            name: observed_order(half, m, coarser.get(name, 0.0), change)
             for name, change in changes.items()
         }
         return {
@@ -1005,10 +779,11 @@ class _ReferenceComparison:
             errors["n_positions"] = self.position_errors(self.coarse, orders)
         if self.accuracy.exact:
             return estimate
-        is_doubtful = exceeding(
-            errors.get("n_positions", {}), self.accuracy, _FRACTIONS.clear
-        ) and exceeding(estimate.total, self.accuracy)
-        if is_doubtful and self.coarse is not self.assembly:
+        if (
+            self.coarse is not self.assembly
+            and exceeding(errors.get("n_positions", {}), self.accuracy, _CLEAR_FRACTION)
+            and exceeding(estimate.total, self.accuracy)
+        ):
             errors["n_positions"] = self.position_errors(self.assembly, orders)
         if "slices" in errors and m > COARSE_POSITIONS and exceeding(estimate.total, self.accuracy):
             errors["slices"] = self.slice_errors(min(m, COARSE_SLICES))
@@ -1033,16 +808,20 @@ class _ReferenceComparison:
             and not self.curve_study.uses_continuation
         )
         n_positions = 2 * (resolution.n_positions or 1) + 1
-        if resolution.slices < _REFERENCE.min_slices:
-            n_positions = max(n_positions, _REFERENCE.min_positions)
+        if resolution.slices < _MIN_REFERENCE_SLICES:
+            n_positions = max(n_positions, _MIN_REFERENCE_POSITIONS)
         density = 2.0 if resolution.quadrature == "gauss" else math.pi
-        slices = max(math.ceil(density * resolution.slices), _REFERENCE.min_slices)
-        more_slices = attrs.evolve(resolution, slices=slices, quadrature="gauss")
+        more_slices = attrs.evolve(
+            resolution,
+            slices=max(math.ceil(density * resolution.slices), _MIN_REFERENCE_SLICES),
+            quadrature="gauss",
+        )
         both = attrs.evolve(more_slices, n_positions=n_positions, **self.complete_parts)
         joint: Errors = self._refined_errors(both, orders, has_curves)
         # run and reference may err alike by chance; a second reference hardly does as well
-        is_small = not exceeding(joint, self.accuracy)
-        if is_small and exceeding(joint, self.accuracy, _FRACTIONS.chance):
+        if not exceeding(joint, self.accuracy) and exceeding(
+            joint, self.accuracy, _CHANCE_FRACTION
+        ):
             second = attrs.evolve(
                 resolution,
                 slices=2 * resolution.slices + 1,
@@ -1122,7 +901,6 @@ def estimate_error(
     if coarse.slices >= assembly.slices or (curve_study and curve_study.uses_continuation):
         # of two maxima of nearly the same height coarse slices may have another one for the largest
         coarse = assembly
-    complete = choice.complete_resolution
     comparison = _ReferenceComparison(
         study=study,
         curve_study=curve_study or study,
@@ -1130,7 +908,7 @@ def estimate_error(
         coarse=coarse,
         dataset=dataset,
         accuracy=accuracy,
-        complete_parts={name: getattr(complete, name) for name in _CONTACT_PARTS},
+        complete_parts={name: getattr(choice.complete_resolution, name) for name in _CONTACT_PARTS},
     )
     try:
         if curve_study is not None:
@@ -1144,32 +922,6 @@ def estimate_error(
     except ConvergenceError as refusal:  # what was computed stands
         return ErrorEstimate(errors={}, refusal=str(refusal))
     return with_observed_slice_order(estimate, first)
-
-
-def with_observed_slice_order(
-    estimate: ErrorEstimate, first: ErrorEstimate | None
-) -> ErrorEstimate:
-    """Return an estimate by the observed order of slices, from a first run with fewer of them.
-
-    Where a film thins without bound as a slice is relieved, the error falls with the root of their number.
-
-    Parameters
-    ----------
-    estimate : ErrorEstimate
-        Estimate of the present run.
-    first : ErrorEstimate or None
-        Estimate of the first run; None if this is the first.
-    """
-    slices = estimate.errors.get("slices", {})
-    if first is None or not slices or estimate.slices <= first.slices:
-        return estimate
-    before = first.errors.get("slices", {})
-    factor = _REFERENCE.slice_factor
-    errors = {}
-    for name, error in slices.items():
-        order = _observed_order(first.slices, estimate.slices, before.get(name, 0.0), error)
-        errors[name] = error * richardson_factor(1, factor) / richardson_factor(1, factor, order)
-    return attrs.evolve(estimate, errors={**estimate.errors, "slices": errors})
 
 
 def refine_resolution(
@@ -1205,21 +957,23 @@ def refine_resolution(
     excess = " and ".join(
         f"{name.replace('_', ' ')} off by {size:.1e}" for name, size in exceeded.items()
     )
-    by_models = exceeding(error.separate_errors.get(LEFT_OUT, {}), accuracy, _FRACTIONS.refined)
-    if exceeded.keys() & by_models.keys():
+    by_models = error.separate_errors.get(LEFT_OUT, {})
+    if exceeded.keys() & exceeding(by_models, accuracy, _REFINED_FRACTION).keys():
         return _with_contact_parts(choice, excess)
     numbers = resolution_numbers(choice.resolution)
     limits = resolution_numbers(reference_resolution(assembly.scene))
     finished = [part for part in error.errors if numbers[part] >= limits[part]]
-    if exceeded.keys() <= exceeding(_errors_of_parts(error, finished), accuracy).keys():
+    if exceeded.keys() <= exceeding(error.of_parts(finished), accuracy).keys():
         return None
-    joint_factors = _joint_factors(error, {name: accuracy.of(name) for name in exceeded})
+    joint_factors = error.joint_factors(
+        {name: _REFINED_FRACTION * accuracy.of(name) for name in exceeded}
+    )
     refined: dict[str, Any] = dict(numbers)
     remaining = dict[str, Errors]()
     for part, errors in error.errors.items():
         orders = _assumed_orders(study, part, error)
         factors = [
-            (errors[name] / (_FRACTIONS.refined * accuracy.of(name))) ** (1.0 / orders[name])
+            (errors[name] / (_REFINED_FRACTION * accuracy.of(name))) ** (1.0 / orders[name])
             for name in errors
             if name in exceeded
         ]
@@ -1230,8 +984,10 @@ def refine_resolution(
                 name: size * (numbers[part] / refined[part]) ** orders[name]
                 for name, size in errors.items()
             }
-    n_slices = assembly.scene.bearing.rollers * math.prod(refined.values())
-    if refined == numbers or n_slices > _MAX_SLICES:
+    if (
+        refined == numbers
+        or assembly.scene.bearing.rollers * math.prod(refined.values()) > _MAX_SLICES
+    ):
         return None
     first = " and ".join(f"{numbers[part]} {_NUMBER_NAMES[part]}" for part in error.errors)
     return attrs.evolve(
@@ -1246,51 +1002,24 @@ def _assumed_orders(study: DiscretisedStudy, part: str, error: ErrorEstimate) ->
     """Return the orders of the errors of a part: the second for slices, the observed ones for positions."""
     lowest = MAX_ORDER if part == "slices" else _min_order(study)
     return {
-        name: max(min(error.orders.get(name, _ASSUMED_ORDER), MAX_ORDER), lowest)
+        name: max(min(error.orders.get(name, ASSUMED_ORDER), MAX_ORDER), lowest)
         for name in error.errors[part]
     }
 
 
 def _with_contact_parts(choice: ResolutionChoice, excess: str) -> ResolutionChoice:
     """Return a choice with all that was left out of a contact reinstated; `excess` says what that left."""
-    reinstated = (*_CONTACT_PARTS, "law")
     return attrs.evolve(
         choice,
         resolution=choice.complete_resolution,
         left_out=(),
-        errors={part: errors for part, errors in choice.errors.items() if part not in reinstated},
+        errors={
+            part: errors
+            for part, errors in choice.errors.items()
+            if part not in (*_CONTACT_PARTS, "law")
+        },
         refinement_reason=f"what was left out of a contact was seen to leave {excess}",
     )
-
-
-def _errors_of_parts(error: ErrorEstimate, parts: Sequence[str]) -> Errors:
-    """Return the larger one of the errors of some parts, estimated with coarse numbers and by refining each alone."""
-    estimates = (error.errors, error.separate_errors)
-    return combine_errors((errors.get(part, {}) for part in parts for errors in estimates), max)
-
-
-def _joint_factors(error: ErrorEstimate, tolerances: Errors) -> dict[str, float]:
-    """Return how many times as many of each part the joint errors require.
-
-    They are computed from the error of each part alone; where these are too small to explain a joint error, all parts
-    grow alike.
-    """
-    parts = [*error.errors]
-    factors = dict.fromkeys(parts, 0.0)
-    for name, tolerance in tolerances.items():
-        separate = {part: error.separate_errors.get(part, {}).get(name, 0.0) for part in parts}
-        for part, size in separate.items():
-            others = sum(separate[other] for other in parts if other != part)
-            rest = max(
-                2.0 * _FRACTIONS.refined * tolerance - others, _FRACTIONS.refined * tolerance
-            )
-            factors[part] = max(factors[part], math.sqrt(size / rest))
-        if max(factors.values()) <= 1.0:
-            joint = error.joint_errors.get(name, 0.0)
-            factors = dict.fromkeys(
-                parts, math.sqrt(joint / (2.0 * _FRACTIONS.refined * tolerance))
-            )
-    return factors
 
 
 def _reducible(errors: Errors, study: DiscretisedStudy) -> Errors:

@@ -38,7 +38,7 @@ from rollslip.results.text import duration_range
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import FrozenTable
-from rollslip.studies.error_estimate import exceeding
+from rollslip.studies.bounds import exceeding
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
@@ -151,9 +151,9 @@ class Limit:
             f"  {first} values at first, and {self.max_refinements} more at most wherever the limit is passed",
         ]
         if not math.isnan(self.point_seconds):
-            once = duration_range(self.point_seconds * (first + self.max_refinements))
             lines.append(
-                f"  each takes {duration_range(self.point_seconds)} of one core, all {once} where it is passed once"
+                f"  each takes {duration_range(self.point_seconds)} of one core, all "
+                f"{duration_range(self.point_seconds * (first + self.max_refinements))} where it is passed once"
             )
         return lines
 
@@ -212,8 +212,9 @@ def plan_limit(requested: "LimitSettings") -> Limit:
                 f"{key}: {size} values are more than {_MAX_VALUES}; widen --within, or narrow the range"
             ]
         )
-    changes: Sequence[dict[str, object]] = ({}, {key: values[0]}, {key: values[-1]})
-    resolution, seconds, errors = _resolution(base, name, requirement.output, changes)
+    resolution, seconds, errors = _resolution(
+        base, name, requirement.output, ({}, {key: values[0]}, {key: values[-1]})
+    )
     axis = read_axis(quantity, f"{span}:{size}{suffix}", sampled=False)
     assert isinstance(axis, Axis)
     axis = attrs.evolve(axis, display_unit=axis.given_unit)
@@ -300,14 +301,15 @@ def _resolution(
                 )
     if not resolutions:
         return None, math.nan, errors
-    alike = ("integrator", "friction", "level")
-    resolution = Resolution.maximum_of([chosen for _, chosen in resolutions], alike)
-    seconds = [_point_seconds(changed, study, resolution) for changed, _ in resolutions]
-    return resolution, max((s for s in seconds if s is not None), default=math.nan), errors
+    resolution = Resolution.maximum_of(
+        [chosen for _, chosen in resolutions], ("integrator", "friction", "level")
+    )
+    seconds = np.array([_point_seconds(changed, study, resolution) for changed, _ in resolutions])
+    return resolution, float(np.fmax.reduce(seconds)), errors
 
 
-def _point_seconds(scene: Scene, study: str, resolution: Resolution) -> float | None:
-    """Estimate of the time of a point [s], None if the scene cannot be computed."""
+def _point_seconds(scene: Scene, study: str, resolution: Resolution) -> float:
+    """Estimate of the time of a point [s], NaN if the scene cannot be computed."""
     cls = study_class(study)
     start_time = time.process_time()
     try:
@@ -318,7 +320,7 @@ def _point_seconds(scene: Scene, study: str, resolution: Resolution) -> float | 
             .values()
         )
     except RollslipError:
-        return None
+        return math.nan
     # maps of a transient study, which the plan of a run prepares, are prepared by each point, as in this estimate
     spent = time.process_time() - start_time if cls.is_transient else 0.0
     return max(cost, spent)
@@ -410,11 +412,10 @@ def _result(search: Limit, arrays: Mapping[str, Any]) -> float:
 
 def _describe_errors(search: Limit) -> list[str]:
     """Messages on results whose error is above the tolerance."""
-    tolerance = search.sweep.scene.accuracy.of
     where = f"with the scene's own {search.axis.key} or at an end of its range"
     return [
         f"{name.replace('_', ' ')} is off by about {error:.1e} {where}, more than the tolerance of "
-        f"{tolerance(name):g}: the limit is off by what this makes of it"
+        f"{search.sweep.scene.accuracy.of(name):g}: the limit is off by what this makes of it"
         if math.isfinite(error)
         else f"how far {name.replace('_', ' ')} is off {where} cannot be determined"
         for name, error in search.errors.items()
@@ -448,19 +449,18 @@ def _dataset(
     numbers = sorted({*slacks, *failed})
     grid = points.collect(numbers)
     computed = grid.isel({search.sweep.names[search.axis.key]: numbers})
-    quantity = search.axis.quantity
     requirement = search.requirement
     values = np.array(search.axis.values, dtype=float)
-    unit = str(quantity.unit)
+    unit = str(search.axis.quantity.unit)
     output = study_class(search.sweep.study).outputs[requirement.output]
     rows, statuses = _values_with_statuses(computed, requirement.output, output.status)
     edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in brackets(slacks)]
-    unknown_edges = [any(min(edge) < number < max(edge) for number in failed) for edge in edges]
     variables: dict[str, Any] = {
         "searched": (
             "point",
             values[numbers],
-            about(unit, quantity.doc) | {"key": search.axis.key, "given": search.axis.given_unit},
+            about(unit, search.axis.quantity.doc)
+            | {"key": search.axis.key, "given": search.axis.given_unit},
         ),
         "result": (
             "point",
@@ -502,7 +502,10 @@ def _dataset(
         ),
         "edge_unknown": (
             "edge",
-            np.array(unknown_edges, dtype=float),
+            np.array(
+                [any(min(edge) < number < max(edge) for number in failed) for edge in edges],
+                dtype=float,
+            ),
             about("1", "1 where a point between the two failed"),
         ),
     }
@@ -511,13 +514,13 @@ def _dataset(
         for name, value in grid.attrs.items()
         if name not in ("axes", "sampling", "seed")
     }
-    attributes["left"] = json.dumps(
-        [*_describe_errors(search), *json.loads(attributes.get("left", "[]"))]
-    )
     return xr.Dataset(
         variables,
         attrs=attributes
         | {
+            "left": json.dumps(
+                [*_describe_errors(search), *json.loads(attributes.get("left", "[]"))]
+            ),
             "study": "limit",
             "searched_key": search.axis.key,
             "searched_given": search.axis.given_unit or "",

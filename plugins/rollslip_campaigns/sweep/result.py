@@ -32,7 +32,7 @@ from rollslip.results.dataset import STATUS_VARIABLE, about
 from rollslip.results.text import describe_more_bounds
 from rollslip.scene.changes import evolve, full_key
 from rollslip.studies import validity
-from rollslip.studies.error_estimate import errors_between
+from rollslip.studies.bounds import errors_between
 from rollslip.studies.study import settings, study_class
 from rollslip.units import unit_given
 from rollslip_campaigns.sweep.definition import POINT_VARIABLES, Sweep
@@ -76,7 +76,7 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
 
     check_owner(folder, sweep.hash)
     design = sweep.design
-    size = sweep.design.size
+    size = design.size
     status = np.full(size, "pending", dtype=f"<U{max(map(len, (*STATUSES, 'pending')))}")
     message = np.full(size, "", dtype=object)
     seconds = np.full(size, np.nan)
@@ -171,7 +171,7 @@ def deviations_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
     differences = ", ".join(f"{name} is {deviations[name]:.1e}" for name in excessive)
     return [
         f"at {sweep.design.describe_point(number)} {differences} off a run of the scene, more than the tolerance of "
-        f"{run_plan.scene.accuracy.tolerance:g}; the others of {done.size} points were not run so, and may be as far "
+        f"{accuracy.tolerance:g}; the others of {done.size} points were not run so, and may be as far "
         "off: lower accuracy.tolerance, or run the scene with the values of a point"
     ]
 
@@ -201,8 +201,9 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
         if lost
         else []
     )
-    checked = _spread_numbers(sweep.design, np.flatnonzero(status == "ok"))
-    exceeded = _describe_validity(sweep, checked)
+    exceeded = _describe_validity(
+        sweep, _spread_numbers(sweep.design, np.flatnonzero(status == "ok"))
+    )
     return origin_of_points(
         sweep,
         warnings,
@@ -330,8 +331,12 @@ def _validity_at(sweep: Sweep, number: int) -> list[validity.ValidityMessage]:
     bearing = assembly.with_resistance() if study.with_cage else assembly
     state, contacts = study.expected_slices(bearing)
     outside, off = validity.check_validity(contacts, bearing, assembly.traction)
-    where = f"at {sweep.design.describe_point(number)}, {state}"
-    return validity.validity_messages(outside, off, where, tolerance=scene.accuracy.tolerance)
+    return validity.validity_messages(
+        outside,
+        off,
+        f"at {sweep.design.describe_point(number)}, {state}",
+        tolerance=scene.accuracy.tolerance,
+    )
 
 
 def _closure(sweep: Sweep) -> dict[str, str]:
@@ -355,9 +360,21 @@ class _OutputArrays:
         self.longest_coordinates: dict[str, dict[str, Any]] = {}
         for layout in layouts:
             for name, variable in layout["variables"].items():
-                self._variable(name, variable)
+                largest = self.shapes.setdefault(name, dict.fromkeys(variable["dims"], 0))
+                for dim, length in zip(variable["dims"], variable["shape"], strict=True):
+                    largest[dim] = max(largest.get(dim, 0), length)
+                self.attributes.setdefault(name, variable["attrs"])
+                self.is_text[name] = self.is_text.get(name, False) or variable["text"]
             for dim in _dims(layout):
-                self._coordinate(dim, layout["coords"].get(dim))
+                coordinate = layout["coords"].get(dim)
+                if self.first_coordinates.setdefault(dim, coordinate) != coordinate:
+                    self.varying_dims.add(dim)
+                if coordinate:
+                    self.longest_coordinates[dim] = max(
+                        self.longest_coordinates.get(dim, coordinate),
+                        coordinate,
+                        key=lambda known: len(known["values"]),
+                    )
         self._split_coordinates()
         self.arrays = {
             name: np.full(
@@ -367,25 +384,6 @@ class _OutputArrays:
             )
             for name, dims in self.shapes.items()
         }
-
-    def _variable(self, name: str, variable: Mapping[str, Any]) -> None:
-        """Include a variable of a layout in shape, attributes and type."""
-        largest = self.shapes.setdefault(name, dict.fromkeys(variable["dims"], 0))
-        for dim, length in zip(variable["dims"], variable["shape"], strict=True):
-            largest[dim] = max(largest.get(dim, 0), length)
-        self.attributes.setdefault(name, variable["attrs"])
-        self.is_text[name] = self.is_text.get(name, False) or variable["text"]
-
-    def _coordinate(self, dim: str, coordinate: Any) -> None:
-        """Include a coordinate of a layout: whether it differs from the first one, and whether it is the longest."""
-        if self.first_coordinates.setdefault(dim, coordinate) != coordinate:
-            self.varying_dims.add(dim)
-        if coordinate:
-            self.longest_coordinates[dim] = max(
-                self.longest_coordinates.get(dim, coordinate),
-                coordinate,
-                key=lambda known: len(known["values"]),
-            )
 
     def _split_coordinates(self) -> None:
         """Separate the coordinates that all points share from those that become variables."""

@@ -8,6 +8,7 @@ leads there; the deviation is the error estimate.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -17,7 +18,7 @@ from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
-from rollslip.studies.error_estimate import JOINT_ORDER, MINIMUM_ERROR_FACTOR
+from rollslip.studies.bounds import JOINT_ORDER, MINIMUM_ERROR_FACTOR
 from rollslip.studies.steady_slip.torque import Duty, formula_variables
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
@@ -56,16 +57,13 @@ def loss_variables(
     """
     balances = [power_balance(balance, state) for state in (states if steady else states[:1])]
     power = np.array([[loss.power for loss in state.losses] for state in balances]).T
-    turns = abs(
-        balance.assembly.scene.operation.inner_speed - balance.assembly.scene.operation.outer_speed
-    )
+    operation = balance.assembly.scene.operation
     values = {
         "loss": power,
         "ring_power": np.array([state.rings for state in balances]).T.reshape(len(RINGS), -1),
         "stored_power": np.array([state.stored for state in balances]),
-        "friction_torque": power.sum(axis=0) / turns,
+        "friction_torque": power.sum(axis=0) / abs(operation.inner_speed - operation.outer_speed),
     }
-    sources = [loss.source for loss in balances[0].losses]
     variables = {
         name: LOSSES[name].variable(value if steady else np.full_like(value, np.nan))
         for name, value in values.items()
@@ -74,7 +72,11 @@ def loss_variables(
     for name, value in zip(RATIO, viscosity_ratio(balance.assembly), strict=True):
         variables[name] = RATIO[name].variable(value)
     return variables | formulas, {
-        "source": ("source", sources, about("1", "what loses power")),
+        "source": (
+            "source",
+            [loss.source for loss in balances[0].losses],
+            about("1", "what loses power"),
+        ),
         **named,
     }
 
@@ -87,13 +89,12 @@ def viscosity_ratio(assembly: Assembly) -> tuple[float, str]:
     """
     duty = Duty.of(assembly)
     n = duty.revolutions
-    d_m = 1e3 * duty.pitch_diameter
     try:
         nu = 1e6 * duty.kinematic_viscosity
     except DomainError as error:
         return math.nan, str(error)
     reference = 45000.0 * n**-0.83 if n < 1000.0 else 4500.0 * n**-0.5
-    return nu / (reference * d_m**-0.5), Status.FOUND
+    return nu / (reference * (1e3 * duty.pitch_diameter) ** -0.5), Status.FOUND
 
 
 def acceptable_reserve(balance: TorqueBalance, slip: float) -> tuple[float, str]:
@@ -132,12 +133,10 @@ def estimate_answer_errors(
         The result.
     """
     found = dict[str, float]()
-    try:
-        with np.errstate(all="ignore"):
-            for name, error in _errors(balance, at_load, dataset):
-                found[name] = error
-    except (DomainError, ConvergenceError):  # at a slip or load next to those of the result
-        pass
+    # a law may have no value at a slip or load next to those of the result
+    with np.errstate(all="ignore"), suppress(DomainError, ConvergenceError):
+        for name, error in _errors(balance, at_load, dataset):
+            found[name] = error
     return {name: error if error == error else math.inf for name, error in found.items()}
 
 
@@ -159,9 +158,9 @@ def _errors(
     elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _MAX_ESTIMATED_RESERVE:
         slip, own = (float(dataset[name]) for name in ("largest_torque_slip", "largest_torque"))
         # of several motions the nearest one: a loading branch on all slices would take far longer
-        torques = [motion.torque for motion in balance.motions.find(np.array([slip]))[0]]
-        nearest = min(torques, key=lambda torque: abs(torque - own))
-        yield "reserve to skidding", _relative_error(own, nearest)
+        motions = balance.motions.find(np.array([slip]))[0]
+        nearest = min(motions, key=lambda motion: abs(motion.torque - own))
+        yield "reserve to skidding", _relative_error(own, nearest.torque)
     if "minimum_load" not in dataset:
         return
     load = float(dataset["minimum_load"])
@@ -178,6 +177,7 @@ def _steady_errors(balance: TorqueBalance, result: "xr.Dataset") -> Iterator[tup
     """Yield the errors of a steady slip by one secant step, and of friction torque and thinnest film at its end."""
     slip = float(result["steady_slip"])
     operation = balance.assembly.scene.operation
+    speed = abs(operation.inner_speed - operation.outer_speed)
     start = float(result["roller_slip"][0] / balance.motions.unit(np.array([slip]))[0])
     film_factor = 1.0
 
@@ -186,13 +186,12 @@ def _steady_errors(balance: TorqueBalance, result: "xr.Dataset") -> Iterator[tup
         film, film_factor = min(
             _thinnest(contacts) for contacts in balance.evaluate_contacts(orbit) if contacts.total
         )
-        speed = abs(operation.inner_speed - operation.outer_speed)
         return np.array([power_balance(balance, orbit).total / speed, film])
 
     error, (torque, film) = estimate_by_secant(balance, slip, torque_and_film, start)
     yield "friction torque", _relative_error(float(result["friction_torque"]), torque)
-    film_error = _relative_error(float(np.nanmin(result["film_parameter"])), film)
-    yield "film parameter", film_factor * film_error
+    thinnest = float(np.nanmin(result["film_parameter"]))
+    yield "film parameter", film_factor * _relative_error(thinnest, film)
     if abs(slip) >= _MIN_ESTIMATED_SLIP:
         yield "cage slip", error
 
