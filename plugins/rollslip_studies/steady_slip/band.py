@@ -72,25 +72,19 @@ QUANTILES: Final = (0.05, 0.95)
 #: factor by up to 20 %, 6 by up to 24 %, at the same time, most of which goes into putting bearings together. Chosen;
 #: ``tests/studies/test_band.py`` compares the bands with samples: the logarithms agree within a fifth.
 _MAX_SLICES: Final = 12
+# Secants over the logarithm of a slip or a load:
 
+#: Step of the logarithm at which the search ends; what is left is far less, because secants converge faster than
+#: linearly. In four scenes of the catalogue twice as much changes a factor by up to 6 % and saves 7 % of the time, half
+#: as much changes it by 0.5 %.
+_TOLERANCE: Final = 0.03
+#: Largest step of the logarithm, a factor of e, which keeps secants from overshooting the maximum of the torque. Half
+#: or twice as much changes a factor by 0.4 % in these scenes. Chosen.
+_MAX_STEP: Final = 1.0
+#: Step by which the first slope is differentiated. Half or twice as much changes a factor by up to 0.7 % in these
+#: scenes. Chosen, above rounding errors of the torque and below the width of its maximum.
+_FIRST_STEP: Final = 0.05
 
-@attrs.frozen
-class _SecantSettings:
-    """Settings of the secants over the logarithm of a slip or a load."""
-
-    #: Step of the logarithm at which the search ends; what is left is far less, because secants converge faster than
-    #: linearly. In four scenes of the catalogue twice as much changes a factor by up to 6 % and saves 7 % of the time,
-    #: half as much changes it by 0.5 %.
-    tolerance: float = 0.03
-    #: Largest step of the logarithm, a factor of e, which keeps secants from overshooting the maximum of the torque.
-    #: Half or twice as much changes a factor by 0.4 % in these scenes. Chosen.
-    max_step: float = 1.0
-    #: Step by which the first slope is differentiated. Half or twice as much changes a factor by up to 0.7 % in these
-    #: scenes. Chosen, above rounding errors of the torque and below the width of its maximum.
-    first_step: float = 0.05
-
-
-_SECANTS: Final = _SecantSettings()
 #: Slip in place of that of a cage which rolls or is driven, so that it has a logarithm. Half or twice as much moves
 #: bounds below 0.1 %, which are printed without a number, and none of four scenes of the catalogue.
 _SLIP_FLOOR: Final = 1e-5
@@ -233,28 +227,35 @@ _Changed = Mapping[tuple[str, int], Assembly]
 _Logs = tuple[float, dict[tuple[str, int], float]]
 
 
+#: Logarithm of a value at a bearing near another one, and the slope of the excess torque there if it is known; the
+#: slope is an argument, too.
+_LogValue = Callable[[Assembly, float, float | None], tuple[float, float | None]]
+
+
+def _log_values(log_value: _LogValue, nominal: Assembly, changed: _Changed, value: float) -> _Logs:
+    """Return the logarithms of a value, at the changed bearings near that of the nominal one and with its slope."""
+    start, slope = log_value(nominal, math.log(value), None)
+    found = {}
+    if math.isfinite(start):
+        for key, assembly in changed.items():
+            found[key], own_slope = log_value(assembly, start, slope)
+            slope = slope or own_slope
+    return start, found
+
+
 def _log_slips(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
     """Return the logarithms of the steady slip; infinite where the cage skids, NaN where the slip is not known."""
-    slope: float | None = None
-    shared: TorqueBalance | None = None
+    shared = torque_balance(nominal, n_positions=1, inertia=False)
 
-    def log_slip(assembly: Assembly, near: float) -> float:
-        nonlocal slope, shared
-        balance = torque_balance(assembly, n_positions=1, inertia=False, similar=shared)
-        shared = shared or balance
-        found, own_slope = _log_steady_slip(balance, near, slope)
-        slope = slope or own_slope
-        return found
+    def log_slip(
+        assembly: Assembly, near: float, slope: float | None
+    ) -> tuple[float, float | None]:
+        balance = shared
+        if assembly is not nominal:
+            balance = torque_balance(assembly, n_positions=1, inertia=False, similar=shared)
+        return _log_steady_slip(balance, near, slope)
 
-    start = log_slip(nominal, math.log(slip))
-    if not math.isfinite(start):
-        return start, {}
-    return start, {key: log_slip(assembly, start) for key, assembly in changed.items()}
-
-
-def steady_slip_near(balance: TorqueBalance, slip: float) -> float:
-    """Return the steady slip near another; infinite where the cage skids, NaN where the slip is not known."""
-    return math.exp(_log_steady_slip(balance, math.log(slip), None)[0])
+    return _log_values(log_slip, nominal, changed, slip)
 
 
 def _log_steady_slip(
@@ -280,12 +281,11 @@ def _log_steady_slip(
 
 def _log_loads(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
     """Return the logarithms of the load [N] at which a slip is steady; NaN where secants do not find a stable one."""
-    slope: float | None = None
     shared = torque_balance(nominal, n_positions=1, inertia=False)
 
-    def log_load(assembly: Assembly, near: float) -> float:
-        nonlocal slope
-
+    def log_load(
+        assembly: Assembly, near: float, slope: float | None
+    ) -> tuple[float, float | None]:
         def excess(log: float) -> float:
             bearing = assembly.at_load(math.exp(log))
             return torque_balance(bearing, n_positions=1, inertia=False, similar=shared).excess(
@@ -293,13 +293,9 @@ def _log_loads(nominal: Assembly, changed: _Changed, slip: float) -> _Logs:
             )
 
         found, own_slope = _root_by_secants(excess, near, math.inf, slope)
-        slope = slope or own_slope
-        return found if own_slope > 0.0 else math.nan
+        return found if own_slope > 0.0 else math.nan, own_slope
 
-    start = log_load(nominal, math.log(nominal.scene.operation.radial_load))
-    if not math.isfinite(start):
-        return start, {}
-    return start, {key: log_load(assembly, start) for key, assembly in changed.items()}
+    return _log_values(log_load, nominal, changed, nominal.scene.operation.radial_load)
 
 
 def _root_by_secants(
@@ -310,14 +306,14 @@ def _root_by_secants(
     The first step takes the slope that is known, of a bearing which is nearly the same.
     """
     try:
-        slope = slope or (excess(start) - excess(start - _SECANTS.first_step)) / _SECANTS.first_step
+        slope = slope or (excess(start) - excess(start - _FIRST_STEP)) / _FIRST_STEP
         found = secant_root(
             excess,
             start,
             slope,
-            tolerance=_SECANTS.tolerance,
+            tolerance=_TOLERANCE,
             within=(-math.inf, upper),
-            longest=_SECANTS.max_step,
+            longest=_MAX_STEP,
         )
     except (DomainError, ConvergenceError, OverflowError):
         return math.nan, 0.0
@@ -449,7 +445,7 @@ def _compared_values(balance: TorqueBalance, near: float, acceptable: float) -> 
 
     The slip is infinite where the cage skids; what is not known is NaN.
     """
-    slip = steady_slip_near(balance, near)
+    slip = math.exp(_log_steady_slip(balance, math.log(near), None)[0])
     operation = balance.assembly.scene.operation
     values = {SLIP: slip, RESERVE: math.nan, TORQUE: math.nan}
     if not math.isnan(acceptable):

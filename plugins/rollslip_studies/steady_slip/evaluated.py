@@ -142,11 +142,10 @@ def film_variables(
     steady : bool
         Whether the states are those at steady slips.
     """
-    n = len(states)
     fraction = np.zeros((2, 4))
     light = np.zeros(2)
     largest = np.zeros(2)
-    thinnest = np.full((2, n), np.nan)
+    thinnest = np.full((2, len(states)), np.nan)
     for k, state in enumerate(states):
         for i, contacts in enumerate(balance.evaluate_contacts(state)):
             if contacts.total == 0.0:
@@ -155,12 +154,11 @@ def film_variables(
             force = contacts.force / contacts.total
             thinnest[i, k] = slices.film_thickness.min() / slices.conditions.roughness
             code = film_by_regime(*groups(slices))[1].astype(int)
-            fraction[i] += np.bincount(code, weights=force, minlength=4) / n
+            fraction[i] += np.bincount(code, weights=force, minlength=4) / len(states)
             M = moes_groups(slices)[0]
             largest[i] = max(largest[i], M.max())
-            light[i] += force[M < LIGHT].sum() / n
-    where = ", at the steady slips" if steady else ", over the range of slips"
-    variables = regime_variables(fraction, largest, light, where)
-    if steady:
-        variables |= study.variables(film_parameter=thinnest)
-    return variables
+            light[i] += force[M < LIGHT].sum() / len(states)
+    if not steady:
+        return regime_variables(fraction, largest, light, ", over the range of slips")
+    variables = regime_variables(fraction, largest, light, ", at the steady slips")
+    return variables | study.variables(film_parameter=thinnest)

@@ -109,9 +109,12 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
     rows = {row.key: row for row in account_of(dataset).answer(dataset).rows}
     largest = float(dataset["limit_drag"])
     if not np.isnan(largest):
-        point = 100 * float(dataset["skidding_slip"]), largest
         sheet.mark(
-            *point, f"limit drag torque, {two_digits(largest)} N m", marker="^", markersize=4
+            100 * float(dataset["skidding_slip"]),
+            largest,
+            f"limit drag torque, {two_digits(largest)} N m",
+            marker="^",
+            markersize=4,
         )
     for stable, style, label in (
         (1, MARKER, "steady slip"),
@@ -123,9 +126,8 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
             label = f"{label}, {', '.join(percent(0.01 * value) for value in at)}"
             if stable and (band := rows["cage_slip"].band):
                 label += f"; where data scatter {format_slip_band(*band)}"
-                bounds = 100 * np.minimum(band, 10.0)  # an end beyond the axis has no tick
                 axes.plot(
-                    bounds,
+                    100 * np.minimum(band, 10.0),  # an end beyond the axis has no tick
                     [torque[0]] * 2,
                     color="black",
                     linewidth=0.9,
@@ -175,19 +177,22 @@ def _losses(dataset: "xr.Dataset") -> "Figure":
         sheet.handles.append(bars[0])
         bars[0].set_label(bars.get_label())
         left = left + lost
-    states = [
-        f"{100 * slip:.3g} %, {'stable' if stable else 'unstable'}"
-        for slip, stable in zip(
-            dataset["steady_slip"].to_numpy(), dataset["stable"].to_numpy(), strict=True
-        )
-    ]
-    axes.set_yticks(rows, states)
+    axes.set_yticks(
+        rows,
+        [
+            f"{100 * slip:.3g} %, {'stable' if stable else 'unstable'}"
+            for slip, stable in zip(
+                dataset["steady_slip"].to_numpy(), dataset["stable"].to_numpy(), strict=True
+            )
+        ],
+    )
     axes.invert_yaxis()
-    labels = (
+    return sheet.done(
         axis_label(dataset["loss"], "$P$", "W"),
         axis_label(dataset["steady_slip"], r"$S_\mathrm{c}$", "%"),
+        columns=2,
+        height=0.5 * TWO_COLUMNS[1] + 2 * ROW * power.shape[1],
     )
-    return sheet.done(*labels, columns=2, height=0.5 * TWO_COLUMNS[1] + 2 * ROW * power.shape[1])
 
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
@@ -203,9 +208,8 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         for ring in state["ring"].to_numpy():
             force = state["normal_force"].sel(ring=ring).to_numpy()[centred]
             forces.plot(shown, force, color=RING_COLOURS[str(ring)], **style)
-        roller = 100 * state["roller_slip"].to_numpy()[centred]
         cage = 100 * float(state["steady_slip"])
-        slips.plot(shown, roller, color="black", **style)
+        slips.plot(shown, 100 * state["roller_slip"].to_numpy()[centred], color="black", **style)
         label = f"cage slip {cage:.3g} %, {str(state['stability'].item()).partition(':')[0]}"
         sheet.key(label, color="black", **style)
     for ring, colour in RING_COLOURS.items():
@@ -237,11 +241,10 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
                 color=MODEL_COLOURS[0],
                 linestyle=style,
             )
-    kinds: Any = (
+    for label, style, chosen in (
         ("steady slip", "solid", stable),
         ("unstable steady slip", "dashed", ~stable),
-    )
-    for label, style, chosen in kinds:
+    ):
         if chosen.any():
             sheet.key(label, color=MODEL_COLOURS[0], linestyle=style)
     if fold.any():

@@ -125,8 +125,13 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             yield _makers_row(dataset, load)
         yield _acceptable_reserve_row(dataset, acceptable)
     if "drag_reserve" in dataset:
-        reserve = float(dataset["drag_reserve"]), str(dataset["reserve_status"].item())
-        yield reserve_row(*reserve, known=_KNOWN, within=0.02, slip=slip)
+        yield reserve_row(
+            float(dataset["drag_reserve"]),
+            str(dataset["reserve_status"].item()),
+            known=_KNOWN,
+            within=0.02,
+            slip=slip,
+        )
     yield _torque_row(dataset, state)
     yield _film_row(dataset, state)
     if clearance is not None:
@@ -146,14 +151,14 @@ def _torque_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
     if "loss" not in state or not math.isfinite(torque := float(state["friction_torque"])):
         return None
     size, unit = (1e3 * torque, "mN m") if torque < 0.1 else (torque, "N m")
-    heat = f"{format_power(float(state['loss'].sum()))} of heat"
+    notes = [f"{format_power(float(state['loss'].sum()))} of heat", describe_doubt(dataset)]
     return Row(
         key="friction_torque",
         label="friction torque",
         value=torque,
         unit="N m",
         text=f"{two_digits(size)} {unit}",
-        note="; ".join(filter(None, [heat, describe_doubt(dataset)])),
+        note="; ".join(filter(None, notes)),
         rank=_KNOWN,
     )
 
@@ -272,15 +277,14 @@ def _format_reserve(reserve: float, is_bound: bool = False) -> str:
 
 def _makers_row(dataset: "xr.Dataset", load: float) -> Row | None:
     """Return the row of catalogue minimum loads, the smallest first, and whether the load of the scene is enough."""
-    by_maker = zip(
-        dataset["maker"].to_numpy(),
-        dataset["makers_minimum_load"].to_numpy(),
-        dataset["makers_status"].to_numpy(),
-        strict=True,
-    )
     required = sorted(
         (float(minimum), str(maker), str(status))
-        for maker, minimum, status in by_maker
+        for maker, minimum, status in zip(
+            dataset["maker"].to_numpy(),
+            dataset["makers_minimum_load"].to_numpy(),
+            dataset["makers_status"].to_numpy(),
+            strict=True,
+        )
         if minimum > 0.0
     )
     if not required:
@@ -360,10 +364,9 @@ def _losses_record(state: "xr.Dataset") -> dict[str, Any]:
     """Return losses by source and friction torque of one steady slip; empty for a result without losses."""
     if "loss" not in state:
         return {}
-    powers = zip(
-        map(str, state["source"].to_numpy()), state["loss"].to_numpy().tolist(), strict=True
-    )
-    return {"friction_torque": float(state["friction_torque"]), "losses": dict(powers)}
+    sources = map(str, state["source"].to_numpy())
+    losses = dict(zip(sources, state["loss"].to_numpy().tolist(), strict=True))
+    return {"friction_torque": float(state["friction_torque"]), "losses": losses}
 
 
 def _describe_band(dataset: "xr.Dataset", name: str) -> str:
@@ -389,20 +392,15 @@ def _describe_inertia(dataset: "xr.Dataset") -> str:
     other = "without" if bool(dataset.attrs["inertia"]) else "with"
     if math.isnan(effect):
         return f"what inertia of their spin does is not known: {other} it no steady motion of the rollers was found"
-    what = (
-        "inertia of their spin the rollers would drive the cage with a torque that differs by up to"
+    return (
+        f"{other} inertia of their spin the rollers would drive the cage with a torque that differs by up to "
+        f"{_percent(effect)}"
     )
-    return f"{other} {what} {_percent(effect)}"
 
 
 def _percent(fraction: float) -> str:
     """Return a fraction in per cent with three digits."""
     return f"{100.0 * fraction:.3g} %"
-
-
-def _label(name: str) -> str:
-    """Return the name of an operating condition in words."""
-    return name.replace("_", " ")
 
 
 def _describe_steady_slips(dataset: "xr.Dataset") -> list[str]:
@@ -481,17 +479,14 @@ def _describe_ratio(dataset: "xr.Dataset", state: "xr.Dataset") -> str:
     """Return the ratio of the friction torque at a steady slip to the formulas of makers, and their torques."""
     if math.isnan(ratio := _ratio_to_formulas(dataset, state)):
         return ""
-    by_formula = zip(
-        dataset["formula"].to_numpy(), dataset["formula_torque"].to_numpy(), strict=True
-    )
     torques = ", ".join(
         f"{name} {format_quantity(float(value), 'N m', 3)}"
-        for name, value in by_formula
+        for name, value in zip(
+            dataset["formula"].to_numpy(), dataset["formula_torque"].to_numpy(), strict=True
+        )
         if value > 0.0
     )
-    doubt = f", beyond a factor of {_DOUBTFUL_FACTOR:g} from them"
-    if _is_slow(dataset) or 1.0 / _DOUBTFUL_FACTOR <= ratio <= _DOUBTFUL_FACTOR:
-        doubt = ""
+    doubt = f", beyond a factor of {_DOUBTFUL_FACTOR:g} from them" * _is_doubtful(dataset, ratio)
     return f", {ratio:.2g} times what makers' formulas give ({torques}){doubt}"
 
 
@@ -500,11 +495,15 @@ def _is_slow(dataset: "xr.Dataset") -> bool:
     return "formula_speed" in dataset and float(dataset["formula_speed"]) < _MIN_COMPARED_SPEED
 
 
+def _is_doubtful(dataset: "xr.Dataset", ratio: float) -> bool:
+    """Whether a ratio of the friction torque to the formulas of makers is doubtful; one that is not known is not."""
+    return not _is_slow(dataset) and (ratio < 1.0 / _DOUBTFUL_FACTOR or ratio > _DOUBTFUL_FACTOR)
+
+
 def describe_doubt(dataset: "xr.Dataset") -> str:
     """Return the ratio of the friction torque to the formulas of makers; empty where it is not doubtful."""
     ratio = _ratio_to_formulas(dataset)
-    is_far = not _is_slow(dataset) and (ratio < 1.0 / _DOUBTFUL_FACTOR or ratio > _DOUBTFUL_FACTOR)
-    return f"{ratio:.2g} x makers' formulas" if is_far else ""
+    return f"{ratio:.2g} x makers' formulas" * _is_doubtful(dataset, ratio)
 
 
 def _explain_doubt(dataset: "xr.Dataset") -> list[str]:
@@ -518,15 +517,20 @@ def _explain_doubt(dataset: "xr.Dataset") -> list[str]:
             f"at n d_m of {n_dm}, below {6e4 * _MIN_COMPARED_SPEED:.0f}, makers' formulas are no measure of the torque "
             "here, which has no weight of the rollers and little of mixed friction"
         ]
-    if not describe_doubt(dataset):
+    if not _is_doubtful(dataset, ratio):
         return []
     why = (
         "a drag is missing or too small, and slip and torque are lower bounds: see cage.drag"
         if ratio < 1.0
         else "a drag may stand twice in the scene, or viscosity, level or supply of the oil are not the bearing's"
     )
-    sources = zip(dataset["formula"].to_numpy(), dataset["formula_basis"].to_numpy(), strict=True)
-    what = "; ".join(f"{name!s} is {basis}" for name, basis in sources if basis)
+    what = "; ".join(
+        f"{name!s} is {basis}"
+        for name, basis in zip(
+            dataset["formula"].to_numpy(), dataset["formula_basis"].to_numpy(), strict=True
+        )
+        if basis
+    )
     return [
         f"so far from makers' formulas {why} ({what}; thermal reference "
         "speeds that makers print stand for torques that differ by a factor of 1.7 to 2.4, and none of these is a "
@@ -538,9 +542,7 @@ def _describe_formulas(dataset: "xr.Dataset") -> list[str]:
     """Return the torque by each formula of the scene with its terms, or what the formula lacks."""
     if "formula_torque" not in dataset:
         return []
-    terms = dict(
-        zip(dataset["formula_part"].to_numpy(), dataset["formula_term"].to_numpy(), strict=True)
-    )
+    parts = [str(part).partition(": ") for part in dataset["formula_part"].to_numpy()]
     sentences = []
     for name, torque, status in zip(
         dataset["formula"].to_numpy(),
@@ -551,13 +553,12 @@ def _describe_formulas(dataset: "xr.Dataset") -> list[str]:
         if math.isnan(torque):
             sentences.append(f"no friction torque by formula {str(name)!r}: it {status}")
             continue
-        own = {
-            part.partition(": ")[2]: value
-            for part, value in terms.items()
-            if part.partition(": ")[0] == name
-        }
         fractions = ", ".join(
-            f"{_percent(value / torque if torque else 0.0)} {term}" for term, value in own.items()
+            f"{_percent(value / torque if torque else 0.0)} {term}"
+            for (formula, _, term), value in zip(
+                parts, dataset["formula_term"].to_numpy(), strict=True
+            )
+            if formula == name
         )
         sentences.append(
             f"by formula {str(name)!r} the friction torque is "
@@ -575,16 +576,15 @@ def _describe_formulas(dataset: "xr.Dataset") -> list[str]:
 def _describe_limit_drag(dataset: "xr.Dataset") -> str:
     """Return the limit drag torque and its slip, or why there is none and the largest torque of the rollers."""
     limit = float(dataset["limit_drag"])
-    slip = float(dataset["skidding_slip"])
-    if math.isnan(limit):
-        if "largest_torque" in dataset:
-            return f"{dataset['skidding_status'].item()}{_describe_first_maximum(dataset)}"
+    sentence = str(dataset["skidding_status"].item())
+    if math.isfinite(limit):
+        sentence = (
+            f"the limit drag torque is {format_quantity(limit, 'N m', 3)}, at a cage slip of "
+            f"{_percent(float(dataset['skidding_slip']))}{_describe_jump(dataset)}"
+        )
+    elif "largest_torque" not in dataset:
         reached = format_quantity(float(dataset["driving_torque"].max()), "N m", 3)
-        reached = f"in this range the rollers drive the cage with up to {reached}"
-        return f"{dataset['skidding_status'].item()}; {reached}{_describe_first_maximum(dataset)}"
-    torque = format_quantity(limit, "N m", 3)
-    jump = _describe_jump(dataset)
-    sentence = f"the limit drag torque is {torque}, at a cage slip of {_percent(slip)}{jump}"
+        sentence += f"; in this range the rollers drive the cage with up to {reached}"
     return sentence + _describe_first_maximum(dataset)
 
 
@@ -604,9 +604,11 @@ def _describe_jump(dataset: "xr.Dataset") -> str:
     )
     if math.isnan(jump_slip):
         return f"{sentence}; nothing in the range carries more"
-    largest, at = (float(dataset[name]) for name in ("largest_torque", "largest_torque_slip"))
-    beyond = f"up to {format_quantity(largest, 'N m', 3)} at {_percent(at)}"
-    return f"{sentence}; a larger one takes it to {_percent(jump_slip)}, where slips carry {beyond}"
+    return (
+        f"{sentence}; a larger one takes it to {_percent(jump_slip)}, where slips carry up to "
+        f"{format_quantity(float(dataset['largest_torque']), 'N m', 3)} at "
+        f"{_percent(float(dataset['largest_torque_slip']))}"
+    )
 
 
 def _describe_minimum_load(dataset: "xr.Dataset") -> str:
@@ -616,12 +618,10 @@ def _describe_minimum_load(dataset: "xr.Dataset") -> str:
     status = str(dataset["minimum_load_status"].item())
     sentence = f"no minimum load for a cage slip of {slip}: {status}"
     if not math.isnan(load):
-        minimum = format_quantity(load, "N", 4)
-        band = _describe_band(dataset, "minimum_load")
         sentence = (
-            f"with these drags a radial load of at least {minimum} keeps the slip below {slip}"
+            f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
+            f"{status.removeprefix(Status.FOUND)}{_describe_band(dataset, 'minimum_load')}"
         )
-        sentence += f"{status.removeprefix(Status.FOUND)}{band}"
     makers, loads = (dataset[name].to_numpy() for name in ("maker", "makers_minimum_load"))
     statuses = np.full(makers.shape, "")
     if "makers_status" in dataset:
@@ -644,8 +644,7 @@ def _describe_first_maximum(dataset: "xr.Dataset") -> str:
     if "first_maximum_slip" not in dataset or math.isnan(float(dataset["first_maximum_slip"])):
         return ""
     slip = float(dataset["first_maximum_slip"])
-    skidding_slip = float(dataset["skidding_slip"])
-    if not slip < (math.inf if math.isnan(skidding_slip) else skidding_slip):
+    if slip >= float(dataset["skidding_slip"]):  # which may be NaN
         return ""
     torque = format_quantity(float(dataset["first_maximum_torque"]), "N m", 3)
     return (
@@ -666,7 +665,7 @@ def _describe_limit(dataset: "xr.Dataset", name: str) -> str:
     which = "least" if neighbour > limit else "largest"
     value = format_quantity(limit, dataset[name].attrs["units"], 4)
     return (
-        f"the {which} {_label(name)} at which a stable steady slip goes on is {value}, where the slip is "
+        f"the {which} {name.replace('_', ' ')} at which a stable steady slip goes on is {value}, where the slip is "
         f"{_percent(float(dataset[f'{name}_limit_slip']))}"
     )
 
@@ -713,7 +712,7 @@ class SteadySlipAccount(Account):
                 else {}
             ),
             **{
-                f"limit of the {_label(name)}": [_describe_limit(dataset, name)]
+                f"limit of the {name.replace('_', ' ')}": [_describe_limit(dataset, name)]
                 for name in varied(dataset)
             },
             "inertia of the rollers": [_describe_inertia(dataset)],
@@ -722,17 +721,20 @@ class SteadySlipAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the numbers and statuses of a result; a number that is not known is None."""
-        numbers = ["limit_drag", "skidding_slip"]
-        numbers += [
-            name for name in ("first_maximum_torque", "first_maximum_slip") if name in dataset
+        followed = varied(dataset)
+        numbers = [
+            "limit_drag",
+            "skidding_slip",
+            "first_maximum_torque",
+            "first_maximum_slip",
+            "minimum_load",
+            *(f"{name}_limit{of}" for name in followed for of in ("", "_slip")),
         ]
-        numbers += [name for name in ("minimum_load",) if name in dataset]
-        numbers += [f"{name}_limit{of}" for name in varied(dataset) for of in ("", "_slip")]
         texts = [
             "status",
             "skidding_status",
-            *(["minimum_load_status"] if "minimum_load" in dataset else []),
-            *(f"{name}_limit_status" for name in varied(dataset)),
+            "minimum_load_status",
+            *(f"{name}_limit_status" for name in followed),
         ]
         states = [
             {
@@ -745,14 +747,14 @@ class SteadySlipAccount(Account):
             }
             for k in range(dataset.sizes["steady"] if has_steady(dataset) else 0)
         ]
-        values = {name: float(dataset[name]) for name in numbers}
+        values = {name: float(dataset[name]) for name in numbers if name in dataset}
         known = ("inertia_effect", "positions_error", "slices_error")
         values |= {name: float(dataset.attrs[name]) for name in known if name in dataset.attrs}
         return (
             {"steady": states}
             | ({"band": json.loads(dataset.attrs["band"])} if "band" in dataset.attrs else {})
             | {name: None if math.isnan(value) else value for name, value in values.items()}
-            | {name: str(dataset[name].item()) for name in texts}
+            | {name: str(dataset[name].item()) for name in texts if name in dataset}
         )
 
 
