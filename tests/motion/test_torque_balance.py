@@ -9,7 +9,8 @@ import pytest
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.results.text import Status
-from rollslip_studies.motion.spins import EffectiveCurve, Motions
+from rollslip_studies.motion.effective_table import EffectiveTable
+from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import (
     Running,
     SkiddingOnset,
@@ -125,7 +126,7 @@ def test_resistance_to_rolling_is_that_of_python_also_where_hardly_anything_roll
 
 def test_effective_friction_is_held_beyond_its_table():
     x = np.linspace(-0.9, 0.9, 7)
-    curve = EffectiveCurve(np.stack((x, np.full(7, 0.3)), axis=1), (-0.9, 0.9), 2.0)
-    assert curve(np.array([-1e9, -18.0, 2.0, 18.0, 1e9])) == pytest.approx(
+    table = EffectiveTable(np.stack((x, np.full(7, 0.3)), axis=1), (-0.9, 0.9), 2.0, 0.0)
+    assert table.friction(np.array([-1e9, -18.0, 2.0, 18.0, 1e9])) == pytest.approx(
         [-0.9, -0.9, 0.5, 0.9, 0.9]
     )

@@ -30,6 +30,7 @@ J. M. Hyman, "Accurate monotonicity preserving cubic interpolation", SIAM J. Sci
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from typing import Final, Protocol
 
 import attrs
@@ -91,11 +92,6 @@ _SLOPE_STEP: Final = 1e-4
 #: Relative difference of the slope at no slip from that of the law from which on the limits of slopes count as
 #: active. Half and twice the value have no effect on these tables; chosen, above rounding.
 _SLOPE_TOLERANCE: Final = 1e-9
-#: Ratio by which the effect of a node on the slope of another decreases from node to node: a root of z^2 + 4 z + 1.
-_SPLINE_DECAY: Final = math.sqrt(3.0) - 2.0
-#: Number of nodes after which it is rounding, 1e-16. Half as many leave 1e-8 of a slope, twice as many nothing
-#: but rounding.
-_SPLINE_TERMS: Final = 28
 
 Law = Callable[[Array], Array]
 
@@ -132,6 +128,21 @@ class EffectiveTable:
         return _sliding_speed(
             np.linspace(*self.limits, len(self.nodes)), self.sliding_scale
         ), self.nodes[:, 0]
+
+    @cached_property
+    def _cubics(self) -> Callable[[Array], Array]:
+        from scipy.interpolate import CubicHermiteSpline
+
+        x = np.linspace(*self.limits, len(self.nodes))
+        cubics: Callable[[Array], Array] = CubicHermiteSpline(
+            x, self.nodes[:, 0], self.nodes[:, 1] / (x[1] - x[0])
+        )
+        return cubics
+
+    def friction(self, sliding: Array) -> Array:
+        """Return the effective friction coefficient at sliding speeds [m/s]; it is constant beyond the table."""
+        x = sliding / (np.abs(sliding) + self.sliding_scale)
+        return self._cubics(np.clip(x, *self.limits))
 
     def raceway(self, rollers: int) -> object:
         """Return the compiled raceway of so many rollers."""
@@ -180,7 +191,6 @@ class _Recorded(Protocol):
     @property
     def record(self) -> Mapping[str, object]:
         """Size and errors by name."""
-        ...
 
 
 def table_records(tables: Sequence[_Recorded], name: str = "effective_tables") -> dict[str, str]:
@@ -406,29 +416,13 @@ def _slopes(limit: float, values: Array, rise: float, fraction: float = 0.0) -> 
 def _spline(values: Array, rise: float) -> Array:
     """Slopes, times the width of a cell, of the cubic spline through equidistant nodes, at least 4.
 
-    ``rise`` is the slope at the first node. No knot separates the last two cells ("not-a-knot"). The slopes m satisfy
-    m_k-1 + 4 m_k + m_k+1 = 3 (y_k+1 - y_k-1). The matrix [1 4 1] has the inverse z^|k| / (2 sqrt 3) with
-    z = sqrt(3) - 2; multiples of z^k and z^(n-k) are added to satisfy the end conditions.
+    ``rise`` is the slope at the first node. No knot separates the last two cells ("not-a-knot").
     """
-    chord = np.diff(values)
-    right = np.zeros(values.shape)
-    right[1:-1] = 3.0 * (chord[:-1] + chord[1:])
-    inverse = _SPLINE_DECAY ** np.abs(np.arange(-_SPLINE_TERMS, _SPLINE_TERMS + 1)) / (
-        2.0 * math.sqrt(3.0)
-    )
-    slopes = np.convolve(right, inverse)[_SPLINE_TERMS:-_SPLINE_TERMS]
-    from_first = _SPLINE_DECAY ** np.arange(values.size)
-    far = from_first[-1]
-    # residuals of the end conditions, and what each of both solutions adds to the condition at its own and other end
-    knotless = 1.0 + 2.0 * _SPLINE_DECAY
-    residual = 2.5 * chord[-1] + 0.5 * chord[-2] - slopes[-1] - 2.0 * slopes[-2]
-    first_residual = rise - slopes[0]
-    across_last = far + 2.0 * from_first[-2]
-    determinant = knotless - far * across_last
-    first = first_residual * knotless - far * residual
-    second = residual - across_last * first_residual
+    from scipy.interpolate import CubicSpline
+
+    nodes = np.arange(values.size)
     return np.asarray(
-        slopes + first / determinant * from_first + second / determinant * from_first[::-1]
+        CubicSpline(nodes, values, bc_type=((1, np.array(rise)), "not-a-knot"))(nodes, 1)
     )
 
 
@@ -471,9 +465,8 @@ def _slope_bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
     return bounds[0], bounds[1]
 
 
-def _interpolate_cells(values: Array, slopes: Array, fraction: float) -> Array:
+def _interpolate_cells(values: Array, slopes: Array, x: float) -> Array:
     """Cubic Hermite interpolation at a fraction of every cell."""
-    x = fraction
     rise = np.diff(values)
     without_slopes = values[:-1] + x * x * (3.0 - 2.0 * x) * rise
     return np.asarray(without_slopes + x * (1.0 - x) * ((1.0 - x) * slopes[:-1] - x * slopes[1:]))

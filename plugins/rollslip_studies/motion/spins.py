@@ -26,7 +26,6 @@ An orbit multiplies a disturbance of the spin by Floquet's multiplier, exp(-2 pi
 - The unknown is the roller slip S_r, so that sliding speeds vanish exactly where the slips do.
 """
 
-import enum
 import math
 from collections.abc import Sequence
 from functools import cached_property
@@ -52,6 +51,7 @@ from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.motion.spin import NUDGED, SLIDES
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
+from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.train import Train
 
 Flags: TypeAlias = NDArray[np.bool_]
@@ -73,61 +73,52 @@ DISTINCT: Final = 0.02
 CONTINUES: Final = 0.15
 
 
-@attrs.frozen(kw_only=True)
-class MarchTolerances:
-    """Numbers that control the search for periodic motions."""
+# The search for periodic motions.
 
-    #: Loads of a Gauss rule which stand for the slices of a roller that is marched. Two instead of four change the
-    #: largest torques of 55 random bearings by up to 1.1 %, eight by less than 1e-7; chosen, because it starts
-    #: Newton's method only.
-    n_loads: int = 4
-    #: Maximum number of orbits by implicit Euler. Four instead of eight change torques of 55 random
-    #: bearings by up to 5e-7, sixteen by less than 1e-11.
-    euler_orbits: int = 8
-    #: Maximum number of orbits by differences of second order, where Newton's method failed. Neither
-    #: half nor twice as many change a result of 55 random bearings; chosen, three times `euler_orbits`.
-    second_order_orbits: int = 24
-    #: Tolerance of the balance at a position, relative to the difference of roller slips of rolling on either ring.
-    #: Half and twice the value change torques of 55 random bearings by up to 2.6e-3, within their stated errors;
-    #: chosen, below the discretisation error, because Newton's method refines the result.
-    balance: float = 1e-5
-    #: The same for rollers without inertia, where nothing refines the result: a few times the rounding. Doubling it
-    #: doubles an error of 1e-12; chosen.
-    balance_without_inertia: float = 1e-12
-    #: Step of Newton's method, relative to the roller slip, at which a periodic motion is accepted. Half the
-    #: value makes it fail near rounding, and changes a torque by 1.6e-3, where a march then replaces it; twice the
-    #: value changes torques by less than 2e-7, because the convergence is quadratic; chosen.
-    newton: float = 1e-7
-    #: Change over an orbit, relative as `balance`, below which a march counts as periodic. Half and twice
-    #: the value change torques by less than 1e-11; chosen, below `DISTINCT`.
-    periodic: float = 1e-3
-    #: Relative discretisation error of implicit Euler up to which a motion counts as converged. Neither
-    #: half nor twice the value changes a result of 55 random bearings; chosen.
-    max_error: float = 1e-2
+#: Loads of a Gauss rule which stand for the slices of a roller that is marched. Two instead of four change the
+#: largest torques of 55 random bearings by up to 1.1 %, eight by less than 1e-7; chosen, because it starts
+#: Newton's method only.
+_MARCH_LOADS: Final = 4
+#: Maximum number of orbits by implicit Euler. Four instead of eight change torques of 55 random
+#: bearings by up to 5e-7, sixteen by less than 1e-11.
+_EULER_ORBITS: Final = 8
+#: Maximum number of orbits by differences of second order, where Newton's method failed. Neither
+#: half nor twice as many change a result of 55 random bearings; chosen, three times `_EULER_ORBITS`.
+_SECOND_ORDER_ORBITS: Final = 24
+#: Tolerance of the balance at a position, relative to the difference of roller slips of rolling on either ring.
+#: Half and twice the value change torques of 55 random bearings by up to 2.6e-3, within their stated errors;
+#: chosen, below the discretisation error, because Newton's method refines the result.
+_BALANCE_TOLERANCE: Final = 1e-5
+#: The same for rollers without inertia, where nothing refines the result: a few times the rounding. Doubling it
+#: doubles an error of 1e-12; chosen.
+_BALANCE_WITHOUT_INERTIA: Final = 1e-12
+#: Step of Newton's method, relative to the roller slip, at which a periodic motion is accepted. Half the
+#: value makes it fail near rounding, and changes a torque by 1.6e-3, where a march then replaces it; twice the
+#: value changes torques by less than 2e-7, because the convergence is quadratic; chosen.
+_NEWTON_TOLERANCE: Final = 1e-7
+#: Change over an orbit, relative as `_BALANCE_TOLERANCE`, below which a march counts as periodic. Half and twice
+#: the value change torques by less than 1e-11; chosen, below `DISTINCT`.
+_PERIODIC_TOLERANCE: Final = 1e-3
+#: Relative discretisation error of implicit Euler up to which a motion counts as converged. Neither
+#: half nor twice the value changes a result of 55 random bearings; chosen.
+_MAX_ERROR: Final = 1e-2
 
+# The fixed-point iteration of the moments by which neighbours brake rollers.
 
-@attrs.frozen(kw_only=True)
-class NeighbourTolerances:
-    """Numbers that control the fixed-point iteration of the moments by which neighbours brake rollers."""
-
-    #: Step of the moments, relative to the largest one, at which they count as converged. Doubling it saves 2 % of
-    #: the iterations, and changes torques of six full-complement bearings by up to 7e-7; chosen.
-    moments: float = 1e-5
-    #: Maximum number of iterations. Doubling it changes nothing, halving it torques by up to 1.3e-5; chosen, five
-    #: times the median.
-    max_iterations: int = 40
-    #: Number of iterations whose mean is taken where the spin changes from one balance to another and back, and
-    #: number of steps that do not decrease after which that is assumed. Half and twice as many change torques by up
-    #: to 2 %, and cost 9 % less and 22 % more; chosen.
-    n_averaged: int = 8
-    #: Ratio of a step to the smallest one so far above which it counts as not decreasing. Doubling it costs 27 %
-    #: more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
-    #: below 1 so that slow convergence counts, too.
-    stall_ratio: float = 0.8
-
-
-MARCH: Final = MarchTolerances()
-NEIGHBOURS: Final = NeighbourTolerances()
+#: Step of the moments, relative to the largest one, at which they count as converged. Doubling it saves 2 % of
+#: the iterations, and changes torques of six full-complement bearings by up to 7e-7; chosen.
+_MOMENT_TOLERANCE: Final = 1e-5
+#: Maximum number of iterations. Doubling it changes nothing, halving it torques by up to 1.3e-5; chosen, five
+#: times the median.
+_MAX_MOMENT_ITERATIONS: Final = 40
+#: Number of iterations whose mean is taken where the spin changes from one balance to another and back, and
+#: number of steps that do not decrease after which that is assumed. Half and twice as many change torques by up
+#: to 2 %, and cost 9 % less and 22 % more; chosen.
+_N_AVERAGED: Final = 8
+#: Ratio of a step to the smallest one so far above which it counts as not decreasing. Doubling it costs 27 %
+#: more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
+#: below 1 so that slow convergence counts, too.
+_STALL_RATIO: Final = 0.8
 #: Part of the weights of positions that is uniform where unloaded rollers are braked, too. Half
 #: the value costs 1 % more evaluations and changes torques by 3.5e-4; chosen, because unloaded rollers are braked.
 _UNIFORM_WEIGHT: Final = 0.5
@@ -144,22 +135,12 @@ _IDLE_WIDTH: Final = 1e-3
 #: Torque at the upper start of a march that counts as rounding, relative to the largest one. Neither half nor
 #: twice the value changes a result of 55 random bearings; chosen, a few thousand times the rounding.
 _ZERO_TORQUE: Final = 1e-12
+#: Status of the compiled search where torques balance nowhere between the bounds. A ring is that whose law has no
+#: value, and no status is success.
+_NO_BALANCE: Final = "lost"
 #: Largest upper start of a march, as a roller slip. Half and twice the value change no result of 55 random
 #: bearings; chosen, so that the doubling search for it ends.
 _MAX_START: Final = 64.0
-
-
-class KernelStatus(enum.StrEnum):
-    """How a call of the compiled search ended."""
-
-    CONVERGED = ""
-    NO_BALANCE = "lost"  # torques balance nowhere between the bounds
-    INNER_REFUSED = "inner"  # a law of the inner contact has no value
-    OUTER_REFUSED = "outer"
-
-
-def _film_speed(rolling: Array) -> Array:
-    return np.asarray(np.hypot(rolling, SLOW))
 
 
 class ConventionalFriction:
@@ -172,7 +153,7 @@ class ConventionalFriction:
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
         contacts = self.contacts
-        film = _film_speed(rolling)
+        film = np.hypot(rolling, SLOW)
         friction = contacts.friction(film[contacts.owner], sliding[contacts.owner])
         traction = contacts.per_roller(friction * contacts.force)
         if not self.resists:
@@ -181,31 +162,13 @@ class ConventionalFriction:
         return traction, resistance * rolling / film
 
 
-class EffectiveCurve:
-    """Effective friction of one raceway against its sliding speed, from a table, and constant beyond it."""
-
-    def __init__(self, nodes: Array, limits: tuple[float, float], scale: float) -> None:
-        from scipy.interpolate import CubicHermiteSpline
-
-        x = np.linspace(*limits, nodes.shape[0])
-        #: nodes, their limits, and the scale of the sliding speed, for compiled code
-        self.compiled = np.ascontiguousarray(nodes), limits, scale
-        self._friction = CubicHermiteSpline(x, nodes[:, 0], nodes[:, 1] / (x[1] - x[0]))
-
-    def __call__(self, sliding: Array) -> Array:
-        """Return the effective friction coefficient."""
-        _, limits, scale = self.compiled
-        x = sliding / (np.abs(sliding) + scale)
-        return np.asarray(self._friction(np.clip(x, *limits)), dtype=float)
-
-
 class EffectiveFriction:
     """Effective friction of one ring times the normal force, rolling resistance as without slip."""
 
     def __init__(
-        self, curve: EffectiveCurve, friction: ConventionalFriction, rolling: float
+        self, table: EffectiveTable, friction: ConventionalFriction, rolling: float
     ) -> None:
-        self._curve = curve
+        self._table = table
         self._force = friction.contacts.per_roller(friction.contacts.force)
         free = np.full_like(self._force, rolling)
         self._resistance = 0.0 * free
@@ -215,11 +178,14 @@ class EffectiveFriction:
     @property
     def compiled(self) -> CompiledCurve:
         """What compiled code takes of it."""
-        return *self._curve.compiled, self._force, self._resistance
+        table = self._table
+        nodes = np.ascontiguousarray(table.nodes)
+        return nodes, table.limits, table.sliding_scale, self._force, self._resistance
 
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
-        return self._curve(sliding) * self._force, self._resistance * rolling / _film_speed(rolling)
+        resistance = self._resistance * rolling / np.hypot(rolling, SLOW)
+        return self._table.friction(sliding) * self._force, resistance
 
 
 def logit_slip(slip: float) -> float:
@@ -292,7 +258,7 @@ class Spins:
         rings = curves or [ring for *_, ring in self._gathered]
         self.kernel = Kernel(positions, rings, radii, rolling, slow, pocket, brakes)
 
-    def check(self, status: str) -> KernelStatus:
+    def check(self, status: str) -> str:
         """Return how a call of the kernel ended, report to the chains what it evaluated, and raise their refusals.
 
         Parameters
@@ -312,7 +278,7 @@ class Spins:
             refusal = chain.kernel.refusal(stage)
             assert refusal is not None
             raise chain.error(refusal, table)
-        return KernelStatus(status)
+        return status
 
 
 @attrs.frozen(eq=False)
@@ -335,7 +301,7 @@ class Motions:
         pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
         rubbing: float = 0.0,  # coefficient of friction of rollers without a cage at their neighbours
         # Friction curves of inner and outer raceway in place of the whole chain.
-        effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
+        effective: tuple[EffectiveTable, EffectiveTable] | None = None,
         inertia: bool = True,  # False for rollers without inertia of their spin
         n_loads: int = 0,  # loads that stand for the slices of a roller, 0 for all of these
         # Motions of the same bearing, or of one nearly alike, which know the slip of its rollers without cage slip.
@@ -379,8 +345,11 @@ class Motions:
         along, across = self.assembly.body_force
         if self.pocket > 0.0 and (along or across):
             where = Location(self.assembly.scene.origins, ("cage", "drag"))
-            reason = "friction in pockets is that of forces along the orbit, and those of a carrier are not among them"
-            raise SceneError([where.message(f"{reason}; leave out one of them")])
+            reason = (
+                "friction in pockets is that of forces along the orbit, and those of a carrier are not among them; "
+                "leave out one of them"
+            )
+            raise SceneError([where.message(reason)])
         angle = self._orbit[1]
         radius = self.assembly.kinematics.orbit_radius
         return np.asarray(self.sense * radius * (across * np.cos(angle) - along * np.sin(angle)))
@@ -531,7 +500,7 @@ class Motions:
     @property
     def _march_loads(self) -> int | None:
         """Loads of a roller that is marched, None for those of the motions: without inertia nothing refines it."""
-        return MARCH.n_loads if self._inertia else None
+        return _MARCH_LOADS if self._inertia else None
 
     def _march(
         self,
@@ -546,7 +515,7 @@ class Motions:
         """
         spins = self.spins(slips, self._march_loads, brakes) if spins is None else spins
         starts = self._march_starts(spins, slips) if starts is None else starts
-        tolerance = MARCH.balance if self._inertia else MARCH.balance_without_inertia
+        tolerance = _BALANCE_TOLERANCE if self._inertia else _BALANCE_WITHOUT_INERTIA
         roller_slips, agree, changes, status = spins.kernel.march_orbits(
             np.arange(slips.size),
             self.positions,
@@ -554,10 +523,10 @@ class Motions:
             self._rolling_slips(slips),
             self._march_widths(slips),
             starts,
-            MARCH.euler_orbits,
+            _EULER_ORBITS,
             tolerance,
         )
-        if spins.check(status) is KernelStatus.NO_BALANCE:
+        if spins.check(status) == _NO_BALANCE:
             raise ConvergenceError("rollers that are sent round find no balance on their way")
         return _March(roller_slips, agree, changes)
 
@@ -594,7 +563,7 @@ class Motions:
                 attrs.evolve(
                     motion,
                     error=max(motion.error, change),
-                    converged=motion.converged and change < MARCH.max_error,
+                    converged=motion.converged and change < _MAX_ERROR,
                 )
                 for motion, change in zip(motions, changes[rows].tolist(), strict=True)
             ]
@@ -611,7 +580,7 @@ class Motions:
         doubled = []
         for row in np.flatnonzero(~march.agree).tolist():
             first, second = march.roller_slips[row] / unit[row]
-            is_periodic = march.changes[row].max() < MARCH.periodic
+            is_periodic = march.changes[row].max() < _PERIODIC_TOLERANCE
             if self.distance(first, second) >= (DISTINCT if is_periodic else 0.0):
                 doubled.append(row)
         return doubled
@@ -628,20 +597,20 @@ class Motions:
         error = np.zeros(rows.size)
         if self._inertia:
             found, multiplier, torque, is_found, status = spins.kernel.periodic_rows(
-                rows, self.positions, inertia, marched, unit, MARCH.newton
+                rows, self.positions, inertia, marched, unit, _NEWTON_TOLERANCE
             )
             spins.check(status)
             torque = self._rollers * torque
             change = np.abs(found - marched) @ self._weight / unit
-            is_other = (changes < MARCH.periodic) & (change > CONTINUES)
+            is_other = (changes < _PERIODIC_TOLERANCE) & (change > CONTINUES)
             converged = is_found & (np.abs(multiplier) < 1.0) & ~is_other
             failed = np.flatnonzero(~converged)
             if failed.size:
                 of_failed = self._march_second_order(
-                    spins, slips, rows[failed], marched[failed], unit[failed]
+                    spins, slips, rows[failed], marched[failed], inertia[failed], unit[failed]
                 )
                 found[failed], multiplier[failed], torque[failed], error[failed] = of_failed
-                converged[failed] = error[failed] < MARCH.max_error
+                converged[failed] = error[failed] < _MAX_ERROR
         else:
             found = marched
             multiplier = np.zeros(rows.size)
@@ -672,13 +641,12 @@ class Motions:
         return np.asarray(self._rollers * torque), multiplier
 
     def _march_second_order(
-        self, spins: Spins, slips: Array, rows: Rows, marched: Array, unit: Array
+        self, spins: Spins, slips: Array, rows: Rows, marched: Array, inertia: Array, unit: Array
     ) -> tuple[Array, Array, Array, Array]:
         """Roller slips, multipliers, torques [N m] and relative errors by a march of second order, (m, ...) each.
 
         Where the march is not periodic, they are those of the march of first order, with its discretisation error.
         """
-        inertia = (self._inertia * np.abs(1.0 - slips))[rows]
         second, _, change, status = spins.kernel.march_orbits(
             rows,
             self.positions,
@@ -686,12 +654,12 @@ class Motions:
             self._rolling_slips(slips)[rows],
             self._march_widths(slips)[rows],
             np.repeat(marched[:, :1], 2, axis=1),
-            MARCH.second_order_orbits,
-            MARCH.newton,
+            _SECOND_ORDER_ORBITS,
+            _NEWTON_TOLERANCE,
             np.repeat(marched[:, None], 2, axis=1),
         )
         spins.check(status)
-        is_periodic = change[:, 0] <= 100.0 * MARCH.newton
+        is_periodic = change[:, 0] <= 100.0 * _NEWTON_TOLERANCE
         found = np.where(is_periodic[:, None], second[:, 0], marched)
         torque, multiplier = self._mean_torques(spins, rows, found, inertia, unit)
         bend = 0.5 * marched - np.roll(marched, 1, axis=1) + 0.5 * np.roll(marched, 2, axis=1)
@@ -726,23 +694,23 @@ class Motions:
         rows = np.arange(slips.size)
         current = brakes[rows]
         spins = None
-        for _ in range(NEIGHBOURS.max_iterations):
+        for _ in range(_MAX_MOMENT_ITERATIONS):
             if spins is None:  # compiled code reads ``current`` itself
                 spins = self.spins(slips[rows], self._march_loads, current)
             step, torque = self._find_brake_step(
                 slips[rows], None if starts is None else starts[rows], spins, current
             )
             size = np.abs(step).max(axis=1)
-            stalled[rows] += size > NEIGHBOURS.stall_ratio * smallest[rows]
+            stalled[rows] += size > _STALL_RATIO * smallest[rows]
             smallest[rows] = np.minimum(size, smallest[rows])
             current += step / (1.0 + stalled[rows, None])
             brakes[rows] = current
             torques.append(np.full(slips.size, np.nan))
             torques[-1][rows] = torque.mean(axis=1) / np.abs(torque).mean(axis=1)
-            errors[rows] = np.ptp(torques[-NEIGHBOURS.n_averaged :], axis=0)[rows]
-            is_converged = size <= NEIGHBOURS.moments * current.max(axis=1)
+            errors[rows] = np.ptp(torques[-_N_AVERAGED:], axis=0)[rows]
+            is_converged = size <= _MOMENT_TOLERANCE * current.max(axis=1)
             errors[rows[is_converged]] = 0.0
-            is_done = is_converged | (stalled[rows] >= NEIGHBOURS.n_averaged)
+            is_done = is_converged | (stalled[rows] >= _N_AVERAGED)
             if is_done.all():
                 break
             if is_done.any():
@@ -756,7 +724,9 @@ class Motions:
     ) -> tuple[Array, Array]:
         """The full step of the moments, and torques of one roller on the cage [N m], (n, K) each."""
         k = self.assembly.kinematics
-        train = Train.of(k, self.assembly.scene.bearing.rollers, self.rubbing)
+        rollers = self.assembly.scene.bearing.rollers
+        lever = k.orbit_radius * math.cos(math.pi / rollers)
+        train = Train(rollers, k.roller_radius, lever, self.rubbing)
         friction = train.coefficient * train.radius
         roller_slips = self._march(slips, starts, spins).roller_slips[:, 0].ravel()
         spin, torque = self._torques(spins, roller_slips)
@@ -833,14 +803,11 @@ def check_repeats(assembly: Assembly, without: str = "without skidding") -> None
         if raceway is not None and raceway.form and speed != 0.0:
             where = Location(assembly.scene.origins, ("bearing", f"{ring}_raceway", "form"))
             reason = (
-                "turns with its ring against the load, so that orbits of rollers do not repeat, "
-                "as in a steady slip"
-            )
-            remedy = (
+                "turns with its ring against the load, so that orbits of rollers do not repeat, as in a steady slip; "
                 f"motions in time follow it at level 'planar', and effective friction alone, {without}, is a mean over "
                 "its turns"
             )
-            raise SceneError([where.message(f"{reason}; {remedy}")])
+            raise SceneError([where.message(reason)])
 
 
 def solve_orbits(

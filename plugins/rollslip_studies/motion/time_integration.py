@@ -263,11 +263,13 @@ class _Run:
         self.work: Counts = np.zeros(4, dtype=int)  # steps, rejected, evaluations, jacobians
         #: time and state at the event that stops the run, between the stored times
         self.stop_state: tuple[float, Floats] | None = None
-        self.wall_start = self.wall_saved = time.perf_counter()
-        self.processor_start = self.processor_saved = time.process_time()
         self.signs: Floats = np.zeros(0)  # of the watched values
         self.n_parts = 0  # saved
-        self.saved = (0, 0, self.work)  # times, events and work in the saved parts
+        self.start = self.saved = self._measure_progress()  # at the start, and in the saved parts
+
+    def _measure_progress(self) -> tuple[int, int, Counts, float, float]:
+        """Numbers of stored times and events, the work so far, and the clocks of elapsed and processor time [s]."""
+        return self.count, len(self.events), self.work, time.perf_counter(), time.process_time()
 
     def run(self) -> Trajectory:
         """Integrate to the last time, and return the trajectory whatever ends it."""
@@ -301,18 +303,17 @@ class _Run:
             self.integrator.name, message or outcome, self.t, steps, rejected, evaluations,
         )  # fmt: skip
         if self.save is not None and outcome == "interrupted":
-            self.save(self.n_parts, self._trajectory_since(*self.saved, outcome, message, None))
-        return self._trajectory_since(0, 0, np.zeros(4, dtype=int), outcome, message, raised)
+            self.save(self.n_parts, self._trajectory_since(self.saved, outcome, message, None))
+        return self._trajectory_since(self.start, outcome, message, raised)
 
     def _trajectory_since(
         self,
-        count: int,
-        events: int,
-        work: Counts,
+        progress: tuple[int, int, Counts, float, float],
         outcome: Outcome,
         message: str,
         raised: BaseException | None,
     ) -> Trajectory:
+        count, events, work, wall, processor = progress
         t = self.times[count : self.count]
         y = self.stored[count : self.count]
         if self.stop_state is not None and not (t.size and t[-1] == self.stop_state[0]):
@@ -333,10 +334,9 @@ class _Run:
             rejected=int(work[1]) if self.work[1] >= 0 else -1,
             evaluations=int(work[2]),
             jacobians=int(work[3]),
-            wall_time=time.perf_counter() - (self.wall_start if count == 0 else self.wall_saved),
+            wall_time=time.perf_counter() - wall,
             last_state=self.state,
-            processor_time=time.process_time()
-            - (self.processor_start if count == 0 else self.processor_saved),
+            processor_time=time.process_time() - processor,
             diagnostics=self.diagnostics,
         )
 
@@ -362,8 +362,11 @@ class _Run:
             self._restore(solver)
             message = self._advance_compiled(solver, bound)
         else:
+            import inspect
+
             stepped = self.integrator.solver()
-            if self.problem.jacobian is not None and _takes_jacobian(stepped):
+            takes_jacobian = "jac" in inspect.signature(stepped.__init__).parameters
+            if self.problem.jacobian is not None and takes_jacobian:
                 options["jac"] = self.problem.jacobian
             rates = _Rates(self.problem.rates)
             message = self._step_solver(stepped(rates, self.t, self.y, bound, **options), rates)
@@ -532,12 +535,11 @@ class _Run:
 
     def _save_if_due(self) -> None:
         """Save the trajectory since the previous part, if the interval has passed."""
-        if self.save is not None and time.perf_counter() - self.wall_saved > self.save_interval:
-            self.save(self.n_parts, self._trajectory_since(*self.saved, "interrupted", "", None))
+        *_, wall, _ = self.saved
+        if self.save is not None and time.perf_counter() - wall > self.save_interval:
+            self.save(self.n_parts, self._trajectory_since(self.saved, "interrupted", "", None))
             self.n_parts = self.n_parts + 1
-            self.saved = (self.count, len(self.events), self.work)
-            self.wall_saved = time.perf_counter()
-            self.processor_saved = time.process_time()
+            self.saved = self._measure_progress()
 
 
 class _Rates:
@@ -553,7 +555,10 @@ class _Rates:
 
     def __call__(self, t: float, y: Floats) -> Floats:
         try:
-            rates = self._rates_or_nan(t, y)
+            rates = np.full(np.shape(y), np.nan)
+            if np.all(np.isfinite(y)):
+                with suppress(RefusedError):
+                    rates = self.rates(t, y)
             self.n_without_numbers = 0 if np.all(np.isfinite(rates)) else self.n_without_numbers + 1
             if self.n_without_numbers > _MAX_WITHOUT_NUMBERS:
                 raise ArithmeticError("the rates are not finite there, or a little after it")
@@ -561,15 +566,3 @@ class _Rates:
             self.raised = error
             raise
         return rates
-
-    def _rates_or_nan(self, t: float, y: Floats) -> Floats:
-        if np.all(np.isfinite(y)):
-            with suppress(RefusedError):
-                return self.rates(t, y)
-        return np.full(np.shape(y), np.nan)
-
-
-def _takes_jacobian(solver: type[Any]) -> bool:
-    import inspect
-
-    return "jac" in inspect.signature(solver.__init__).parameters

@@ -30,11 +30,10 @@ from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.text import Status
 from rollslip.units import format_quantity
-from rollslip_studies.motion.effective_table import effective_table
+from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
 from rollslip_studies.motion.loading_branch import LoadingBranch, find_loading_branch
 from rollslip_studies.motion.spins import (
     ConventionalFriction,
-    EffectiveCurve,
     Motion,
     Motions,
     logit_slip,
@@ -46,27 +45,23 @@ from rollslip_studies.motion.spins import (
 _N_LOADS: Final = 8
 
 
-@attrs.frozen(kw_only=True)
-class CostEstimate:
-    """Numbers by which the time of a loading branch is estimated from that of some of its slips."""
+# The time of a loading branch is estimated from that of some of its slips.
 
-    #: Number of slips whose time is measured. Doubling it doubles the time of the estimate; chosen, so that these
-    #: take about a tenth of the search.
-    n_slips: int = 6
-    #: Logit of the smallest slip that is measured, 1.2e-4. Doubling it has no effect on the time of a slip; chosen,
-    #: near the smallest slip of the branch.
-    lowest_logit: float = -9.0
-    #: Ratio of the time of the whole search, with its maxima, to that of the measured slips. The estimate is
-    #: proportional to it; measured.
-    whole: float = 10.0
-    #: Further ratio without a cage, where neighbours brake each other; 5 to 34 in five bearings.
-    neighbours: float = 14.0
-    #: Smallest range of slips in which a law without a value is assumed to have one further below. Doubling it
-    #: gives up one halving earlier; chosen.
-    min_range: float = 1e-3
+#: Number of slips whose time is measured. Doubling it doubles the time of the estimate; chosen, so that these take
+#: about a tenth of the search.
+_COST_SLIPS: Final = 6
+#: Logit of the smallest slip that is measured, 1.2e-4. Doubling it has no effect on the time of a slip; chosen, near
+#: the smallest slip of the branch.
+_COST_LOWEST_LOGIT: Final = -9.0
+#: Ratio of the time of the whole search, with its maxima, to that of the measured slips. The estimate is proportional
+#: to it; measured.
+_COST_WHOLE: Final = 10.0
+#: Further ratio without a cage, where neighbours brake each other; 5 to 34 in five bearings.
+_COST_NEIGHBOURS: Final = 14.0
+#: Smallest range of slips in which a law without a value is assumed to have one further below. Doubling it gives up
+#: one halving earlier; chosen.
+_COST_MIN_RANGE: Final = 1e-3
 
-
-COST: Final = CostEstimate()
 #: Smallest number of positions of an orbit on which rollers are followed. Doubling it doubles the time; chosen,
 #: because the change by four times as many positions is part of stated errors, 1.4e-3 in the median of 79 bearings.
 _MIN_POSITIONS: Final = 56
@@ -113,7 +108,7 @@ class TorqueBalance:
         *,
         n_positions: int,  # roller positions within a pitch; the orbit has Z times as many
         # Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
-        effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
+        effective: tuple[EffectiveTable, EffectiveTable] | None = None,
         # False for rollers without inertia of their spin, whose contacts balance at every position.
         inertia: bool = True,
         # The balance of a similar bearing, whose rollers slip about as much without cage slip.
@@ -171,14 +166,14 @@ class TorqueBalance:
         start = time.process_time()
         motions = self._reduced_motions
         loaded = time.process_time()
-        logits = np.linspace(COST.lowest_logit, logit_slip(max_slip), COST.n_slips)
+        logits = np.linspace(_COST_LOWEST_LOGIT, logit_slip(max_slip), _COST_SLIPS)
         try:
             motions.find(np.array([slip_from_logit(logit) for logit in logits.tolist()]))
         except DomainError:  # at the end of the range a law has no value
-            if max_slip < COST.min_range:
+            if max_slip < _COST_MIN_RANGE:
                 raise
             return self.seconds(0.5 * max_slip)
-        ratio = COST.whole * (COST.neighbours if self._rubbing else 1.0)
+        ratio = _COST_WHOLE * (_COST_NEIGHBOURS if self._rubbing else 1.0)
         return loaded - start + ratio * (time.process_time() - loaded)
 
     def has_several_motions(self, slip: float) -> bool:
@@ -226,7 +221,8 @@ class TorqueBalance:
     def orbit(self, cage_slip: float) -> Orbit:
         """Return the motion of the rollers at a steady cage slip, on the loading branch where they have several."""
         if cage_slip not in self._orbits:
-            self._orbits[cage_slip] = self.orbit_from_motion(self._find_motion(cage_slip))
+            (motion,) = self._find_on_branch(self.motions, np.array([cage_slip]))
+            self._orbits[cage_slip] = self.orbit_from_motion(motion)
         return self._orbits[cage_slip]
 
     def torques(self, cage_slips: Array, *, reduced: bool = False) -> Array:
@@ -242,27 +238,20 @@ class TorqueBalance:
         motions = self._reduced_motions if reduced else self.motions
         torques = np.empty(cage_slips.size)
         order = np.argsort(cage_slips)
-        below = None
-        found = motions.find(cage_slips[order])
-        for k, candidates in zip(order.tolist(), found, strict=True):
-            if not _is_unique(candidates):
-                start = below or self._motion_below(float(cage_slips[k]))
-                candidates = motions.find(cage_slips[k : k + 1], start.fraction[:1])[0]
-            below = candidates[0]
-            torques[k] = below.torque
+        found = self._find_on_branch(motions, cage_slips[order])
+        torques[order] = [motion.torque for motion in found]
         return torques
 
-    def _motion_below(self, slip: float) -> Motion:
-        """The motion of the loading branch at the next slip below one."""
-        return self.loading_branch(max(RANGE, slip)).motion_below(slip)
-
-    def _find_motion(self, slip: float) -> Motion:
-        """The motion of the loading branch at a slip."""
-        candidates = self.motions.find(np.array([slip]))[0]
-        if not _is_unique(candidates):
-            start = self._motion_below(slip).fraction[:1]
-            candidates = self.motions.find(np.array([slip]), start)[0]
-        return candidates[0]
+    def _find_on_branch(self, motions: Motions, slips: Array) -> list[Motion]:
+        """The motions of the loading branch at ascending slips, (n,)."""
+        found = list[Motion]()
+        for slip, candidates in zip(slips.tolist(), motions.find(slips), strict=True):
+            if not _is_unique(candidates):
+                branch = self.loading_branch(max(RANGE, slip)) if not found else None
+                start = found[-1] if branch is None else branch.motion_below(slip)
+                candidates = motions.find(np.array([slip]), start.fraction[:1])[0]
+            found.append(candidates[0])
+        return found
 
     def orbit_from_motion(self, motion: Motion) -> Orbit:
         """Return a motion on all slices, such as that of a steady slip, with the forces in it."""
@@ -461,10 +450,9 @@ def describe_no_skidding(branch: LoadingBranch, range_key: str) -> str:
     else:
         further = f"raise {range_key} to look further"
     where = "where" if slip == branch.end else f"and at {slip:.3g}"
-    carried = format_quantity(torque, "N m", 3)
     return (
         f"no skidding up to a slip of {branch.end:.4g}, {where} the rollers carry the "
-        f"largest drag, {carried}; {further}"
+        f"largest drag, {format_quantity(torque, 'N m', 3)}; {further}"
     )
 
 
@@ -496,13 +484,12 @@ def running(balance: TorqueBalance, max_slip: float = RANGE) -> Running:
             math.nan, math.nan, f"{Status.DRIVEN}: it runs at more than twice its epicyclic speed"
         )
     slip, torque = branch.maximum
-    drag = format_quantity(-balance.drag(slip), "N m", 3)
-    carried = format_quantity(torque, "N m", 3)
     return Running(
         math.nan,
         math.nan,
-        f"{Status.NO_STEADY_SLIP} up to {branch.end:.4g}: where the rollers carry most, {carried} at a slip of "
-        f"{slip:.3g}, the drags of the scene are {drag}",
+        f"{Status.NO_STEADY_SLIP} up to {branch.end:.4g}: where the rollers carry most, "
+        f"{format_quantity(torque, 'N m', 3)} at a slip of {slip:.3g}, the drags of the scene are "
+        f"{format_quantity(-balance.drag(slip), 'N m', 3)}",
     )
 
 
@@ -604,14 +591,16 @@ def describe_near_skidding(assembly: Assembly, slip: float) -> str:
     first = min(known, key=lambda onset: onset.drag)
     if slip < first.slip and carried < (1.0 - 2.0 * min(error, 0.5)) * first.drag:
         return ""
-    start = f"{100.0 * known[0].slip:.3g} %"
-    where = f"with a cage slip of {100.0 * slip:.3g} % the cage is near skidding, which begins at {start}"
+    where = (
+        f"with a cage slip of {100.0 * slip:.3g} % the cage is near skidding, which begins at "
+        f"{100.0 * known[0].slip:.3g} %"
+    )
     if len(known) < 2:
         return f"{where}, and it does so by one of both frictions alone"
     return f"{where}, where effective friction is off by {100.0 * error:.2g} % of the drag"
 
 
-def effective_curves(assembly: Assembly, n_positions: int) -> tuple[EffectiveCurve, EffectiveCurve]:
+def effective_curves(assembly: Assembly, n_positions: int) -> tuple[EffectiveTable, EffectiveTable]:
     """Return the effective friction curves of both raceways, with the loads at epicyclic speed.
 
     Parameters
@@ -624,8 +613,7 @@ def effective_curves(assembly: Assembly, n_positions: int) -> tuple[EffectiveCur
     loads = assembly.load_distribution(n_positions)
     tolerance = assembly.resolution.table_tolerance
 
-    def tabulate(raceway: Raceway, load: Array) -> EffectiveCurve:
-        table = effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance)
-        return EffectiveCurve(table.nodes, table.limits, table.sliding_scale)
+    def tabulate(raceway: Raceway, load: Array) -> EffectiveTable:
+        return effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance)
 
     return tabulate(assembly.inner, loads.inner_load), tabulate(assembly.outer, loads.outer_load)

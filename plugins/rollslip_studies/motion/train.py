@@ -27,7 +27,6 @@ import math
 import attrs
 import numpy as np
 
-from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import Array
 
 
@@ -37,38 +36,22 @@ class Train:
 
     rollers: int  # their number
     radius: float  # of a roller, r [m]
-    lever: float  # of the forces between neighbours, along the orbit, c [m]
+    lever: float  # of the forces between neighbours, along the orbit, c = R_m cos(pi/Z) [m]
     coefficient: float  # of friction of neighbours, mu [1]
 
-    @classmethod
-    def of(cls, kinematics: Kinematics, rollers: int, coefficient: float) -> "Train":
-        """Return the train of a bearing.
-
-        Parameters
-        ----------
-        kinematics : Kinematics
-            Of the bearing.
-        rollers : int
-            Number of rollers.
-        coefficient : float
-            Coefficient of friction of neighbours.
-        """
-        lever = kinematics.orbit_radius * math.cos(math.pi / rollers)
-        return cls(rollers, kinematics.roller_radius, lever, coefficient)
-
-    def pushes(self, torque: Array, falls: Array | None = None) -> tuple[Array, Array]:
+    def pushes(self, torque: Array, falls: Array | float = 0.0) -> tuple[Array, Array]:
         """Return the forces [N] by which rollers are pushed from behind, and push the roller ahead, (n, K) each.
 
         Parameters
         ----------
         torque : ndarray
             Torques of rollers along the orbit [N m], in its sense at K positions, (n, K).
-        falls : ndarray, optional
-            By how much a torque decreases with the sum of both forces [m], (n, K); by default zero.
+        falls : ndarray or float
+            By how much a torque decreases with the sum of both forces [m], (n, K).
         """
         shape = torque.shape[0], self.rollers, torque.shape[1] // self.rollers
         torque_by_roller = torque.reshape(shape)
-        falls = np.zeros(shape) if falls is None else falls.reshape(shape)
+        falls = np.broadcast_to(falls, torque.shape).reshape(shape)
         passed_on = (self.lever - falls) / (self.lever + falls)
         per_torque = 1.0 / (self.lever + falls)
         # a = passed_on b + per_torque (Y - D), round the train. The force behind each roller is the sum of that with no
