@@ -238,7 +238,7 @@ class Mounting:
     smoothing: float = field(
         default=0.8,
         unit="1",
-        doc="share of an interference that is left when its roughness is flattened (C)",
+        doc="fraction of an interference that remains when its roughness is flattened (C)",
         validator=in_range(0, 1),
         usual=(0.5, 1),
     )

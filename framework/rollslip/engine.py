@@ -42,7 +42,7 @@ def threads() -> int:
         return cores()
     if not (text.isascii() and text.isdecimal() and int(text) > 0):
         raise RollslipError(
-            f"ROLLSLIP_THREADS = {text!r} is no number of threads: set a whole number of at least 1, or unset it"
+            f"ROLLSLIP_THREADS = {text!r} is not a number of threads: set a whole number of at least 1, or unset it"
         )
     return int(text)
 

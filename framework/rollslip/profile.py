@@ -81,7 +81,7 @@ def profile_drop(
         return np.zeros_like(x)
     if np.any(np.abs(x) == half):
         raise DomainError(
-            "the logarithmic profile is infinite at the ends of the roller: ask at midpoints of slices"
+            "the logarithmic profile is infinite at the ends of the roller: evaluate it at midpoints of slices"
         )
     return -0.00035 * roller_diameter * np.log1p(-((x / half) ** 2))
 

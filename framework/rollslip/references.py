@@ -161,7 +161,7 @@ class Reference:
         if self.doi and not re.fullmatch(r"10\.\d{4,9}/[^\s{}\\%#]+", self.doi):
             raise self._fault(
                 "doi",
-                f"{self.doi!r} is no DOI such as '10.3103/S1068366622010068', without a resolver",
+                f"{self.doi!r} is not a DOI such as '10.3103/S1068366622010068', without a resolver",
             )
 
     def _check_types(self) -> None:

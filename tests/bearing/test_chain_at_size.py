@@ -317,7 +317,7 @@ def test_a_number_of_threads_that_is_none_is_refused_in_words(monkeypatch):
         with pytest.raises(RollslipError) as error:
             Chain(*PAPER)(contacts(LARGE))
         assert str(error.value) == (
-            f"ROLLSLIP_THREADS = {given!r} is no number of threads: set a whole number of at least 1, or unset it"
+            f"ROLLSLIP_THREADS = {given!r} is not a number of threads: set a whole number of at least 1, or unset it"
         )
     with pytest.raises(ValueError, match="at least one thread, not in 0"):
         Chain(*PAPER, threads=0)

@@ -224,9 +224,9 @@ def two(slices, other):
         (
             {"limit": 0.05},
             two,
-            "limit is no parameter with a default; declare it by rollslip.fields.parameter(default=",
+            "limit is not a parameter with a default; declare it by rollslip.fields.parameter(default=",
         ),
-        ({"limit": parameter(unit="1", doc="limit")}, two, "limit is no parameter with a default"),
+        ({"limit": parameter(unit="1", doc="limit")}, two, "limit is not a parameter with a default"),
         (
             {"limit": parameter(default=1.0, unit="1", doc="limit")},
             two,

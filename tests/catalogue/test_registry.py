@@ -108,8 +108,8 @@ def test_a_family_offers_all_its_names_and_is_none_itself():
 @pytest.mark.parametrize(
     ("module", "told"),
     [
-        ("rollslip_plugins.data.cylindrical:NOTHING", "is no family of named data"),
-        ("rollslip_plugins.data.cylindrical:RULES", "is no family of named data"),
+        ("rollslip_plugins.data.cylindrical:NOTHING", "is not a family of named data"),
+        ("rollslip_plugins.data.cylindrical:RULES", "is not a family of named data"),
         ("rollslip_plugins.data.nowhere:CATALOGUE", "cannot be imported"),
     ],
 )

@@ -138,8 +138,8 @@ def test_the_estimate_of_alpha_is_within_its_scatter_of_oils_that_were_fitted_or
 @pytest.mark.parametrize(
     ("table", "says"),
     [
-        ({"iso_grade": "VG 68"}, "lubricant.base_oil: missing; a grade alone is no oil: mineral, pao"),
-        ({"base_oil": "mineral", "iso_grade": "VG 70"}, "lubricant.iso_grade: 'VG 70' is no grade of ISO 3448"),
+        ({"iso_grade": "VG 68"}, "lubricant.base_oil: missing; a grade alone is not an oil: mineral, pao"),
+        ({"base_oil": "mineral", "iso_grade": "VG 70"}, "lubricant.iso_grade: 'VG 70' is not a grade of ISO 3448"),
         ({"base_oil": "mineral", "points": [point(40, 68)]}, "does not say how it falls .* or viscosity_index"),
         ({"base_oil": "mineral", "points": [point(60, 68)]}, "does not say how it falls .* at another temperature$"),
         ({"base_oil": "mineral"}, "lubricant.name: missing; name a shipped oil, or .*points .*, or iso_grade"),

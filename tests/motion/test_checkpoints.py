@@ -314,7 +314,7 @@ def test_an_interrupted_run_keeps_what_it_has_and_goes_on(scene, tmp_path, unint
     out, err = process.communicate(timeout=120)
     assert process.returncode == 130, err
     assert "Traceback" not in err
-    again = err.splitlines()[-1].partition("interrupted; go on with: rollslip ")[2]
+    again = err.splitlines()[-1].partition("interrupted; continue with: rollslip ")[2]
     assert shlex.split(again) == [
         "run",
         "own.toml",
@@ -333,7 +333,7 @@ def test_an_interrupted_run_keeps_what_it_has_and_goes_on(scene, tmp_path, unint
     # without --resume nothing is touched; of another scene nothing is taken
     before = {path.name: path.read_bytes() for path in parts(tmp_path)}
     _, err = command(*RUN, "--overwrite", cwd=tmp_path, code=2)
-    assert "holds an interrupted run: go on with it by --resume, or remove it" in err
+    assert "contains an interrupted run: continue it by --resume, or remove it" in err
     _, err = command(*RUN, "--resume", "--set", "cage.mass=0.5 kg", cwd=tmp_path, code=2)
     assert "holds a run of another scene" in err
     assert {path.name: path.read_bytes() for path in parts(tmp_path)} == before
@@ -469,7 +469,7 @@ def test_an_interrupt_after_the_run_says_how_to_go_on(scene, tmp_path):
     )
     assert done.returncode == 130, done.stderr
     assert (
-        "interrupted; go on with: rollslip run own.toml --study dynamics --out o --resume"
+        "interrupted; continue with: rollslip run own.toml --study dynamics --out o --resume"
         in done.stderr
     )
     assert parts(tmp_path)
@@ -519,7 +519,7 @@ def test_a_plugin_that_fails_at_once_leaves_the_start(scene, tmp_path):
 @pytest.mark.faults
 def test_resuming_what_is_not_there(scene, tmp_path):
     _, err = command(*RUN, "--resume", cwd=tmp_path, code=2)
-    assert "there is no interrupted run to go on with in" in err
+    assert "there is no interrupted run to continue in" in err
     _, err = command("run", "own.toml", "--resume", cwd=tmp_path, code=2)
     assert "--resume needs the --out of the run" in err
 

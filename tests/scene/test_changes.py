@@ -171,7 +171,7 @@ def test_what_was_meant_otherwise_gets_advice(key: str, value: object, said: str
 )
 def test_a_key_below_a_value_is_reported(key: str) -> None:
     with pytest.raises(
-        SceneError, match=f"changes: '{key}' leads nowhere: '{key.split('.')[-2]}' is not a table"
+        SceneError, match=f"changes: '{key}' does not exist: '{key.split('.')[-2]}' is not a table"
     ):
         evolve(parse_scene(SCENE, "scene.toml"), {key: 1})
 
@@ -274,7 +274,7 @@ def test_a_key_that_leads_to_none_of_several_models_is_refused(key: str, sentenc
     )
     with pytest.raises(SceneError) as error:
         evolve(several, {key: 1})
-    assert f"changes: '{key}' leads nowhere: {sentence}" in str(error.value)
+    assert f"changes: '{key}' does not exist: {sentence}" in str(error.value)
 
 
 def test_a_fault_of_one_of_several_models_names_the_change() -> None:

@@ -506,9 +506,9 @@ def test_a_stated_clearance_is_that_in_operation_and_the_rest_is_told_as_unused(
         ),
         (
             {"bearing.mounting.shaft_fit": "H7"},
-            "'H7' is no fit of a shaft: shafts have small letters",
+            "'H7' is not a fit of a shaft: shafts have small letters",
         ),
-        ({"bearing.mounting.housing_fit": "m5"}, "'m5' is no fit of a housing"),
+        ({"bearing.mounting.housing_fit": "m5"}, "'m5' is not a fit of a housing"),
         (
             {"bearing.clearance_class": "C9"},
             "clearance_class: 'NU2216E' is not listed in class 'C9': write C2, CN",

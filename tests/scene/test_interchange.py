@@ -107,7 +107,7 @@ def test_other_units_are_read():
         ),
         (
             lambda d: d["parameters"]["bearing"].update(rollers=float("inf")),
-            "bearing.rollers: inf is no finite number",
+            "bearing.rollers: inf is not a finite number",
         ),
         (
             lambda d: d["parameters"]["bearing"].update(

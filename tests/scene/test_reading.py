@@ -431,7 +431,7 @@ def test_a_file_that_cannot_be_read_is_a_scene_error(tmp_path: Path) -> None:
         (directory, f"{directory}: is a directory; a scene is a .toml file"),
         (str(tmp_path), f"{tmp_path}: is a directory; a scene is a .toml file"),
         *(
-            (tmp_path / f"none{ending}", "is no scene but ")
+            (tmp_path / f"none{ending}", "is not a scene but ")
             for ending in (".nc", ".CSV", ".json", ".rexs", ".zip")
         ),
         (tmp_path / "none.toml", f"{tmp_path / 'none.toml'}: there is no such file"),

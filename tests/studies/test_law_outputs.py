@@ -107,7 +107,7 @@ def test_a_column_that_slices_do_not_have_is_refused_when_it_is_registered():
 
     with pytest.raises(
         PluginError,
-        match=r"writes has 'asperity_fraction', which is no column of slices; .* outputs",
+        match=r"writes has 'asperity_fraction', which is not a column of slices; .* outputs",
     ):
         register(Lost)
 

@@ -131,8 +131,8 @@ def test_a_reference_reads_as_a_citation(values, text):
         ({"journal": ""}, "journal: missing, but required"),
         ({"kind": "book", "publisher": ""}, "publisher: missing, but required for kind = 'book'"),
         ({"unconfirmed": ("page",)}, "unconfirmed: 'page' is not one of authors, title"),
-        ({"doi": "https://doi.org/10.1234/x"}, "doi: .* is no DOI such as .* without a resolver"),
-        ({"doi": "10.1234/a}b"}, "doi: .* is no DOI"),
+        ({"doi": "https://doi.org/10.1234/x"}, "doi: .* is not a DOI such as .* without a resolver"),
+        ({"doi": "10.1234/a}b"}, "doi: .* is not a DOI"),
     ],
 )
 def test_what_is_no_reference_is_refused(changes, says):

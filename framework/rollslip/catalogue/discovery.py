@@ -265,7 +265,7 @@ def _member_of_family(offer: Offer, family: Any, kind: Kind, blame: str, remedy:
         )
     ):
         raise PluginError(
-            f"{blame} cannot be used, {offer.module} is no family of named data; {remedy}"
+            f"{blame} cannot be used, {offer.module} is not a family of named data; {remedy}"
         )
     if offer.name not in (family.name, family.canonical_name(offer.name)):
         raise PluginError(

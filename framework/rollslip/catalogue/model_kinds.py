@@ -22,7 +22,7 @@ def _columns_fault(law: Any) -> str:
         names = getattr(law, what, ())
         if isinstance(names, frozenset) and (unknown := sorted(names - known)):
             return (
-                f"class {law.__name__}: {what} has {unknown[0]!r}, which is no column of slices; what a law gives "
+                f"class {law.__name__}: {what} has {unknown[0]!r}, which is not a column of slices; what a law gives "
                 "beside these stands in outputs, and quantities() returns it"
             )
     if taken := sorted(known & {*getattr(law, "outputs", ())}):

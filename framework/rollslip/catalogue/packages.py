@@ -206,7 +206,7 @@ def check_required(required: Iterable[str], where: Location) -> None:
             reason = str(error).splitlines()[0]
             problems.append(
                 where.at(index).message(
-                    f"{text!r} is no requirement ({reason}); write it as 'rollslip-cross>=0.1'"
+                    f"{text!r} is not a requirement ({reason}); write it as 'rollslip-cross>=0.1'"
                 )
             )
             continue

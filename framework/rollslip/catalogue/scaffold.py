@@ -232,7 +232,7 @@ def _check_name(name: str) -> None:
     module = name.replace("-", "_")
     if keyword.iskeyword(module) or keyword.issoftkeyword(module):
         raise FieldError(
-            "name", f"{name!r} is a word of Python's own and cannot name a module; choose another"
+            "name", f"{name!r} is a keyword of Python and cannot name a module; choose another"
         )
     if module in sys.stdlib_module_names or module in ("tests", "test", "setup"):
         raise FieldError(

@@ -177,7 +177,7 @@ def model(
     types_by_name = _types(declared)
     if wrong := [parameter for parameter, cls in types_by_name.items() if cls is None]:
         raise PluginError(
-            f"{blame}: {', '.join(wrong)} is no parameter with a default; declare it by "
+            f"{blame}: {', '.join(wrong)} is not a parameter with a default; declare it by "
             "rollslip.fields.parameter(default=..., unit=..., doc=...)"
         )
 

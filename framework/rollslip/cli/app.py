@@ -360,17 +360,17 @@ class Results:
             raise click.UsageError(
                 "--resume needs the --out of the run"
                 if self.out is None
-                else f"there is no interrupted run to go on with in {checkpoints}"
+                else f"there is no interrupted run to continue in {checkpoints}"
             )
         if checkpoints.exists() and not self.resume:
             raise click.UsageError(
-                f"{checkpoints} holds an interrupted run: go on with it by --resume, or remove it"
+                f"{checkpoints} contains an interrupted run: continue it by --resume, or remove it"
             )
         return checkpoints
 
     def resume_hint(self, command: Sequence[str]) -> str:
         """Return the message on how to resume an interrupted command."""
-        return f"interrupted; go on with: {shlex.join([*command, '--out', str(self.target), '--resume'])}"
+        return f"interrupted; continue with: {shlex.join([*command, '--out', str(self.target), '--resume'])}"
 
 
 def free_folder(name: str) -> Path:

@@ -125,7 +125,9 @@ def verdicts(_: object, __: object, given: Sequence[str]) -> list[str]:
     }
     names = [name.strip().lower() for text in given for name in text.split(",")]
     if wrong := [name for name in names if name not in known]:
-        raise click.BadParameter(f"{wrong[0]!r} is no verdict; there are slips, skids and unknown")
+        raise click.BadParameter(
+            f"{wrong[0]!r} is not a verdict; there are slips, skids and unknown"
+        )
     return [known[name] for name in names]
 
 
@@ -150,7 +152,9 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
 @set_option
 @results_options(resume=True)
 @click.option(
-    "--verify", is_flag=True, help="Run at the finest too, and tell whether the plan kept its word."
+    "--verify",
+    is_flag=True,
+    help="Run at the finest too, and report whether the error of the plan was as predicted.",
 )
 @click.option(
     "--fail-on",

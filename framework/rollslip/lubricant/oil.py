@@ -257,7 +257,7 @@ class Lubricant:
             raise DomainError(
                 f"{self.name} at {_celsius(temperature)}: its data hold from {_celsius(self.minimum_temperature)} to "
                 f"{_celsius(self.maximum_temperature)}; change the temperature, choose another oil, or widen "
-                f"lubricant.minimum_temperature or lubricant.maximum_temperature if you can vouch for its laws there"
+                f"lubricant.minimum_temperature or lubricant.maximum_temperature if its laws are valid there"
             )
         alpha = self.pressure_viscosity_law.coefficient(temperature)
         beta0, gamma = self.falls(temperature)

@@ -344,7 +344,7 @@ class OilTable:
             if self.base_oil is None:
                 raise FieldError(
                     "base_oil",
-                    f"missing; a grade alone is no oil: {', '.join(BASE_OILS)} (kind of base oil)",
+                    f"missing; a grade alone is not an oil: {', '.join(BASE_OILS)} (kind of base oil)",
                 )
         elif self.viscosity_index is not None and not (own and self._is_point_at_40):
             raise FieldError(
@@ -377,7 +377,7 @@ class OilTable:
             grades = ", ".join(map(str, ISO_GRADES))
             raise FieldError(
                 "iso_grade",
-                f"{self.iso_grade!r} is no grade of ISO 3448, such as 'VG 68'; there are {grades}",
+                f"{self.iso_grade!r} is not a grade of ISO 3448, such as 'VG 68'; there are {grades}",
             )
         return int(match[1])
 

@@ -14,7 +14,7 @@ SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
     {
         "viscosity": ("Pa s", "viscosity of the oil at operation.temperature and ambient pressure"),
         "density": ("kg/m3", "density of the oil"),
-        "oil_fraction": ("1", "share of oil in the volume between the rings, of lubrication"),
+        "oil_fraction": ("1", "volume fraction of oil between the rings, of lubrication"),
         "starvation": ("1", "factor of starved inlets, of lubrication"),
         "rollers": ("1", "number of rollers"),
         "roller_diameter": ("m", "diameter of a roller"),

@@ -96,7 +96,7 @@ class ContactModel(SliceModel):
             code="W07",
             quantity="width_ratio",
             high=0.1,
-            consequence="a circle is no parabola over the width of the contact: the gap is {error} off at its edge",
+            consequence="a circle is not a parabola over the width of the contact: the gap is {error} off at its edge",
             error=lambda ratio: 25.0 * ratio**2,
             remedy="a law of conforming surfaces; there is none in the box",
             source="next term of the circle's series, (b/R)^2/4",

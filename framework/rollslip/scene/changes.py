@@ -254,7 +254,7 @@ def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyP
         table = table[part]
     if isinstance(table, list):
         raise ValueError(
-            f"leads nowhere: {path[-2]!r} is a list; add a parameter of one, or set all of the list"
+            f"does not exist: {path[-2]!r} is a list; add a parameter of one, or set all of the list"
         )
     old_value = table.get(path[-1])
     table[path[-1]] = value
@@ -267,7 +267,7 @@ def _named_entry(entries: list[Any], bare: str, name: str, key: object) -> int:
     names = [str(table.get(bare)) for table in tables]
     if name not in names:
         raise ValueError(
-            f"leads nowhere: {key!r} names {', '.join(names) or 'nothing'}, not {name!r}"
+            f"does not exist: {key!r} names {', '.join(names) or 'nothing'}, not {name!r}"
         )
     entries[:] = tables
     return names.index(name)
@@ -291,7 +291,7 @@ def _opened_table(
     if isinstance(value, str) and bare is not None:
         return {bare: value}
     if value is not None:
-        raise ValueError(f"leads nowhere: {key!r} is not a table")
+        raise ValueError(f"does not exist: {key!r} is not a table")
     default = attribute.default if attribute is not None else None
     if attrs.has(type(default)) and bare_key(type(default)) is not None:
         return dict(resolved(default))

@@ -381,7 +381,8 @@ def _named_fit(m: Mounting, part: str, diameter: float) -> tuple[str, float, flo
         )
     if fit.islower() != (part == "shaft"):
         raise FieldError(
-            key, f"{name!r} is no fit of a {part}: shafts have small letters, housings capital ones"
+            key,
+            f"{name!r} is not a fit of a {part}: shafts have small letters, housings capital ones",
         )
     try:
         return fit, *interference(fit, diameter)

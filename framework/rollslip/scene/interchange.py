@@ -160,7 +160,7 @@ def _read(value: object, key: str, source: str, problems: list[str]) -> Any:
     if value is None:
         problems.append(f"{source}: {key}: has no value; leave it out")
     if not _finite(value):
-        problems.append(f"{source}: {key}: {value} is no finite number")
+        problems.append(f"{source}: {key}: {value} is not a finite number")
     return value
 
 

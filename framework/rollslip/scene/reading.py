@@ -54,7 +54,7 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     path = Path(os.fspath(name_or_path))
     source = readable(os.fspath(name_or_path))
     if what := NO_SCENES.get(path.suffix.lower()):
-        raise SceneError([f"{source}: is no scene but {what}"])
+        raise SceneError([f"{source}: is not a scene but {what}"])
     if isinstance(name_or_path, str) and not source.endswith(".toml"):
         shipped = shipped_scenes()
         if source in shipped:

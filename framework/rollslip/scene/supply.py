@@ -73,7 +73,7 @@ SUPPLIES: Final[Mapping[str, Supply]] = MappingProxyType(
         ),
         "splash": Supply(
             "oil that gears throw", 0.25, 1.0, 0.0, _LOW, 1.0,
-            f"half of what a bath holds (D); {_SKF} of a low bath",
+            f"half of that of a bath (D); {_SKF} of a low bath",
         ),
         "circulating": Supply(
             "oil that is pumped through", 0.5, 2.0, 0.0, _LOW, 1.0,
@@ -125,7 +125,7 @@ class Lubrication:
     oil_fraction: float | None = field(
         default=None,
         unit="1",
-        doc="share phi of oil in the volume between the rings; by default that of supply and level",
+        doc="volume fraction phi of oil between the rings; by default that of supply and level",
         validator=optional(non_negative),
         usual=(0, 0.5),
         possible=(0, 1),

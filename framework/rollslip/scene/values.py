@@ -221,7 +221,7 @@ class Models:
     )
     separator: Separator | None = field(
         default=None,
-        doc="what keeps rollers apart: cage, or none for a full complement; by default what the bearing's name says, "
+        doc="what separates the rollers: cage, or none for a full complement; by default what the bearing's name says, "
         "else a cage",
     )
     inner_ring: ModelChoice | None = field(
@@ -240,7 +240,7 @@ class Models:
     )
     torque: tuple[ModelChoice, ...] = field(
         default=(ModelChoice(name="palmgren-torque"), ModelChoice(name="skf")),
-        doc="formulas of the friction torque that stand beside the losses: one, several, or [] for none",
+        doc="formulas of the friction torque to compare with the losses: one, several, or [] for none",
     )
 
     @property
@@ -281,7 +281,7 @@ class Accuracy:
     tolerance: float = field(
         default=1e-3,
         unit="1",
-        doc="relative error that is acceptable, or exact for the finest of everything",
+        doc="relative error that is acceptable, or exact for the reference resolution",
         validator=in_range(0, 1, open=True),
         keywords={"exact": EXACT},
         usual=(EXACT, 0.1),

@@ -115,8 +115,8 @@ def test_what_is_missing_and_not_used_is_told_attribute_by_attribute(tmp_path: P
         ("radial_roller_bearing", "radial_grooved_ball_bearing", "there are: 3 'NU 210' (radial_grooved_ball_bearing)"),
         ('id="number_of_rolling_elements"', 'id="count"', "rolling_bearing_row 4, number_of_rolling_elements: missing"),
         (">16<", ">16.5<", "number_of_rolling_elements: 16.5 is no whole number"),
-        (">11.0<", ">nan<", "rolling_element 5, diameter_of_rolling_element: 'nan' is no finite number"),
-        (">0.875<", ">1e308<", "density_at_15_degree_celsius: '1e308' is no finite number"),  # g of a kilogram
+        (">11.0<", ">nan<", "rolling_element 5, diameter_of_rolling_element: 'nan' is not a finite number"),
+        (">0.875<", ">1e308<", "density_at_15_degree_celsius: '1e308' is not a finite number"),  # g of a kilogram
         ('unit="mm">11.0', 'unit="furlong">11.0', "unit 'furlong' is not read; there are: mm, mum"),
         ('id="radial_force_in_w"', 'id="force"', "radial_force_in_w: missing, but needed for operation.radial_load"),
         ('role="assembly"/><ref id="5"', 'role="assembly"/><ref id="9"', "no rolling_element belongs to the bearing"),

@@ -57,7 +57,7 @@ class Component:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            problems.append(f"{self}, {attribute}: {text!r} is no finite number")
+            problems.append(f"{self}, {attribute}: {text!r} is not a finite number")
             return None
         return value, ours
 
