@@ -67,8 +67,9 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     # what lies above the panel is in no legend
     if (skidding_slip < top).any():
         tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
-        area = axes.fill_between(t, skidding_slip, max(top, 105.0), label="skids", **tint)
-        sheet.handles.append(area)
+        sheet.handles.append(
+            axes.fill_between(t, skidding_slip, max(top, 105.0), label="skids", **tint)
+        )
         sheet.line(
             t,
             skidding_slip,
@@ -120,8 +121,9 @@ def phase(dataset: "xr.Dataset") -> "Figure":
     low = min(low, 0.0)
     high = max(high, 1.2 * left)
     ends = np.array([left, right])
-    tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
-    axes.fill_between(ends, ends, max(high, right), **tint)
+    axes.fill_between(
+        ends, ends, max(high, right), color=MODEL_COLOURS[1], alpha=0.25, linewidth=0.0
+    )
     axes.plot(ends, ends, color=MODEL_COLOURS[1], linestyle=DASHES[1])
     axes.plot(
         np.where(known, skidding_slip, np.nan),
@@ -136,8 +138,13 @@ def phase(dataset: "xr.Dataset") -> "Figure":
     labels = np.searchsorted(arc_length, np.linspace(0.0, arc_length[-1], _TIME_LABELS))
     for k in np.flatnonzero(known)[np.unique(np.minimum(labels, arc_length.size - 1))]:
         axes.plot(skidding_slip[k], slip[k], color=MODEL_COLOURS[0], **MARKER)
-        point = (skidding_slip[k], slip[k])
-        axes.annotate(f"{t[k]:.2g}", point, (4, 2), textcoords="offset points", fontsize=6)
+        axes.annotate(
+            f"{t[k]:.2g}",
+            (skidding_slip[k], slip[k]),
+            (4, 2),
+            textcoords="offset points",
+            fontsize=6,
+        )
     return figure
 
 

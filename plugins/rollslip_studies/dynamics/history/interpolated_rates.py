@@ -15,7 +15,7 @@ The method is piecewise cubic Lagrange interpolation on a tensor grid, refined b
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from typing import Any, Final
 
@@ -226,8 +226,10 @@ class Stations:
             tuple(self.axes[axis].coordinate(node) for node in _nodes(*self._interval(axis, value)))
             for axis, value in enumerate(point)
         ]
-        corners = itertools.product(*reversed(nodes))
-        return nodes, [self.motion(tuple(reversed(corner))).system.owner for corner in corners]
+        return nodes, [
+            self.motion(tuple(reversed(corner))).system.owner
+            for corner in itertools.product(*reversed(nodes))
+        ]
 
     def _interval(self, number: int, value: float) -> tuple[int, int]:
         """Return the nodes of an axis around a coordinate, between which a cubic is within the tolerance."""
@@ -253,9 +255,11 @@ class Stations:
     def _interpolation_error(self, axis: int, low: int, high: int) -> float:
         """Return the error of the rates between two nodes of an axis, with the others at each of their ends."""
         if (axis, low, high) not in self._errors:
-            others = [(a.initial_nodes[0], a.high) for k, a in enumerate(self.axes) if k != axis]
             self._errors[axis, low, high] = max(
-                self._error_at(axis, low, high, rest) for rest in itertools.product(*others)
+                self._error_at(axis, low, high, rest)
+                for rest in itertools.product(
+                    *[(a.initial_nodes[0], a.high) for k, a in enumerate(self.axes) if k != axis]
+                )
             )
         return self._errors[axis, low, high]
 
@@ -294,10 +298,14 @@ class Stations:
     @property
     def _reference_force(self) -> float:
         """Lower bound of the mean force of a roller [N] that errors of loads are relative to, as for rates."""
-        load = max(
-            (axis.value(axis.high) for axis in self.axes if axis.name == "radial_load"), default=0.0
+        return (
+            _MIN_RATE_FRACTION
+            * max(
+                (axis.value(axis.high) for axis in self.axes if axis.name == "radial_load"),
+                default=0.0,
+            )
+            / self._rollers
         )
-        return _MIN_RATE_FRACTION * load / self._rollers
 
     @property
     def _rollers(self) -> int:
@@ -371,9 +379,12 @@ class Stations:
         build = partial(
             build_load_map, bearing, tolerance, max(self.top_speeds), self._reference_force
         )
-        loads = self.assembly.cached("loads of stations", key, build)
         return carried_motion(
-            bearing, self.friction, level=self.level, loads=loads, per_roller=True
+            bearing,
+            self.friction,
+            level=self.level,
+            loads=self.assembly.cached("loads of stations", key, build),
+            per_roller=True,
         )
 
 
@@ -437,9 +448,12 @@ def sampled_rates(
     speeds = motion.system.owner.operation[:2]
     own_speeds = speeds.copy()
     rows = list[list[Array]]()
-    compared = _compared(reference)
+    compared = [name for name in _COMPARED if name in reference.names[2]]
+    # without an epicyclic cage speed there is no other slip than 0
+    difference = abs(k.inner_speed - k.outer_speed)
+    slips = _SLIPS if abs(k.epicyclic_cage_speed) > _ROUNDING * difference else (0.0,)
     fractions = speed_fractions if motion.friction.settings.name == "conventional" else (1.0,)
-    for fraction, slip in itertools.product(fractions, _slips(reference.assembly)):
+    for fraction, slip in itertools.product(fractions, slips):
         speeds[:] = fraction * k.direction * np.array([k.inner_speed, k.outer_speed])
         roller_slip = _ROLLER_SLIP_AT_REST
         if slip:
@@ -457,18 +471,6 @@ def sampled_rates(
             rows[-1].append(np.concatenate((rates["roller_spin"], ledger)))
     speeds[:] = own_speeds
     return np.array(rows)
-
-
-def _slips(assembly: Assembly) -> Iterable[float]:
-    """Return the cage slips at which rates are compared: 0 alone where the epicyclic cage speed is zero."""
-    k = assembly.kinematics
-    difference = abs(k.inner_speed - k.outer_speed)
-    return _SLIPS if abs(k.epicyclic_cage_speed) > _ROUNDING * difference else (0.0,)
-
-
-def _compared(motion: MovingBearing) -> list[str]:
-    """Return the entries of the ledger of a motion whose rates are compared."""
-    return [name for name in _COMPARED if name in motion.names[2]]
 
 
 def largest_rates(rates: Array, rollers: int) -> Array:
@@ -497,9 +499,12 @@ def relative_error(rates: Array, true: Array, smallest: Array, rollers: int) -> 
     rollers : int
         Number of rollers.
     """
-    error = largest_rates(rates - true, rollers)
     size = np.maximum(largest_rates(true, rollers), smallest)
-    return float(np.divide(error, size, out=np.zeros(size.size), where=size > 0.0).max())
+    return float(
+        np.divide(
+            largest_rates(rates - true, rollers), size, out=np.zeros(size.size), where=size > 0.0
+        ).max()
+    )
 
 
 def describe_range(axis: Axis) -> str:

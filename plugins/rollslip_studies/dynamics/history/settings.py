@@ -6,7 +6,6 @@ bearing read ``[operation]``, and without a duration a history has no meaning. A
 """
 
 import hashlib
-import math
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -250,7 +249,14 @@ class HistorySettings:
             if settings.shape == "table":
                 row = where.at(name).at("time").message("")
                 faults += _uncovered(np.array(settings.time), duration, row, row)
-        faults += _negative(courses, duration, where)
+        for name in CONDITIONS:
+            lowest, highest = courses[name].span(duration) if name in courses else (0.0, 0.0)
+            if lowest < -_ROUNDING * highest:
+                goes = format_quantity(lowest, _like(name)["unit"])
+                advice = _ADVICE_BELOW_ZERO.get(name, "")
+                faults.append(
+                    where.at(name).message(f"goes down to {goes}: it may not fall below 0{advice}")
+                )
         if faults:
             raise SceneError(faults)
         states = [name for name in VARYING if name in courses or name not in PART_TEMPERATURES]
@@ -264,10 +270,16 @@ class HistorySettings:
     def _courses_of_file(
         self, scene: Scene, duration: float, where: Location, faults: list[str]
     ) -> tuple[dict[str, Course], str]:
-        """Return the time functions of the file and its hash; without a file none. Faults are appended."""
+        """Return the time functions of the file and its hash; without a file none. Faults are appended.
+
+        The path of the file is relative to the scene where that is a file.
+        """
         if not self.file:
             return {}, ""
-        path = self._path(scene)
+        source = Path(scene.source)
+        path = Path(self.file)
+        if scene.source.endswith(".toml") and source.exists():
+            path = source.parent / path
         try:
             stat = path.stat()
             columns, lines, digest = _read(path, self.file, stat.st_mtime_ns, stat.st_size)
@@ -286,13 +298,6 @@ class HistorySettings:
             columns["time"], duration, f"{self.file}:{lines[0]}", f"{self.file}:{lines[-1]}"
         )
         return courses, digest
-
-    def _path(self, scene: Scene) -> Path:
-        """Return the path of the file, relative to the scene where that is a file."""
-        source = Path(scene.source)
-        if scene.source.endswith(".toml") and source.exists():
-            return source.parent / self.file
-        return Path(self.file)
 
 
 def _stated(scene: Scene, name: str) -> float:
@@ -315,20 +320,6 @@ def _uncovered(time: Array, duration: float, first: str, last: str) -> list[str]
     return faults
 
 
-def _negative(courses: Mapping[str, Course], duration: float, where: Location) -> list[str]:
-    """Return the loads and temperatures that fall below 0 during a run, in words."""
-    faults = []
-    for name in CONDITIONS:
-        lowest, highest = courses[name].span(duration) if name in courses else (0.0, 0.0)
-        if lowest < -_ROUNDING * highest:
-            goes = format_quantity(lowest, _like(name)["unit"])
-            advice = _ADVICE_BELOW_ZERO.get(name, "")
-            faults.append(
-                where.at(name).message(f"goes down to {goes}: it may not fall below 0{advice}")
-            )
-    return faults
-
-
 @lru_cache(maxsize=8)
 def _read(
     path: Path, source: str, changed: int, size: int
@@ -339,21 +330,22 @@ def _read(
     """
     content = content_of(path)
     text = decoded(content, source)
-    digest = hashlib.sha256(content).hexdigest()
     parsed = _parsed_by_numpy(text, source)
     if parsed is None:
         faults = list[str]()
         columns, numbers = read_columns(text, source, _Row, faults, _without_values)
         if len(faults) > _MAX_FAULTS:
-            more = f"{source}: and {len(faults) - _MAX_FAULTS} more faults"
-            faults = [*faults[:_MAX_FAULTS], more]
+            faults = [
+                *faults[:_MAX_FAULTS],
+                f"{source}: and {len(faults) - _MAX_FAULTS} more faults",
+            ]
         if faults:
             raise SceneError(faults)
         parsed = {name: np.array(values) for name, values in columns.items()}, np.array(numbers)
     arrays, lines = parsed
     if fault := unordered(arrays["time"]):
         raise SceneError([f"{source}:{lines[fault[0]]}: time: {fault[1]}"])
-    return arrays, lines, digest
+    return arrays, lines, hashlib.sha256(content).hexdigest()
 
 
 def _without_values(names: Any) -> str:
@@ -430,8 +422,11 @@ class History:
     @property
     def conditions(self) -> tuple[str, ...]:
         """Names of `CONDITIONS` that have a time function and do not belong to a path."""
-        names = CONDITIONS if self.path is None else CONDITIONS[:1]
-        return tuple(name for name in names if name in self.courses)
+        return tuple(
+            name
+            for name in (CONDITIONS if self.path is None else CONDITIONS[:1])
+            if name in self.courses
+        )
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
@@ -463,5 +458,4 @@ class History:
         k = int(np.argmax(np.abs(w_i - w_o)))
         difference = np.abs(w_i * w_o[k] - w_o * w_i[k])
         largest = max(np.abs(w_i).max(), np.abs(w_o).max())
-        in_proportion = bool(np.all(difference <= _PROPORTION_TOLERANCE * largest**2))
-        return in_proportion and math.isfinite(w_i[k])
+        return bool(np.all(difference <= _PROPORTION_TOLERANCE * largest**2))

@@ -51,18 +51,23 @@ class ThermalPath:
             Error of the temperatures [K].
         """
         rates = {key: np.gradient(value, times) for key, value in values.items()}
-        of_temperatures = [rate for key, rate in rates.items() if key.endswith("temperature")]
-        fastest = np.abs(np.array(of_temperatures)).max(axis=0, initial=0.0)
-        length = float(np.trapezoid(fastest, times)) or 1.0
-        rate = np.hypot(fastest / length, 1.0 / times[-1])
-        steps = 0.5 * np.diff(times) * (rate[1:] + rate[:-1])
-        coordinate = np.concatenate(([0.0], np.cumsum(steps)))
-        courses = {key: hermite(times, value, rates[key]) for key, value in values.items()}
+        fastest = np.abs(
+            np.array([rate for key, rate in rates.items() if key.endswith("temperature")])
+        ).max(axis=0, initial=0.0)
+        rate = np.hypot(fastest / (float(np.trapezoid(fastest, times)) or 1.0), 1.0 / times[-1])
+        coordinate = np.concatenate(
+            ([0.0], np.cumsum(0.5 * np.diff(times) * (rate[1:] + rate[:-1])))
+        )
         name = "temperature"
         if CLEARANCE in values and np.ptp(values[CLEARANCE]) > 0.0:
             name = "radial_clearance"
         along = hermite(times, coordinate / coordinate[-1], rate / coordinate[-1])
-        return cls(name, along, courses, error)
+        return cls(
+            name,
+            along,
+            {key: hermite(times, value, rates[key]) for key, value in values.items()},
+            error,
+        )
 
     @property
     def unit(self) -> str:
@@ -105,8 +110,9 @@ class ThermalPath:
 
         def assembled() -> Assembly:
             t = self.time(coordinate)
-            values = {key: float(course.at(t)) for key, course in self.courses.items()}
-            return with_changes(assembly, values)
+            return with_changes(
+                assembly, {key: float(course.at(t)) for key, course in self.courses.items()}
+            )
 
         return assembly.cached("bearing on a path", (self, coordinate), assembled)
 

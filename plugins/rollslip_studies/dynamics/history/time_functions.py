@@ -77,12 +77,10 @@ class Course:
         inside |= (self.starts <= end) & (piece_ends > end)
         _, b, c, d = self.powers.T
         with np.errstate(divide="ignore", invalid="ignore"):
-            root = np.sqrt(c * c - 3.0 * b * d)
-            q = -(c + np.copysign(root, c))
+            q = -(c + np.copysign(np.sqrt(c * c - 3.0 * b * d), c))
             extrema = np.concatenate((q / (3.0 * d), b / q))
-        starts = np.tile(self.starts, 2)
         lower = np.tile(low, 2)
-        extrema = np.where(np.isfinite(extrema), extrema + starts, lower)
+        extrema = np.where(np.isfinite(extrema), extrema + np.tile(self.starts, 2), lower)
         extrema = np.clip(extrema, lower, np.tile(high, 2))
         k = np.tile(np.arange(self.starts.size), 4)
         x = np.maximum(np.concatenate((low, high, extrema)) - self.starts[k], 0.0)
@@ -110,10 +108,11 @@ def table(time: Array, value: Array) -> Course:
     steps = np.diff(time)
     powers[:, 0] = value
     powers[:-1, 1] = np.divide(np.diff(value), steps, out=np.zeros(steps.size), where=steps > 0.0)
-    jumps = time[1:][(steps == 0.0) & (np.diff(value) != 0.0)]
     kinks = np.abs(np.diff(powers[:, 1], prepend=0.0))
     sharpest = np.argsort(kinks, kind="stable")[::-1][:_MAX_BREAKS]
-    breaks = np.union1d(jumps, time[sharpest[kinks[sharpest] > 0.0]])
+    breaks = np.union1d(
+        time[1:][(steps == 0.0) & (np.diff(value) != 0.0)], time[sharpest[kinks[sharpest] > 0.0]]
+    )
     return Course(time, powers, tuple(breaks.tolist()))
 
 
@@ -247,9 +246,16 @@ class CourseSettings:
             return _sine(mean, p["amplitude"], p["period"], p["phase"] or 0.0, end)
         if self.shape == "rotation":
             return _rotation(at, p["from"] or 0.0, p["speed"], end)
-        before, after = self._default_values(now)
-        start = before if p["from"] is None else p["from"]
-        target = after if p["to"] is None else p["to"]
+        start = now
+        target = now
+        if self.shape == "run-up":
+            start = 0.0
+        if self.shape in ("coast-down", "emergency-stop"):
+            target = 0.0
+        if p["from"] is not None:
+            start = p["from"]
+        if p["to"] is not None:
+            target = p["to"]
         if self.shape == "step":
             return table(np.array([0.0, at, at]), np.array([start, start, target]))
         if self.shape == "coast-down":
@@ -259,14 +265,6 @@ class CourseSettings:
         else:
             change = table(np.array([0.0, p["within"]]), np.array([start, target]))
         return _delayed(at, start, change, breaks=(at, at + p["within"]))
-
-    def _default_values(self, now: float) -> tuple[float, float]:
-        """Return the values before and after a change that are not given; now is that of the operation."""
-        if self.shape in ("coast-down", "emergency-stop"):
-            return now, 0.0
-        if self.shape in ("ramp", "step"):
-            return now, now
-        return 0.0, now
 
 
 def _delayed(at: float, value: float, change: Course, breaks: tuple[float, ...]) -> Course:
@@ -282,8 +280,9 @@ def _delayed(at: float, value: float, change: Course, breaks: tuple[float, ...])
 def _rotation(at: float, start: float, speed: float, end: float) -> Course:
     """Return an angle [rad] that increases with a speed [rad/s] from a time [s] on."""
     rest = max(end - at, 0.0)
-    change = table(np.array([0.0, rest]), start + np.array([0.0, speed * rest]))
-    return _delayed(at, start, change, breaks=(at,))
+    return _delayed(
+        at, start, table(np.array([0.0, rest]), start + np.array([0.0, speed * rest])), breaks=(at,)
+    )
 
 
 def _decay(at: float, start: float, target: float, time_constant: float) -> Course:
@@ -291,8 +290,9 @@ def _decay(at: float, start: float, target: float, time_constant: float) -> Cour
     pieces = _PIECES_PER_TIME_CONSTANT * _DECAY_TIME_CONSTANTS
     t = time_constant / _PIECES_PER_TIME_CONSTANT * np.arange(pieces + 1, dtype=float)
     fraction = np.exp(-t / time_constant)
-    slope = -(start - target) / time_constant * fraction
-    change = hermite(t, target + (start - target) * fraction, slope)
+    change = hermite(
+        t, target + (start - target) * fraction, -(start - target) / time_constant * fraction
+    )
     return _delayed(at, start, change, breaks=(at,))
 
 

@@ -92,8 +92,9 @@ class VaryingMotion(MovingBearing):
         last = max(of_history, default=end)
         if not self.history.rings_rest(last, end):
             return of_history
-        fractions = np.geomspace(_FIRST_REST_CHECK, 1.0, _REST_CHECKS)[:-1]
-        return *of_history, *(last + (end - last) * fractions).tolist()
+        return *of_history, *(
+            last + (end - last) * np.geomspace(_FIRST_REST_CHECK, 1.0, _REST_CHECKS)[:-1]
+        ).tolist()
 
     def at_rest(self, t: float, end: float, y: Array) -> bool:
         """Return whether the bearing is at rest in a state, and stays at rest until a later time [s].
@@ -153,8 +154,9 @@ class VaryingMotion(MovingBearing):
     def sample_states(self) -> tuple[Array, Array]:
         """Return times [s], (m,), at breaks of the history and evenly over it, and states without slip, (m, n)."""
         breaks = np.array(self.breaks)
-        even = np.linspace(0.0, self.history.end, _SAMPLES)
-        times = np.union1d(even, breaks[:: 1 + breaks.size // _SAMPLES])
+        times = np.union1d(
+            np.linspace(0.0, self.history.end, _SAMPLES), breaks[:: 1 + breaks.size // _SAMPLES]
+        )
         return times, np.array([self._state(float(t)) for t in times])
 
     def _state(self, t: float, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
@@ -207,16 +209,23 @@ def epicyclic_speeds(assembly: Assembly, history: History, t: Array) -> tuple[Ar
     operation = history.at(t)
     inner = k.inner_radius
     outer = k.outer_radius
-    surface_speeds = inner * operation["inner_speed"] + outer * operation["outer_speed"]
-    cage = k.direction * surface_speeds / (inner + outer)
+    cage = (
+        k.direction
+        * (inner * operation["inner_speed"] + outer * operation["outer_speed"])
+        / (inner + outer)
+    )
     difference = k.direction * (operation["inner_speed"] - operation["outer_speed"])
     return cage, inner * outer / (inner + outer) * difference / k.roller_radius
 
 
 def _min_epicyclic_speed(assembly: Assembly, history: History) -> float:
     """Return the epicyclic cage speed [rad/s] below which slip has no value; see `MIN_EPICYCLIC_FRACTION`."""
-    nodes = [course.starts for name, course in history.courses.items() if name.endswith("_speed")]
-    times = np.concatenate((np.linspace(0.0, history.end, _SPEED_SAMPLES), *nodes))
+    times = np.concatenate(
+        (
+            np.linspace(0.0, history.end, _SPEED_SAMPLES),
+            *[course.starts for name, course in history.courses.items() if name.endswith("_speed")],
+        )
+    )
     cage, _ = epicyclic_speeds(assembly, history, times[times <= history.end])
     return MIN_EPICYCLIC_FRACTION * float(np.abs(cage).max())
 
@@ -255,11 +264,15 @@ def varying_motion(
         If a ring of the scene may not turn.
     """
     speeds = _fastest_speeds(assembly, history)
-    _check_tilt(assembly, history)
     spans = history.spans
     top_speeds = max(map(abs, spans["inner_speed"])), max(map(abs, spans["outer_speed"]))
     _check_rings(assembly, history, top_speeds, planar is not None)
-    load_in_rates = _rates_take_load(assembly, friction, planar)
+    # Only the rates of plane motion follow the load of the moment, so that the load needs no axis. Effective friction
+    # is an average over the loads, and a drag may take the load of its scene.
+    of_scene = set[str]().union(*(taken_from_scene(model) for model in assembly.cage.named))
+    load_in_rates = planar is not None and not (
+        friction.name == "effective" or "radial_load" in of_scene
+    )
     axes = _interpolation_axes(friction, history, speeds, load_in_rates)
     fixed = {name: spans[name][0] for name in history.conditions if name not in history.varies}
     if load_in_rates:
@@ -302,28 +315,6 @@ def varying_motion(
     )
 
 
-def _check_tilt(assembly: Assembly, history: History) -> None:
-    """Refuse a load that turns on rings that are tilted about its line."""
-    tilt = assembly.scene.operation.misalignment
-    if "load_direction" in history.prescribed and tilt != 0.0:
-        raise DomainError(
-            f"the load turns, and operation.misalignment, {tilt:g} rad, is about the line of a load that does not; "
-            "make it 0, or leave load_direction out"
-        )
-
-
-def _rates_take_load(
-    assembly: Assembly, friction: FrictionSettings, planar: PlanarSettings | None
-) -> bool:
-    """Return whether the rates of a station follow the load of the moment, so that the load needs no axis.
-
-    Only those of plane motion do. Effective friction is an average over the loads, and a drag may take the load of its
-    scene.
-    """
-    of_scene = set[str]().union(*(taken_from_scene(model) for model in assembly.cage.named))
-    return planar is not None and not (friction.name == "effective" or "radial_load" in of_scene)
-
-
 def _interpolation_axes(
     friction: FrictionSettings,
     history: History,
@@ -331,12 +322,11 @@ def _interpolation_axes(
     load_in_rates: bool,
 ) -> tuple[Axis, ...]:
     """Return the axes between whose nodes rates are interpolated; refuse more than the compiled system has."""
-    names = [
-        name
+    axes = [
+        Axis.of(name, *history.spans[name])
         for name in history.conditions
         if name in history.varies and not (load_in_rates and name == "radial_load")
     ]
-    axes = [Axis.of(name, *history.spans[name]) for name in names]
     if friction.name == "effective" and {"inner_speed", "outer_speed"} & {*history.varies}:
         if not history.speeds_in_proportion():
             raise DomainError(
@@ -365,16 +355,20 @@ def _station_friction(
     """Return the friction of each station: with finer tables, since interpolation cannot reduce their errors."""
     of_station = attrs.evolve(friction, critical_slip=float("nan"))
     if axes:
-        requested = assembly.scene.accuracy.of("cage_speed")
         of_station = attrs.evolve(
             of_station,
-            tolerance=min(friction.table_tolerance(assembly), _TABLE_FRACTION * requested),
+            tolerance=min(
+                friction.table_tolerance(assembly),
+                _TABLE_FRACTION * assembly.scene.accuracy.of("cage_speed"),
+            ),
             between_nodes=_BETWEEN_NODES,
         )
     if "radial_load" in history.varies and (planar is not None or friction.name == "conventional"):
-        largest_load = {"radial_load": history.spans["radial_load"][1]}
         of_station = attrs.evolve(
-            of_station, fully_loaded=_with_fixed_values(assembly, largest_load)
+            of_station,
+            fully_loaded=_with_fixed_values(
+                assembly, {"radial_load": history.spans["radial_load"][1]}
+            ),
         )
     return of_station
 
@@ -411,12 +405,18 @@ def _has_direction(rings: Rings) -> bool:
 def _check_rings(
     assembly: Assembly, history: History, top_speeds: tuple[float, float], planar: bool
 ) -> None:
-    """Refuse rings with a direction of their own where they turn, or where the load turns round them."""
+    """Refuse rings with a direction of their own where they turn, or where the load turns round them; and a tilt."""
+    turns = "load_direction" in history.prescribed
+    tilt = assembly.scene.operation.misalignment
+    if turns and tilt != 0.0:
+        raise DomainError(
+            f"the load turns, and operation.misalignment, {tilt:g} rad, is about the line of a load that does not; "
+            "make it 0, or leave load_direction out"
+        )
     for ring, speed in zip(RINGS, top_speeds, strict=True):
         if speed != 0.0:
             _check_turning_ring(assembly, ring, planar)
     rings = assembly.rings
-    turns = "load_direction" in history.prescribed
     if turns and not planar and rings is not None and _has_direction(rings):
         raise DomainError(
             "the load turns, and rings or raceways that are not alike all round stand; choose level 'planar', or leave "
@@ -436,9 +436,10 @@ def _check_turning_ring(assembly: Assembly, ring: str, planar: bool) -> None:
         )
     if choice is not None:
         location = Location(assembly.scene.origins, ("models", f"{ring}_ring"))
-        model = {"model": choice.name, **choice.parameters}
         try:
-            structure_model("ring", model, location, []).shapes(bearing, ring, True)
+            structure_model(
+                "ring", {"model": choice.name, **choice.parameters}, location, []
+            ).shapes(bearing, ring, True)
         except FieldError as error:
             raise SceneError([location.at(error.field).message(error.reason)]) from None
 
@@ -456,8 +457,9 @@ def _fastest_speeds(assembly: Assembly, history: History) -> tuple[float, float]
     """Return the speeds of both rings where their difference is largest [rad/s], in the direction of the scene."""
     inner = history.courses["inner_speed"]
     outer = history.courses["outer_speed"]
-    even = np.linspace(0.0, history.end, _SPEED_SAMPLES)
-    times = np.unique(np.concatenate((even, inner.starts, outer.starts)))
+    times = np.unique(
+        np.concatenate((np.linspace(0.0, history.end, _SPEED_SAMPLES), inner.starts, outer.starts))
+    )
     times = times[(times >= 0.0) & (times <= history.end)]
     w_i = inner.at(times)
     w_o = outer.at(times)

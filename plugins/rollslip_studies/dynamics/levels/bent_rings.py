@@ -48,8 +48,9 @@ def rotated(rings: Rings, angle: float) -> Rings:
     """
 
     def rotated_shapes(ring: RingShapes) -> RingShapes:
-        phases = np.exp(1j * angle * np.arange(ring.harmonics.shape[1]))
-        return attrs.evolve(ring, harmonics=ring.harmonics * phases)
+        return attrs.evolve(
+            ring, harmonics=ring.harmonics * np.exp(1j * angle * np.arange(ring.harmonics.shape[1]))
+        )
 
     waves = tuple((lobes, amplitude, phase - angle) for lobes, amplitude, phase in rings.waves)
     tables = tuple((angles - angle, heights) for angles, heights in rings.tables)
@@ -81,10 +82,10 @@ class BentRings:
             for ring, shapes_of_ring in zip(RINGS, self.ring_shapes, strict=True)
             for k, row in enumerate(shapes_of_ring.harmonics)
         ]
-        angles = [f"{ring}_form_angle" for ring in compress(RINGS, self.turns)]
-        speeds = [f"{name}_speed" for name in shapes]
         return (
-            dict.fromkeys(shapes, "m") | dict.fromkeys(speeds, "m/s") | dict.fromkeys(angles, "rad")
+            dict.fromkeys(shapes, "m")
+            | dict.fromkeys([f"{name}_speed" for name in shapes], "m/s")
+            | dict.fromkeys([f"{ring}_form_angle" for ring in compress(RINGS, self.turns)], "rad")
         )
 
     @property
@@ -114,8 +115,10 @@ class BentRings:
         deflection : ndarray, shape (shapes,)
             Amplitudes of the shapes of both rings [m].
         """
-        outer = self.rings.outer.at(psi) @ deflection[self.rings.inner.stiffness.size :]
-        return np.asarray(outer - self.rings.with_single_form(2).form(psi))
+        return np.asarray(
+            self.rings.outer.at(psi) @ deflection[self.rings.inner.stiffness.size :]
+            - self.rings.with_single_form(2).form(psi)
+        )
 
     def energy(self, shapes: Array, speeds: Array) -> Array:
         """Return kinetic and elastic energy of the shapes minus the work of the forces on them [J], (...).
@@ -126,8 +129,7 @@ class BentRings:
             Amplitudes of the shapes of both rings [m] and their rates [m/s].
         """
         energy = np.zeros(np.shape(shapes)[:-1])
-        starts = (0, self.rings.inner.stiffness.size)
-        for ring, start in zip(self.ring_shapes, starts, strict=True):
+        for ring, start in zip(self.ring_shapes, (0, self.rings.inner.stiffness.size), strict=True):
             q = shapes[..., start : start + ring.stiffness.size]
             v = speeds[..., start : start + ring.stiffness.size]
             energy = (
@@ -183,8 +185,11 @@ def bent_rings(assembly: Assembly, speeds: tuple[float, float] | None = None) ->
     rings = rotated(assembly.rings, 0.0)
     inner = _spline(rings.with_single_form(1))
     outer = _spline(rings.with_single_form(2))
-    turns = (inner is not None and inner_speed != 0, outer is not None and outer_speed != 0)
-    return BentRings(rings, (inner, outer), turns)
+    return BentRings(
+        rings,
+        (inner, outer),
+        (inner is not None and inner_speed != 0, outer is not None and outer_speed != 0),
+    )
 
 
 def _check_ring(ring: str, shapes: RingShapes, speed: float) -> None:

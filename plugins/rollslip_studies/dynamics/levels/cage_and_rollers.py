@@ -161,12 +161,11 @@ def carried_motion(
     loads = build_load_map(assembly, friction.table_tolerance(assembly)) if loads is None else loads
     k = assembly.kinematics
     cage = assembly.cage
-    Z = assembly.scene.bearing.rollers
     of_raceways = raceway_friction(assembly, friction, loads)
     if friction.name != "conventional":
         loads = loads.forces(_resistance(assembly))
     bearing = {
-        "rollers": Z,
+        "rollers": assembly.scene.bearing.rollers,
         "direction": k.direction,
         "inner_radius": k.inner_radius,
         "outer_radius": k.outer_radius,
@@ -191,14 +190,13 @@ def carried_motion(
         friction.watched_film,
         per_roller,
     )
-    system = System(carried.system())
     return CarriedMotion(
         assembly=assembly,
         level=level,
         friction=of_raceways,
         loads=loads,
         carried=carried,
-        system=system,
+        system=System(carried.system()),
     )
 
 
@@ -213,8 +211,9 @@ def _resistance(assembly: Assembly) -> Any:
 def _scale(assembly: Assembly, level: str) -> Array:
     """Return the typical magnitudes of the unknowns, to which tolerances are relative."""
     k = assembly.kinematics
-    cage = assembly.cage
     spin = k.epicyclic_roller_speed
     orbital = k.roller_radius / k.orbit_radius * spin
-    block = [spin, orbital, max(cage.pocket_clearance, 1e-6)][: len(_ROLLER_UNKNOWNS[level])]
+    block = [spin, orbital, max(assembly.cage.pocket_clearance, 1e-6)][
+        : len(_ROLLER_UNKNOWNS[level])
+    ]
     return np.array([1.0, orbital, *block * assembly.scene.bearing.rollers, *[1.0] * len(LEDGER)])

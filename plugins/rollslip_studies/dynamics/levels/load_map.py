@@ -143,12 +143,14 @@ class LoadMap:
         f = (centrifugal - low) / (high - low)
         table = (1.0 - f) * below + f * above
         (a, slope_a), (b, slope_b) = (table[i].swapaxes(0, 1) for i in (k, k + 1))
-        load = (
-            a
-            + x * x * (3.0 - 2.0 * x) * (b - a)
-            + x * (1.0 - x) * ((1.0 - x) * slope_a - x * slope_b)
+        return np.asarray(
+            np.maximum(
+                a
+                + x * x * (3.0 - 2.0 * x) * (b - a)
+                + x * (1.0 - x) * ((1.0 - x) * slope_a - x * slope_b),
+                0.0,
+            ).swapaxes(0, 1)
         )
-        return np.asarray(np.maximum(load, 0.0).swapaxes(0, 1))
 
     def forces(self, resistance: Callable[[Array, int], Array] | None = None) -> "LoadMap":
         """Return the map of forces; ``resistance`` gives rolling resistances (m,) of loads (m, n) on a ring (0, 1)."""
@@ -167,7 +169,7 @@ class LoadMap:
 def fastest(kinematics: Kinematics) -> float:
     """Return the largest expected speed of a cage [rad/s]: that of a ring, or the epicyclic one."""
     speeds = kinematics.epicyclic_cage_speed, kinematics.inner_speed, kinematics.outer_speed
-    return max(abs(speed) for speed in speeds)
+    return max(map(abs, speeds))
 
 
 def build_load_map(
@@ -331,7 +333,8 @@ class Orbits:
                 slopes - np.roll(slopes, -1, axis=1)
             )
             self.solved[force] = orbit
-            self.over_position = max(self.over_position, self._misplaced(half_way, true))
+            misplaced = np.abs((half_way - true) @ self.assembly.widths)
+            self.over_position = max(self.over_position, self._fraction(misplaced, true))
             return self.over_position <= self.tolerance
 
         pairs = list(itertools.pairwise(self.roots))
@@ -340,12 +343,12 @@ class Orbits:
             is_accurate = is_accurate and all(measure(0.5 * (low + high)) for low, high in pairs)
             if not is_accurate:
                 break
-            halved = [
-                (low, 0.5 * (low + high), high)
+            pairs = [
+                pair
                 for low, high in pairs
                 if not self._is_linear(low, high)
+                for pair in itertools.pairwise((low, 0.5 * (low + high), high))
             ]
-            pairs = [pair for nodes in halved for pair in itertools.pairwise(nodes)]
         return distributions
 
     def _speed(self, force: float) -> float:
@@ -354,11 +357,12 @@ class Orbits:
 
     def _orbit(self, distribution: LoadDistribution) -> Array:
         """Return the loads of one roller over its orbit, (2, K, n), from those of all rollers."""
-        rings = (
-            load.swapaxes(0, 1).reshape(-1, self.assembly.slices)
-            for load in (distribution.inner_load, distribution.outer_load)
+        return np.stack(
+            [
+                load.swapaxes(0, 1).reshape(-1, self.assembly.slices)
+                for load in (distribution.inner_load, distribution.outer_load)
+            ]
         )
-        return np.stack(tuple(rings))
 
     def _is_linear(self, low: float, high: float) -> bool:
         """Return whether loads half-way between two forces are linear in the force, within the tolerance."""
@@ -369,16 +373,15 @@ class Orbits:
         error_of_loads -= true
         error = self._fraction(np.abs(error_of_loads @ self.assembly.widths), true)
         if error <= self.tolerance:
-            of_slices = self._fraction(np.abs(error_of_loads) @ self.assembly.widths, true)
-            error = max(error, of_slices / _SLICE_ERROR_FACTOR)
+            error = max(
+                error,
+                self._fraction(np.abs(error_of_loads) @ self.assembly.widths, true)
+                / _SLICE_ERROR_FACTOR,
+            )
         self.accepted[low, high] = error <= self.tolerance
         if self.accepted[low, high]:
             self.over_force = max(self.over_force, error)
         return self.accepted[low, high]
-
-    def _misplaced(self, interpolated: Array, true: Array) -> float:
-        """Return the fraction of the load of a ring at the wrong position, the larger of both; loads (2, m, n)."""
-        return self._fraction(np.abs((interpolated - true) @ self.assembly.widths), true)
 
     def _fraction(self, forces: Array, loads: Array) -> float:
         """Return the sum of forces (2, m) relative to the load of the ring, the larger of both; loads (2, m, n)."""

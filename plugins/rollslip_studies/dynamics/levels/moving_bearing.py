@@ -68,8 +68,6 @@ def check_moves(assembly: Assembly, level: str) -> None:
         With the location of the setting that the level does not describe.
     """
     operation = assembly.scene.operation
-    heavy = assembly.weight_fraction > assembly.scene.accuracy.tolerance
-    weighs = operation.gravity_direction is not None and heavy and level != "planar"
     for is_refused, table, key, advice in (
         (
             assembly.scene.models.neighbour_friction is not None,
@@ -84,7 +82,9 @@ def check_moves(assembly: Assembly, level: str) -> None:
             "know no carrier; take the study of steady slips",
         ),
         (
-            weighs,
+            operation.gravity_direction is not None
+            and assembly.weight_fraction > assembly.scene.accuracy.tolerance
+            and level != "planar",
             "operation",
             "gravity_direction",
             "take the weight of rollers at level 'planar' only; choose that",
@@ -182,8 +182,10 @@ class MovingBearing(abc.ABC):
     @property
     def tables(self) -> dict[str, str]:
         """Attributes of a result with sizes and errors of the tables that the motion uses."""
-        by_force = table_records(self.friction.friction_tables, "friction_tables")
-        return {**table_records(self.friction.tables), **by_force}
+        return {
+            **table_records(self.friction.tables),
+            **table_records(self.friction.friction_tables, "friction_tables"),
+        }
 
     @property
     def evaluation_method(self) -> str:
@@ -249,10 +251,11 @@ class MovingBearing(abc.ABC):
     def works(self, y: Array) -> dict[str, Array]:
         """Return the entries of the ledger that are work done on the motion [J], by name; losses are negative."""
         recorded = self.split(y)
-        senses = {
-            name: name.startswith("work_") - name.startswith("lost_") for name in self.names[2]
+        return {
+            name: sense * recorded[name]
+            for name in self.names[2]
+            if (sense := name.startswith("work_") - name.startswith("lost_"))
         }
-        return {name: sense * recorded[name] for name, sense in senses.items() if sense}
 
     def sliding_work_and_distance(self, y: Array) -> tuple[Array, Array]:
         """Return the sliding work [J] and distance [m] of each roller on inner and outer ring, both (..., 2, Z).
@@ -325,15 +328,13 @@ def uncontrolled_scale(assembly: Assembly, per_roller: bool) -> Array:
 def pocket_contact(assembly: Assembly) -> dict[str, float]:
     """Return the parameters of the contact of a roller and the walls of its pocket, for the compiled systems."""
     cage = assembly.cage
-    k = assembly.kinematics
     film = 0.0
     if cage.pocket_contact == "film":
-        viscosity = assembly.lubricant.at(assembly.scene.operation.temperature).viscosity
         film = (
             _SQUEEZE_FACTOR
-            * viscosity
+            * assembly.lubricant.at(assembly.scene.operation.temperature).viscosity
             * assembly.scene.bearing.roller_length
-            * k.roller_radius**1.5
+            * assembly.kinematics.roller_radius**1.5
         )
     friction = cage.drags.pocket_friction
     return {

@@ -210,22 +210,24 @@ class PlanarMotion(MovingBearing):
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
         """Return the state at t = 0: equilibrium at these slips, cage centred, rollers in the middle of the pockets."""
         speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
-        load = self.assembly.scene.operation.radial_load
-        return self.state_at(float(speeds.cage_speed), float(speeds.roller_speed), load)
+        return self.state_at(
+            float(speeds.cage_speed),
+            float(speeds.roller_speed),
+            self.assembly.scene.operation.radial_load,
+        )
 
     def state_at(
         self, cage_speed: float, roller_speed: float, load: float, direction: float = 0.0
     ) -> Array:
         """Return the state with these speeds [rad/s] in equilibrium under a load [N] in a direction [rad]."""
         k = self.assembly.kinematics
-        b = self.assembly.scene.bearing
         # the load and the weight of the ring together pull along one line
         weight = self.settings.inner_ring_mass * self.settings.gravity
         down = self.settings.gravity_direction or 0.0
         x = load * math.cos(direction) + weight * math.cos(down)
         y = load * math.sin(direction) + weight * math.sin(down) * k.direction
         line = math.atan2(y, x)
-        psi = angular_positions(b.rollers, 1)
+        psi = angular_positions(self.assembly.scene.bearing.rollers, 1)
         force = self.assembly.roller_mass * k.orbit_radius * (cage_speed * cage_speed)
         case = attrs.evolve(
             self.assembly.load_case(1, force),
@@ -258,13 +260,12 @@ class PlanarMotion(MovingBearing):
         The elastic energy of contacts is the elastic work of the ledger with the opposite sign.
         """
         u = self.split(y)
-        m = self.assembly.roller_mass
-        inertia = self.spin_inertia
         cage = self.assembly.cage
         radius = self.assembly.kinematics.orbit_radius + u["radial_position"]
         of_rollers = (
-            m * (u["radial_speed"] ** 2 + (radius * u["orbital_speed"]) ** 2)
-            + inertia * u["roller_spin"] ** 2
+            self.assembly.roller_mass
+            * (u["radial_speed"] ** 2 + (radius * u["orbital_speed"]) ** 2)
+            + self.spin_inertia * u["roller_spin"] ** 2
         )
         ring = self.settings.inner_ring_mass * (u["inner_ring_vx"] ** 2 + u["inner_ring_vy"] ** 2)
         of_cage = (
@@ -291,18 +292,18 @@ class PlanarMotion(MovingBearing):
             self.assembly.roller_mass * radius**2 * u["orbital_speed"]
             - self.spin_inertia * u["roller_spin"]
         )
-        ring = u["inner_ring_x"] * u["inner_ring_vy"] - u["inner_ring_y"] * u["inner_ring_vx"]
-        of_cage = (
-            cage.mass * (u["cage_x"] * u["cage_vy"] - u["cage_y"] * u["cage_vx"]) + cage.inertia * w
-        )
         c = np.cos(u["cage_angle"])
         s = np.sin(u["cage_angle"])
-        of_unbalance = c * u["cage_vy"] - s * u["cage_vx"] + w * (u["cage_x"] * c + u["cage_y"] * s)
         return np.asarray(
             of_rollers.sum(axis=-1)
-            + self.settings.inner_ring_mass * ring
-            + of_cage
-            + cage.unbalance * of_unbalance
+            + self.settings.inner_ring_mass
+            * (u["inner_ring_x"] * u["inner_ring_vy"] - u["inner_ring_y"] * u["inner_ring_vx"])
+            + (
+                cage.mass * (u["cage_x"] * u["cage_vy"] - u["cage_y"] * u["cage_vx"])
+                + cage.inertia * w
+            )
+            + cage.unbalance
+            * (c * u["cage_vy"] - s * u["cage_vx"] + w * (u["cage_x"] * c + u["cage_y"] * s))
         )
 
     def error(self, refusal: Any) -> RollslipError:
@@ -537,8 +538,12 @@ def _build_force_table(a: Assembly, raceway: Raceway, largest_force: float) -> F
         right = known[0][1:]
         left_slope = slopes[:-1]
         right_slope = slopes[1:]
-        difference = 0.5 * (left + right) + 0.125 * (left_slope - right_slope) - half_way[0]
-        error = float((np.abs(difference) / np.maximum(half_way[0], light)).max())
+        error = float(
+            (
+                np.abs(0.5 * (left + right) + 0.125 * (left_slope - right_slope) - half_way[0])
+                / np.maximum(half_way[0], light)
+            ).max()
+        )
         if error <= _FORCE_ERROR:
             break
         if 2 * cells > _MAX_CELLS:  # a profile or law with a jump
@@ -550,16 +555,20 @@ def _build_force_table(a: Assembly, raceway: Raceway, largest_force: float) -> F
         known = merged
         root = np.linspace(0.0, math.sqrt(deepest), cells + 1)
     rise = right - left
-    powers = np.stack(
-        (
-            left,
-            left_slope,
-            3.0 * rise - 2.0 * left_slope - right_slope,
-            left_slope + right_slope - 2.0 * rise,
+    return ForceTable(
+        deepest=deepest,
+        coefficients=np.stack(
+            (
+                left,
+                left_slope,
+                3.0 * rise - 2.0 * left_slope - right_slope,
+                left_slope + right_slope - 2.0 * rise,
+            ),
+            axis=1,
         ),
-        axis=1,
+        error=error,
+        light=light,
     )
-    return ForceTable(deepest=deepest, coefficients=powers, error=error, light=light)
 
 
 def _resistances(a: Assembly, largest_force: float) -> list[tuple[float, Array]] | None:
@@ -578,8 +587,8 @@ def _resistance_table(a: Assembly, raceway: Raceway, largest_force: float) -> tu
     force = load @ a.widths
     load = load[force <= largest_force]
     force = force[force <= largest_force]
-    rolling = float(a.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     root = np.linspace(0.0, math.sqrt(force[-1]), _RESISTANCE_CELLS + 1)
+    rolling = float(a.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     known = np.concatenate(([0.0], resistances(raceway, load, a.widths, rolling)))
     return float(root[1]), np.interp(root, np.concatenate(([0.0], np.sqrt(force))), known)
 
@@ -591,8 +600,11 @@ def _swing_frequency(a: Assembly, settings: PlanarSettings, bent: BentRings | No
     roller, plus the stiffness of half as many contacts as there are rollers over the mass of the inner ring, which
     oscillates against them. The stiffness increases only slowly with the load.
     """
-    weight = settings.inner_ring_mass * settings.gravity
-    force = a.scene.operation.radial_load + weight + a.centrifugal_force
+    force = (
+        a.scene.operation.radial_load
+        + settings.inner_ring_mass * settings.gravity
+        + a.centrifugal_force
+    )
     stiffness = []
     for ring in RINGS:
         load, slope = a.deflect(_APPROACHES[:, None] - (a.drop - a.drop.min()), ring)
@@ -620,12 +632,22 @@ def _scale(a: Assembly, cage: Cage, bent: BentRings | None) -> Array:
     length = float(np.interp(force / b.roller_length, a.deflect(samples, "outer")[0], samples))
     speed = length * math.sqrt(force / (length * a.roller_mass))
     orbit = max(abs(k.epicyclic_cage_speed), 1.0)
-    spin = k.epicyclic_roller_speed
     clearance = max(cage.pocket_clearance / 2, length)
     head = [length, length, speed, speed, clearance, clearance, speed, speed, orbit, 1.0]
-    roller = [clearance, orbit, spin, _SWING_FACTOR * length, _SWING_FACTOR * speed]
+    roller = [
+        clearance,
+        orbit,
+        k.epicyclic_roller_speed,
+        _SWING_FACTOR * length,
+        _SWING_FACTOR * speed,
+    ]
     energy = 0.5 * (cage.inertia + b.rollers * a.roller_mass * k.orbit_radius**2) * orbit**2
-    ledger = [energy if unit == "J" else 2.0 * energy / orbit for unit in LEDGER.values()]
     of_rings = {"m": _SWING_FACTOR * length, "m/s": _SWING_FACTOR * speed, "rad": 1.0}
     head += [of_rings[unit] for unit in ({} if bent is None else bent.names).values()]
-    return np.array([*head, *roller * b.rollers, *ledger])
+    return np.array(
+        [
+            *head,
+            *roller * b.rollers,
+            *[energy if unit == "J" else 2.0 * energy / orbit for unit in LEDGER.values()],
+        ]
+    )

@@ -226,8 +226,11 @@ class RacewayFriction:
 
 def usual_force(assembly: Assembly) -> float:
     """Return the usual force of a roller [N]: its fraction of the load plus its centrifugal force plus 0.1 N."""
-    fraction = assembly.scene.operation.radial_load / assembly.scene.bearing.rollers
-    return fraction + assembly.centrifugal_force + 0.1
+    return (
+        assembly.scene.operation.radial_load / assembly.scene.bearing.rollers
+        + assembly.centrifugal_force
+        + 0.1
+    )
 
 
 def _forces(assembly: Assembly) -> tuple[float, float]:
@@ -415,7 +418,6 @@ def _build_friction_table(
     try:
         scale = law.best_sliding_scale((usual, last**2), speed)
         while True:
-            of_speed, of_root, of_sliding = nodes
             grid = _Grid(
                 sliding_scale=scale,
                 sliding_end=_MAX_SLIDING * speed / (_MAX_SLIDING * speed + scale),
@@ -423,7 +425,7 @@ def _build_friction_table(
                 root_ends=(first / (first + root_scale), last / (last + root_scale)),
                 speed_scale=_ROLLING_SCALE * speed,
                 speed_ends=(slow / (slow + _ROLLING_SCALE), fast / (fast + _ROLLING_SCALE)),
-                nodes=(of_speed, of_root, of_sliding),
+                nodes=(nodes[0], nodes[1], nodes[2]),
             )
             values = law.values_at_nodes(grid, values, axis)
             error = law.error(grid, values, usual)
@@ -433,11 +435,12 @@ def _build_friction_table(
             if error < _GAIN * smallest_error:
                 smallest_error = error
                 failed_refinements = 0
-            errors = [law.error(grid, values, usual, axis) for axis in range(3)]
-            axis = int(np.argmax(errors))
+            axis = int(np.argmax([law.error(grid, values, usual, axis) for axis in range(3)]))
             nodes[axis] = 2 * nodes[axis] - (axis < 2)
-            n_nodes = nodes[0] * nodes[1] * (2 * nodes[2] + 1)
-            if n_nodes > _MAX_NODES or failed_refinements == _MAX_FAILED_REFINEMENTS:
+            if (
+                nodes[0] * nodes[1] * (2 * nodes[2] + 1) > _MAX_NODES
+                or failed_refinements == _MAX_FAILED_REFINEMENTS
+            ):
                 return (
                     f"a table of it on the {raceway.ring} ring would err by {error:.1e}, more than the {tolerance:.1e} "
                     "that tables may leave"
@@ -473,18 +476,17 @@ class _RollerFriction:
         )
         for _ in range(_NEWTON_STEPS):
             load, stiffness = self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)
-            of_gap = load @ self.widths
-            slope = stiffness @ self.widths
-            gap = gap + (force - of_gap) / slope
+            gap = gap + (force - load @ self.widths) / (stiffness @ self.widths)
         return self._loads(gap)[index]
 
     def _of_loads(self, load: Array, sliding: Array, rolling: Array) -> Array:
         """Return F and the rolling resistance over sqrt(Q), (1 or 2, m), of loads (m, n) at speeds (m,)."""
         loaded = load > 0.0
         count = np.count_nonzero(loaded, axis=1)  # above zero for each roller, as its force is
-        film_speed = np.hypot(rolling, compiled.REST_SPEED)
         slices = self.raceway.evaluate(
-            load[loaded], np.repeat(film_speed, count), np.repeat(sliding, count)
+            load[loaded],
+            np.repeat(np.hypot(rolling, compiled.REST_SPEED), count),
+            np.repeat(sliding, count),
         )
         widths = np.broadcast_to(self.widths, load.shape)[loaded]
         first = np.cumsum(count) - count
@@ -513,8 +515,12 @@ class _RollerFriction:
             sliding = np.tile(grid.sliding(nodes_and_middles), len(contacts))
             error = 0.0
             for values in self._of_loads(loads, sliding, rolling)[0].reshape(len(contacts), -1):
-                middles = [_sliding_cells(nodes_and_middles[1::2], _SCALE_NODES)]
-                difference = np.abs(_interpolated(values[::2], middles) - values[1::2])
+                difference = np.abs(
+                    _interpolated(
+                        values[::2], [_sliding_cells(nodes_and_middles[1::2], _SCALE_NODES)]
+                    )
+                    - values[1::2]
+                )
                 error = max(error, float(difference.max() / np.abs(values).max()))
             if error < smallest_error:
                 smallest_error = error
@@ -557,16 +563,16 @@ class _RollerFriction:
         if axis is not None:
             for k, nodes in enumerate(grid.nodes):
                 cells = nodes - (k < 2)
-                first = -cells if k == 2 else 0
-                shift = 0.5 if k == axis else 0.0
-                cell = np.clip(np.floor(fractions[k] * cells), first, cells - 1)
-                fractions[k] = (cell + shift) / cells
+                fractions[k] = (
+                    np.clip(np.floor(fractions[k] * cells), -cells if k == 2 else 0, cells - 1)
+                    + (0.5 if k == axis else 0.0)
+                ) / cells
         force = grid.force(fractions[1])
-        sliding = grid.sliding(fractions[2])
-        speed = grid.speed(fractions[0])
         true = self.at_random if axis is None else None
         if true is None:
-            true = self._of_loads(self.loads(force), sliding, speed)
+            true = self._of_loads(
+                self.loads(force), grid.sliding(fractions[2]), grid.speed(fractions[0])
+            )
             if axis is None:  # the random contacts do not depend on the number of nodes
                 self.at_random = true
         cells_of_probes = [
@@ -574,8 +580,9 @@ class _RollerFriction:
             _cells(fractions[1], grid.nodes[1]),
             _sliding_cells(fractions[2], grid.nodes[2]),
         ]
-        interpolated = np.array([_interpolated(part, cells_of_probes) for part in values])
-        difference = np.abs(interpolated - true) * np.sqrt(force)
+        difference = np.abs(
+            np.array([_interpolated(part, cells_of_probes) for part in values]) - true
+        ) * np.sqrt(force)
         reference = np.maximum(force, _LIGHT_FORCE * usual)
         coefficient = np.abs(true[0]) * np.sqrt(force) / reference
         errors = [difference[0] / (float(coefficient.max()) * reference)]
