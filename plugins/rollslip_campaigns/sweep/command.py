@@ -168,14 +168,16 @@ def _run_sweep(
         click.echo(f"interrupted: {sweep_progress(outcome.progress)}; {resume}", err=True)
         sys.exit(INTERRUPTED)
     try:
-        _report_sweep(planned, folder, describe_outcome(outcome), results)
+        _report_sweep(planned, folder, describe_outcome(outcome), results, resume)
     except KeyboardInterrupt:
         click.echo(f"interrupted; all points are kept; {resume}", err=True)
         sys.exit(INTERRUPTED)
 
 
-def _report_sweep(planned: "Sweep", folder: Path, run: dict[str, object], results: Results) -> None:
-    """Save the dataset of a sweep and print its results."""
+def _report_sweep(
+    planned: "Sweep", folder: Path, run: dict[str, object], results: Results, resume: str
+) -> None:
+    """Save the dataset of a sweep and print its results, with the advice to resume where points are pending."""
     from rollslip.cli import console
     from rollslip.cli.units import with_units
     from rollslip.results.accounts import account_of
@@ -207,10 +209,8 @@ def _report_sweep(planned: "Sweep", folder: Path, run: dict[str, object], result
         command = shlex.join(["rollslip", "sweep", "status", str(folder)])
         click.echo(f"some points have no result; see: {command}", err=True)
         if record["counts"]["pending"]:
-            command = shlex.join(["rollslip", "sweep", "resume", str(folder)])
             click.echo(
-                f"{record['counts']['pending']} of them are not computed yet; go on with: {command}",
-                err=True,
+                f"{record['counts']['pending']} of them are not computed yet; {resume}", err=True
             )
         sys.exit(SOME_FAILED)
 
@@ -244,7 +244,8 @@ def sweep_standing(status: "SweepStatus") -> list[str]:
         ended = writer["ended"] or (
             "runs" if status.running and writer is status.writers[-1] else "was killed"
         )
-        who = f"{writer['host']} process {writer['process']}, {writer['engine']}"
-        lines.append(f"  {who}: {writer['points']} points, {ended}")
+        lines.append(
+            f"  {writer['host']} process {writer['process']}, {writer['engine']}: {writer['points']} points, {ended}"
+        )
     lines += [f"  point {number} {code}: {message}" for number, code, message in status.errors]
     return lines

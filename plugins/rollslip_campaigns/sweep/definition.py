@@ -203,14 +203,16 @@ class Sweep(SweepWork):
         inner = {
             dim for name in self.outputs if name in outputs for dim in outputs[name].dims.split()
         }
-        taken = {
-            *self.outputs,
-            *inner,
-            *(f"{dim}_index" for dim in inner),
-            "sample",
-            *POINT_VARIABLES,
-        }
-        return plain_names(self.design.keys, taken)
+        return plain_names(
+            self.design.keys,
+            {
+                *self.outputs,
+                *inner,
+                *(f"{dim}_index" for dim in inner),
+                "sample",
+                *POINT_VARIABLES,
+            },
+        )
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -247,9 +249,10 @@ class Sweep(SweepWork):
         packages = ", ".join(
             f"{name} {version}" for name, version in self.facts["packages"].items()
         )
-        version = importlib.metadata.version("rollslip")
-        scene = f"{self.given.source} {scene_hash(self.scene)[:12]}"
-        return f"rollslip {version} | {scene} | sweep of {self.study} | {packages}"
+        return (
+            f"rollslip {importlib.metadata.version('rollslip')} | {self.given.source} "
+            f"{scene_hash(self.scene)[:12]} | sweep of {self.study} | {packages}"
+        )
 
     @property
     def planned(self) -> list[str]:
@@ -263,13 +266,15 @@ class Sweep(SweepWork):
             if axis.key == "models.traction" and "hydrodynamic" in dict(
                 self.scene.models.traction.parameters
             ):
-                whole = self.scene.models.traction.name
                 lines.append(
-                    f"  in place of the whole {whole}; to change the law in it, sweep models.traction.hydrodynamic"
+                    f"  in place of the whole {self.scene.models.traction.name}; to change the law in it, sweep "
+                    "models.traction.hydrodynamic"
                 )
         for quantity in self.design.sampled:
-            distribution = self.uncertainty.distributions[quantity.key]
-            lines.append(f"{quantity.key}: {shown(distribution, quantity.unit or '1')}")
+            lines.append(
+                f"{quantity.key}: "
+                f"{shown(self.uncertainty.distributions[quantity.key], quantity.unit or '1')}"
+            )
         if self.design.has_samples:
             n = len(self.design.samples)
             balance = (

@@ -49,8 +49,6 @@ __all__ = ["describe_models", "sweep_figures"]
 _RESULT: Final = "critical_cage_slip"
 #: Maximum number of panels of a map; more would be too narrow to read on a page.
 _MAX_PANELS: Final = 4
-#: Part of the caption of a map.
-_HATCHED: Final = "hatched where there is none in the range, or its point failed"
 #: Maximum number of figures for the results of a sweep. More of them slow down a report; chosen.
 _MAX_FIGURES: Final = 6
 #: Probabilities of the quantiles by which models are compared: median, middle half and 90 % band.
@@ -104,7 +102,10 @@ def _map_of_result(
     key_of = axis_keys(dataset)
     axes_text = " and ".join(short_label(key_of[key]) for key in numbers)
     figure = _map(values, numbers, panels, [_value_in_scene(dataset, key) for key in numbers])
-    return f"{title} over {axes_text}; {_HATCHED}.", figure
+    return (
+        f"{title} over {axes_text}; hatched where there is none in the range, or its point failed.",
+        figure,
+    )
 
 
 def _line_of_result(
@@ -123,8 +124,10 @@ def _line_of_result(
         if "minimum_load" in dataset:
             loads["minimum load"] = float(dataset["minimum_load"].median())
         loads |= catalogue_loads(dataset)
-    caption = f"{title} over {short_label(key_of[number])}{by_choice}."
-    return caption, _line(values, number, choices, loads)
+    return (
+        f"{title} over {short_label(key_of[number])}{by_choice}.",
+        _line(values, number, choices, loads),
+    )
 
 
 def _results(
@@ -154,10 +157,10 @@ def _results(
             or (len(categories) == 1 and inner == {*categories})
         ):
             results.append((str(name), values))
-    finite_results = [
-        (name, values) for name, values in results if np.isfinite(values.to_numpy()).any()
-    ]
-    return sorted(finite_results, key=lambda pair: pair[0] != _RESULT)
+    return sorted(
+        ((name, values) for name, values in results if np.isfinite(values.to_numpy()).any()),
+        key=lambda pair: pair[0] != _RESULT,
+    )
 
 
 def describe_models(dataset: "xr.Dataset") -> str:
@@ -184,9 +187,8 @@ def describe_models(dataset: "xr.Dataset") -> str:
 
 def _quantiles(values: "xr.DataArray", key: str) -> Array:
     """Quantiles of each choice, (n, 5); a critical slip that is not in the range counts as infinite."""
-    rows = values.transpose(key, "sample").to_numpy()
-    filled = np.where(np.isnan(rows), np.inf, rows)
-    return np.quantile(filled, _QUANTILES, axis=1, method="inverted_cdf").T
+    rows = values.transpose(key, "sample").fillna(np.inf).to_numpy()
+    return np.quantile(rows, _QUANTILES, axis=1, method="inverted_cdf").T
 
 
 def _models(values: "xr.DataArray", key: str) -> "Figure":
@@ -253,20 +255,16 @@ def _line(
             shown[0].set_label(label)
         missing |= ~np.isfinite(y.reshape(x.size, -1)).any(axis=1)
     if missing.any():
-        on_axis: dict[str, Any] = {
-            "transform": axes.get_xaxis_transform(),
-            "clip_on": False,
-            "zorder": 5,
-        }
-        note = "no value in the range, or the point failed"
         axes.plot(
             x[missing],
             np.zeros(missing.sum()),
             "x",
             color="0.3",
             markersize=4,
-            label=note,
-            **on_axis,
+            label="no value in the range, or the point failed",
+            transform=axes.get_xaxis_transform(),
+            clip_on=False,
+            zorder=5,
         )
     if _is_logarithmic(x):
         plain_decades(axes.xaxis)
@@ -284,8 +282,7 @@ def _map(
     """Map of a result, a panel for each choice, with a mark at the values of the scene where they are in the range."""
     pieces = [
         (str(name), values.sel({key: name})) for key in choices for name in values[key].to_numpy()
-    ]
-    pieces = pieces or [("", values)]
+    ] or [("", values)]
     sheet = Sheet(
         ((32 + 46 * len(pieces)) * MM, 58 * MM), 1, len(pieces), sharey=True, squeeze=False
     )
@@ -300,8 +297,13 @@ def _map(
         axes.set_facecolor("0.9")
         (x, x_label) = _axis(piece[numbers[0]])
         (y, y_label) = _axis(piece[numbers[1]])
-        shown = read(piece.transpose(numbers[1], numbers[0]).to_numpy())
-        mesh = axes.pcolormesh(x, y, shown, shading="nearest", **colours)
+        mesh = axes.pcolormesh(
+            x,
+            y,
+            read(piece.transpose(numbers[1], numbers[0]).to_numpy()),
+            shading="nearest",
+            **colours,
+        )
         mesh.set(edgecolor="face", linewidth=0.2)
         axes.patch.set(hatch="////", edgecolor="0.7")  # visible where there is no value
         for axis, coordinates in ((axes.xaxis, x), (axes.yaxis, y)):
@@ -346,16 +348,19 @@ def _is_logarithmic(values: Array) -> bool:
 def _units(coordinate: "xr.DataArray") -> tuple[str, str]:
     """Return the unit of a coordinate, and the unit for display: that of the request, else the usual one."""
     unit = str(coordinate.attrs["units"])
-    usual_unit = shown_unit(float(np.abs(coordinate.to_numpy()).max()), unit)
-    return unit, str(coordinate.attrs.get("written_in", "")) or usual_unit
+    return unit, str(coordinate.attrs.get("written_in", "")) or shown_unit(
+        float(np.abs(coordinate.to_numpy()).max()), unit
+    )
 
 
 def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
     """Values and label of an axis, in the unit for display."""
-    values = coordinate.to_numpy()
     (unit, given) = _units(coordinate)
     name = short_label(str(coordinate.attrs.get("key", coordinate.name)))
-    return converted(values, unit, given), f"{name[0].upper()}{name[1:]} [{unit_label(given)}]"
+    return (
+        converted(coordinate.to_numpy(), unit, given),
+        f"{name[0].upper()}{name[1:]} [{unit_label(given)}]",
+    )
 
 
 def _name(values: "xr.DataArray") -> str:

@@ -95,11 +95,10 @@ def point_table(spreadsheet: SpreadsheetRows, varied: Collection[str]) -> list[T
         Names of columns with varied quantities, whose numbers are printed as they were given.
     """
     head, rows = spreadsheet
-    status_columns = {"status", "message", "seconds"}
     columns = [
         k
         for k, name in enumerate(head)
-        if not name.endswith("status") and name.partition(" [")[0] not in status_columns
+        if not name.endswith("status") and name.partition(" [")[0] not in ("message", "seconds")
     ]
     if len(rows) > _MAX_ROWS or not len(varied) < len(columns) <= _MAX_COLUMNS:
         return []
@@ -183,12 +182,10 @@ def _summaries(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
         for label, piece in pieces.items():
             values = piece.to_numpy()
             finite = values[np.isfinite(values)]
-            selected = {dim: piece[dim] for dim in name_dims if dim not in piece.dims}
             why = None
             if status is not None:
-                reasons = status.sel(
-                    {dim: names for dim, names in selected.items() if dim in status.dims}
-                ).broadcast_like(piece)
+                split_dims = {*name_dims} & {*status.dims} - {*piece.dims}
+                reasons = status.sel({dim: piece[dim] for dim in split_dims}).broadcast_like(piece)
                 why = _main_reason(reasons.transpose(*piece.dims).to_numpy()[~np.isfinite(values)])
             summaries[label] = {
                 "unit": piece.attrs["units"],
@@ -198,8 +195,11 @@ def _summaries(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
                 **dict.fromkeys(("smallest", "median", "largest")),
             }
             if finite.size:
-                limits = {"smallest": float(finite.min()), "largest": float(finite.max())}
-                summaries[label] |= {"median": float(np.median(finite)), **limits}
+                summaries[label] |= {
+                    "smallest": float(finite.min()),
+                    "median": float(np.median(finite)),
+                    "largest": float(finite.max()),
+                }
     return summaries
 
 

@@ -160,10 +160,14 @@ class Points:
         **options : object
             Further arguments of `run_sweep`.
         """
-        part = attrs.evolve(self.sweep, selected=numbers)
-        if run_sweep(
-            part, self.folder, print_line=self.print_line, report=self.report, **options
-        ).interrupted:
+        outcome = run_sweep(
+            attrs.evolve(self.sweep, selected=numbers),
+            self.folder,
+            print_line=self.print_line,
+            report=self.report,
+            **options,
+        )
+        if outcome.interrupted:
             raise KeyboardInterrupt
 
     def collect(self, numbers: Sequence[int] | None = None) -> "xr.Dataset":
@@ -242,15 +246,13 @@ class SweepStatus:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the status as plain values."""
-        plain = attrs.asdict(self, recurse=False)
-        errors = [
-            {"number": n, "status": status, "message": text} for n, status, text in self.errors
-        ]
-        return plain | {
+        return attrs.asdict(self, recurse=False) | {
             "folder": str(self.folder),
             "counts": dict(self.counts),
             "done": self.done,
-            "errors": errors,
+            "errors": [
+                {"number": n, "status": status, "message": text} for n, status, text in self.errors
+            ],
         }
 
 

@@ -160,6 +160,10 @@ class Journal:
             try:
                 now = self._now()
                 for row in rows:
+                    layout_name = _name_of(row.layout)
+                    self._connection.execute(
+                        "insert or ignore into layout values (?, ?)", (layout_name, row.layout)
+                    )
                     values = (
                         row.number,
                         row.key,
@@ -167,7 +171,7 @@ class Journal:
                         row.message,
                         row.seconds,
                         now,
-                        self._layout(row.layout),
+                        layout_name,
                         row.texts,
                     )
                     self._connection.execute(
@@ -179,12 +183,6 @@ class Journal:
                 if self._connection.in_transaction:  # a full disk may have ended the transaction
                     self._connection.execute("rollback")
                 raise
-
-    def _layout(self, layout: str) -> str:
-        """Store a layout if it is new, and return its identifier."""
-        name = _name_of(layout)
-        self._connection.execute("insert or ignore into layout values (?, ?)", (name, layout))
-        return name
 
     def close(self, ending: str) -> None:
         """Store how the writer ended ("complete", "interrupted" or an error), and close the file."""
@@ -214,9 +212,9 @@ class StoredValues:
         with blamed(folder, "make room there, or name another --out"):
             folder.mkdir(parents=True, exist_ok=True)
         if any(session.about.get("sweep") != digest for session in sessions(folder)):
-            remedy = "go on with the same ones, or run without --resume, or remove the folder"
             raise OutputError(
-                f"{folder}: holds a run of another scene, or of other choices; {remedy}"
+                f"{folder}: holds a run of another scene, or of other choices; go on with the same ones, or run "
+                "without --resume, or remove the folder"
             )
         self.values: dict[int, Any] = {row.number: json.loads(row.texts) for row in records(folder)}
         self._journal = Journal(folder, {"sweep": digest})
@@ -304,9 +302,9 @@ def only_writer(folder: Path, wait: float = 1.0) -> Iterator[None]:
 
 def running(folder: Path) -> bool:
     """Return whether a run has locked the folder (`only_writer`) at this moment."""
-    uri = f"{(folder / LOCK).resolve().as_uri()}?mode=ro"
+    path = (folder / LOCK).resolve()
     try:
-        with closing(sqlite3.connect(uri, timeout=0.0, uri=True)) as lock:
+        with closing(sqlite3.connect(f"{path.as_uri()}?mode=ro", timeout=0.0, uri=True)) as lock:
             lock.execute("select count(*) from sqlite_master")
     except sqlite3.Error as error:
         return error.sqlite_errorcode == sqlite3.SQLITE_BUSY
@@ -456,8 +454,10 @@ def last_failures(
     codes : bytearray
         Code of each point, from `point_states`.
     """
-    placeholders = ", ".join("?" * len(statuses))
-    query = f"select number, at, status, message from point where status in ({placeholders}) order by rowid desc"
+    query = (
+        "select number, at, status, message from point where status in "
+        f"({', '.join('?' * len(statuses))}) order by rowid desc"
+    )
 
     def read(
         path: Path, connection: sqlite3.Connection
@@ -486,13 +486,13 @@ def records(folder: Path, where: str = "", *values: Any) -> Iterator[Row]:
         Values of the placeholders.
     """
     name_of_layout = lru_cache(maxsize=256)(_name_of)
-    columns = "number, key, status, message, seconds, at, point.layout, texts, numbers, checksum, layout.layout"
-    source = f"point left join layout on layout.id = point.layout {where} order by point.rowid"
+    query = (
+        "select number, key, status, message, seconds, at, point.layout, texts, numbers, checksum, layout.layout "
+        f"from point left join layout on layout.id = point.layout {where} order by point.rowid"
+    )
 
     def read(path: Path, connection: sqlite3.Connection) -> Iterator[Row]:
-        for *stored, numbers, checksum, layout in connection.execute(
-            f"select {columns} from {source}", values
-        ):
+        for *stored, numbers, checksum, layout in connection.execute(query, values):
             number, key, status, message, seconds, _, layout_name, texts = stored
             if (
                 layout is None

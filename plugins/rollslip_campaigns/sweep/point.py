@@ -70,9 +70,10 @@ def compute(work: SweepWork, points: Sequence[tuple[int, Mapping[str, object]]])
     TaskResult
         A row for each point, with status "ok" or that of its failure.
     """
+    size = _BATCH_SIZE
     if work.time_limit is not None:
         _import_all()
-    size = 1 if work.time_limit is not None else _BATCH_SIZE
+        size = 1
     task = _Task(work)
     rows = [
         row
@@ -224,10 +225,10 @@ class _Point:
         try:
             yield
         except _TimeLimit:
-            limit = self.task.work.time_limit
             self._end(
                 "timed-out",
-                f"took longer than the time limit of {limit:g} s; retry with a longer --time-limit",
+                f"took longer than the time limit of {self.task.work.time_limit:g} s; retry with a longer "
+                "--time-limit",
             )
         except ConvergenceError as error:
             self._end("not-converged", str(error))
@@ -274,9 +275,10 @@ class _Point:
         if outcome == "interrupted":
             raise KeyboardInterrupt
         if outcome == "failed":
-            status_of = {"domain": "outside-domain", "model": "crashed"}
             self._end(
-                status_of.get(attributes["failed_by"], "not-converged"),
+                {"domain": "outside-domain", "model": "crashed"}.get(
+                    attributes["failed_by"], "not-converged"
+                ),
                 str(attributes["outcome_message"]),
             )
             return

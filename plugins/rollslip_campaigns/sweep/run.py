@@ -137,9 +137,8 @@ class Progress:
     def summary(self) -> tuple[str, float, float]:
         """Progress as text, fraction of points that are done, and time left [s]; NaN where not known."""
         failed = f", {self.failed} failed" if self.failed else ""
-        text = f"{self.done} of {self.total} points{failed}"
         return (
-            text,
+            f"{self.done} of {self.total} points{failed}",
             self.done / self.total if self.total else math.nan,
             math.nan if self.left is None else self.left,
         )
@@ -294,8 +293,7 @@ def _engine_without_measuring(sweep: Sweep, folder: Path) -> tuple[Engine | None
     study = settings(sweep.scene, sweep.study)[sweep.study]
     if study.is_transient:
         return get_model("engine", "processes"), "motions in time take long"
-    assembly = assemble(sweep.scene)
-    slices = study.evaluations(assembly)
+    slices = study.evaluations(assemble(sweep.scene))
     if slices * _SECONDS_PER_SLICE > _EXPENSIVE_POINT:
         return get_model("engine", "processes"), f"a point evaluates about {slices:.1e} slices"
     return None, ""
@@ -379,8 +377,9 @@ class _Run:
 
     def progress(self) -> Progress:
         """Return the progress of the run."""
-        seconds = time.monotonic() - self.start_time
-        return Progress(self.total, dict(self.counts), self.computed, seconds)
+        return Progress(
+            self.total, dict(self.counts), self.computed, time.monotonic() - self.start_time
+        )
 
     def choose_engine(self, pending: _Pending, interrupts: _Interrupts) -> tuple[Engine, str]:
         """Compute some points in this process, and return the fastest engine for the others, with the reason.
@@ -410,11 +409,9 @@ class _Run:
                 engine, why = self._fastest_engine(point_seconds[-1], len(pending), count)
                 if not engine.separate or time.monotonic() - start_time > _POOL_START:
                     break
-        return (
-            (engine, why)
-            if engine is not None
-            else self._fastest_engine(min(point_seconds), len(pending), count)
-        )
+        if engine is None:
+            engine, why = self._fastest_engine(min(point_seconds), len(pending), count)
+        return engine, why
 
     def _fastest_engine(self, point_seconds: float, left: int, count: int) -> tuple[Engine, str]:
         """Return the fastest engine for the points that are left on `count` cores, and the reason.
@@ -506,12 +503,13 @@ class _Run:
         ):
             count = 1
             if self.computed:
-                fair = -(-len(pending) // (2 * workers))
                 count = max(
                     1,
                     min(
                         int(engine.task_seconds * self.computed / max(self.compute_seconds, 1e-9)),
-                        fair,
+                        -(
+                            -len(pending) // (2 * workers)
+                        ),  # a fair part of the points that are left
                         _MAX_IN_TASK,
                     ),
                 )
@@ -607,20 +605,19 @@ class _Run:
                     executor = None
                     seconds = time.monotonic() - start_time
                     if isinstance(error, FutureTimeout):
-                        text = f"took longer than the time limit of {self.work.time_limit:g} s, and did not stop; "
-                        text += "retry with a longer --time-limit"
-                        done = TaskResult(
-                            (Row(number, "", "timed-out", text, seconds),), self.packages
+                        status = "timed-out"
+                        text = (
+                            f"took longer than the time limit of {self.work.time_limit:g} s, and did not stop; retry "
+                            "with a longer --time-limit"
                         )
                     elif engine.killed(error):
+                        status = "crashed"
                         text = "its process died, and died again when it was computed alone"
-                        done = TaskResult(
-                            (Row(number, "", "crashed", text, seconds),), self.packages
-                        )
                     else:
                         waiting.appendleft(number)
                         self._count_loss(engine, error)
                         continue
+                    done = TaskResult((Row(number, "", status, text, seconds),), self.packages)
                 self._commit(done)
         finally:
             if executor is not None:

@@ -196,14 +196,13 @@ def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribu
     listed = list(raw) if isinstance(raw, list | tuple) else [raw]
     if not listed:
         raise FieldError(quantity.key, "the list is empty; give at least one value")
-    values = []
-    for k, value in enumerate(listed, 1):
-        values.append(
-            _checked(quantity, value, f"value {k} of {len(listed)}" if len(listed) > 1 else "")
-        )
-    counts = Counter(label(value) for value in values)
-    if twice := next((name for name, count in counts.items() if count > 1), None):
-        raise FieldError(quantity.key, f"{twice!r} stands twice in the list")
+    values = [
+        _checked(quantity, value, f"value {k} of {len(listed)}" if len(listed) > 1 else "")
+        for k, value in enumerate(listed, 1)
+    ]
+    ((name, count),) = Counter(map(label, values)).most_common(1)
+    if count > 1:
+        raise FieldError(quantity.key, f"{name!r} stands twice in the list")
     return Axis(quantity, tuple(values), tuple(listed))
 
 
@@ -226,8 +225,8 @@ def parse_over(text: str) -> tuple[str, object]:
 def parse_overs(texts: Sequence[str]) -> dict[str, object]:
     """Return the values of several ``key=values``, by key; a key that occurs twice is refused."""
     pairs = [parse_over(text) for text in texts]
-    keys = [key for key, _ in pairs]
-    if twice := sorted({key for key in keys if keys.count(key) > 1}):
+    counts = Counter(key for key, _ in pairs)
+    if twice := sorted(key for key in counts if counts[key] > 1):
         raise SceneError(
             [f"{key}: stands in --over twice; put all its values in one" for key in twice]
         )
@@ -260,14 +259,12 @@ def _checked(
     """Read a value of a quantity; an error names the value by its description."""
     try:
         return quantity.read(value, given)
-    except RollslipError as error:
-        reason = error.reason if isinstance(error, FieldError) else str(error)
+    except (RollslipError, TypeError, ValueError) as error:
+        reason = str(error) if isinstance(error, RollslipError) else str(error.args[0])
+        if isinstance(error, FieldError):
+            reason = error.reason
         raise FieldError(
             quantity.key, f"{description}: {reason}" if description else reason
-        ) from error
-    except (TypeError, ValueError) as error:
-        raise FieldError(
-            quantity.key, f"{description}: {error.args[0]}" if description else str(error.args[0])
         ) from error
 
 
@@ -306,8 +303,11 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
         values: Sequence[object] = (low, *between, high)
     else:
         values = evenly(*ends, n, unit)
-    checked = (_checked(quantity, v, f"point {k} of {n}", given) for k, v in enumerate(values, 1))
-    return Axis(quantity, tuple(checked), given_unit=given)
+    return Axis(
+        quantity,
+        tuple(_checked(quantity, v, f"point {k} of {n}", given) for k, v in enumerate(values, 1)),
+        given_unit=given,
+    )
 
 
 def range_parts(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
@@ -382,16 +382,18 @@ class Design:
         index = np.unravel_index(number, self.shape) if self.shape else ()
         changes = {axis.key: axis.values[int(k)] for axis, k in zip(self.axes, index, strict=False)}
         if self.has_samples:
-            row = self.samples[int(index[-1])].tolist()
             changes |= {
-                quantity.key: value for quantity, value in zip(self.sampled, row, strict=True)
+                quantity.key: value
+                for quantity, value in zip(
+                    self.sampled, self.samples[int(index[-1])].tolist(), strict=True
+                )
             }
         return changes
 
     def describe_point(self, number: int) -> str:
         """Return the values of a point as text: "operation.radial_load = 500 N, models.traction = muraki"."""
-        sampled = (Axis(quantity, ()) for quantity in self.sampled)
-        axes = {axis.key: axis for axis in (*sampled, *self.axes)}
+        axes = {quantity.key: Axis(quantity, ()) for quantity in self.sampled}
+        axes |= {axis.key: axis for axis in self.axes}
         return ", ".join(
             f"{key} = {axes[key].format_value(value)}"
             for key, value in self.changes(number).items()
@@ -442,8 +444,8 @@ def plain_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, s
             for n in range(1, other.count(".") + 2)
         }
         endings = [ending(key, n) for n in range(1, key.count(".") + 2)]
-        available = [name for name in endings if name not in others and name not in taken]
-        names[key] = available[0] if available else f"{endings[-1]}_"
+        available = (name for name in endings if name not in others and name not in taken)
+        names[key] = next(available, f"{endings[-1]}_")
     return names
 
 

@@ -137,8 +137,11 @@ def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Swe
     _check_varied(axes, uncertainty, is_sampled, table_location, problems)
     if problems:
         raise SceneError(list(dict.fromkeys(problems)))
-    sampled = tuple(known[key] for key in uncertainty.distributions)
-    design = Design(tuple(axes), sampled, _draw_samples(table, uncertainty))
+    design = Design(
+        tuple(axes),
+        tuple(known[key] for key in uncertainty.distributions),
+        _draw_samples(table, uncertainty),
+    )
     if design.size > _MAX_POINTS:
         raise SceneError(
             [
@@ -171,9 +174,18 @@ def _check_varied(
     location: Location,
     problems: list[str],
 ) -> None:
-    """Add messages on keys that exclude each other, and on a sweep in which nothing varies, to the problems."""
+    """Add messages to the problems: on keys that vary twice or inside a table that varies, and if nothing varies."""
     varied = [*(axis.key for axis in axes), *uncertainty.distributions]
-    problems += _conflicting_keys(varied)
+    problems += [
+        f"{key}: is both an axis and uncertain; choose one"
+        for key in {k for k in varied if varied.count(k) > 1}
+    ]
+    for outer in set(varied):
+        problems += [
+            f"{inner}: cannot vary while {outer} does, which takes its place; list tables with the parameter instead"
+            for inner in varied
+            if inner.startswith(f"{outer}.")
+        ]
     if not problems and is_sampled and not uncertainty.distributions:
         problems.append(
             location.at("samples").message(
@@ -193,9 +205,10 @@ def _draw_samples(table: SweepTable, uncertainty: Uncertainty) -> Array:
     """Samples in SI units, (n, d); (1, 0) if nothing is sampled."""
     if not uncertainty.distributions:
         return np.empty((1, 0))
-    dimensions = len(uncertainty.distributions)
     return uncertainty.values(
-        probabilities(table.sampling, table.samples or 1, dimensions, table.seed)
+        probabilities(
+            table.sampling, table.samples or 1, len(uncertainty.distributions), table.seed
+        )
     )
 
 
@@ -362,21 +375,6 @@ def _with_ranges(uncertainty: Uncertainty, ranges: Mapping[str, Distribution]) -
     return Uncertainty(distributions, matrix)
 
 
-def _conflicting_keys(keys: Sequence[str]) -> list[str]:
-    """Messages on keys that vary twice, and on keys inside a table that varies as a whole."""
-    problems = [
-        f"{key}: is both an axis and uncertain; choose one"
-        for key in {k for k in keys if keys.count(k) > 1}
-    ]
-    for outer in set(keys):
-        problems += [
-            f"{inner}: cannot vary while {outer} does, which takes its place; list tables with the parameter instead"
-            for inner in keys
-            if inner.startswith(f"{outer}.")
-        ]
-    return problems
-
-
 def _checked_assemblies(
     base: Scene, study: str, design: Design
 ) -> tuple[list[Assembly], tuple[str, ...]]:
@@ -415,14 +413,13 @@ def _checked_assemblies(
                 evolve(base, {quantity.key: value})
                 quantity.read(value)
             except (SceneError, FieldError) as error:
-                number = int(np.flatnonzero(column == value)[0])
                 reason = (
                     "; ".join(error.problems) if isinstance(error, SceneError) else error.reason
                 )
-                value_text = Axis(quantity, ()).format_value(value)
                 problems.append(
-                    f"{quantity.key}: sample {number}, {value_text}: {reason}; cut the distribution off with at_least "
-                    "or at_most"
+                    f"{quantity.key}: sample {int(np.flatnonzero(column == value)[0])}, "
+                    f"{Axis(quantity, ()).format_value(value)}: {reason}; cut the distribution off with at_least or "
+                    "at_most"
                 )
                 break
         else:
@@ -439,12 +436,13 @@ def _packages(
     """Packages that the points need, and models that are registered in this process only."""
     offers = {("study", study): find("study", study)}
     for assembly in assemblies:
-        used = [*assembly.models.items(), *settings(assembly.scene, study)[study].models(assembly)]
-        for kind, model in used:
-            parts = ((kind, model), *submodels(model))
+        for kind, model in (
+            *assembly.models.items(),
+            *settings(assembly.scene, study)[study].models(assembly),
+        ):
             offers |= {
                 (model_kind, part.name): find(model_kind, part.name)
-                for model_kind, part in parts
+                for model_kind, part in ((kind, model), *submodels(model))
                 if hasattr(part, "name")
             }
         offers |= {
@@ -497,14 +495,10 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
             design.axes[k].key: design.axes[k].values[int(index)]
             for k, index in zip(deciding, combination, strict=True)
         }
-        points = [
-            values,
-            *(design.changes(int(number)) for number in _distant_points(design, numbers)),
-        ]
         chosen = [
             resolution
-            for resolution in (_resolution_at(scene, study, changes) for changes in points)
-            if resolution is not None
+            for changes in (values, *map(design.changes, _distant_points(design, numbers)))
+            if (resolution := _resolution_at(scene, study, changes)) is not None
         ]
         if chosen:
             resolutions[combination_name(list(values.values()))] = Resolution.maximum_of(chosen)
@@ -554,7 +548,6 @@ def store_sweep(sweep: Sweep, folder: Path) -> None:
     folder : Path
         Its folder.
     """
-    table = attrs.asdict(sweep.table, recurse=False)
     stored = {
         "format": 1,
         "hash": sweep.hash,
@@ -562,7 +555,11 @@ def store_sweep(sweep: Sweep, folder: Path) -> None:
         "source": sweep.given.source,
         "text": sweep.given.text,
         "scene": sweep.given.raw or resolved(sweep.given),
-        "table": {key: value for key, value in table.items() if value not in (None, ())},
+        "table": {
+            key: value
+            for key, value in attrs.asdict(sweep.table, recurse=False).items()
+            if value not in (None, ())
+        },
     }
     with whole_file(folder / FILE) as partial:
         partial.write_text(json.dumps(stored, default=dict, indent=1), encoding="utf-8")
@@ -578,14 +575,13 @@ def open_sweep(folder: Path) -> Sweep:
         stored = json.loads(path.read_text(encoding="utf-8"))
         table = dict(stored["table"])
         facts = stored["facts"]
-        scene = from_raw(stored["scene"], stored["source"], stored["text"])
+        source = stored["source"]
+        text = stored["text"]
         scene = attrs.evolve(
-            scene,
+            from_raw(stored["scene"], source, text),
             sweep=None,
             raw=FrozenTable({k: v for k, v in stored["scene"].items() if k != "sweep"}),
         )
-        source = stored["source"]
-        text = stored["text"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise OutputError(
             f"{path}: cannot be read ({error}); remove it; {_RECREATE.format(folder)}"
@@ -613,20 +609,16 @@ def with_engine(sweep: Sweep, engine: object, time_limit: float | str | None) ->
     time_limit : float or str or None
         Longest time for one point [s], or with a unit; None for that of the sweep.
     """
-    changes_requested = {"engine": engine, "time_limit": time_limit}
+    settings_given = {"engine": engine, "time_limit": time_limit}
+    changed = {name: value for name, value in settings_given.items() if value is not None}
     problems: list[str] = []
-    table = structure(
-        SweepTable,
-        {k: v for k, v in changes_requested.items() if v is not None},
-        Location({}, ("sweep",)),
-        problems,
-    )
+    table = structure(SweepTable, changed, Location({}, ("sweep",)), problems)
     if table is None:
         raise SceneError(problems)
-    changes = {
-        name: getattr(table, name) for name, value in changes_requested.items() if value is not None
-    }
-    return attrs.evolve(sweep, table=attrs.evolve(sweep.table, **changes))
+    return attrs.evolve(
+        sweep,
+        table=attrs.evolve(sweep.table, **{name: getattr(table, name) for name in changed}),
+    )
 
 
 def _changed_file(source: str, text: str) -> list[str]:
@@ -643,10 +635,9 @@ def _changed_file(source: str, text: str) -> list[str]:
 def _differences(old: Any, new: Any, prefix: str = "") -> list[str]:
     """Lines "key: old -> new" on the differences of nested tables."""
     if isinstance(old, Mapping) and isinstance(new, Mapping):
-        keys = dict.fromkeys((*old, *new))
         return [
             line
-            for key in keys
+            for key in dict.fromkeys((*old, *new))
             for line in _differences(
                 old.get(key), new.get(key), f"{prefix}.{key}" if prefix else str(key)
             )
