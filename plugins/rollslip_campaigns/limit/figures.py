@@ -46,15 +46,11 @@ def draw_limit(dataset: "xr.Dataset") -> "Figure":
         bounds = converted(np.array([low, high]), dataset["searched"].attrs["units"], x_unit)
         axes.axvspan(*bounds, color=MODEL_COLOURS[2], alpha=0.15, linewidth=0.0)
     axes.plot(x[known], y[known], color="0.6", linewidth=0.8, zorder=2)
-    groups = ((satisfied, MODEL_COLOURS[0], "kept"), (~satisfied, "white", "not kept"))
-    for is_in_group, face, label in groups:
-        marked = is_in_group & known
+    for marked, face, label in (
+        (satisfied & known, MODEL_COLOURS[0], "kept"),
+        (~satisfied & known, "white", "not kept"),
+    ):
         if marked.any():
-            style: dict[str, Any] = {
-                "markerfacecolor": face,
-                "markeredgecolor": MODEL_COLOURS[0],
-                "zorder": 3,
-            }
             sheet.line(
                 x[marked],
                 y[marked],
@@ -62,10 +58,15 @@ def draw_limit(dataset: "xr.Dataset") -> "Figure":
                 marker="o",
                 linestyle="none",
                 markersize=4,
-                **style,
+                markerfacecolor=face,
+                markeredgecolor=MODEL_COLOURS[0],
+                zorder=3,
             )
-    line: dict[str, Any] = {"color": MODEL_COLOURS[1], "linestyle": DASHES[1], "linewidth": 1.0}
-    sheet.handles.append(axes.axhline(limit, label="limit", **line))
+    sheet.handles.append(
+        axes.axhline(
+            limit, label="limit", color=MODEL_COLOURS[1], linestyle=DASHES[1], linewidth=1.0
+        )
+    )
     if dataset.attrs["logarithmic"]:
         plain_decades(axes.xaxis)
     if dataset.attrs["searched_key"] == "operation.radial_load" and in_percent(

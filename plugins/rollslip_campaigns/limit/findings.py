@@ -47,15 +47,15 @@ class LimitAccount(Account):
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return sentences by topic."""
-        limit = {"limit": [describe_limit(dataset)]}
-        others = {
+        topics = {
+            "limit": [describe_limit(dataset)],
             "width": _describe_unknown(dataset),
             "jump": _describe_jumps(dataset),
             "course": _describe_monotonicity(dataset),
             "values missing": _describe_missing(dataset),
             "points failed": _describe_failures(dataset),
         }
-        return limit | {name: lines for name, lines in others.items() if lines}
+        return {name: lines for name, lines in topics.items() if lines}
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -96,8 +96,11 @@ class LimitAccount(Account):
         status = dataset["status"].to_numpy()
         verdict = np.where(status == "ok", np.where(dataset["keeps"] > 0.0, "yes", "no"), status)
         columns = dataset[["searched", "result"]].assign(kept=("point", verdict))
-        details = dataset[["status", "message", "result_status", "seconds"]]
-        return {"": point_rows(columns.assign(details))}
+        return {
+            "": point_rows(
+                columns.assign(dataset[["status", "message", "result_status", "seconds"]])
+            )
+        }
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a table with a row for each value, in ascending order, or none if it would be too long."""
@@ -237,18 +240,18 @@ def _describe_monotonicity(dataset: "xr.Dataset") -> list[str]:
         return [
             f"{name} is monotonic over the {n} values with a result: none of them suggests further passages"
         ]
-    more = f"--over {dataset.attrs['searched_key']}=LOW:HIGH:{2 * int(dataset.attrs['first']) - 1} looks at more"
+    first = int(dataset.attrs["first"])
     return [
         f"{name} turns back {turns} time{'s' * (turns != 1)} over the {n} values with a result: between two of the "
-        f"first {int(dataset.attrs['first'])} it may pass the limit and come back unseen; {more}"
+        f"first {first} it may pass the limit and come back unseen; --over {dataset.attrs['searched_key']}="
+        f"LOW:HIGH:{2 * first - 1} looks at more"
     ]
 
 
 def _describe_missing(dataset: "xr.Dataset") -> list[str]:
     """Sentence on values at which the study has no result, with the most frequent status."""
     ok = dataset["status"].to_numpy() == "ok"
-    results = dataset["result"].to_numpy()
-    missing = ok & ~np.isfinite(results)
+    missing = ok & ~np.isfinite(dataset["result"].to_numpy())
     if not missing.any():
         return []
     statuses = Counter(
@@ -287,9 +290,8 @@ def _describe_result(dataset: "xr.Dataset", at: float) -> str:
     name = dataset.attrs["output"]
     if math.isnan(result):
         return f"{name} has no value"
-    unit = dataset["result"].attrs["units"]
     given = dataset.attrs["limit_given"] or None
-    return f"{name} is {format_quantity(result, unit, 4, given)}"
+    return f"{name} is {format_quantity(result, dataset['result'].attrs['units'], 4, given)}"
 
 
 ACCOUNT: Final = LimitAccount("limit")

@@ -113,11 +113,10 @@ def read_requirement(
     unit = study.outputs[name].unit
     if unit == OWN:
         if len(measures) != 1:
-            measure_names = ", ".join(damage_measure.name for damage_measure in measures) or "none"
             raise SceneError(
                 [
                     f"keep: {name} is of one measure of damage, and models.damage names "
-                    f"{measure_names}; name the one that counts"
+                    f"{', '.join(measure.name for measure in measures) or 'none'}; name the one that counts"
                 ]
             )
         (measure,) = measures
