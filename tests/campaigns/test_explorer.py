@@ -118,12 +118,18 @@ def test_the_page_holds_units_angles_and_errors(tmp_path, monkeypatch):
         "1032930-50C", {"operation.temperature": "46 degC:50 degC:2"}, checks=4
     ).plan()
     error = {"median": 0.01, "largest": 0.02, "known": 3, "mistaken": 1}
-    results = written.Results(
-        np.array([0.0, 1.0]), np.radians([0.0, 90.0, 180.0, 270.0]), {"skidding_slip": (0, 1)}, np.ones((1, 2, 1)),
-        {"skidding_slip": error},
-    )  # fmt: skip
+    grid = xr.Dataset(
+        {"angle": ("roller", np.radians([0.0, 90.0, 180.0, 270.0]))},
+        {"cage_slip": [0.0, 1.0]},
+        {"swept": "x", "packages": "{}"},
+    )
     written.write_page(
-        tmp_path / "p.html", planned, results, xr.Dataset(attrs={"swept": "x", "packages": "{}"})
+        tmp_path / "p.html",
+        planned,
+        grid,
+        layout={"skidding_slip": (0, 1)},
+        table=np.ones((1, 2, 1)),
+        errors={"skidding_slip": error},
     )
     text = (tmp_path / "p.html").read_text(encoding="utf-8")
     assert "<td>1 %</td><td>2 %</td><td>1 of 4</td>" in text
@@ -227,7 +233,7 @@ def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, 
     """Without plotly, which only the page itself needs."""
     for module in (explorer, written):
         monkeypatch.setattr(module, "library", lambda: "")
-    monkeypatch.setattr(explorer, "write_page", lambda path, *_: path.write_text("page"))
+    monkeypatch.setattr(explorer, "write_page", lambda path, *_, **__: path.write_text("page"))
     told = []
     over = {"operation.radial_load": "2 kN:6 kN:3"}
     report = {"report": lambda *given: told.append(given), "engine": "serial"}

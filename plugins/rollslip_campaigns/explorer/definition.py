@@ -48,16 +48,16 @@ def plan_explorer(requested: "ExplorerSettings") -> Explorer:
     over = read_overs(requested.over)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     known = quantities(assemble(base), settings(base, EffectiveFriction.name))
-    varied: dict[str, object] = over or _defaults(known)
     dials = list[Dial]()
     choices = dict[str, tuple[str, ...]]()
     problems = list[str]()
-    for key, value in varied.items():
+    for key, value in (over or _defaults(known)).items():
         if key not in known:
             problems.append(f"{key}: {describe_unknown_key(key, known)}")
         elif known[key].unit is None:
-            names = tuple(map(str, value)) if isinstance(value, list | tuple) else (str(value),)
-            choices[key] = names
+            choices[key] = (
+                tuple(map(str, value)) if isinstance(value, list | tuple) else (str(value),)
+            )
         else:
             try:
                 dials.append(

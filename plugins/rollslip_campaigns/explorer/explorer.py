@@ -9,7 +9,7 @@ import numpy as np
 from rollslip.errors import ConvergenceError
 from rollslip.search import Array
 from rollslip_campaigns.explorer.grid import Explorer, interpolate
-from rollslip_campaigns.explorer.page import GROUPS, Results, library, write_page
+from rollslip_campaigns.explorer.page import GROUPS, library, write_page
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.effective_friction.study import EffectiveFriction
@@ -48,27 +48,33 @@ def run_explorer(
     keys = [dial.key for dial in planned.dials]
 
     def compute_sweep(folder_name: str, over: Mapping[str, object], **options: Any) -> "xr.Dataset":
-        sweep_options = {"engine": requested.engine, "time_limit": requested.time_limit, **options}
         sweep = plan_sweep(
             planned.scene,
             over,
             study=EffectiveFriction.name,
             output=[*GROUPS, "angle"],
-            **sweep_options,
+            engine=requested.engine,
+            time_limit=requested.time_limit,
+            **options,
         )
         points = Points.in_folder(
             sweep, folder / folder_name, lambda text: None, lambda now: show(*now.summary)
         )
         points.compute()
-        dataset = _check_complete(points.collect())
+        dataset = points.collect()
+        status = dataset["status"].to_numpy().ravel()
+        if (failed := np.flatnonzero(status != "ok")).size:
+            raise ConvergenceError(
+                f"{failed.size} of {status.size} points failed, the first: "
+                f"{dataset['message'].to_numpy().ravel()[failed[0]]}; narrow the ranges"
+            )
         return dataset.rename({name: key for key, name in sweep.names.items()})
 
     choices: dict[str, object] = {key: list(names) for key, names in planned.choices.items()}
     nodes = {dial.key: dial.nodes.tolist() for dial in planned.dials}
     grid = compute_sweep("nodes", choices | nodes)
     order = [*choices, *keys]
-    slip = grid["cage_slip"].to_numpy() if "cage_slip" in grid.coords else None
-    if slip is None:
+    if "cage_slip" not in grid.coords:
         raise ConvergenceError(
             "the curves of the grid have different slips; give their number: key points of the study"
         )
@@ -93,8 +99,7 @@ def run_explorer(
             ]
         )
         errors = _errors(layout, interpolated, exact)
-    angle = grid["angle"].to_numpy().reshape(-1, grid.sizes["roller"])[0]
-    write_page(requested.page, planned, Results(slip, angle, layout, table, errors), grid)
+    write_page(requested.page, planned, grid, layout=layout, table=table, errors=errors)
     messages = [
         f"{GROUPS[name]}: off by {100.0 * error['median']:.2g} % in the middle of the random places, by "
         f"{100.0 * error['largest']:.2g} % at most"
@@ -102,17 +107,6 @@ def run_explorer(
         if error["known"]
     ]
     return {"points": planned.size, "messages": messages, "errors": errors}
-
-
-def _check_complete(dataset: "xr.Dataset") -> "xr.Dataset":
-    """Return the dataset of a sweep; ConvergenceError if a point failed."""
-    status = dataset["status"].to_numpy().ravel()
-    if (failed := np.flatnonzero(status != "ok")).size:
-        message = dataset["message"].to_numpy().ravel()[failed[0]]
-        raise ConvergenceError(
-            f"{failed.size} of {status.size} points failed, the first: {message}; narrow the ranges"
-        )
-    return dataset
 
 
 def _table(dataset: "xr.Dataset", order: Sequence[str]) -> tuple[dict[str, tuple[int, int]], Array]:

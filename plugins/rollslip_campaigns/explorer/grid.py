@@ -109,12 +109,11 @@ class Explorer:
     @property
     def messages(self) -> list[str]:
         """Lines that describe quantities, models and the number of points, printed before the points are computed."""
-        lines = [
-            *(dial.message for dial in self.dials),
-            *(f"{key}: {', '.join(names)}" for key, names in self.choices.items()),
-            f"{self.size} points, {self.checks} random ones for each combination of models among them",
+        return [
+            *(f"  {dial.message}" for dial in self.dials),
+            *(f"  {key}: {', '.join(names)}" for key, names in self.choices.items()),
+            f"  {self.size} points, {self.checks} random ones for each combination of models among them",
         ]
-        return [f"  {line}" for line in lines]
 
     @property
     def size(self) -> int:

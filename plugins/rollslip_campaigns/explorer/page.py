@@ -15,7 +15,6 @@ from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any, Final
 
-import attrs
 import numpy as np
 
 from rollslip.errors import PluginError
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 
     from rollslip_campaigns.explorer.grid import Explorer
 
-__all__ = ["GROUPS", "Results", "library", "write_page"]
+__all__ = ["GROUPS", "library", "write_page"]
 
 #: Result -> label of its error.
 GROUPS: Final[Mapping[str, str]] = {
@@ -53,33 +52,15 @@ def library() -> str:
     )
 
 
-@attrs.frozen(eq=False)
-class Results:
-    """Data of the page.
-
-    Attributes
-    ----------
-    slip : ndarray
-        Cage slips of the curves.
-    angle : ndarray
-        Angular positions of the rollers [rad].
-    layout : mapping of str to tuple of int
-        Result -> its columns in the table, (start, end).
-    table : ndarray
-        Results at the nodes, shape (combinations of models, nodes of each dial in turn, columns).
-    errors : mapping
-        Result -> median and largest error, number of points at which both have a value ("known"), and of those at which
-        only one of interpolation and run has ("mistaken").
-    """
-
-    slip: Array
-    angle: Array
-    layout: Mapping[str, tuple[int, int]]
-    table: Array
-    errors: Mapping[str, Mapping[str, Any]]
-
-
-def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dataset") -> None:
+def write_page(
+    path: Path,
+    explorer: "Explorer",
+    grid: "xr.Dataset",
+    *,
+    layout: Mapping[str, tuple[int, int]],
+    table: Array,
+    errors: Mapping[str, Mapping[str, Any]],
+) -> None:
     """Write the page; an older file is replaced.
 
     Parameters
@@ -88,10 +69,15 @@ def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dat
         Path of the file.
     explorer : Explorer
         The plan.
-    results : Results
-        Results at the nodes, and their errors.
     grid : xarray.Dataset
-        Dataset of the sweep over the nodes, for title, warnings and provenance.
+        Dataset of the sweep over the nodes, for slips, angles, title, warnings and provenance.
+    layout : mapping of str to tuple of int
+        Result -> its columns in the table, (start, end).
+    table : ndarray
+        Results at the nodes, shape (combinations of models, nodes of each dial in turn, columns).
+    errors : mapping
+        Result -> median and largest error, number of points at which both have a value ("known"), and of those at which
+        only one of interpolation and run has ("mistaken").
     """
     dials = [
         {
@@ -110,16 +96,15 @@ def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dat
         }
         for dial in explorer.dials
     ]
+    angle = grid["angle"].to_numpy().reshape(-1, grid.sizes["roller"])[0]
     data = {
         "dials": dials,
         "choices": {key: list(names) for key, names in explorer.choices.items()},
-        "layout": {name: list(ends) for name, ends in results.layout.items()},
-        "slip": results.slip.tolist(),
-        "angle": ((np.degrees(results.angle) + 180.0) % 360.0 - 180.0).tolist(),
-        "width": results.table.shape[-1],
-        "table": base64.b64encode(
-            np.ascontiguousarray(results.table, dtype="<f4").tobytes()
-        ).decode(),
+        "layout": {name: list(ends) for name, ends in layout.items()},
+        "slip": grid["cage_slip"].to_numpy().tolist(),
+        "angle": ((np.degrees(angle) + 180.0) % 360.0 - 180.0).tolist(),
+        "width": table.shape[-1],
+        "table": base64.b64encode(np.ascontiguousarray(table, dtype="<f4").tobytes()).decode(),
         "colours": {
             which: {ring: turn(colour) for ring, colour in RING_COLOURS.items()}
             | {"ink": ink, "paper": paper}
@@ -129,13 +114,12 @@ def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dat
             )
         },
     }
-    title = str(grid.attrs.get("title") or f"Explorer of {explorer.scene.source}")
     text = Template((files(__package__) / "page.html.in").read_text(encoding="utf-8")).substitute(
-        title=escape(title),
+        title=escape(str(grid.attrs.get("title") or f"Explorer of {explorer.scene.source}")),
         ink=INK,
         ground=GROUND,
         controls=_controls(explorer),
-        errors=_errors(results.errors, explorer.checks),
+        errors=_errors(errors, explorer.checks),
         warnings="".join(
             f"<li>{escape(text)}</li>" for text in json.loads(grid.attrs.get("warnings", "[]"))
         ),
@@ -155,12 +139,11 @@ def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dat
 
 def _controls(explorer: "Explorer") -> str:
     """HTML of the sliders and of the lists of models."""
-    parts = []
-    for k, dial in enumerate(explorer.dials):
-        parts.append(
-            f'<label for="dial-{k}">{escape(dial.name)} <output id="shown-{k}" for="dial-{k}"></output></label>'
-            f'<input type="range" id="dial-{k}" data-key="{escape(dial.key)}" min="0" max="1000" step="1"/>'
-        )
+    parts = [
+        f'<label for="dial-{k}">{escape(dial.name)} <output id="shown-{k}" for="dial-{k}"></output></label>'
+        f'<input type="range" id="dial-{k}" data-key="{escape(dial.key)}" min="0" max="1000" step="1"/>'
+        for k, dial in enumerate(explorer.dials)
+    ]
     for k, (key, names) in enumerate(explorer.choices.items()):
         options = "".join(f"<option>{escape(name)}</option>" for name in names)
         parts.append(
