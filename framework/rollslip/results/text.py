@@ -200,8 +200,10 @@ def describe_running(slip: float, skidding_slip: float, reserve: float, status: 
     with_slip = f"at a slip of {100.0 * slip:.3g} %" if slip > 0.0 else "without slip"
     sentence = f"with the drags of the scene the cage runs {with_slip}"
     if slip > skidding_slip:
-        where = "beyond that at which skidding begins"
-        return f"{sentence}, {where}: there its drag falls with slip faster than what the rollers carry"
+        return (
+            f"{sentence}, beyond that at which skidding begins: there its drag falls with slip faster than what the "
+            "rollers carry"
+        )
     is_bound = Status.of(status) is Status.AT_LEAST
     if not math.isfinite(reserve) or (
         is_bound and not reserve > 1.0
@@ -228,7 +230,6 @@ def collect_warnings(
     bounds = dict[tuple[str, str], dict[str, Any]]()
     results = list(datasets)
     has_row = not laws and any("makers_minimum_load" in result for result in results)
-    repeated = [CATALOGUE_LOAD_WARNING] if has_row else []
     for dataset in results:
         exceeded = json.loads(dataset.attrs.get("validity") or "{}").get("messages", [])
         texts = {bound["text"] for bound in exceeded}
@@ -238,7 +239,7 @@ def collect_warnings(
             for text in warnings
             if text not in texts
             and not text.startswith(OTHER_BOUNDS)
-            and not any(part in text for part in repeated)
+            and not (has_row and CATALOGUE_LOAD_WARNING in text)
         )
         for bound in exceeded:
             known = bounds.setdefault((bound["law"], bound["made_for"]), bound)
@@ -312,8 +313,10 @@ def describe_law_outputs(dataset: "xr.Dataset") -> list[str]:
             known = values[np.isfinite(values)]
             extremes = ["no value"]
             if known.size:
-                units = variable.attrs["units"]
-                extremes = [with_unit(float(end), units) for end in (known.min(), known.max())]
+                extremes = [
+                    with_unit(float(end), variable.attrs["units"])
+                    for end in (known.min(), known.max())
+                ]
             label = f"{at} {dim}" if isinstance(at, str) else with_unit(at, unit)
             name = f"{variable.attrs['long_name']} by {variable.attrs[LAW]!r}"
             sentences.append(f"{name}, {label}: {' to '.join(dict.fromkeys(extremes))}")

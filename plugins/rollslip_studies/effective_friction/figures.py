@@ -91,12 +91,12 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
         axes.plot(slip, friction[roller], color=scale.to_rgba(forces[roller]), linewidth=0.8)
     effective = [curve for curve in curves(dataset) if curve.name == "inner ring"]
     lines: list[Artist] = [
-        draw_curve(axes, curve, "black", r"inner ring, effective: $\mu_\mathrm{e}$", width=2.0)
-        for curve in effective
+        *(
+            draw_curve(axes, curve, "black", r"inner ring, effective: $\mu_\mathrm{e}$", width=2.0)
+            for curve in effective
+        ),
+        Line2D([], [], color=light_to_dark()(1.0), linewidth=0.8, label="its single rollers"),
     ]
-    lines.append(
-        Line2D([], [], color=light_to_dark()(1.0), linewidth=0.8, label="its single rollers")
-    )
     bar = figure.colorbar(scale, ax=axes, aspect=30, pad=0.03)
     bar.set_label(axis_label(dataset["normal_force"], "$Q$", "N", name="normal force"))
     seamless(bar)
@@ -125,8 +125,7 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     cage = 100 * dataset["map_cage_slip"].to_numpy()
     roller = 100 * dataset["map_roller_slip"].to_numpy()
     levels = MaxNLocator(20).tick_values(surface.min(), surface.max())
-    rolling = np.isclose(levels, 0.0, atol=1e-6 * np.ptp(levels))
-    falls = np.where(levels < -1e-6 * np.ptp(levels), "dashed", "solid").tolist()
+    noise = 1e-6 * np.ptp(levels)
     colours = against_zero(float(levels[0]), float(levels[-1]))
     style: dict[str, Any] = {"color": "black", "linewidth": 1.6, "linestyle": DASHES[3]}
     panels = figure.subplots(1, dataset.sizes["ring"], sharey=True, squeeze=False)[0]
@@ -143,8 +142,8 @@ def _map(dataset: "xr.Dataset") -> "Figure":
             values.T,
             levels,
             colors="black",
-            linewidths=0.25 + rolling,
-            linestyles=falls,
+            linewidths=0.25 + np.isclose(levels, 0.0, atol=noise),
+            linestyles=np.where(levels < -noise, "dashed", "solid").tolist(),
         )
         line = 100 * dataset["roller_slip"].sel(ring=ring).to_numpy()
         axes.plot(100 * curve.slip, line, **style)

@@ -75,8 +75,15 @@ class EffectiveFrictionAccount(PlainAccount):
             UNCOMPUTED_MINIMUM_LOAD,
         ]
         if "drag_reserve" in dataset:
-            reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
-            rows.append(reserve_row(*reserve, known=1, within=_WITHIN, slip=slip))
+            rows.append(
+                reserve_row(
+                    dataset["drag_reserve"].item(),
+                    str(dataset["reserve_status"].item()),
+                    known=1,
+                    within=_WITHIN,
+                    slip=slip,
+                )
+            )
         return Answer(
             rows=tuple(rows),
             assumed=describe_assumptions(dataset),

@@ -76,8 +76,10 @@ def ring_figure(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
                 color=colour,
                 linewidth=2.0,
             )
-        values = f"{1e6 * own.min():.3g} to {1e6 * own.max():.3g} µm, bars to {force.max():.3g} N"
-        sheet.key(f"{ring} raceway, {values}", color=colour)
+        sheet.key(
+            f"{ring} raceway, {1e6 * own.min():.3g} to {1e6 * own.max():.3g} µm, bars to {force.max():.3g} N",
+            color=colour,
+        )
     sheet.key("round, without load", color="0.6", linewidth=0.6, linestyle="dotted")
     if scene.operation.radial_load > 0.0:
         axes.annotate(
@@ -91,8 +93,8 @@ def ring_figure(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         )
     axes.set_aspect("equal")
     axes.set_axis_off()
-    size = two_digits(magnification)
     caption = (
-        f"Raceways as forms and loads leave them, {size} times as large, and forces of the rollers."
+        f"Raceways as forms and loads leave them, {two_digits(magnification)} times as large, "
+        "and forces of the rollers."
     )
     yield f"{dataset.attrs['study']}-rings", caption, sheet.done()

@@ -134,9 +134,8 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
         Name of the variable with the steady slip.
     """
     slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
-    if not slips.size or not np.isfinite(slips[0]):
-        return dataset
-    if slips[0] == 0.0 or slips[0] < -_SMALL_SLIP:  # without drag, or driven
+    # no steady slip, a cage without drag, or one that is driven
+    if not slips.size or slips[0] == 0.0 or not -_SMALL_SLIP <= slips[0] < math.inf:
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "minimum_load" in dataset else None
     values = {"steady_slip": max(float(slips[0]), _SLIP_FLOOR)}
@@ -217,8 +216,9 @@ def _coarse_assembly(scene: Scene, nominal: Assembly | None = None) -> Assembly:
     if nominal is not None:
         return assemble(scene, nominal.resolution, like=nominal)
     whole = assemble(scene)
-    slices = min(_MAX_SLICES, whole.slices)
-    return whole.at(attrs.evolve(whole.resolution, slices=slices, quadrature="equal"))
+    return whole.at(
+        attrs.evolve(whole.resolution, slices=min(_MAX_SLICES, whole.slices), quadrature="equal")
+    )
 
 
 #: Bearings by key and number of the quantile of the quantity that differs from the nominal bearing.
@@ -337,14 +337,13 @@ def _combine(
         )
         for sign in (-1, 1)
     )
-    order = sorted(changes, key=lambda key: -max(map(abs, changes[key])))
-    effects = (
+    effects = [
         QuantityEffect(
             key, known[key].unit or "", tuple(quantiles[key]), tuple(map(math.exp, changes[key]))
         )
-        for key in order
-    )
-    return Band(math.exp(-down), math.exp(up), order[0], tuple(effects))
+        for key in sorted(changes, key=lambda key: -max(map(abs, changes[key])))
+    ]
+    return Band(math.exp(-down), math.exp(up), effects[0].key, tuple(effects))
 
 
 # Effects of exceeded validity ranges ----------------------------------------------------------------------------------

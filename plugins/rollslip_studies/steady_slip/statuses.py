@@ -30,8 +30,10 @@ def describe_steady_status(
     if slips:
         return Status.FOUND
     if branch.torque_without_slip + balance.drag(0.0) > 0.0:
-        faster = "it runs at more than twice its epicyclic speed"
-        return f"{Status.DRIVEN}: {faster}; no slip up to {branch.end:g} is steady"
+        return (
+            f"{Status.DRIVEN}: it runs at more than twice its epicyclic speed; "
+            f"no slip up to {branch.end:g} is steady"
+        )
     slip, torque = branch.maximum
     carried = (
         f"the drag is larger than the cage can carry up to a cage slip of {branch.end:g} "
@@ -98,8 +100,7 @@ def describe_no_fold(
     value = branches[0].parameter
     if np.isclose(slip[[0, -1]], max_cage_slip).any():
         at = format_quantity(float(value[np.argmax(slip)]), unit, 4)
-        key = f"{table}.max_cage_slip"
-        further = search_range_hint(key, max_cage_slip, MAX_CAGE_SLIP)
+        further = search_range_hint(f"{table}.max_cage_slip", max_cage_slip, MAX_CAGE_SLIP)
         return f"{unknown}: at {at} the steady slip leaves the range, {max_cage_slip:g}{further}"
     if np.ptp(value) < (1.0 - _RANGE_TOLERANCE) * (limits[1] - limits[0]):
         ends = " and ".join(format_quantity(float(end), unit, 4) for end in np.sort(value[[0, -1]]))

@@ -161,8 +161,11 @@ class TorqueFormula(abc.ABC):
 
 def torque_formulas(scene: Scene) -> tuple[TorqueFormula, ...]:
     """Return the formulas of a scene, ``models.torque``, in its order."""
-    named = [(choice.name, choice.parameters) for choice in scene.models.torque]
-    return structure_models("torque", named, Location(scene.origins, ("models", "torque")))
+    return structure_models(
+        "torque",
+        [(choice.name, choice.parameters) for choice in scene.models.torque],
+        Location(scene.origins, ("models", "torque")),
+    )
 
 
 def formula_variables(assembly: Assembly) -> tuple[dict[str, Any], dict[str, Any]]:
