@@ -441,7 +441,7 @@ def test_orbits_at_many_speeds_are_those_of_each(Z, n_positions, changes):
 
 def test_what_is_known_must_be_every_second_instant():
     known = solve_pitch(case(n_positions=2), palmgren())
-    with pytest.raises(ValueError, match="known are 2 instants: of 6 it must be half"):
+    with pytest.raises(ValueError, match="known are 2 positions: of 6 it must be half"):
         solve_pitch(case(n_positions=6), palmgren(), known)
 
 
@@ -557,7 +557,7 @@ def test_tilted_rollers_of_many_slices_come_to_their_balance():
 
 def test_load_no_roller_can_carry_is_reported_with_how_far_it_came():
     with pytest.raises(
-        ConvergenceError, match=r"no equilibrium .* at 1 of 1 instants: relative residual of"
+        ConvergenceError, match=r"no equilibrium .* at 1 of 1 positions: relative residual of"
     ):
         solve_equilibrium(case(psi=[np.pi]), iso16281())
 

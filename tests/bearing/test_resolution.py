@@ -81,7 +81,7 @@ def test_dynamics_takes_friction_level_and_integrator_from_a_resolution():
     attributes = study.run(assemble(SCENE, resolution)).attrs
     taken = [attributes[name] for name in ("friction", "level", "integrator", "relative_tolerance")]
     assert taken == ["conventional", "pocket", "rk45", 1e-4]
-    assert study.at(Resolution()) == study
+    assert study.with_resolution(Resolution()) == study
 
 
 def test_gauss_slices_carry_the_forces_of_a_motion():
@@ -136,7 +136,7 @@ def test_another_law_of_the_full_film_takes_its_place():
     ("wrong", "message"),
     [
         ({"slices": 0}, "slices: must be from 1 to 20000, not 0"),
-        ({"n_positions": 0}, "instants: must be at least 1, not 0"),
+        ({"n_positions": 0}, "n_positions: must be at least 1, not 0"),
         ({"quadrature": "simpson"}, "quadrature: must be one of"),
         ({"table_tolerance": 0.0}, "table_tolerance: must be between 0 and 1"),
     ],

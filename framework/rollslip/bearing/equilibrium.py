@@ -69,7 +69,7 @@ def angular_positions(rollers: int, n_positions: int) -> Floats:
     """
     if rollers < 1 or n_positions < 1:
         raise ValueError(
-            f"{rollers} rollers at {n_positions} instants: there must be at least one of each"
+            f"{rollers} rollers at {n_positions} positions: there must be at least one of each"
         )
     return (
         2.0 * np.pi / rollers * (np.arange(rollers) + np.arange(n_positions)[:, None] / n_positions)
@@ -127,7 +127,7 @@ class LoadCase:
     def __attrs_post_init__(self) -> None:
         if self.psi.ndim != 2 or self.psi.size == 0 or not np.all(np.isfinite(self.psi)):
             raise ValueError(
-                f"psi must be finite and of shape (instants, rollers), not {self.psi.shape}"
+                f"psi must be finite and of shape (n_positions, rollers), not {self.psi.shape}"
             )
         if self.drop.ndim != 1 or self.drop.size == 0 or not np.all(np.isfinite(self.drop)):
             raise ValueError(f"drop must be finite and of shape (slices,), not {self.drop.shape}")
@@ -138,7 +138,9 @@ class LoadCase:
             if not np.all((value >= 0.0) & (value < np.inf)):
                 raise ValueError(f"{name} is {getattr(self, name)} N: it must be zero or positive")
         if (shape := np.shape(self.centrifugal_force)) not in ((), self.psi.shape[:1]):
-            raise ValueError(f"centrifugal_force must be one or of shape (instants,), not {shape}")
+            raise ValueError(
+                f"centrifugal_force must be one or of shape (n_positions,), not {shape}"
+            )
         for name in ("radial_clearance", "misalignment", "body_force"):
             if not np.all(np.isfinite(getattr(self, name))):
                 raise ValueError(f"{name} is {getattr(self, name)}: it must be finite")
@@ -346,7 +348,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     if not balance["residual"].max() <= _MAX_RESIDUAL:  # nor if it is NaN
         slowest = np.count_nonzero(balance["passes"] == iterations)
         raise ConvergenceError(
-            f"the bearing found no equilibrium in {iterations} iterations at {slowest} of {n_positions} instants: "
+            f"the bearing found no equilibrium in {iterations} iterations at {slowest} of {n_positions} positions: "
             f"relative residual of the forces {force_residual:.1e}, of the moments {moment_residual:.1e}, "
             f"required {_MAX_RESIDUAL:.0e}; {_REMEDY}"
         )

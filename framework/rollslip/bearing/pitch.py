@@ -58,7 +58,7 @@ def over_pitch(case: Any, known: L | None, solve: Callable[[Any], L]) -> L:
     n_positions = case.psi.shape[0]
     if known is not None and 2 * known.psi.shape[0] != n_positions:
         raise ValueError(
-            f"known are {known.psi.shape[0]} instants: of {n_positions} it must be half"
+            f"known are {known.psi.shape[0]} positions: of {n_positions} it must be half"
         )
     missing = np.arange(n_positions) if known is None else np.arange(1, n_positions, 2)
     last = n_positions // 2 if case.mirrored else n_positions
