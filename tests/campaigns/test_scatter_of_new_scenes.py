@@ -129,5 +129,5 @@ def test_the_band_of_a_run_knows_want_of_oil():
         scene(supply="mist"), {"uncertainty": {"lubrication": {"starvation_constant": only[KEY]}}}
     )
     band = bands(one, slip(one))["steady_slip"]
-    assert band.most == KEY
+    assert band.dominant == KEY
     assert band.low < 1.0 < band.high

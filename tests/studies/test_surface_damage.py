@@ -396,7 +396,7 @@ def test_limits_are_told_in_the_answer(tmp_path):
     assert one["cage_slip"].value == float(result.slip)
     assert one.assumed[0] == LOWER_BOUNDS, "the scene's one drag is that of the land"
     both = answer(run(SCENE, "steady-slip"), result)
-    assert both["cage_slip"].by == "steady-slip"
+    assert both["cage_slip"].study == "steady-slip"
     assert both["contact-temperature"] == row
     assert both.faults == ()
     told = account.topics(result)
