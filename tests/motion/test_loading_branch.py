@@ -1,4 +1,4 @@
-"""The way up of the rollers: against a plain march, motion in time, and what must hold of it whatever the bearing."""
+"""The loading branch of the rollers: against a plain march, motion in time, and what holds whatever the bearing."""
 
 import math
 
@@ -88,7 +88,7 @@ def test_balances_do_not_depend_on_the_slips_that_were_asked_for_before(celsius)
     assert few == pytest.approx(many[::20], rel=1e-9)
 
 
-def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settle():
+def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_converge():
     """At 20 N and 4810 rpm rollers that begin with rolling on a ring hardly leave it in eight orbits."""
     scene = scenes.wide(100_156)
     made = assemble(scene)
@@ -97,13 +97,13 @@ def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settl
     ).with_resistance()
     one = TorqueBalance(few, few.cage.drags, n_positions=3)
     assert not any(motion.converged for motion in one.motions.find(np.array([0.77]))[0])
-    way = one.loading_branch()
-    assert way.end == RANGE
-    assert way.refusal == ""
-    assert all(motion.converged and motion.linked for motion in way.motions[1:])
-    (jump,) = way.jumps
+    branch = one.loading_branch()
+    assert branch.end == RANGE
+    assert branch.refusal == ""
+    assert all(motion.converged and motion.linked for motion in branch.motions[1:])
+    (jump,) = branch.jumps
     below = max(
-        (motion for motion in way.motions if motion.slip < jump.slip),
+        (motion for motion in branch.motions if motion.slip < jump.slip),
         key=lambda motion: motion.slip,
     )
     again = one.motions.find(np.array([jump.slip]), below.fraction[:1])[0][0]
@@ -111,8 +111,8 @@ def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settl
     assert again.torque == pytest.approx(
         jump.drag, rel=1.01 * jump.error
     )  # of more positions than these
-    slips = np.array([motion.slip for motion in way.motions])
-    known = [motion.torque for motion in way.motions]
+    slips = np.array([motion.slip for motion in branch.motions])
+    known = [motion.torque for motion in branch.motions]
     assert any(
         len(each) == 1 and not each[0].converged for each in one.motions.find(slips)
     )  # Newton's method leaves one
@@ -122,7 +122,7 @@ def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settl
     )
 
 
-def test_a_way_whose_end_does_not_settle_says_that_it_was_not_looked_at(monkeypatch):
+def test_a_branch_whose_end_does_not_converge_says_that_it_was_not_looked_at(monkeypatch):
     """It is no end of the range that another setting would raise."""
     at = Motions.find
 
@@ -134,10 +134,10 @@ def test_a_way_whose_end_does_not_settle_says_that_it_was_not_looked_at(monkeypa
 
     monkeypatch.setattr(Motions, "find", settled)
     one = balance()
-    way = one.loading_branch()
-    assert 0.2 < way.end < 0.3
-    assert way.refusal == "the search for the motion of the rollers does not settle"
-    assert skidding_onset(one, RANGE, "KEY").status.endswith(f"; beyond, {way.refusal}")
+    branch = one.loading_branch()
+    assert 0.2 < branch.end < 0.3
+    assert branch.refusal == "the search for the motion of the rollers does not converge"
+    assert skidding_onset(one, RANGE, "KEY").status.endswith(f"; beyond, {branch.refusal}")
     assert "KEY" not in skidding_onset(one, RANGE, "KEY").status
 
 
@@ -263,10 +263,10 @@ def test_the_order_of_questions_changes_no_bit(number, order):
     requested, untouched = (scenes.balance(scenes.free(number)) for _ in range(2))
     for slip in order:
         requested.torque(slip)
-    ways = [one.loading_branch() for one in (requested, untouched)]
-    assert [m.torque for m in ways[0].motions] == [m.torque for m in ways[1].motions]
-    assert [attrs.astuple(jump)[1:2] for jump in ways[0].jumps] == [
-        attrs.astuple(jump)[1:2] for jump in ways[1].jumps
+    branches = [one.loading_branch() for one in (requested, untouched)]
+    assert [m.torque for m in branches[0].motions] == [m.torque for m in branches[1].motions]
+    assert [attrs.astuple(jump)[1:2] for jump in branches[0].jumps] == [
+        attrs.astuple(jump)[1:2] for jump in branches[1].jumps
     ]
     assert [requested.torque(slip) for slip in sorted(order)] == [
         untouched.torque(slip) for slip in sorted(order)
@@ -277,11 +277,11 @@ def test_the_order_of_questions_changes_no_bit(number, order):
 @settings(max_examples=6, deadline=None)
 def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
     one = scenes.balance(scenes.free(number))
-    way = one.loading_branch()
-    for jump in way.jumps:
+    branch = one.loading_branch()
+    for jump in branch.jumps:
         known = max(jump.error, 1e-3)
         less, more = (
-            way.find_steady_motions(lambda _, drag=part * jump.drag: -drag)
+            branch.find_steady_motions(lambda _, drag=part * jump.drag: -drag)
             for part in (1.0 - 5.0 * known, 1.0 + 5.0 * known)
         )
         assert any(steady.slip < jump.slip and steady.slope > 0.0 for steady in less)
@@ -296,30 +296,32 @@ def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
     ("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19), ("catalogue", 9)]
 )
 def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, fraction):
-    way = scenes.balance(getattr(scenes, kind)(number)).loading_branch()
-    assert way.jumps
-    for jump in way.jumps:
+    branch = scenes.balance(getattr(scenes, kind)(number)).loading_branch()
+    assert branch.jumps
+    for jump in branch.jumps:
         fraction = max(fraction, jump.error)
         low, high = jump.slips_within(fraction)
-        below, above = (1.0 - motion.torque / jump.drag for motion in way.interpolate([low, high]))
+        below, above = (
+            1.0 - motion.torque / jump.drag for motion in branch.interpolate([low, high])
+        )
         assert abs(below - fraction) <= 0.2 * fraction + jump.error
-        assert above <= 1.2 * fraction + jump.error  # less where the way has a gap
+        assert above <= 1.2 * fraction + jump.error  # less where the branch has a gap
         assert not high > jump.slip_after
         inner = [
-            1.0 - motion.torque / jump.drag for motion in way.motions if low < motion.slip < high
+            1.0 - motion.torque / jump.drag for motion in branch.motions if low < motion.slip < high
         ]
         assert max(inner, default=0.0) <= fraction + jump.error
 
 
 def test_slips_around_a_parabola_go_with_its_place():
     places = np.linspace(-3.0, 1.0, 81)
-    way = [
+    branch = [
         Motion(slip_from_logit(x), 2.0 - 2.0 * (x + 1.2) ** 2, np.zeros(1), 0.0, True)
         for x in places
     ]
-    k = int(np.argmax([motion.torque for motion in way]))
+    k = int(np.argmax([motion.torque for motion in branch]))
     found = [
-        logit_slip(slip) for slip in _slips_within(way, k, _Maximum(-1.2, 2.0, 0.0), -1.1, 0.01)
+        logit_slip(slip) for slip in _slips_within(branch, k, _Maximum(-1.2, 2.0, 0.0), -1.1, 0.01)
     ]
     assert found == pytest.approx([-1.2, -1.0], abs=1e-9)
 
@@ -344,9 +346,9 @@ def test_a_maximum_up_to_the_end_of_the_range_that_finer_positions_do_not_have_i
     """Few positions alone let the torque fall by 3 to 7 % at the last slip, or at the one where it is least."""
     one = scenes.balance(scenes.catalogue(number))
     assert not scenes.finer(one, 4).loading_branch().jumps, "or the scene shows nothing"
-    way = one.loading_branch()
-    assert way.skidding_jump is None
-    assert way.maximum_error < 0.05
+    branch = one.loading_branch()
+    assert branch.skidding_jump is None
+    assert branch.maximum_error < 0.05
 
 
 @pytest.mark.parametrize(
@@ -356,20 +358,20 @@ def test_the_error_told_of_the_most_that_is_carried_holds_against_four_times_the
     kind, number
 ):
     one = scenes.balance(getattr(scenes, kind)(number))
-    way = one.loading_branch()
+    branch = one.loading_branch()
     dense = scenes.finer(one, 4).loading_branch()
-    assert way.maximum[1] == pytest.approx(dense.maximum[1], rel=way.maximum_error + 1e-6)
-    assert way.maximum_error < 0.03
+    assert branch.maximum[1] == pytest.approx(dense.maximum[1], rel=branch.maximum_error + 1e-6)
+    assert branch.maximum_error < 0.03
 
 
 @given(number=st.integers(0, 10_000))
 @settings(max_examples=3, deadline=None)
-def test_a_bearing_that_turns_the_other_way_has_the_same_way(number):
+def test_a_bearing_that_turns_the_other_way_has_the_same_branch(number):
     scene = scenes.free(number)
     mirrored = evolve(scene, {"operation.inner_speed": -scene.operation.inner_speed})
-    ways = [scenes.balance(one).loading_branch() for one in (scene, mirrored)]
-    assert [m.torque for m in ways[0].motions] == pytest.approx(
-        [m.torque for m in ways[1].motions], rel=1e-9
+    branches = [scenes.balance(one).loading_branch() for one in (scene, mirrored)]
+    assert [m.torque for m in branches[0].motions] == pytest.approx(
+        [m.torque for m in branches[1].motions], rel=1e-9
     )
 
 
@@ -379,14 +381,14 @@ def test_finer_slips_change_nothing_beyond_the_error_that_is_told(number, resist
     one = scenes.balance(
         scenes.free(number) if resists is None else scenes.catalogue(number, resists=resists)
     )
-    way = one.loading_branch()
+    branch = one.loading_branch()
     dense = one.loading_branch(steps=250)
-    assert (way.skidding_jump is None) == (dense.skidding_jump is None)
-    if (away := way.skidding_jump) is not None:
+    assert (branch.skidding_jump is None) == (dense.skidding_jump is None)
+    if (away := branch.skidding_jump) is not None:
         known = away.error + dense.skidding_jump.error + 1e-6  # exactness of a vertex
         assert away.drag == pytest.approx(dense.skidding_jump.drag, rel=known)
-    known = way.maximum_error + dense.maximum_error + 1e-6
-    assert way.maximum[1] == pytest.approx(dense.maximum[1], rel=known)
+    known = branch.maximum_error + dense.maximum_error + 1e-6
+    assert branch.maximum[1] == pytest.approx(dense.maximum[1], rel=known)
 
 
 @given(number=st.integers(0, 10_000))
@@ -406,12 +408,12 @@ def test_units_in_which_a_bearing_is_given_change_nothing(number):
             "bearing.radial_clearance": f"{b.radial_clearance * 1e9!r} nm",
         },
     )
-    ways = [scenes.balance(one).loading_branch() for one in (scene, written)]
-    assert [m.torque for m in ways[0].motions] == pytest.approx(
-        [m.torque for m in ways[1].motions], rel=1e-7
+    branches = [scenes.balance(one).loading_branch() for one in (scene, written)]
+    assert [m.torque for m in branches[0].motions] == pytest.approx(
+        [m.torque for m in branches[1].motions], rel=1e-7
     )
-    assert [jump.drag for jump in ways[0].jumps] == pytest.approx(
-        [jump.drag for jump in ways[1].jumps], rel=1e-7
+    assert [jump.drag for jump in branches[0].jumps] == pytest.approx(
+        [jump.drag for jump in branches[1].jumps], rel=1e-7
     )
 
 
@@ -429,25 +431,25 @@ def test_whether_a_slip_doubles_is_told_as_by_many_slips(number):
 @pytest.mark.parametrize("number", range(6))
 def test_a_default_bearing_has_a_steady_slip_and_a_largest_drag_or_a_reserve(number):
     one = scenes.balance(scenes.catalogue(number))
-    way = one.loading_branch()
-    steady = way.find_steady_motions(one.drag)
-    slip, most = way.maximum
+    branch = one.loading_branch()
+    steady = branch.find_steady_motions(one.drag)
+    slip, most = branch.maximum
     assert (steady and steady[0].slope > 0.0) or most < -one.drag(slip)
-    assert way.skidding_jump is not None or slip == way.end
+    assert branch.skidding_jump is not None or slip == branch.end
 
 
 @pytest.mark.parametrize("speed", ["0.5 rpm", "15000 rpm"])
 @pytest.mark.parametrize("load", ["0 N", "200 N", "5 kN"])
 @pytest.mark.parametrize("inertia", [True, False])
-def test_slow_and_fast_bearings_of_any_load_have_a_way(speed, load, inertia):
+def test_slow_and_fast_bearings_of_any_load_have_a_branch(speed, load, inertia):
     changes = {
         "operation.inner_speed": speed,
         "operation.radial_load": load,
         "bearing.radial_clearance": "-2 um",
     }
-    way = balance(inertia=inertia, slices=1, **changes).loading_branch()
-    assert way.end == RANGE
-    assert all(motion.converged for motion in way.motions)
+    branch = balance(inertia=inertia, slices=1, **changes).loading_branch()
+    assert branch.end == RANGE
+    assert all(motion.converged for motion in branch.motions)
 
 
 @pytest.mark.parametrize("number", [76, 299, 704])
@@ -457,12 +459,13 @@ def test_rollers_without_load_at_a_few_rpm_carry_next_to_nothing_or_it_is_not_kn
     runs = running(one, RANGE)
     assert (
         away.max_torque < 1e-15
-        or "the search for the motion of the rollers did not settle at any cage slip" in away.status
+        or "the search for the motion of the rollers did not converge at any cage slip"
+        in away.status
     )
     assert math.isnan(runs.slip)
 
 
-def test_pocket_friction_and_effective_friction_have_a_way_and_both_rings_may_turn():
+def test_pocket_friction_and_effective_friction_have_a_branch_and_both_rings_may_turn():
     plain = balance().loading_branch()
     pockets = balance(
         slices=1,
@@ -662,7 +665,7 @@ def test_finer_positions_may_shift_the_end_of_a_motion_by_a_tenth():
 
 
 def test_eight_loads_stand_for_all_slices(monkeypatch):
-    """To rounding; with four the largest drag of this bearing changes by 5e-6."""
+    """To rounding; with four the limit drag torque of this bearing changes by 5e-6."""
     (jump,) = scenes.balance(scenes.free(20)).loading_branch().jumps
     monkeypatch.setattr(loading_branch, "SEARCH", attrs.evolve(SEARCH, n_loads=0))
     (whole,) = scenes.balance(scenes.free(20)).loading_branch().jumps
@@ -697,7 +700,7 @@ def test_a_maximum_has_nine_samples_on_four_times_the_positions():
 
 
 def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_on_all_slices():
-    """By few loads the excess passes zero just below 4.7 %, a slip of the way, and by all slices at 5 %."""
+    """By few loads the excess passes zero just below 4.7 %, a slip of the branch, and by all slices at 5 %."""
     bearing = assemble(scenes.wide(100_600))
     bearing = bearing.at(attrs.evolve(bearing.resolution, slices=313, quadrature="gauss"))
     balance = torque_balance(bearing.at_load(944.574), 21)
@@ -706,7 +709,7 @@ def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_o
     assert steady.slip == pytest.approx(0.05, rel=1e-4)  # of which it is the least load
 
 
-def test_maxima_of_a_way_fall_behind_by_more_than_rounding_before_a_larger_one_comes():
+def test_maxima_of_a_branch_fall_behind_by_more_than_rounding_before_a_larger_one_comes():
     assert _find_maxima(curve(1.0, 3.0, 2.0, 4.0, 1.0)) == [1, 3]
     for fall, maxima in ((1.5e-3, []), (2.5e-3, [1])):
         assert _find_maxima(curve(1.0, 3.0, 3.0 * (1.0 - fall), 4.0)) == maxima
@@ -731,10 +734,10 @@ def test_what_a_maximum_may_be_over_the_largest_value_is_by_the_slopes_beside_it
 
 
 def test_a_motion_stays_that_goes_on_either_way_and_a_single_one_between_gaps_does_not():
-    way = curve(
+    branch = curve(
         1.0, 2.0, 3.0, 4.0, gaps=(1, 2)
     )  # the second by itself, the third begins one that goes on
-    assert [one.torque for one in _drop_doubtful(way)] == [1.0, 3.0, 4.0]
+    assert [one.torque for one in _drop_doubtful(branch)] == [1.0, 3.0, 4.0]
 
 
 def test_a_place_is_that_of_its_slip():

@@ -55,7 +55,7 @@ def test_it_is_where_rollers_integrated_in_time_drive_the_cage_most(row):
 
 
 def test_the_motion_that_rollers_hold_does_not_depend_on_the_slips_on_the_way():
-    """Beyond the largest drag rollers may hold several motions: large steps find the one that small ones do."""
+    """Beyond the limit drag torque rollers may have several motions: large steps find the one that small ones do."""
     heavy = {
         "operation.radial_load": "14.4 kN",
         "operation.inner_speed": "3823 rpm",
@@ -183,7 +183,7 @@ def test_weights_and_guidance_of_a_cage_do_not_count_and_resistance_to_rolling_d
     resisted = found(bearing(**{"cage.drag": ["rolling-resistance"]}))
     assert resisted.max_torque < 0.5 * found(caged).drag
     assert resisted.max_torque_slip == 0.95, "and nowhere a maximum"
-    assert f"the largest drag, {1e3 * resisted.max_torque:.3g} mN m" in resisted.status
+    assert f"the largest torque, {1e3 * resisted.max_torque:.3g} mN m" in resisted.status
 
 
 @pytest.mark.quick
@@ -373,7 +373,7 @@ def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
 
 
 def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction_is_off():
-    """Against the largest drag on the curve of study steady-slip, and that of effective friction."""
+    """Against the limit drag torque on the curve of study steady-slip, and that of effective friction."""
     assembly = few().at(attrs.evolve(few().resolution, n_positions=2))
     known = SteadySlip().run(assembly)
     conventional = float(known.limit_drag)

@@ -43,9 +43,9 @@ def test_a_reserve_is_the_drag_of_running_away_over_that_of_the_scene():
 
 
 def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
-    way = {"curve": ([0.1, 0.5, 0.9], [1.0, 2.0, -1.0])}
+    branch = {"curve": ([0.1, 0.5, 0.9], [1.0, 2.0, -1.0])}
     found = reserve(
-        balance(lambda _: -4.0, **way),
+        balance(lambda _: -4.0, **branch),
         SkiddingOnset(math.nan, math.nan, ""),
         Running(math.nan, 0.0, Status.NO_STEADY_SLIP),
     )
@@ -53,13 +53,14 @@ def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
 
 
 @pytest.mark.parametrize(
-    ("end", "told"), [(0.95, "there it all but stands"), (0.9, "raise KEY to look further")]
+    ("end", "told"),
+    [(0.95, "there the cage nearly stands still"), (0.9, "raise KEY to look further")],
 )
-def test_a_cage_that_all_but_stands_is_not_looked_at_further(end, told):
+def test_a_cage_that_nearly_stands_still_is_not_looked_at_further(end, told):
     said = describe_no_skidding(SimpleNamespace(maximum=(end, 1.5), end=end, refusal=""), "KEY")
     assert (
         said
-        == f"no skidding up to a slip of {end:g}, where the rollers carry the largest drag, 1.5 N m; {told}"
+        == f"no skidding up to a slip of {end:g}, where the rollers carry the largest torque, 1.5 N m; {told}"
     )
 
 

@@ -113,7 +113,10 @@ def test_brakes_are_those_of_the_pushes_of_the_motion_itself():
     balance = torque_balance(assemble(NONE), 2, inertia=False)
     orbit = balance.orbit(0.05)
     bearing = balance.assembly
-    train = Train.of(bearing.kinematics, bearing.scene.bearing.rollers, balance.motions.rubbing)
+    k = bearing.kinematics
+    rollers = bearing.scene.bearing.rollers
+    lever = k.orbit_radius * np.cos(np.pi / rollers)
+    train = Train(rollers, k.roller_radius, lever, balance.motions.rubbing)
     _, _, on_cage = balance.forces(orbit)
     forces = sum(train.pushes(on_cage[None]))[0]
     assert orbit.brakes == pytest.approx(

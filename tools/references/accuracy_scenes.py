@@ -68,7 +68,7 @@ NUMBERS = {
     "slip of the largest drag": "skidding_slip",
 }
 #: How a reference says that it does not know the far end of its curve, and what it knows nothing of then.
-UNSETTLED = ("does not settle", "largest drag", "slip of the largest drag", "reserve to skidding")
+UNSETTLED = ("does not converge", "largest drag", "slip of the largest drag", "reserve to skidding")
 #: Those whose claim stands with themselves, and where.
 CLAIMS = {"largest drag": "limit_drag_error"}
 #: Reserves that the answer shows.

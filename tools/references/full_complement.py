@@ -54,15 +54,13 @@ PLAYS = (0.0, 0.01, 0.05, 0.2)
 
 
 class Straight:
-    """The traction coefficient as a curve that compiled code takes, exact."""
+    """The traction coefficient as a table that compiled code takes, exact."""
 
-    compiled = (
-        np.array([[-TRACTION, 2.0 * TRACTION], [TRACTION, 2.0 * TRACTION]]),
-        (-1.0, 1.0),
-        HALF,
-    )
+    nodes = np.array([[-TRACTION, 2.0 * TRACTION], [TRACTION, 2.0 * TRACTION]])
+    limits = (-1.0, 1.0)
+    sliding_scale = HALF
 
-    def __call__(self, sliding):
+    def friction(self, sliding):
         return TRACTION * sliding / (np.abs(sliding) + HALF)
 
 

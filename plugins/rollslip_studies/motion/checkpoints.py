@@ -8,6 +8,7 @@
 import json
 import zipfile
 import zlib
+from functools import reduce
 from pathlib import Path
 from typing import Final
 
@@ -83,24 +84,19 @@ class Checkpoints(Store):
         unknowns : int
             Number of unknowns of the motion.
         """
-        trajectory = None
-        fits = True
-        for path in self.parts():
-            part = self._read(path)
-            fits = (
-                fits
-                and part.y.shape == (part.t.size, unknowns)
-                and part.last_y.shape == (unknowns,)
-            )
-            if fits:
-                trajectory = part if trajectory is None else trajectory.join(part)
-        if not fits or (
-            trajectory is not None and not np.array_equal(trajectory.t, times[: trajectory.t.size])
-        ):
+        parts = [self._read(path) for path in self.parts()]
+        if not parts:
+            return None
+        fits = all(
+            part.y.shape == (part.t.size, unknowns) and part.last_y.shape == (unknowns,)
+            for part in parts
+        )
+        stored = np.concatenate([part.t for part in parts])
+        if not fits or not np.array_equal(stored, times[: stored.size]):
             raise OutputError(
                 f"{self.folder}: its parts do not fit together; remove the folder and run anew"
             )
-        return trajectory
+        return reduce(Trajectory.join, parts)
 
     def _read(self, path: Path) -> Trajectory:
         """The part in a file; it raises `OutputError` for a file that is damaged or of another scene."""
@@ -108,13 +104,12 @@ class Checkpoints(Store):
             with open(path, "rb") as stored, np.load(stored, allow_pickle=False) as file:
                 facts = json.loads(file["facts"].tobytes())
                 scene_hash = facts.pop("scene_hash")
-                # parts of older versions have no state of the solver
-                last_state = file["last_state"] if "last_state" in file else np.zeros(0)
                 part = Trajectory(
                     t=file["t"],
                     y=file["y"],
                     last_y=file["last_y"],
-                    last_state=last_state,
+                    # parts of older versions have no state of the solver
+                    last_state=file["last_state"] if "last_state" in file else np.zeros(0),
                     events=tuple(Event(float(t), int(k), bool(up)) for t, k, up in file["events"]),
                     outcome="interrupted",
                     message="",

@@ -326,19 +326,16 @@ def _with_stated_errors(table: EffectiveTable, features: _Features) -> Effective
     middle = len(table.nodes) // 2
     limit = table.limits[1]
     slope = float(table.nodes[middle, 1]) * middle / (limit * table.sliding_scale)
-    slope_error = features.slope_error + _relative_difference(slope, features.slope)
-    table = attrs.evolve(table, slope_error=slope_error)
-    if not features.has_critical:
-        return table
     largest = int(np.argmax(table.nodes[middle:, 0]))
     speed = float(_sliding_speed(np.array(limit * largest / middle), table.sliding_scale))
     height = float(table.nodes[middle + largest, 0])
-    error = max(
+    error = max(  # NaN without a critical speed
         _relative_difference(speed, features.critical.slip),
         _relative_difference(height, features.critical.friction),
     )
     return attrs.evolve(
         table,
+        slope_error=features.slope_error + _relative_difference(slope, features.slope),
         critical_speed=features.critical.slip,
         critical_error=_LOCATION_ROUNDING + error,
     )

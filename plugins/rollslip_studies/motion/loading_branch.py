@@ -210,11 +210,8 @@ class LoadingBranch:
     @cached_property
     def curve(self) -> tuple[Array, Array]:
         """Slips from zero on, and torques there [N m], (n,) each."""
-        slips = [0.0]
-        torques = [self.torque_without_slip]
-        for motion in self.motions:
-            slips.append(motion.slip)
-            torques.append(motion.torque)
+        points = [(motion.slip, motion.torque) for motion in self.motions]
+        slips, torques = zip((0.0, self.torque_without_slip), *points, strict=True)
         return np.array(slips), np.array(torques)
 
     def find_steady_motions(self, drag: Callable[[float], float]) -> list[SteadyMotion]:
@@ -278,12 +275,11 @@ class LoadingBranch:
         distance = min(abs(slip - low), abs(high - slip))
         if distance <= SEARCH.imbalance * abs(slip) and not excess.is_balanced:
             # few loads of a roller give a sign at that end which all slices do not give: the root is outside
-            factor = SEARCH.outside_factor
-            first, last = sorted((slip / factor, slip * factor))
+            first, last = sorted((slip / SEARCH.outside_factor, slip * SEARCH.outside_factor))
             slope = (excesses[1] - excesses[0]) / (high - low)
             tolerance = SEARCH.steady_slip * abs(slip)
-            root = secant_root(excess, slip, slope, tolerance=tolerance, within=(first, last))
-            if root is None:
+            within = first, last
+            if secant_root(excess, slip, slope, tolerance=tolerance, within=within) is None:
                 excess(slip)
         motion = excess.motion
         return SteadyMotion(motion.slip, -drag(motion.slip), motion, excess.slope)
@@ -332,12 +328,12 @@ class _Maximum:
     error: float
 
 
+@attrs.frozen(eq=False)
 class _Search:
     """The search for the loading branch of one bearing and for its jumps."""
 
-    def __init__(self, motions: Motions, full_motions: Motions) -> None:
-        self.motions = motions  # on few loads of a roller
-        self.full_motions = full_motions  # on all slices
+    motions: Motions  # on few loads of a roller
+    full_motions: Motions  # on all slices
 
     # The branch -------------------------------------------------------------------------------------------------------
 
@@ -347,13 +343,9 @@ class _Search:
         others = [
             motion for pair in candidates if len(pair) > 1 for motion in pair if motion.converged
         ]
-        while True:
+        branch = self._take_nearest(slips, candidates)
+        while self._correct(slips, candidates, branch):  # what follows is chosen anew
             branch = self._take_nearest(slips, candidates)
-            correction = self._find_correction(slips, candidates, branch)
-            if correction is None:
-                break
-            k, motion = correction
-            candidates[k] = [motion]  # what follows is chosen anew
         own = {motion.slip: motion.fraction for motion in branch}
         distance = self.motions.distance
         others = [
@@ -376,21 +368,25 @@ class _Search:
             branch.append(motions.link(previous, nearest))
         return branch
 
-    def _find_correction(
+    def _correct(
         self, slips: Sequence[float], candidates: list[list[Motion]], branch: list[Motion]
-    ) -> tuple[int, Motion] | None:
-        """The first slip at which a march from the previous motion reaches another one than the nearest."""
+    ) -> bool:
+        """Replace the candidates at the first slip at which a march from the previous motion reaches another motion.
+
+        The other motion is not the nearest one, which the branch has. Return whether there is such a slip.
+        """
         ambiguous = [k for k in range(1, len(slips)) if len(candidates[k]) > 1]
         if not ambiguous:
-            return None
+            return False
         marched = self.motions.find(
             np.array([slips[k] for k in ambiguous]),
             np.array([branch[k - 1].fraction[0] for k in ambiguous]),
         )
         for k, (motion, *_) in zip(ambiguous, marched, strict=True):
             if self.motions.distance(motion.fraction, branch[k].fraction) >= DISTINCT:
-                return k, motion
-        return None
+                candidates[k] = [motion]
+                return True
+        return False
 
     def refine(self, branch: list[Motion]) -> list[Motion]:
         """Bisect the intervals which may contain a larger torque than all below (step 5)."""
@@ -433,16 +429,20 @@ class _Search:
             fine = self._find_fine_vertex(branch[k], coarse.logit, half_width, lowest.logit_slip)
         else:
             fine = self._find_fine_end(branch[k])
-        error = max(coarse.error, branch[k].error)
         maximum = attrs.evolve(coarse, error=math.inf)
         if fine is not None:
             change = abs(fine.torque / coarse.torque - 1.0)
-            maximum = attrs.evolve(fine, error=max(error, fine.error) + change)
+            error = max(coarse.error, branch[k].error, fine.error)
+            maximum = attrs.evolve(fine, error=error + change)
         if self._is_artefact(maximum, lowest):
             return None
-        slips_within = partial(_slips_within, *around, maximum.logit)
-        slip = slip_from_logit(maximum.logit)
-        return Jump(slip, maximum.torque, slip_after, maximum.error, slips_within)
+        return Jump(
+            slip=slip_from_logit(maximum.logit),
+            drag=maximum.torque,
+            slip_after=slip_after,
+            error=maximum.error,
+            slips_within=partial(_slips_within, *around, maximum.logit),
+        )
 
     def _find_regain(self, below: Motion, above: Motion, drag: float) -> float:
         """The slip between two motions of the branch at which a drag is carried again."""
@@ -453,10 +453,15 @@ class _Search:
             found = self.motions.find(np.array([slip_from_logit(logit)]), below.fraction[:1])
             return found[0][0].torque - drag
 
-        low = below.logit_slip
-        high = above.logit_slip
-        ends = below.torque - drag, above.torque - drag
-        return slip_from_logit(illinois_root(excess, low, high, *ends, tolerance=SEARCH.regain))
+        logit = illinois_root(
+            excess,
+            below.logit_slip,
+            above.logit_slip,
+            below.torque - drag,
+            above.torque - drag,
+            tolerance=SEARCH.regain,
+        )
+        return slip_from_logit(logit)
 
     def _find_vertex(self, motions: Motions, samples: list[Motion]) -> _Maximum:
         """The maximum between samples, by vertices of interpolating polynomials."""
@@ -724,7 +729,8 @@ def find_loading_branch(
         try:
             branch, others = search.follow(slips)
             branch = _drop_doubtful(branch)
-            branch = _drop_doubtful(search.refine(branch)) if branch else branch
+            if branch:
+                branch = _drop_doubtful(search.refine(branch))
             break
         except (DomainError, ConvergenceError) as error:
             # at the end of the range a law has no value, or a roller finds no balance
@@ -734,11 +740,11 @@ def find_loading_branch(
                 raise
     if not branch:
         raise ConvergenceError(
-            f"the search for the motion of the rollers did not settle at any cage slip up to {slips[-1]:.2%}, so there "
-            "is no slip to report; it settles where more load is on the rollers: raise operation.radial_load"
+            f"the search for the motion of the rollers did not converge at any cage slip up to {slips[-1]:.2%}, so "
+            "there is no slip to report; it converges where more load is on the rollers: raise operation.radial_load"
         )
     if branch[-1].slip < slips[-1]:
-        refusal = "the search for the motion of the rollers does not settle"
+        refusal = "the search for the motion of the rollers does not converge"
     torque_without_slip = 0.0
     if motions.resists:
         torque_without_slip = full_motions.find(np.zeros(1), np.zeros(1))[0][0].torque

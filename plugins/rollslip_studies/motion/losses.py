@@ -119,9 +119,13 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
             place = "oil"
             speed = 0.0
         losses.append(Loss(model.name, place, -torque * (cage_speed - speed)))
-    inner, outer = (torque * speed for torque, speed in zip(torques, ring_speeds, strict=True))
     stored = cage_speed * (all_rollers(on_cage) + drag) + all_rollers(spin * spin_torque)
-    return PowerBalance(losses=_number_sources(losses), rings=(inner, outer), stored=stored)
+    rings = torques[0] * ring_speeds[0], torques[1] * ring_speeds[1]
+    return PowerBalance(
+        losses=_number_sources(losses),
+        rings=rings,
+        stored=stored,
+    )
 
 
 def _rolling_losses(
@@ -157,8 +161,7 @@ def _number_sources(losses: list[Loss]) -> tuple[Loss, ...]:
     numbered = []
     for loss in losses:
         counts[loss.source] += 1
-        count = counts[loss.source]
-        if count > 1:
-            loss = attrs.evolve(loss, source=f"{loss.source} {count}")
+        if counts[loss.source] > 1:
+            loss = attrs.evolve(loss, source=f"{loss.source} {counts[loss.source]}")
         numbered.append(loss)
     return tuple(numbered)

@@ -178,9 +178,13 @@ class EffectiveFriction:
     @property
     def compiled(self) -> CompiledCurve:
         """What compiled code takes of it."""
-        table = self._table
-        nodes = np.ascontiguousarray(table.nodes)
-        return nodes, table.limits, table.sliding_scale, self._force, self._resistance
+        return (
+            np.ascontiguousarray(self._table.nodes),
+            self._table.limits,
+            self._table.sliding_scale,
+            self._force,
+            self._resistance,
+        )
 
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
@@ -266,11 +270,10 @@ class Spins:
         status : str
             What the kernel returned last.
         """
-        count = self.kernel.evaluated
         before = self._reported
         self._reported = self.kernel.evaluated
         for k, contacts in enumerate(self._contacts):
-            contacts.raceway.chain.kernel.evaluated += count[k] - before[k]
+            contacts.raceway.chain.kernel.evaluated += self._reported[k] - before[k]
         if status in RINGS:
             k = RINGS.index(status)
             chain = self._contacts[k].raceway.chain
@@ -324,14 +327,33 @@ class Motions:
         pace = abs(k.epicyclic_cage_speed) * self.positions / (2.0 * np.pi)
         #: torque that changes the roller slip by one from a position to the next, at no cage slip
         self._inertia = spin * pace if inertia else 0.0
-        self._body_torque = self._compute_body_torque()
-        self._rollers = self.sense * assembly.scene.bearing.rollers
+        #: loads of a roller that is marched, None for those of the motions: without inertia nothing refines it
+        self._march_loads = _MARCH_LOADS if self._inertia else None
+        along, across = assembly.body_force
+        if pocket > 0.0 and (along or across):
+            where = Location(assembly.scene.origins, ("cage", "drag"))
+            reason = (
+                "friction in pockets is that of forces along the orbit, and those of a carrier are not among them; "
+                "leave out one of them"
+            )
+            raise SceneError([where.message(reason)])
+        angle = self._orbit[1]
+        force = across * np.cos(angle) - along * np.sin(angle)  # of the body, along the orbit
+        #: torque of the body force on a roller along the orbit, in its sense [N m], (K,)
+        self._body_torque = np.asarray(self.sense * k.orbit_radius * force)
         self._lever = 1.0 + k.outer_radius / k.roller_radius
+        self._rollers = self.sense * assembly.scene.bearing.rollers
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
         self._idle_slip = 0.0  # mean roller slip without cage slip
         self._max_idle_slip = 0.0
         self._last: tuple[bytes, list[LoadedContacts]] = b"", []
-        self._weight = self._compute_weights()
+        inner, outer = ((load * width).sum(axis=1) for load, width in self.loads(np.zeros(1)))
+        weight = inner
+        if self.resists:
+            mean = (inner + outer).mean()
+            weight = _UNIFORM_WEIGHT * mean + (1.0 - _UNIFORM_WEIGHT) * (inner + outer)
+        #: weights of the positions in distances of motions, by the load, (K,)
+        self._weight = np.asarray(weight / (weight.sum() or 1.0) / (1.0 - self._inner_ratio))
         if similar is not None:
             self._idle_slip = similar._idle_slip
             self._max_idle_slip = similar._max_idle_slip
@@ -339,29 +361,6 @@ class Motions:
             idle = np.abs(self._march(np.zeros(1), np.zeros((1, 2))).roller_slips[0, 0])
             self._idle_slip = max(float(idle.mean()), _MIN_IDLE_SLIP)
             self._max_idle_slip = float(idle.max())
-
-    def _compute_body_torque(self) -> Array:
-        """Torque of the body force on a roller along the orbit, in its sense [N m], (K,)."""
-        along, across = self.assembly.body_force
-        if self.pocket > 0.0 and (along or across):
-            where = Location(self.assembly.scene.origins, ("cage", "drag"))
-            reason = (
-                "friction in pockets is that of forces along the orbit, and those of a carrier are not among them; "
-                "leave out one of them"
-            )
-            raise SceneError([where.message(reason)])
-        angle = self._orbit[1]
-        radius = self.assembly.kinematics.orbit_radius
-        return np.asarray(self.sense * radius * (across * np.cos(angle) - along * np.sin(angle)))
-
-    def _compute_weights(self) -> Array:
-        """Weights of the positions in distances of motions, by the load, (K,)."""
-        inner, outer = ((load * width).sum(axis=1) for load, width in self.loads(np.zeros(1)))
-        weight = inner
-        if self.resists:
-            mean = (inner + outer).mean()
-            weight = _UNIFORM_WEIGHT * mean + (1.0 - _UNIFORM_WEIGHT) * (inner + outer)
-        return np.asarray(weight / (weight.sum() or 1.0) / (1.0 - self._inner_ratio))
 
     def with_resolution(self, n_positions: int, n_loads: int) -> "Motions":
         """Return those at other numbers of positions, and of loads of a roller (0 for all slices)."""
@@ -417,10 +416,11 @@ class Motions:
         """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
         key = slips.tobytes()
         if self._last[0] != key:
-            a = self.assembly
             angle = np.tile(self._orbit[1], slips.size)
             loaded = [
-                LoadedContacts(a.inner, *own, 1.0, places=a.places(ring, angle))
+                LoadedContacts(
+                    self.assembly.inner, *own, 1.0, places=self.assembly.places(ring, angle)
+                )
                 for ring, own in zip(RINGS, self.loads(slips), strict=True)
             ]  # every roller is at each of the positions
             self._last = key, loaded
@@ -497,11 +497,6 @@ class Motions:
         spins.check(status)
         return spin, torque
 
-    @property
-    def _march_loads(self) -> int | None:
-        """Loads of a roller that is marched, None for those of the motions: without inertia nothing refines it."""
-        return _MARCH_LOADS if self._inertia else None
-
     def _march(
         self,
         slips: Array,
@@ -515,7 +510,6 @@ class Motions:
         """
         spins = self.spins(slips, self._march_loads, brakes) if spins is None else spins
         starts = self._march_starts(spins, slips) if starts is None else starts
-        tolerance = _BALANCE_TOLERANCE if self._inertia else _BALANCE_WITHOUT_INERTIA
         roller_slips, agree, changes, status = spins.kernel.march_orbits(
             np.arange(slips.size),
             self.positions,
@@ -524,10 +518,12 @@ class Motions:
             self._march_widths(slips),
             starts,
             _EULER_ORBITS,
-            tolerance,
+            _BALANCE_TOLERANCE if self._inertia else _BALANCE_WITHOUT_INERTIA,
         )
         if spins.check(status) == _NO_BALANCE:
-            raise ConvergenceError("rollers that are sent round find no balance on their way")
+            raise ConvergenceError(
+                "the march of the rollers round the orbit finds no balance of their torques"
+            )
         return _March(roller_slips, agree, changes)
 
     def _march_widths(self, slips: Array) -> Array:

@@ -179,8 +179,8 @@ class TorqueBalance:
     def has_several_motions(self, slip: float) -> bool:
         """Whether rollers have several motions at a cage slip, or none that converges, so that the branch decides."""
         with contextlib.suppress(DomainError):
-            motions = self._reduced_motions
-            return not self.rolls_freely and not _is_unique(motions.find(np.array([slip]))[0])
+            candidates = self._reduced_motions.find(np.array([slip]))[0]
+            return not self.rolls_freely and not _is_unique(candidates)
         return False
 
     @property
@@ -247,9 +247,8 @@ class TorqueBalance:
         found = list[Motion]()
         for slip, candidates in zip(slips.tolist(), motions.find(slips), strict=True):
             if not _is_unique(candidates):
-                branch = self.loading_branch(max(RANGE, slip)) if not found else None
-                start = found[-1] if branch is None else branch.motion_below(slip)
-                candidates = motions.find(np.array([slip]), start.fraction[:1])[0]
+                below = found[-1:] or [self.loading_branch(max(RANGE, slip)).motion_below(slip)]
+                candidates = motions.find(np.array([slip]), below[0].fraction[:1])[0]
             found.append(candidates[0])
         return found
 
@@ -345,9 +344,13 @@ def torque_balance(
         max(n_positions, minimum_positions(assembly)),
         _positions_within_pitch(assembly, _MAX_POSITIONS),
     )
-    curves = effective_curves(assembly, n_positions) if effective else None
     return TorqueBalance(
-        assembly, drags, n_positions=n_positions, effective=curves, inertia=inertia, similar=similar
+        assembly,
+        drags,
+        n_positions=n_positions,
+        effective=effective_curves(assembly, n_positions) if effective else None,
+        inertia=inertia,
+        similar=similar,
     )
 
 
@@ -446,13 +449,13 @@ def describe_no_skidding(branch: LoadingBranch, range_key: str) -> str:
     if branch.refusal:
         further = f"beyond, {branch.refusal}"
     elif branch.end > _NEARLY_STILL:
-        further = "there it all but stands"
+        further = "there the cage nearly stands still"
     else:
         further = f"raise {range_key} to look further"
     where = "where" if slip == branch.end else f"and at {slip:.3g}"
     return (
         f"no skidding up to a slip of {branch.end:.4g}, {where} the rollers carry the "
-        f"largest drag, {format_quantity(torque, 'N m', 3)}; {further}"
+        f"largest torque, {format_quantity(torque, 'N m', 3)}; {further}"
     )
 
 
