@@ -207,9 +207,10 @@ class Dask(Engine):
             # the sweep reports a lost connection
             logging.getLogger(logger).setLevel(logging.CRITICAL)
         key = "scheduler_file" if self.scheduler.endswith(".json") else "address"
-        address = {key: self.scheduler}
         try:
-            return distributed.Client(**address, timeout=self.patience, set_as_default=False)
+            return distributed.Client(
+                **{key: self.scheduler}, timeout=self.patience, set_as_default=False
+            )
         except (OSError, TimeoutError, ValueError) as error:
             raise EngineError(
                 f"the dask scheduler {self.scheduler} cannot be reached ({error or 'no answer'}); start one: "

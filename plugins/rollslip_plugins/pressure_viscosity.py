@@ -141,11 +141,9 @@ def _exponent_of_film(a: ArrayLike, k: ArrayLike) -> tuple[Array, Array, Array]:
         g, slope = _gamma(1.0 / z, k)
         bend = 1.0 + slope / (g * z)
         change = (np.log(z / g) - np.log(of)) / bend
-        over_a = z / (of * bend)
-        over_k = z / bend * (1.0 - 1.0 / (z * k) - 1.0 / (k * g))
         z = z * np.exp(-np.clip(change, -1.0, 1.0))
         if np.all(np.abs(change) < 1e-13 * (1.0 + k)):
-            return z, over_a, over_k
+            return z, z / (of * bend), z / bend * (1.0 - 1.0 / (z * k) - 1.0 / (k * g))
     raise DomainError(
         "roelands: slice 0 is outside its domain: no exponent z gives alpha* of the film"
     )

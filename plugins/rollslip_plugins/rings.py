@@ -56,12 +56,13 @@ def _rows(n: int, r: Any, modulus: float, nu: float) -> tuple[list[list[Any]], l
         [(p - n * n) * r ** (p - 2) for p in powers],
         [n * (p - 1) * r ** (p - 2) for p in powers],
     ]
-    radial = [((p - n * n) / (p - 1) - nu * p) * r ** (p - 1) / modulus for p in powers]
-    tangential = [
-        (p * (p - 1) + nu * n * n - (p - n * n) / (p - 1)) * r ** (p - 1) / (n * modulus)
-        for p in powers
+    return stress, [
+        [((p - n * n) / (p - 1) - nu * p) * r ** (p - 1) / modulus for p in powers],
+        [
+            (p * (p - 1) + nu * n * n - (p - n * n) / (p - 1)) * r ** (p - 1) / (n * modulus)
+            for p in powers
+        ],
     ]
-    return stress, [radial, tangential]
 
 
 def _annulus(n: int, layers: Layers) -> Floats:
@@ -505,11 +506,10 @@ class Thin(RingModel):
         steel = bearing.material_of(ring)
         stops = self._stops(R)
         support = self.seat_stiffness if stops is None else 0.0
-        chosen = wave_numbers(bearing, self.harmonics)
         k = {
             n: support
             + beam_stiffness(n, R, area, inertia, steel.elastic_modulus, steel.poisson_ratio)
-            for n in chosen
+            for n in wave_numbers(bearing, self.harmonics)
         }
         if self.seat_stiffness > 0.0:
             k = {n: k[n] if n != 1 else support for n in sorted((*k, 1))}
@@ -547,24 +547,26 @@ class Thin(RingModel):
                 "seat_stiffness",
                 "must be above 0 with a fit_clearance: nothing else stops the ring",
             )
-        angles = 2.0 * math.pi / _STOPS * np.arange(_STOPS, dtype=float)
-        stiffness = self.seat_stiffness * radius * 2.0 * math.pi / _STOPS
-        return Stops(angles, stiffness, 0.5 * self.fit_clearance)
+        return Stops(
+            2.0 * math.pi / _STOPS * np.arange(_STOPS, dtype=float),
+            self.seat_stiffness * radius * 2.0 * math.pi / _STOPS,
+            0.5 * self.fit_clearance,
+        )
 
     @staticmethod
     def _push(numbers: list[int], force: ToothForce, radius: float, ring: str) -> Floats:
         """Return the generalised force on each shape; v' = -w, and a section turns by (v - w')/R."""
         generalised = list[float]()
         W = force.radial * (1.0 if ring == "outer" else -1.0)
-        T = force.tangential
-        arm = force.arm
         for n in numbers:
             c = math.cos(n * force.angle)
             s = math.sin(n * force.angle)
             for w, v, slope in (
                 ((c, -s / n, -n * s), (s, c / n, n * c)) if n else ((1.0, 0.0, 0.0),)
             ):
-                generalised.append(W * w + T * (v + arm * (v - slope) / radius))
+                generalised.append(
+                    W * w + force.tangential * (v + force.arm * (v - slope) / radius)
+                )
         return np.array(generalised)
 
 

@@ -59,6 +59,8 @@ def explained(cls: _T) -> _T:
 
 def _items(match: re.Match[str]) -> str:
     """Return a list of symbols with meaning and unit in place of their names."""
-    names = " ".join(match[2].split()).split(", ")
-    items = (textwrap.wrap(f"- {_SHARED[name]}", 116, subsequent_indent="  ") for name in names)
+    items = (
+        textwrap.wrap(f"- {_SHARED[name]}", 116, subsequent_indent="  ")
+        for name in " ".join(match[2].split()).split(", ")
+    )
     return "\n".join(f"{match[1]}{line}" for item in items for line in item)

@@ -336,20 +336,22 @@ class Network(ThermalModel):
     def start(self, scene: Scene) -> Array:
         """Return the temperatures of the scene, and those of the surroundings for housing and shaft."""
         o = scene.operation
-        every = [
-            o.temperature,
-            o.inner_ring_temperature,
-            o.roller_temperature,
-            o.outer_ring_temperature,
-            self.ambient_temperature,
-            self.ambient_temperature,
-        ]
-        return np.array(every)[self._present]
+        return np.array(
+            [
+                o.temperature,
+                o.inner_ring_temperature,
+                o.roller_temperature,
+                o.outer_ring_temperature,
+                self.ambient_temperature,
+                self.ambient_temperature,
+            ]
+        )[self._present]
 
     def capacities(self) -> Array:
         """Return the heat capacities."""
-        every = [getattr(self, f"{name.replace(' ', '_')}_capacity") for name in _NODES]
-        return np.array(every, dtype=float)[self._present]
+        return np.array(
+            [getattr(self, f"{name.replace(' ', '_')}_capacity") for name in _NODES], dtype=float
+        )[self._present]
 
     def _all(self, temperatures: Array) -> Array:
         """Return the temperatures of all six nodes [K]; those without a conductance are at ambient temperature."""

@@ -27,9 +27,13 @@ def _material(
     unit: str, doc: str, usual: tuple[float, float], possible: tuple[float, float]
 ) -> Any:
     """Return an optional positive parameter of a material."""
-    optional = attrs.validators.optional(positive)
     return parameter(
-        default=None, unit=unit, doc=doc, validator=optional, usual=usual, possible=possible
+        default=None,
+        unit=unit,
+        doc=doc,
+        validator=attrs.validators.optional(positive),
+        usual=usual,
+        possible=possible,
     )
 
 

@@ -96,9 +96,10 @@ def _largest(peclet: Array) -> Array:
 @cache
 def _logarithm() -> Chebyshev:
     """Return the logarithm of the largest theta as a function of that of the Peclet number, between the limits."""
-    domain = [math.log(_SLOWEST), math.log(_FASTEST)]
     interpolant: Chebyshev = Chebyshev.interpolate(
-        lambda x: np.log(_largest(np.exp(x))), _DEGREE, domain=domain
+        lambda x: np.log(_largest(np.exp(x))),
+        _DEGREE,
+        domain=[math.log(_SLOWEST), math.log(_FASTEST)],
     )
     return interpolant
 

@@ -131,9 +131,10 @@ class ScuffingIso(BulkAndFlash):
         known = self if self.viscosity is not None else attrs.evolve(self, viscosity=viscosity)
         if self.oil:
             return known
-        base = assembly.lubricant.base_oil
         return attrs.evolve(
-            known, oil=_OF_BASE.get(base or "mineral", ""), taken=_taken(assembly.lubricant)
+            known,
+            oil=_OF_BASE.get(assembly.lubricant.base_oil or "mineral", ""),
+            taken=_taken(assembly.lubricant),
         )
 
     @property

@@ -32,8 +32,9 @@ def allowed(unit: str, doc: str, default: float | None = None, **ranges: Any) ->
     **ranges
         Usual and possible ranges.
     """
-    optional = attrs.validators.optional(positive)
-    return parameter(default=default, unit=unit, doc=doc, validator=optional, **ranges)
+    return parameter(
+        default=default, unit=unit, doc=doc, validator=attrs.validators.optional(positive), **ranges
+    )
 
 
 def _given(value: float | None) -> tuple[float, str] | None:

@@ -163,8 +163,10 @@ def nearest_roller(diameter: float) -> float:
 def boundaries(series: str) -> list[tuple[int, int, int]]:
     """Return bore, outside diameter and width of a dimension series [mm], ISO 15."""
     widths, text = next(sizes for sizes in _SIZES.values() if series in sizes[0])
-    every = (tuple(map(int, line.split())) for line in text.split(","))
-    return [(size[0], size[1], size[2 + widths.index(series)]) for size in every]
+    return [
+        (size[0], size[1], size[2 + widths.index(series)])
+        for size in (tuple(map(int, line.split())) for line in text.split(","))
+    ]
 
 
 def estimated(series: str, bore: float, outside: float, width: float) -> Inside:

@@ -121,9 +121,7 @@ class FullComplementBearings(Family):
         if read is None:
             raise KeyError(name)
         series = read[0]
-        code = read[1]
-        group = read[2] or "CN"
-        return _bearing(name, series, *self._sizes[series, code], group)
+        return _bearing(name, series, *self._sizes[series, read[1]], read[2] or "CN")
 
 
 def _name(series: str, code: str, group: str) -> str:

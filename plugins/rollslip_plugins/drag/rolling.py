@@ -185,10 +185,12 @@ class RollingResistance(ResistanceModel):
 
     def kernel(self) -> object:
         """Return the compiled form."""
-        heated = self.inlet_heating != "none"
-        whole = self.extent == "film"
         return compiled.rolling_resistance(
-            RIGID, ELASTIC, self.factor * starvation_factor(self.starvation), heated, whole
+            RIGID,
+            ELASTIC,
+            self.factor * starvation_factor(self.starvation),
+            self.inlet_heating != "none",
+            self.extent == "film",
         )
 
 

@@ -167,7 +167,7 @@ class PetroffLand(DragModel):
     def damping(self) -> float:
         """Torque for each rad/s between ring and cage [N m s]."""
         self.check_given()
-        land = (
+        return self.factor * (
             2
             * math.pi
             * self.viscosity
@@ -175,7 +175,6 @@ class PetroffLand(DragModel):
             / self.clearance
             * (self.radius * self.radius * self.radius)
         )
-        return self.factor * land
 
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
         """Return the torque on the cage [N m]; speeds in rad/s."""

@@ -341,8 +341,10 @@ class InletCorrection(FilmModel):
 
     def kernel(self) -> object:
         """Return the compiled form, with the film's compiled form or a call of its NumPy form."""
-        law = list(LAWS).index(self.thermal)
-        layer = self.oil_layer or 0.0
         return compiled.inlet(
-            stage(self.film), law, starvation_factor(self.starvation), layer, self.layer_exponent
+            stage(self.film),
+            list(LAWS).index(self.thermal),
+            starvation_factor(self.starvation),
+            self.oil_layer or 0.0,
+            self.layer_exponent,
         )

@@ -139,16 +139,18 @@ class Blok(_PowerLaw):
     @property
     def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
         """That of all films, and where a rigid contact has a solution."""
-        end = Validity(
-            code="W05",
-            quantity="viscous_parameter",
-            high=17.602,
-            consequence="a rigid contact with a Barus oil has no film at all",
-            remedy="film 'moes', which covers all regimes",
-            replacement="moes",
-            source="quadrature of the rigid contact (docs/trust/film_reference.rst)",
+        return (
+            *super().validity,
+            Validity(
+                code="W05",
+                quantity="viscous_parameter",
+                high=17.602,
+                consequence="a rigid contact with a Barus oil has no film at all",
+                remedy="film 'moes', which covers all regimes",
+                replacement="moes",
+                source="quadrature of the rigid contact (docs/trust/film_reference.rst)",
+            ),
         )
-        return (*super().validity, end)
 
 
 @attrs.frozen

@@ -187,11 +187,10 @@ def solve_line_contact(
             f"reynolds-line: no solution at M = {M:g}, L = {L:g}: {stuck}, with a residual of {stuck.residual:.1g}; "
             "choose a film formula, such as 'moes'"
         ) from None
-    exit_at = fine.unknowns[-1]
     return LineContact(
         M=M,
         L=L,
-        x=_fixed(exit_at - np.append(fine.grid.y[::-1], 0.0)),
+        x=_fixed(fine.unknowns[-1] - np.append(fine.grid.y[::-1], 0.0)),
         pressure=_fixed(np.append(pressure[::-1], 0.0)),
         film=_fixed(np.append(fine.film()[::-1], fine.unknowns[-2])),
         thickness=MappingProxyType(thickness),
@@ -247,10 +246,9 @@ class _Problem:
 def _residual(grid: Elements, unknowns: Array, problem: _Problem) -> tuple[Array, Array]:
     """Return the residuals of Reynolds equation over 6 H, inlet pressure and load over M; and H."""
     pressure = unknowns[:-2]
-    Hm = unknowns[-2]
     exit_at = unknowns[-1]
     gap = grid.deformation @ pressure + grid.y * (grid.y / 2 - exit_at)
-    H = Hm + gap
+    H = unknowns[-2] + gap
     fluidity, _, density, _ = problem.oil(pressure)
     inlet = grid.edges[-1] - exit_at
     flow = density * fluidity * H**3 * (grid.slope @ pressure) + 6 * (gap + (density - 1) * H)

@@ -150,9 +150,10 @@ class CvodeSolver(OdeSolver):
         # the last one is the current time of CVODE, from which it continues
         times = self.t_old + _SAMPLES * (self.t - self.t_old)
         times[-1] = self.t
-        values = [self._inner.step(t).y for t in times]
         fractions = (times - self.t_old) / (self.t - self.t_old)
-        coefficients = np.linalg.solve(np.vander(fractions, increasing=True), np.array(values))
+        coefficients = np.linalg.solve(
+            np.vander(fractions, increasing=True), np.array([self._inner.step(t).y for t in times])
+        )
         return _Polynomial(self.t_old, self.t, self.t_old, self.t - self.t_old, coefficients)
 
 

@@ -478,8 +478,10 @@ def _where(model: TractionModel, slices: Slices, needed: NDArray[np.bool_]) -> A
     result = np.zeros(needed.shape)
     if np.any(needed):
         # a view of a user's arrays may lack columns
-        columns = {name: getattr(slices, name)[needed] for name in COLUMNS if hasattr(slices, name)}
-        part = Slices.of_columns(slices.conditions, columns)
+        part = Slices.of_columns(
+            slices.conditions,
+            {name: getattr(slices, name)[needed] for name in COLUMNS if hasattr(slices, name)},
+        )
         model.evaluate(part)
         result[needed] = part.friction
     return result

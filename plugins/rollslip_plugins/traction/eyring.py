@@ -93,9 +93,11 @@ class _EyringFluid(TractionModel, abc.ABC):
         zeta = zeta + s.film_thickness / (12 * c.conductivity)
         # a product, since a power of Python's floats raises where it overflows
         phi = s.film_thermoviscosity * zeta * (tau0 * tau0) * s.film_thickness / eta
-        deborah = eta * s.rolling_speed / (modulus * s.half_width)
-        strain_rate = eta * s.sliding_speed / (tau0 * s.film_thickness)
-        return {"strain_rate": strain_rate, "deborah": deborah, "heating": phi}
+        return {
+            "strain_rate": eta * s.sliding_speed / (tau0 * s.film_thickness),
+            "deborah": eta * s.rolling_speed / (modulus * s.half_width),
+            "heating": phi,
+        }
 
     def quantities(self, slices: Slices) -> Mapping[str, Array]:
         """Return sigma, D, Phi, and softening = Phi sigma S: by how much the heat of its friction lowers ln(eta)."""
@@ -105,8 +107,11 @@ class _EyringFluid(TractionModel, abc.ABC):
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient."""
-        stress = self.dimensionless_stress(**self.groups(slices))
-        slices.friction[...] = self.eyring_stress(slices) / slices.pressure * stress
+        slices.friction[...] = (
+            self.eyring_stress(slices)
+            / slices.pressure
+            * self.dimensionless_stress(**self.groups(slices))
+        )
 
 
 @attrs.frozen(kw_only=True)

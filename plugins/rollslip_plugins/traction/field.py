@@ -296,8 +296,10 @@ def _oil(
 
 def _picked(slices: Slices, part: NDArray[np.intp]) -> Slices:
     """Return some of the slices, by index."""
-    columns = {name: getattr(slices, name)[part] for name in COLUMNS if hasattr(slices, name)}
-    return Slices.of_columns(slices.conditions, columns)
+    return Slices.of_columns(
+        slices.conditions,
+        {name: getattr(slices, name)[part] for name in COLUMNS if hasattr(slices, name)},
+    )
 
 
 @attrs.frozen(eq=False, kw_only=True)

@@ -293,8 +293,9 @@ class Tabulated(TractionModel):
                     f"table {self.file!r}, which holds {_format(name, axis[0])} to {_format(name, axis[-1])}; measure "
                     "there or choose a flow law"
                 )
-        points = np.stack(np.broadcast_arrays(*given), axis=-1)
-        slices.friction[...] = np.copysign(interpolator(points), ratio)
+        slices.friction[...] = np.copysign(
+            interpolator(np.stack(np.broadcast_arrays(*given), axis=-1)), ratio
+        )
 
 
 def _format(name: str, value: float) -> str:

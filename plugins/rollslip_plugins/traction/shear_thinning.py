@@ -76,7 +76,7 @@ class Carreau(HeatedFilm):
     references: ClassVar[tuple[Reference, ...]] = (CARREAU_1972, BAIR_2019, BAIR_2002)
     expected_failures = MappingProxyType(
         {
-            "check_friction_is_below_one_in_a_bearing": "a power law has no limiting stress, and an oil whose "
+            "check_friction_coefficient_is_below_unity": "a power law has no limiting stress, and an oil whose "
             "viscosity does not fall with temperature is not softened by heat either"
         }
     )

@@ -74,7 +74,7 @@ class NewtonianThermal(HeatedFilm):
     references: ClassVar[tuple[Reference, ...]] = (CROOK_1961, NAHME_1940)
     expected_failures = MappingProxyType(
         {
-            "check_friction_is_below_one_in_a_bearing": "a Newtonian oil whose viscosity does not fall with "
+            "check_friction_coefficient_is_below_unity": "a Newtonian oil whose viscosity does not fall with "
             "temperature bears any stress"
         }
     )
