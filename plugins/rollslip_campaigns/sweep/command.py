@@ -1,6 +1,7 @@
 """The commands ``rollslip sweep``: run, resume, retry and status, and the texts that they print."""
 
 import json
+import math
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -184,8 +185,7 @@ def _report_sweep(
     from rollslip_campaigns.sweep.folder import RESULT, write_result
 
     dataset = write_result(planned, folder)
-    account = account_of(dataset)
-    record = account.record(dataset)
+    record = account_of(dataset).record(dataset)
     files = [
         RESULT,
         *(results.show({"sweep": dataset}, folder) if not record["counts"]["pending"] else []),
@@ -222,8 +222,8 @@ def sweep_progress(progress: "Progress") -> str:
     """Return the progress of a sweep in one line."""
     from rollslip.results.text import duration
 
-    left = f", {duration(progress.left)} left" if progress.left is not None else ""
-    return f"{progress.summary[0]}{left}"
+    text, _, left = progress.summary
+    return text if math.isnan(left) else f"{text}, {duration(left)} left"
 
 
 def sweep_standing(status: "SweepStatus") -> list[str]:

@@ -58,11 +58,7 @@ class Resolutions:
 
     def lookup(self, changes: Mapping[str, object]) -> Resolution | None:
         """Return the resolution of a point by its changes of the scene, None for that which the scene states."""
-        return (
-            self.chosen.get(combination_name([changes.get(key) for key in self.deciding]))
-            if self.chosen
-            else None
-        )
+        return self.chosen.get(combination_name([changes.get(key) for key in self.deciding]))
 
     @property
     def facts(self) -> dict[str, dict[str, object]]:

@@ -187,7 +187,7 @@ def describe_models(dataset: "xr.Dataset") -> str:
 
 def _quantiles(values: "xr.DataArray", key: str) -> Array:
     """Quantiles of each choice, (n, 5); a critical slip that is not in the range counts as infinite."""
-    rows = values.transpose(key, "sample").fillna(np.inf).to_numpy()
+    rows: Array = values.transpose(key, "sample").fillna(np.inf).to_numpy()
     return np.quantile(rows, _QUANTILES, axis=1, method="inverted_cdf").T
 
 
@@ -365,11 +365,9 @@ def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
 
 def _name(values: "xr.DataArray") -> str:
     """Name of a result, with a capital."""
-    name = (
-        "cage slip at largest traction"
-        if values.name == _RESULT
-        else str(values.attrs["long_name"])
-    )
+    if values.name == _RESULT:
+        return "Cage slip at largest traction"
+    name = str(values.attrs["long_name"])
     return f"{name[:1].upper()}{name[1:]}"
 
 

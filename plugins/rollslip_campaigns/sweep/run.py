@@ -136,22 +136,15 @@ class Progress:
     @property
     def summary(self) -> tuple[str, float, float]:
         """Progress as text, fraction of points that are done, and time left [s]; NaN where not known."""
-        failed = f", {self.failed} failed" if self.failed else ""
+        text = f"{self.done} of {self.total} points"
+        if failed := self.done - self.counts.get("ok", 0):
+            text += f", {failed} failed"
         return (
-            f"{self.done} of {self.total} points{failed}",
+            text,
             self.done / self.total if self.total else math.nan,
-            math.nan if self.left is None else self.left,
+            # by the mean time per point of this run
+            self.seconds / self.computed * (self.total - self.done) if self.computed else math.nan,
         )
-
-    @property
-    def failed(self) -> int:
-        """Number of points that are done without a result."""
-        return self.done - self.counts.get("ok", 0)
-
-    @property
-    def left(self) -> float | None:
-        """Time left [s] by the mean time per point of this run, None before its first result."""
-        return self.seconds / self.computed * (self.total - self.done) if self.computed else None
 
 
 @attrs.frozen(eq=False)

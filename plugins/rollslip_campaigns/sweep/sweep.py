@@ -37,7 +37,6 @@ from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve, full_key
 from rollslip.scene.reading import as_scene, from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene
-from rollslip.search import Array
 from rollslip.structure import FrozenTable, Location, resolved, structure
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
@@ -137,11 +136,13 @@ def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Swe
     _check_varied(axes, uncertainty, is_sampled, table_location, problems)
     if problems:
         raise SceneError(list(dict.fromkeys(problems)))
-    design = Design(
-        tuple(axes),
-        tuple(known[key] for key in uncertainty.distributions),
-        _draw_samples(table, uncertainty),
-    )
+    sampled = tuple(known[key] for key in uncertainty.distributions)
+    samples = np.empty((1, 0))
+    if sampled:
+        samples = uncertainty.values(
+            probabilities(table.sampling, table.samples or 1, len(sampled), table.seed)
+        )
+    design = Design(tuple(axes), sampled, samples)
     if design.size > _MAX_POINTS:
         raise SceneError(
             [
@@ -199,17 +200,6 @@ def _check_varied(
                 "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
             )
         )
-
-
-def _draw_samples(table: SweepTable, uncertainty: Uncertainty) -> Array:
-    """Samples in SI units, (n, d); (1, 0) if nothing is sampled."""
-    if not uncertainty.distributions:
-        return np.empty((1, 0))
-    return uncertainty.values(
-        probabilities(
-            table.sampling, table.samples or 1, len(uncertainty.distributions), table.seed
-        )
-    )
 
 
 def study_with_outputs(scene: Scene, named: str | None, outputs: Sequence[str]) -> str:
@@ -307,12 +297,18 @@ def _read_axes(
 
 def _without_tables(scene: Scene) -> Scene:
     """The scene without the tables of sweeps, which are not part of a point."""
-    raw = {
-        key: value
-        for key, value in dict(scene.raw or resolved(scene)).items()
-        if key not in ("sweep", "uncertainty")
-    }
-    return attrs.evolve(scene, sweep=None, uncertainty=None, raw=FrozenTable(raw))
+    return attrs.evolve(
+        scene,
+        sweep=None,
+        uncertainty=None,
+        raw=FrozenTable(
+            {
+                key: value
+                for key, value in dict(scene.raw or resolved(scene)).items()
+                if key not in ("sweep", "uncertainty")
+            }
+        ),
+    )
 
 
 def assemble_varied(scene: Scene, over: Mapping[str, object]) -> tuple[Scene, Assembly]:
@@ -423,8 +419,12 @@ def _checked_assemblies(
                 )
                 break
         else:
-            written = [format_quantity(value, quantity.unit or "1", 4) for value in bounds]
-            unusual += implausible_in_sweep(base, quantity, written, "ends of the samples")
+            unusual += implausible_in_sweep(
+                base,
+                quantity,
+                [format_quantity(value, quantity.unit or "1", 4) for value in bounds],
+                "ends of the samples",
+            )
     if problems:
         raise SceneError(problems)
     return assemblies, tuple(unusual)
@@ -460,8 +460,10 @@ def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ..
     models = list[Any]()
     references = list[Citation]()
     for assembly in assemblies:
-        models += assembly.models.values()
-        models += (model for _, model in settings(assembly.scene, study)[study].models(assembly))
+        models += [
+            *assembly.models.values(),
+            *(model for _, model in settings(assembly.scene, study)[study].models(assembly)),
+        ]
         references += [
             *settings(assembly.scene, study)[study].references,
             *data_references(assembly),
@@ -475,12 +477,18 @@ def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ..
 def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
     """Choose the resolutions of a sweep.
 
-    1. Group the points by their values of the axes that decide (`_decides`).
+    1. Group the points by their values of the axes that decide.
     2. In each group of 100 points and more, select points that are far apart, and add the scene with the values of the
        group.
     3. Plan a run for each of them. The maximum of the resolutions is that of the group.
     """
-    deciding = [k for k, axis in enumerate(design.axes) if _decides(axis)]
+    # models, tolerances and settings of studies have their own resolutions
+    deciding = [
+        k
+        for k, axis in enumerate(design.axes)
+        if (axis.quantity.unit is None and not axis.quantity.whole)
+        or axis.key.startswith(("accuracy.", "study."))
+    ]
     combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[
         :, deciding
     ]
@@ -503,12 +511,6 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
         if chosen:
             resolutions[combination_name(list(values.values()))] = Resolution.maximum_of(chosen)
     return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
-
-
-def _decides(axis: Axis) -> bool:
-    """Whether values of an axis have their own resolutions: models, tolerances and settings of studies."""
-    is_number = axis.quantity.unit is not None or axis.quantity.whole
-    return not is_number or axis.key.startswith(("accuracy.", "study."))
 
 
 def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
