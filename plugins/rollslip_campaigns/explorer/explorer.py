@@ -71,14 +71,14 @@ def run_explorer(
         return dataset.rename({name: key for key, name in sweep.names.items()})
 
     choices: dict[str, object] = {key: list(names) for key, names in planned.choices.items()}
-    nodes = {dial.key: dial.nodes.tolist() for dial in planned.dials}
-    grid = compute_sweep("nodes", choices | nodes)
-    order = [*choices, *keys]
+    grid = compute_sweep(
+        "nodes", choices | {dial.key: dial.nodes.tolist() for dial in planned.dials}
+    )
     if "cage_slip" not in grid.coords:
         raise ConvergenceError(
             "the curves of the grid have different slips; give their number: key points of the study"
         )
-    layout, table = _table(grid, order)
+    layout, table = _table(grid, [*choices, *keys])
     table = table.reshape(-1, *(dial.count for dial in planned.dials), table.shape[-1])
     errors: dict[str, dict[str, Any]] = {}
     if planned.checks:

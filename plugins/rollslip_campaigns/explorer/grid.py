@@ -10,6 +10,7 @@
 - The page has the same algorithm in JavaScript; a test compares both.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -118,10 +119,8 @@ class Explorer:
     @property
     def size(self) -> int:
         """Number of points that are computed."""
-        combinations = int(np.prod([len(names) for names in self.choices.values()], dtype=int))
-        return combinations * (
-            int(np.prod([dial.count for dial in self.dials], dtype=int)) + self.checks
-        )
+        combinations = math.prod(map(len, self.choices.values()))
+        return combinations * (math.prod(dial.count for dial in self.dials) + self.checks)
 
 
 def interpolate(dials: Sequence[Dial], table: Array, position: Sequence[float]) -> Array:

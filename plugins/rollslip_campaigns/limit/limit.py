@@ -288,8 +288,9 @@ def _resolution(
                 if not estimated.failed:
                     resolutions.append((changed, estimated.resolution))
                 continue
-            run_plan = plan(changed, study, cheaper_laws=False, without=cls.outputs.keys() - needed)
-            run = compute(run_plan, study)
+            run = compute(
+                plan(changed, study, cheaper_laws=False, without=cls.outputs.keys() - needed), study
+            )
         except RollslipError:  # the point itself ends with the reason
             continue
         resolutions.append((changed, run.plan.choices[study].resolution))

@@ -90,11 +90,9 @@ class UncertaintySettings(OfPoints):
     def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return commands that compute the points without a result again, None if all points have one."""
         counts = json.loads(dataset.attrs["points"])
-        commands = [
-            shlex.join(["rollslip", "sweep", "retry", str(folder / name), "--failed"])
+        return [
+            "compute points without a result again by: "
+            f"{shlex.join(['rollslip', 'sweep', 'retry', str(folder / name), '--failed'])}, then"
             for name, status_counts in counts.items()
             if status_counts.keys() - {"ok"}
-        ]
-        return [
-            f"compute points without a result again by: {command}, then" for command in commands
         ] or None

@@ -186,11 +186,16 @@ class UncertaintyAccount(Account):
             )
         ranks = dataset["rank_correlation"]
         order = np.argsort(-np.abs(np.nan_to_num(ranks.to_numpy()[:, 0])), kind="stable")
-        inputs = [
-            [str(ranks["input"][k].item()), *map(or_none, ranks[k].to_numpy())] for k in order
-        ]
-        inputs_head = ["input", *(f"{RANKED}{name}" for name in dataset["acted"].values)]
-        return {"": (head, rows), "-inputs": (inputs_head, inputs)}
+        return {
+            "": (head, rows),
+            "-inputs": (
+                ["input", *(f"{RANKED}{name}" for name in dataset["acted"].values)],
+                [
+                    [str(ranks["input"][k].item()), *map(or_none, ranks[k].to_numpy())]
+                    for k in order
+                ],
+            ),
+        }
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a table of the quantities, those that users act on first, and a table of the inputs."""
@@ -427,12 +432,12 @@ def describe_allowable_slip(dataset: "xr.Dataset") -> str:
             else ""
         )
         text = f"the allowable slip lies beyond the range of slips{end}: so does the {SKIDDING} with probability {p:g}"
-        interval = "beyond the range too" if low == math.inf else f"from {_format_percent(low)} on"
-        addition = (
-            f"; {insufficient}"
-            if low == -math.inf
-            else f" (95 % interval: {interval}, {n} samples)"
-        )
+        if low == -math.inf:
+            addition = f"; {insufficient}"
+        elif low == math.inf:
+            addition = f" (95 % interval: beyond the range too, {n} samples)"
+        else:
+            addition = f" (95 % interval: from {_format_percent(low)} on, {n} samples)"
         return f"{text}{addition}{dataset.attrs.get('search_range_hint', '')}"
     text = f"a cage that slips by at most {_format_percent(value)} does not skid, with probability {p:g}"
     if low == -math.inf:

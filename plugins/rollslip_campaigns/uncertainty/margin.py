@@ -266,10 +266,10 @@ def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
 def _check_design(sweep: Sweep, indices: int) -> None:
     """Refuse axes, which are several bearings, and Sobol indices of correlated inputs."""
     if sweep.design.axes:
-        keys = ", ".join(axis.key for axis in sweep.design.axes)
         raise SceneError(
             [
-                f"sweep.over: {keys} is swept, but margins are of one bearing; take rollslip sweep run"
+                f"sweep.over: {', '.join(axis.key for axis in sweep.design.axes)} is swept, but margins are of one "
+                "bearing; take rollslip sweep run"
             ]
         )
     if indices and np.any(
@@ -400,10 +400,11 @@ def _dataset(
     if STEADY in values:
         variables |= _probabilities(critical, values)
     if "load" in points:  # the minimum load is the third quantity
-        loads = {LOAD: minimum_loads(points["load"])}
-        values = (
-            {key: values.pop(key) for key in (RESERVE, STEADY) if key in values} | loads | values
-        )
+        values = {
+            **{key: values.pop(key) for key in (RESERVE, STEADY) if key in values},
+            LOAD: minimum_loads(points["load"]),
+            **values,
+        }
     variables |= _estimate_variables("allowable", batches[-1][1], "allowable slip")
     variables["allowable_slip"] = variables.pop("allowable")
     probabilities = sorted(
