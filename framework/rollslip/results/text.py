@@ -268,11 +268,13 @@ def describe_more_bounds(more: "Sequence[str]") -> str:
 def confidence(datasets: "Iterable[xr.Dataset]") -> str:
     """Return the largest error of an approximating law, and the quality of the data, without a full stop."""
     results = list(datasets)
-    checked: list[dict[str, Any]] = [
-        json.loads(result.attrs["validity"]) for result in results if result.attrs.get("validity")
+    approximations: list[dict[str, Any]] = [
+        law
+        for result in results
+        if (law := json.loads(result.attrs.get("validity") or "{}").get("approximation"))
     ]
     parts = list[str]()
-    if approximations := [row["approximation"] for row in checked if row.get("approximation")]:
+    if approximations:
         largest = max(approximations, key=lambda law: float(law["rms"]))
         parts.append(
             f"{largest['law']!r} is {100.0 * largest['rms']:.2g} % (rms) off {largest['reference']!r}, which it "

@@ -116,12 +116,12 @@ class EffectiveFrictionAccount(PlainAccount):
         ]
         a = dataset.attrs
         if {"positions_error", "resolution"} <= a.keys():
-            slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
+            # one slice under an even load leaves no error
             lines.append(
                 f"{a['n_positions']} roller positions within a pitch and {a['slices']} "
                 "slices of a roller leave relative "
-                f"errors of about {a['positions_error']:.1e} and {slices:.1e}; residual of the forces "
-                f"{a['force_residual']:.1e}"
+                f"errors of about {a['positions_error']:.1e} and {a.get('slices_error', 0.0):.1e}; "
+                f"residual of the forces {a['force_residual']:.1e}"
             )
         return lines
 

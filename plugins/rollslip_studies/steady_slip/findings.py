@@ -663,9 +663,9 @@ def _describe_limit(dataset: "xr.Dataset", name: str) -> str:
     on_branch = values[branch == branch[np.argmin(np.abs(values - limit))]]
     neighbour = on_branch[max(int(np.argmin(np.abs(on_branch - limit))) - 1, 0)]
     which = "least" if neighbour > limit else "largest"
-    value = format_quantity(limit, dataset[name].attrs["units"], 4)
     return (
-        f"the {which} {name.replace('_', ' ')} at which a stable steady slip goes on is {value}, where the slip is "
+        f"the {which} {name.replace('_', ' ')} at which a stable steady slip goes on is "
+        f"{format_quantity(limit, dataset[name].attrs['units'], 4)}, where the slip is "
         f"{_percent(float(dataset[f'{name}_limit_slip']))}"
     )
 

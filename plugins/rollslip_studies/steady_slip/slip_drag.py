@@ -86,16 +86,16 @@ def slip_drag_variables(
         "first_maximum_torque": first_drag,
         "first_maximum_slip": first_slip,
     }
-    coords = {
-        "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
-        "ring": ("ring", np.array(RINGS), about("1", "ring")),
-    }
     known = ~np.isnan(torque)
-    left_out = _left_out_errors(slip[known], torque[known]).max()
+    left_out = _left_out_errors(slip[known], torque[known]).max(initial=0.0)
     error = float(left_out / (np.nanmax(np.abs(torque)) or 1.0)) / _LEFT_OUT_ERROR_RATIO
     variables = {name: OUTPUTS[name].variable(value) for name, value in values.items()}
     for name in ("limit_drag_low", "limit_drag_high"):
         variables[name][2]["within"] = fraction
+    coords = {
+        "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
+        "ring": ("ring", np.array(RINGS), about("1", "ring")),
+    }
     return variables, coords, error
 
 
@@ -137,7 +137,7 @@ def _or_nan(compute: Callable[[], float]) -> float:
 
 
 def _left_out_errors(slip: Array, values: Array) -> Array:
-    """Return by how much each inner point differs from the cubic through its four nearest neighbours, (n,)."""
+    """Return by how much each inner point differs from the cubic through its four nearest neighbours, (n - 2,)."""
     inner = np.arange(1, slip.size - 1)
     first = np.clip(inner - 2, 0, slip.size - 5)
     others = first[:, None] + np.arange(5)
@@ -149,6 +149,4 @@ def _left_out_errors(slip: Array, values: Array) -> Array:
         for j in range(4):
             if i != j:
                 weights[:, i] *= (slip[inner] - x[:, j]) / (x[:, i] - x[:, j])
-    error = np.zeros_like(slip)
-    error[1:-1] = np.abs((weights * y).sum(axis=1) - values[1:-1])
-    return error
+    return np.asarray(np.abs((weights * y).sum(axis=1) - values[1:-1]))

@@ -228,8 +228,7 @@ class SteadySlip(Study):
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the motions of the rollers, extrapolated from a few of them."""
         balance = self._balance(assembly.with_resistance(), assembly.resolution.n_positions or 2)
-        n_followed = len(self._followed_ranges)
-        branches = _BRANCHES + _FOLLOWED_MOTIONS * n_followed / _BRANCH_MOTIONS
+        branches = _BRANCHES + _FOLLOWED_MOTIONS * len(self._followed_ranges) / _BRANCH_MOTIONS
         if self.acceptable_slip is not None and balance.has_several_motions(self.acceptable_slip):
             branches += _MINIMUM_LOAD_BRANCHES
         return {"orbits": balance.seconds() * branches}
@@ -507,11 +506,13 @@ class SteadySlip(Study):
         friction = np.divide(
             traction.sum(axis=2), total, out=np.full_like(total, np.nan), where=total > 0.0
         )
-        direction = balance.assembly.kinematics.direction
         return self.variables(
             steady_slip=np.array([s.cage_slip for s in states]),
             cage_speed=np.array(
-                [direction * balance.cage_speed(state.cage_slip) for state in states]
+                [
+                    balance.assembly.kinematics.direction * balance.cage_speed(state.cage_slip)
+                    for state in states
+                ]
             ),
             torque=np.array([0.0 - balance.drag(state.cage_slip) for state in states]),
             stable=np.array([kind == "stable" for kind in kinds]).astype(np.int8),
