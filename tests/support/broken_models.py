@@ -346,21 +346,21 @@ class PrintingImport(Film):
 # What is said --------------------------------------------------------------------------------------------------------
 
 
-@breaks("check_says_what_it_is_and_where_it_comes_from")
+@breaks("check_has_description_and_citations")
 class WithoutReference(Film):
     """It does not say where it comes from."""
 
     references = ()
 
 
-@breaks("check_says_what_it_is_and_where_it_comes_from")
+@breaks("check_has_description_and_citations")
 class NameWithBlanks(Film):
     """A name that no scene and no shell can hold."""
 
     name = "My Film (new)"
 
 
-@breaks("check_says_what_it_is_and_where_it_comes_from")
+@breaks("check_has_description_and_citations")
 class Undescribed(Film):  # its docstring is set below
     pass
 
@@ -383,7 +383,7 @@ class WithoutUnit(Film):
     other: float = parameter(default=1.0, doc="anything")
 
 
-@breaks("check_says_which_film_it_gives")
+@breaks("check_declares_its_film_thickness")
 class SomeFilm(Film):
     """It does not say which thickness it returns."""
 
@@ -499,7 +499,7 @@ def _capsule(cls):
     return foreign_capsule(evaluate)
 
 
-@breaks("check_keeps_to_what_it_declares")
+@breaks("check_complies_with_its_declarations")
 class Overwrites(Film):
     """It limits the load in its place."""
 
@@ -508,7 +508,7 @@ class Overwrites(Film):
         slices.film_thickness[...] = self.law(slices, slices.conditions)
 
 
-@breaks("check_keeps_to_what_it_declares")
+@breaks("check_complies_with_its_declarations")
 class Unfilled(Film):
     """It gives its result to a name of its own."""
 
@@ -516,7 +516,7 @@ class Unfilled(Film):
         film_thickness = self.law(slices, slices.conditions)  # noqa: F841 - that is the fault
 
 
-@breaks("check_keeps_to_what_it_declares")
+@breaks("check_complies_with_its_declarations")
 class Undeclared(Film):
     """It reads the sliding speed, which it does not say."""
 
@@ -524,7 +524,7 @@ class Undeclared(Film):
         return super().law(s, c) * (1.0 + 1e-3 * s.sliding_speed / s.rolling_speed)
 
 
-@breaks("check_keeps_to_what_it_declares")
+@breaks("check_complies_with_its_declarations")
 class WritesRegime(Film):
     """It writes the regime, which it does not say."""
 
@@ -533,7 +533,7 @@ class WritesRegime(Film):
         slices.regime[...] = 0.0
 
 
-@breaks("check_keeps_to_what_it_declares")
+@breaks("check_complies_with_its_declarations")
 class ReadsUnknown(Film):
     """It declares a member that there is not."""
 
@@ -541,7 +541,7 @@ class ReadsUnknown(Film):
     domain = MappingProxyType({**Film.domain, "velocity": POSITIVE})
 
 
-@breaks("check_keeps_to_what_it_declares")
+@breaks("check_complies_with_its_declarations")
 class Misspelt(Film):
     """It asks for a column that there is not."""
 
@@ -744,7 +744,7 @@ class NoDeflection(Line):
         return Film()
 
 
-@breaks("check_surfaces_apart_carry_nothing")
+@breaks("check_separated_surfaces_carry_no_load")
 class Sticks(Springs):
     """Surfaces that are apart pull."""
 
@@ -832,7 +832,7 @@ class Drives(Traction):
         return np.sign(V) * self.coefficient * np.log(2 * np.maximum(s, 1e-300))
 
 
-@breaks("check_friction_is_below_one_in_a_bearing")
+@breaks("check_friction_coefficient_is_below_unity")
 class Percent(Traction):
     """The coefficient is in percent."""
 
@@ -891,7 +891,7 @@ class TiresWithLoad(Resistance):
         slices.resistance[...] = self.fraction / slices.load
 
 
-@breaks("check_coefficient_of_the_pocket_is_a_share", coefficient=12.0)
+@breaks("check_pocket_coefficient_is_a_fraction", coefficient=12.0)
 class PercentOfThePocket(Pocket):
     """The friction of the pocket is given in per cent."""
 
@@ -987,7 +987,7 @@ class _Clamped(Lubricant):
 
 
 OILS = {  # what is wrong with it, for the table: a value has no docstring
-    "no source": ("check_says_what_it_is_and_what_vouches_for_it", oil(source="")),
+    "no source": ("check_oil_has_description_and_references", oil(source="")),
     "the viscosity rises in the middle of its range": (
         "check_viscosity_falls_with_temperature",
         oil(viscosity=_Bump(Vogel(1e-4, 800.0, 170.0))),
@@ -1182,21 +1182,21 @@ class _UnsourcedRubbing(Rubbing):
     references = ()
 
 
-@breaks("check_says_what_it_measures_and_what_it_does_not")
+@breaks("check_describes_its_unit_and_limits")
 class _Boundless(Rubbing):
     """It says nothing of what it does not say."""
 
     scope = ""
 
 
-@breaks("check_says_what_it_measures_and_what_it_does_not")
+@breaks("check_describes_its_unit_and_limits")
 class _Imperial(Rubbing):
     """Its unit is none that the program knows."""
 
     unit = "psi ft/min"
 
 
-@breaks("check_gives_one_finite_value_for_each_slice")
+@breaks("check_value_of_each_slice_is_finite")
 class _Summed(Rubbing):
     """One number for all slices."""
 
@@ -1229,7 +1229,7 @@ class _Upside(Rubbing):
     worst = "smallest"
 
 
-@breaks("check_across_a_contact_it_is_as_bad_as_the_measure_says")
+@breaks("check_values_across_a_contact_agree_with_the_measure")
 class _Mild(Rubbing):
     """Nowhere across a contact is it half as bad as it says."""
 
@@ -1299,7 +1299,7 @@ class _Floating(Bearing):
         return {"load": 1.0 / duty.radial_load}
 
 
-@breaks("check_an_oil_without_density_is_refused_in_words_or_not_needed")
+@breaks("check_oil_without_density_is_refused_or_accepted")
 class _Watery(Bearing):
     """It takes an oil of unknown density for water."""
 

@@ -176,7 +176,7 @@ class ByHash(Traction):
 
 # Shapes --------------------------------------------------------------------------------------------------------------
 
-SHAPE = "check_friction_has_the_shapes_that_it_says"
+SHAPE = "check_friction_has_its_declared_shapes"
 
 
 @attrs.frozen(kw_only=True)
@@ -246,7 +246,7 @@ class AboveItsBound(Heated):
         return 1.1 * super().law(s, c)
 
 
-@breaks("check_shapes_are_words_that_are_known")
+@breaks("check_shapes_are_known")
 class Wavy(Heated):
     """It says a shape that nobody knows."""
 

@@ -98,7 +98,7 @@ class Apart(Power):
         slices.film_viscosity[...] *= 1.0 + 1e-6
 
 
-@breaks("check_takes_what_an_oil_says_of_pressure")
+@breaks("check_uses_the_pressure_factor_of_an_oil")
 class Deaf(Power):
     """A law that takes a factor of the oil and makes nothing of it."""
 

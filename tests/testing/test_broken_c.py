@@ -17,9 +17,11 @@ FILLED = "s->friction[i] = copysign(stress, rate) / s->pressure[i];"
 COUNTED = "static int calls;\nint evaluate"
 #: What is wrong -> what stands in the law, what is put in its place, and a rule that refuses it.
 WAYS = {
-    "what it reads changed": (FILLED, FILLED + " s->sliding_speed[i] *= 1.0000001;", "check_keeps_to_what_it_declares"),
-    "another column filled": (FILLED, FILLED + " s->half_width[i] = 1.0;", "check_keeps_to_what_it_declares"),
-    "one slice too few": ("i < s->n;", "i + 1 < s->n;", "check_keeps_to_what_it_declares"),
+    "what it reads changed": (
+        FILLED, FILLED + " s->sliding_speed[i] *= 1.0000001;", "check_complies_with_its_declarations"
+    ),
+    "another column filled": (FILLED, FILLED + " s->half_width[i] = 1.0;", "check_complies_with_its_declarations"),
+    "one slice too few": ("i < s->n;", "i + 1 < s->n;", "check_complies_with_its_declarations"),
     "no number": (FILLED, FILLED + " if (rate > 10.0) s->friction[i] = NAN;", "check_is_odd_in_slip"),
     "an infinity": (FILLED, FILLED + " if (rate > 10.0) s->friction[i] = HUGE_VAL;", "check_is_odd_in_slip"),
     "a state": ("return 0;", "if (s->n) s->friction[0] *= 1.0 + 1e-9 * (calls++ % 2);\n    return 0;",

@@ -96,7 +96,7 @@ def test_what_all_rules_rest_on_is_said_once(name):
         f.check: f.message for f in findings if f.status == "failed" and f.check in evaluating
     }
     (message,) = failed.values()
-    assert [*failed] == ["check_keeps_to_what_it_declares"]
+    assert [*failed] == ["check_complies_with_its_declarations"]
     raised = message != ONCE[name]
     assert message == ONCE[name] or re.fullmatch(
         re.escape(ONCE[name]) + r" \(broken_models\.py:\d+\)", message
@@ -104,7 +104,7 @@ def test_what_all_rules_rest_on_is_said_once(name):
     assert raised == (
         name in ("Overwrites", "WritesRegime", "Misspelt")
     )  # then its own line is named, not the kit's
-    because = "not run: it rests on check_keeps_to_what_it_declares, which fails"
+    because = "not run: it rests on check_complies_with_its_declarations, which fails"
     assert sum(finding.message == because for finding in findings) > 10
 
 

@@ -165,7 +165,7 @@ def _value(model: DamageModel, contacts: Contacts) -> Array:
 
 
 @rule(DamageModel)
-def check_says_what_it_measures_and_what_it_does_not(model: DamageModel) -> None:
+def check_describes_its_unit_and_limits(model: DamageModel) -> None:
     """No measure of damage holds in general; who reads a value has to know its unit and its limits."""
     for name in ("measure", "unit", "scope"):
         text = getattr(model, name)
@@ -183,7 +183,7 @@ def check_says_what_it_measures_and_what_it_does_not(model: DamageModel) -> None
 
 
 @rule(DamageModel)
-def check_gives_one_finite_value_for_each_slice(model: DamageModel) -> None:
+def check_value_of_each_slice_is_finite(model: DamageModel) -> None:
     """A measure is a finite number, not negative, of every loaded slice."""
     for contacts in _contacts():
         values = _value(model, contacts)
@@ -228,7 +228,7 @@ def check_more_friction_is_no_better(model: DamageModel) -> None:
 
 
 @rule(DamageModel)
-def check_across_a_contact_it_is_as_bad_as_the_measure_says(model: DamageModel) -> None:
+def check_values_across_a_contact_agree_with_the_measure(model: DamageModel) -> None:
     """What is told of the inside of a contact is one value a place, and holds what the measure says of the whole."""
     places = np.linspace(-1.0, 1.0, 201)
     for contacts in _contacts():
@@ -335,7 +335,7 @@ def check_more_load_resists_no_less(formula: TorqueFormula) -> None:
 
 
 @rule(TorqueFormula)
-def check_an_oil_without_density_is_refused_in_words_or_not_needed(formula: TorqueFormula) -> None:
+def check_oil_without_density_is_refused_or_accepted(formula: TorqueFormula) -> None:
     """What is not known is asked for by `Duty`, not guessed."""
     for duty in _duties():
         try:

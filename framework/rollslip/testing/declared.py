@@ -51,7 +51,7 @@ def _usual(model: SliceModel, locked: Collection[str] = ()) -> _Watched:
 
 
 @rule(SliceModel, first=True)
-def check_keeps_to_what_it_declares(model: SliceModel) -> None:
+def check_complies_with_its_declarations(model: SliceModel) -> None:
     """It fills exactly the columns in writes, and uses no members except those in reads; other rules require this."""
     if unknown := sorted({*model.reads, *model.domain} - {*COLUMNS, *CONDITIONS}):
         raise Nonconformance(
@@ -138,11 +138,11 @@ def not_run(model: Any, check: Check) -> str:
     """
     if (
         not (isinstance(model, SliceModel) and rests_on_evaluation(check))
-        or check is check_keeps_to_what_it_declares
+        or check is check_complies_with_its_declarations
     ):
         return ""
     try:
-        check_keeps_to_what_it_declares(model)
+        check_complies_with_its_declarations(model)
     except Exception:
-        return f"not run: it rests on {check_keeps_to_what_it_declares.__name__}, which fails"
+        return f"not run: it rests on {check_complies_with_its_declarations.__name__}, which fails"
     return ""

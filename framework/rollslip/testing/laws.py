@@ -138,7 +138,7 @@ def _check_no_load_without_contact(filled: Slices, form: str, shaped: SliceModel
 
 
 @rule("deflection")
-def check_surfaces_apart_carry_nothing(model: SliceModel) -> None:
+def check_separated_surfaces_carry_no_load(model: SliceModel) -> None:
     """No load and no stiffness at an approach of zero or below; both positive or zero above."""
     drawn(model, _check_no_load_without_contact)
     for form, shaped in forms_of(model):
@@ -268,7 +268,7 @@ def check_takes_power_out_of_sliding(filled: Slices, form: str, shaped: SliceMod
 
 
 @rule(TractionModel)
-def check_friction_is_below_one_in_a_bearing(model: TractionModel) -> None:
+def check_friction_coefficient_is_below_unity(model: TractionModel) -> None:
     """In a loaded, lubricated bearing the traction coefficient is some hundredths; above one a unit is wrong."""
     for form, shaped in forms_of(model):
         filled = evaluate(shaped, table(shaped, 4096, BEARING))
@@ -335,7 +335,7 @@ def check_values_at_pressures_are_those_of_the_stage(
 
 
 @rule(PressureViscosity)
-def check_takes_what_an_oil_says_of_pressure(law: PressureViscosity) -> None:
+def check_uses_the_pressure_factor_of_an_oil(law: PressureViscosity) -> None:
     """A law that takes a factor of the oil multiplies ln(eta/eta0) by it, and one that takes none refuses one."""
     plain = law.of_oil()
     try:
@@ -360,7 +360,7 @@ def check_takes_what_an_oil_says_of_pressure(law: PressureViscosity) -> None:
 
 # Drag ----------------------------------------------------------------------------------------------------------------
 
-_SPEEDS = st.tuples(*[st.one_of(st.just(0.0), signed(st.floats(1e-3, 3e3)))] * 3)
+_SPEEDS = st.tuples(*[st.just(0.0) | signed(st.floats(1e-3, 3e3))] * 3)
 _TIMES = st.tuples(st.floats(0.0, 100.0))
 
 
@@ -469,7 +469,7 @@ def check_resistance_does_not_fall_with_load_and_speed(
 
 
 @rule(PocketFriction)
-def check_coefficient_of_the_pocket_is_a_share(model: PocketFriction) -> None:
+def check_pocket_coefficient_is_a_fraction(model: PocketFriction) -> None:
     """Friction that a pocket has is a part of the force there; above one a unit is wrong."""
     refuse_unless(
         isinstance(model.coefficient, float) and 0.0 <= model.coefficient <= 1.0,
@@ -483,11 +483,11 @@ def check_coefficient_of_the_pocket_is_a_share(model: PocketFriction) -> None:
 def _temperatures(oil: Lubricant) -> "st.SearchStrategy[float]":
     low = oil.minimum_temperature
     high = oil.maximum_temperature
-    return st.one_of(st.sampled_from([low, high]), st.floats(low, high))
+    return st.sampled_from([low, high]) | st.floats(low, high)
 
 
 @rule(Lubricant)
-def check_says_what_it_is_and_what_vouches_for_it(oil: Lubricant) -> None:
+def check_oil_has_description_and_references(oil: Lubricant) -> None:
     """Every oil has a name, a description, a source and references."""
     refuse_unless(
         re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", oil.name),

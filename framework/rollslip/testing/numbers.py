@@ -247,7 +247,7 @@ def turns(values: Array) -> list[float]:
 
 @rule(TractionModel)
 @without_evaluation
-def check_shapes_are_words_that_are_known(model: TractionModel) -> None:
+def check_shapes_are_known(model: TractionModel) -> None:
     """``shapes`` says of "cold" and "heated" what friction does over slip, and of "bound" what it stays below."""
     known = f"'cold' and 'heated' may be {', '.join(map(repr, SHAPES))}; 'bound' names a parameter or a method"
     for of, shape in model.shapes.items():
@@ -258,7 +258,7 @@ def check_shapes_are_words_that_are_known(model: TractionModel) -> None:
 
 
 @rule(TractionModel)
-def check_friction_has_the_shapes_that_it_says(model: TractionModel) -> None:
+def check_friction_has_its_declared_shapes(model: TractionModel) -> None:
     """Over slips from none to all, cold and heated, and below its bound, as laws in the box are held to theirs."""
     if not model.shapes:
         raise Inapplicable("it declares no shapes")

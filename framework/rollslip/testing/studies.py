@@ -117,7 +117,7 @@ def check_its_result_has_the_outputs_it_declares(study: Study) -> None:
 
 
 @rule(Study)
-def check_what_may_be_missing_has_a_status_in_words(study: Study) -> None:
+def check_missing_outputs_have_a_status(study: Study) -> None:
     """A value without meaning is NaN, and words beside it say why."""
     result = _result(study)
     for name, output in study.outputs.items():
@@ -143,7 +143,7 @@ def check_what_may_be_missing_has_a_status_in_words(study: Study) -> None:
 
 
 @rule(Study)
-def check_what_is_judged_is_an_output(study: Study) -> None:
+def check_compared_quantity_is_an_output(study: Study) -> None:
     """A plan holds these variables against the tolerances of the scene."""
     for key, name in study.controlled_outputs.items():
         refuse_unless(
@@ -291,7 +291,7 @@ def check_its_results_can_be_stored(study: Study) -> None:
 
 
 @rule(Study)
-def check_its_result_is_told(study: Study) -> None:
+def check_result_is_described(study: Study) -> None:
     """Terminal, report and JSON tell a result by its account, or by what its variables say of themselves."""
     account = account_of(_result(study))
     result = _result(study)

@@ -353,7 +353,7 @@ def _given(model: Any) -> Any:
 
 
 @rule("value")
-def check_its_import_leaves_rollslip_as_it_is(model: Any) -> None:
+def check_import_does_not_change_rollslip(model: Any) -> None:
     """A law of the box that another package changes gives other numbers, and results name rollslip for them."""
     if is_ours(type(model).__module__):
         return
@@ -397,7 +397,7 @@ def check_gives_the_same_in_another_process(model: Any) -> None:
 
 @rule(*MODELS)
 @without_evaluation
-def check_says_what_it_is_and_where_it_comes_from(model: Any) -> None:
+def check_has_description_and_citations(model: Any) -> None:
     """Name, one line of text, equation and citations: lists, reports and `rollslip cite` are made of them."""
     cls = type(model)
     name = getattr(cls, "name", None)
@@ -446,7 +446,7 @@ def check_every_parameter_has_a_meaning_and_a_unit(model: Any) -> None:
 
 @rule(FilmModel)
 @without_evaluation
-def check_says_which_film_it_gives(model: FilmModel) -> None:
+def check_declares_its_film_thickness(model: FilmModel) -> None:
     """Minimum, central and dp/dx = 0 differ by a quarter, and the regimes by much more."""
     refuse_unless(
         any(word in getattr(model, "location", "") for word in ("minimum", "central", "dp/dx = 0")),

@@ -21,7 +21,7 @@ class TestCross(Conformance):
 class TestCrossAlmostNewtonian(Conformance):
     models = [Cross(exponent=0.3), Cross(exponent=0.0)]
     expected_failures = {
-        "check_friction_is_below_one_in_a_bearing": "without limiting stress and heating a film that hardly thins is "
+        "check_friction_coefficient_is_below_unity": "without limiting stress and heating a film that hardly thins is "
         "too stiff at high pressure; the README says so"
     }
 
