@@ -49,7 +49,13 @@ class LimitAccount(Account):
         """Return sentences by topic."""
         topics = {
             "limit": [describe_limit(dataset)],
-            "width": _describe_unknown(dataset),
+            "width": [
+                f"between {_format_searched(dataset, edge['edge_kept'])} and "
+                f"{_format_searched(dataset, edge['edge_passed'])} the limit could not be "
+                "narrowed down, as points there failed"
+                for edge in rows_along(dataset, "edge")
+                if edge["edge_unknown"]
+            ],
             "jump": _describe_jumps(dataset),
             "course": _describe_monotonicity(dataset),
             "values missing": _describe_missing(dataset),
@@ -178,17 +184,6 @@ def _describe_nearest(dataset: "xr.Dataset") -> str:
     k = int(np.nanargmin(np.abs(size - float(dataset.attrs["limit"]))))
     at = float(dataset["searched"][k])
     return f"; nearest to the limit is {_format_searched(dataset, at)}, where {_describe_result(dataset, at)}"
-
-
-def _describe_unknown(dataset: "xr.Dataset") -> list[str]:
-    """Sentences on brackets that could not be narrowed because points failed."""
-    return [
-        f"between {_format_searched(dataset, edge['edge_kept'])} and "
-        f"{_format_searched(dataset, edge['edge_passed'])} the limit could not be "
-        "narrowed down, as points there failed"
-        for edge in rows_along(dataset, "edge")
-        if edge["edge_unknown"]
-    ]
 
 
 def _describe_jumps(dataset: "xr.Dataset") -> list[str]:

@@ -200,9 +200,9 @@ def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribu
         _checked(quantity, value, f"value {k} of {len(listed)}" if len(listed) > 1 else "")
         for k, value in enumerate(listed, 1)
     ]
-    ((name, count),) = Counter(map(label, values)).most_common(1)
-    if count > 1:
-        raise FieldError(quantity.key, f"{name!r} stands twice in the list")
+    counts = Counter(map(label, values))
+    if twice := next((name for name in counts if counts[name] > 1), None):
+        raise FieldError(quantity.key, f"{twice!r} stands twice in the list")
     return Axis(quantity, tuple(values), tuple(listed))
 
 
