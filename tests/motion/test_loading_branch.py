@@ -5,7 +5,7 @@ import math
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
@@ -13,7 +13,7 @@ import loading_branch_scenes as scenes
 from rollslip import evolve, load_scene
 from rollslip.bearing import raceway
 from rollslip.bearing.assembly import assemble
-from rollslip.errors import SceneError
+from rollslip.errors import DomainError, SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion import loading_branch
@@ -369,7 +369,12 @@ def test_the_error_told_of_the_most_that_is_carried_holds_against_four_times_the
 def test_a_bearing_that_turns_the_other_way_has_the_same_branch(number):
     scene = scenes.free(number)
     mirrored = evolve(scene, {"operation.inner_speed": -scene.operation.inner_speed})
-    branches = [scenes.balance(one).loading_branch() for one in (scene, mirrored)]
+    try:
+        branches = [scenes.balance(one).loading_branch() for one in (scene, mirrored)]
+    except (
+        DomainError
+    ):  # a law has no value at any slip, such as a film of a lubricant outside its range
+        reject()
     assert [m.torque for m in branches[0].motions] == pytest.approx(
         [m.torque for m in branches[1].motions], rel=1e-9
     )

@@ -363,8 +363,9 @@ class _Search:
             if previous.converged and not any(motion.converged for motion in pair):
                 # neither march from a ring converges, that from the previous motion may
                 pair = motions.find(np.array(slips[k : k + 1]), previous.fraction[:1])[0]
-            distances = [motions.distance(motion.fraction, previous.fraction) for motion in pair]
-            nearest = pair[distances.index(min(distances))]
+            nearest = min(
+                pair, key=lambda motion: motions.distance(motion.fraction, previous.fraction)
+            )
             branch.append(motions.link(previous, nearest))
         return branch
 
@@ -571,24 +572,18 @@ def _is_linked_to_both(branch: list[Motion], k: int) -> bool:
     return 0 < k < len(branch) - 1 and branch[k].linked and branch[k + 1].linked
 
 
-def _is_local_maximum(branch: list[Motion], k: int) -> bool:
-    """Whether the torque of motion k is positive and not below those of its neighbours."""
-    torques = [motion.torque for motion in branch[max(k - 1, 0) : k + 2]]
-    return branch[k].torque >= max(torques) and branch[k].torque > 0.0
-
-
 def _find_intervals(branch: list[Motion], lowest: float) -> list[int]:
     """The first motions of the intervals to bisect; ``lowest`` is the torque that resists at no slip [N m]."""
-    running_maxima = np.maximum.accumulate([motion.torque for motion in branch])
+    torques = np.array([motion.torque for motion in branch])
+    running_maxima = np.maximum.accumulate(torques)
+    next_maxima = np.append(running_maxima[1:], running_maxima[-1])
+    is_maximum = (torques > 0.0) & (torques == running_maxima) & (torques == next_maxima)
     intervals = []
     for k, (a, b) in enumerate(itertools.pairwise(branch)):
         bound = 0.0
         if not b.linked:
             bound = _bound_in_gap(a, b, lowest)
-        elif any(
-            _is_local_maximum(branch, j) and branch[j].torque == running_maxima[j]
-            for j in (k, k + 1)
-        ):
+        elif is_maximum[k : k + 2].any():
             bound = _bound_at_maximum(branch, k)
         exceeded = (1.0 + SEARCH.equal_drag) * running_maxima[k + 1]
         if b.logit_slip - a.logit_slip > SEARCH.gap_width and bound > max(exceeded, 0.0):
