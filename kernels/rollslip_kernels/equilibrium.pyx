@@ -95,7 +95,7 @@ cdef struct bearing_t:
     size_t outer          # the first shape of the outer ring
     size_t stops          # one-sided springs
     const double *given   # load and pushes on the unknowns
-    const double *held    # stiffness of each
+    const double *ring_stiffness    # stiffness of each
     const double *stop    # [stops x unknowns] shapes where stops are
     const double *stop_stiffness
     const double *stop_gap
@@ -115,14 +115,14 @@ cdef struct bearing_t:
 def solve(
     stages: Sequence[object], tables: Sequence[Slices], const double[:, :, ::1] direction, const double[:, ::1] form,
     const double[::1] xi, const double[::1] drop, const double[:, ::1] weights, double length, double clearance,
-    double rise, const double[::1] given, const double[::1] held, const double[:, ::1] stops, size_t outer,
+    double rise, const double[::1] given, const double[::1] ring_stiffness, const double[:, ::1] stops, size_t outer,
     const double[::1] centrifugal, double reach, dict found: dict[str, Array], const double[:, ::1] pull=None,
 ) -> Literal["", "inner", "outer", "range"]:
     """Fill ``found`` with the equilibrium at every instant; return "", or "inner", "outer" or "range" of a refusal.
 
     ``stages`` and ``tables`` are the contact laws of both rings and the slices they work in, with room for all of one
     instant; ``direction`` holds cos psi, sin psi and -B of the shapes (M, Z, u), ``form`` those of both raceways
-    (M, Z), ``given`` and ``held`` load and stiffness of each unknown of the rings (u,), those from ``outer`` on of the
+    (M, Z), ``given`` and ``ring_stiffness`` load and stiffness of each unknown of the rings (u,), those from ``outer`` on of the
     outer ring; ``stops`` (s, u + 2) one-sided springs: shapes, stiffness, gap. ``centrifugal`` is the force of each
     instant (M,): where rollers stand as in the one before, it goes on from there; ``pull`` what else acts on each
     roller outwards (M, Z), with which it never does. Of the slices carried along, all of a
@@ -153,8 +153,8 @@ def solve(
 
     if centrifugal.shape[0] != instants:
         raise ValueError(f"{centrifugal.shape[0]} centrifugal forces for {instants} instants")
-    if not (u == given.shape[0] == held.shape[0] >= 2 and stops.shape[1] == u + 2 and 2 <= outer <= <size_t>u):
-        raise ValueError(f"{given.shape[0]} loads, {held.shape[0]} stiffnesses, {s} stops for {u} unknowns of rings")
+    if not (u == given.shape[0] == ring_stiffness.shape[0] >= 2 and stops.shape[1] == u + 2 and 2 <= outer <= <size_t>u):
+        raise ValueError(f"{given.shape[0]} loads, {ring_stiffness.shape[0]} stiffnesses, {s} stops for {u} unknowns of rings")
     if form.shape[0] != instants or form.shape[1] != Z:
         raise ValueError("forms must be those of all rollers at all instants")
     if pull is not None and (pull.shape[0] != instants or pull.shape[1] != Z):
@@ -172,7 +172,7 @@ def solve(
     b.rollers, b.slices, b.roller = Z, h, <roller_t *>&work[0]
     b.xi, b.drop, b.weights = &xi[0], &drop[0], &weights[0, 0]
     b.length, b.half_clearance, b.rise, b.load = length, 0.5 * clearance, rise, given[0]
-    b.unknowns, b.outer, b.stops, b.given, b.held = u, outer, s, &given[0], &held[0]
+    b.unknowns, b.outer, b.stops, b.given, b.ring_stiffness = u, outer, s, &given[0], &ring_stiffness[0]
     b.at, b.force, b.condensed = &of_rings[0, 0], &of_rings[1, 0], &of_rings[2, 0]
     b.step, b.move, b.hessian = &of_rings[3, 0], &of_rings[4, 0], &of_rings[5, 0]
     if s:
@@ -408,7 +408,7 @@ cdef int _evaluate(bearing_t *b) noexcept nogil:
             gathered[n[ring]] = x   # without a branch: is overwritten unless it touches
             n[ring] += x > 0.0
     for i in range(u):
-        b.force[i] = b.given[i] - b.held[i] * b.at[i]
+        b.force[i] = b.given[i] - b.ring_stiffness[i] * b.at[i]
     for ring in range(2):
         if _ask(b, ring, n[ring]) != ARRIVED:
             return ring
@@ -607,7 +607,7 @@ cdef void _advance(bearing_t *b, double depth) noexcept nogil:
         b.move[i], b.condensed[i] = 0.0, b.force[i]
         for m in range(i, u):
             b.hessian[i * u + m] = 0.0
-        b.hessian[i * u + i] = (TRACE if u == 2 else HELD) * trace + b.held[i]
+        b.hessian[i * u + i] = (TRACE if u == 2 else HELD) * trace + b.ring_stiffness[i]
     for j in range(b.stops):
         if b.deep[j] > 0.0:
             for i in range(u):

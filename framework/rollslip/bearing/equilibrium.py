@@ -320,7 +320,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         clearance=case.radial_clearance,
         rise=half_length * case.misalignment,
         given=applied,
-        held=ring_stiffness,
+        ring_stiffness=ring_stiffness,
         stops=stops,
         outer=split,
         centrifugal=np.full(n_positions, case.centrifugal_force),
