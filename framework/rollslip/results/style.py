@@ -165,21 +165,21 @@ def _join_letters(text: re.Match[str]) -> str:
     letters = re.findall(
         r'<tspan x="([^"]*)" y="([^"]*)" style="([^"]*)">(.*?)</tspan>', text[1], re.DOTALL
     )
-    words: list[list[str]] = []
+    joined: list[list[str]] = []
     for (y, style), some in groupby(
         sorted(letters, key=lambda letter: float(letter[0])), key=lambda letter: letter[1:3]
     ):
         run = list(some)
         # a space at the start of a word would be lost
-        while run and words and run[0][3].isspace():
+        while run and joined and run[0][3].isspace():
             run.pop(0)
-            words[-1][3] += " "
+            joined[-1][3] += " "
         if run:
-            words.append(
+            joined.append(
                 [run[0][0], y, style, "".join(letter for *_, letter in run).replace("\u00a0", " ")]
             )
     spans = "".join(
-        f'<tspan x="{x}" y="{y}" style="{style}">{word}</tspan>' for x, y, style, word in words
+        f'<tspan x="{x}" y="{y}" style="{style}">{word}</tspan>' for x, y, style, word in joined
     )
     return f"<text>{spans}</text>"
 
@@ -513,6 +513,6 @@ class Sheet:
                 ncols=columns,
                 **{"loc": "outside upper left", **heading, **legend},
             )
-        without_legend = self.figure.get_figheight() if height is None else height
-        self.figure.set_figheight(without_legend + ROW * (rows + bool(title)))
+        height = self.figure.get_figheight() if height is None else height
+        self.figure.set_figheight(height + ROW * (rows + bool(title)))
         return self.figure

@@ -9,19 +9,26 @@
   been left out. The result says so.
 """
 
+import abc
 import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final, TypeAlias
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.raceway import Array
 from rollslip.bearing.regimes import QUANTITIES, groups
-from rollslip.bearing.resolution import BoundBrokenError, LeftOut, Resolution
+from rollslip.bearing.resolution import (
+    BoundBrokenError,
+    Errors,
+    LeftOut,
+    Resolution,
+    combine_errors,
+)
 from rollslip.models import TractionModel
 from rollslip.scene.values import Accuracy
-from rollslip.studies.answers import Errors, combine_errors
 from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:
@@ -277,34 +284,46 @@ def with_observed_slice_order(
 # Models that are left out --------------------------------------------------------------------------------------------
 
 
+class _CheckedModel(LeftOut):
+    """A model that is left out as long as quantities of all evaluated slices keep their limits."""
+
+    #: Fields of a resolution that includes the model.
+    included: ClassVar[Mapping[str, Any]]
+
+    @abc.abstractmethod
+    def checks(self, slices: Slices) -> Iterable[tuple[str, float, bool, str]]:
+        """Return quantities of slices: name, value, whether it keeps its limit, and what it is otherwise."""
+
+    def __call__(self, slices: Slices) -> None:
+        """Check the quantities of slices."""
+        if not len(slices):
+            return
+        for name, value, is_satisfied, excess in self.checks(slices):
+            if not is_satisfied:
+                raise BoundBrokenError(self, f"a {name} of {value:.4g} is {excess}")
+
+    def reinstated(self, resolution: Resolution) -> Resolution:
+        """Return the resolution with the model."""
+        return attrs.evolve(resolution, **self.included)
+
+
 @attrs.frozen
-class BoundaryFriction(LeftOut):
+class BoundaryFriction(_CheckedModel):
     """Boundary friction, which is exactly zero as long as every film parameter is at least a limit."""
 
     limit: float
 
-    @property
-    def what(self) -> str:
-        """Boundary friction."""
-        return "boundary friction"
+    what = "boundary friction"
+    included = MappingProxyType({"boundary": True})
 
-    def __call__(self, slices: Slices) -> None:
-        """Check the smallest film parameter."""
-        if not len(slices):
-            return
+    def checks(self, slices: Slices) -> Iterable[tuple[str, float, bool, str]]:
+        """Return the smallest film parameter."""
         thinnest = float(slices.film_thickness.min()) / slices.conditions.roughness
-        if not thinnest >= self.limit:
-            raise BoundBrokenError(
-                self, f"a film parameter of {thinnest:.4g} is below {self.limit:g}"
-            )
-
-    def reinstated(self, resolution: Resolution) -> Resolution:
-        """Return the resolution with boundary friction."""
-        return attrs.evolve(resolution, boundary=True)
+        return [("film parameter", thinnest, thinnest >= self.limit, f"below {self.limit:g}")]
 
 
 @attrs.frozen
-class ExactLaw(LeftOut):
+class ExactLaw(_CheckedModel):
     """The law that the scene names, replaced by its closed form up to a maximum of each dimensionless group of the law.
 
     The difference of both grows with each group; it was computed where the groups are largest.
@@ -314,55 +333,38 @@ class ExactLaw(LeftOut):
     #: Group -> its maximum.
     max_groups: Mapping[str, float]
 
+    included = MappingProxyType({"traction": "named"})
+
     @property
     def what(self) -> str:
         """The law by its name."""
         return f"the law {self.law.name!r}"
 
-    def __call__(self, slices: Slices) -> None:
-        """Check the largest of each group."""
-        if not len(slices):
-            return
+    def checks(self, slices: Slices) -> Iterable[tuple[str, float, bool, str]]:
+        """Return the largest of each group."""
         for name, largest in _largest_groups(self.law, slices).items():
             limit = self.max_groups[name]
-            if not largest <= limit:
-                raise BoundBrokenError(
-                    self, f"a {name.replace('_', ' ')} of {largest:.4g} is above {limit:.4g}"
-                )
-
-    def reinstated(self, resolution: Resolution) -> Resolution:
-        """Return the resolution with the law that the scene names."""
-        return attrs.evolve(resolution, traction="named")
+            yield name.replace("_", " "), largest, largest <= limit, f"above {limit:.4g}"
 
 
 @attrs.frozen
-class InletHeating(LeftOut):
+class InletHeating(_CheckedModel):
     """The heat of the inlet, which thins a film, up to a maximum of the thermal load."""
 
     max_thermal_load: float
 
-    @property
-    def what(self) -> str:
-        """The heat of the inlet."""
-        return "the heat of the inlet"
+    what = "the heat of the inlet"
+    included = MappingProxyType({"inlet_heating": True})
 
-    def __call__(self, slices: Slices) -> None:
-        """Check the largest thermal load."""
-        if not len(slices):
-            return
+    def checks(self, slices: Slices) -> Iterable[tuple[str, float, bool, str]]:
+        """Return the largest thermal load."""
         largest = max_thermal_load(slices)
-        if not largest <= self.max_thermal_load:
-            raise BoundBrokenError(
-                self, f"a thermal load of {largest:.4g} is above {self.max_thermal_load:.4g}"
-            )
-
-    def reinstated(self, resolution: Resolution) -> Resolution:
-        """Return the resolution with the heat of the inlet."""
-        return attrs.evolve(resolution, inlet_heating=True)
+        limit = self.max_thermal_load
+        return [("thermal load", largest, largest <= limit, f"above {limit:.4g}")]
 
 
 @attrs.frozen
-class LightContacts(LeftOut):
+class LightContacts(_CheckedModel):
     """The pressure of the film itself, which spreads a light load, down to the load parameter M of the mean load.
 
     The mean load is taken because a few slices hardly touch in any bearing; they carry as little of the friction.
@@ -370,24 +372,14 @@ class LightContacts(LeftOut):
 
     min_mean_load: float
 
-    @property
-    def what(self) -> str:
-        """The film's own pressure."""
-        return "the pressure of light contacts"
+    what = "the pressure of light contacts"
+    included = MappingProxyType({"light_contacts": True})
 
-    def __call__(self, slices: Slices) -> None:
-        """Check the load parameter of the mean load."""
-        if not len(slices):
-            return
+    def checks(self, slices: Slices) -> Iterable[tuple[str, float, bool, str]]:
+        """Return the load parameter of the mean load."""
         load = mean_load(slices)
-        if not load >= self.min_mean_load:
-            raise BoundBrokenError(
-                self, f"a mean load parameter of {load:.4g} is below {self.min_mean_load:.4g}"
-            )
-
-    def reinstated(self, resolution: Resolution) -> Resolution:
-        """Return the resolution with the film's own pressure."""
-        return attrs.evolve(resolution, light_contacts=True)
+        limit = self.min_mean_load
+        return [("mean load parameter", load, load >= limit, f"below {limit:.4g}")]
 
 
 def max_thermal_load(slices: Slices) -> float:

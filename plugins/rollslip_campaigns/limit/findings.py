@@ -101,7 +101,7 @@ class LimitAccount(Account):
         """Return a row for each value: the value, its result, and whether the limit is kept."""
         status = dataset["status"].to_numpy()
         verdict = np.where(status == "ok", np.where(dataset["keeps"] > 0.0, "yes", "no"), status)
-        columns = dataset[["searched", "result"]].assign(kept=("point", verdict))
+        columns = dataset[["searched", "result"]].assign({"kept": ("point", verdict)})
         return {
             "": point_rows(
                 columns.assign(dataset[["status", "message", "result_status", "seconds"]])
