@@ -75,7 +75,7 @@ def setting(
     details : str
         Docs of the function's argument, in addition to `doc`.
     """
-    about = {
+    metadata = {
         "doc": doc,
         "value_type": value_type,
         "metavar": metavar,
@@ -85,7 +85,7 @@ def setting(
         "argument": argument,
         "details": details,
     }
-    return attrs.field(default=default, kw_only=not positional, metadata=about)
+    return attrs.field(default=default, kw_only=not positional, metadata=metadata)
 
 
 @attrs.frozen(eq=False)
@@ -306,8 +306,9 @@ def _fault(option: "attrs.Attribute[Any]", value: Any) -> str:
     if is_right and (minimum is None or value >= minimum):
         return ""
     kind = {int: "a whole number", float: "a number"}.get(value_type, "a text")
-    limit = "" if minimum is None else f", {minimum} or more,"
-    return f"{option.name}: {kind}{limit} is expected, not {value!r}"
+    if minimum is not None:
+        kind += f", {minimum} or more,"
+    return f"{option.name}: {kind} is expected, not {value!r}"
 
 
 def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
@@ -342,8 +343,8 @@ def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
     # its own parameters first
     parameters.sort(key=lambda parameter: (parameter.kind, parameter.name in inherited))
     function.__signature__ = signature.replace(parameters=parameters, return_annotation=returns)  # type: ignore[attr-defined]
-    names = (*(parameter.name for parameter in parameters), "return")
-    function.__annotations__ = {name: hints[name] for name in names}
+    function.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    function.__annotations__["return"] = returns
     function.__name__ = function.__qualname__ = cls.name.replace("-", "_")
     function.__module__ = "rollslip"
     function.__doc__ = _docs(cls, parameters)
@@ -353,9 +354,8 @@ def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
 def _describe_unknown(function: str, name: str, parameters: Sequence[inspect.Parameter]) -> str:
     """Say that a function has no argument of a name, what is similar, and which it has."""
     known = [parameter.name for parameter in parameters]
-    near = [f"did you mean {similar}?" for similar in nearest(name, known, 1, cutoff=0.5)]
-    hint = " ".join([*near, f"there are {', '.join(known)}"])
-    return f"{function}: there is no argument {name}; {hint}"
+    near = [f"did you mean {similar}? " for similar in nearest(name, known, 1, cutoff=0.5)]
+    return f"{function}: there is no argument {name}; {''.join(near)}there are {', '.join(known)}"
 
 
 def own_command(cls: type[Campaign]) -> Any:
@@ -363,8 +363,10 @@ def own_command(cls: type[Campaign]) -> Any:
     try:
         return pkgutil.resolve_name(cls.own_command)
     except (Exception, SystemExit) as error:
-        blame = f"campaign {cls.name!r}: its command {cls.own_command} cannot be imported ({describe_error(error)})"
-        raise PluginError(f"{blame}; repair or uninstall its package") from error
+        raise PluginError(
+            f"campaign {cls.name!r}: its command {cls.own_command} cannot be imported ({describe_error(error)}); "
+            "repair or uninstall its package"
+        ) from error
 
 
 def help_of(cls: type[Campaign]) -> str:
@@ -380,8 +382,9 @@ def _docs(cls: type[Campaign], parameters: Sequence[inspect.Parameter]) -> str:
     for parameter in parameters:
         metadata = fields[parameter.name].metadata
         kind = inspect.formatannotation(parameter.annotation)
-        optional = "" if parameter.default is parameter.empty else ", optional"
-        lines.append(f"{parameter.name} : {kind}{optional}")
+        if parameter.default is not parameter.empty:
+            kind += ", optional"
+        lines.append(f"{parameter.name} : {kind}")
         lines += [f"    {line}" for line in filter(None, (metadata["doc"], metadata["details"]))]
     section = "\n".join(["Parameters", "----------", *lines])
     text = text.replace("SCENE", "a scene").replace("DATA", "data")

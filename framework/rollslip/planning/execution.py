@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.resolution import BoundBrokenError
 from rollslip.errors import RollslipError
 from rollslip.planning.lines import describe_resolution
@@ -35,7 +34,6 @@ from rollslip.studies.answers import RunContext, Store
 from rollslip.studies.bounds import ErrorEstimate
 from rollslip.studies.error_estimate import estimate_error, refine_resolution
 from rollslip.studies.law_outputs import law_outputs
-from rollslip.studies.study import Study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -109,15 +107,17 @@ class Executed:
         """Return the result with its models, plan, errors, notes and costs, as attributes."""
         model_warnings, checks = warnings(self.plan, self.study, self.dataset)
         numerical = error_warnings(self.plan, self.study, self.error)
-        rows = accuracy_rows(self.plan, self.study, self.error.total, "a posteriori")
-        cost = {"estimated": self.planned.seconds_of(self.study), "actual": self.processor_time}
         return self.dataset.assign_attrs(
             models_origin(self.plan, self.study),
             plan=json.dumps(self.plan.parts_of(self.study)),
-            accuracy=json.dumps(rows),
+            accuracy=json.dumps(
+                accuracy_rows(self.plan, self.study, self.error.total, "a posteriori")
+            ),
             warnings=json.dumps([*numerical, *model_warnings]),
             validity=json.dumps(checks),
-            cost=json.dumps(cost),
+            cost=json.dumps(
+                {"estimated": self.planned.seconds_of(self.study), "actual": self.processor_time}
+            ),
         )
 
 
@@ -209,8 +209,7 @@ def compute(
     dataset = dataset.assign(law_outputs(running, assembly, dataset))
     dataset.attrs |= {
         f"{part}_error": max(errors.values()) for part, errors in error.errors.items() if errors
-    }
-    dataset.attrs |= {
+    } | {
         "resolution": json.dumps(attrs.asdict(choice.resolution)),
         "reinstated": json.dumps(reinstated),
     }
@@ -305,10 +304,21 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
             f"whether models are within their range of validity could not be checked: {refusal}"
         ]
     texts += implausible(plan.scene)
-    texts += _weight_warnings(plan, running, assembly)
+    operation = plan.scene.operation
+    has_direction = (operation.carrier, operation.gravity_direction) != (None, None)
+    is_left_out = running.bearing_loads and not (running.with_weight or has_direction)
+    if is_left_out and assembly.weight_fraction > accuracy.tolerance:
+        texts.append(
+            f"the weight of the rollers, {100.0 * assembly.weight_fraction:.2g} % of what presses them on average, is "
+            "left out, as its direction is not stated; give operation.gravity_direction, 0 deg where the load is "
+            "itself a weight"
+        )
     texts += validity.starvation_notes(assembly.film)
-    temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
-    texts += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))
+    texts += dict.fromkeys(
+        note
+        for raceway in assembly.raceways
+        for note in assembly.lubricant.notes(raceway.conditions.temperature)
+    )
     stated: Mapping[str, Any] = plan.scene.study.get(study, {})
     texts += [
         f"study.{study}.{setting} is {getattr(running, setting)!r}, not {stated[setting]!r}, as the scene names it: "
@@ -324,18 +334,3 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
             "accuracy.slices=auto"
         )
     return texts, validity.validity_record(excesses, difference, messages)
-
-
-def _weight_warnings(plan: Plan, study: Study, assembly: Assembly) -> list[str]:
-    """Return the warning that the weight of the rollers is left out, where it exceeds the tolerance."""
-    operation = plan.scene.operation
-    has_direction = (operation.carrier, operation.gravity_direction) != (None, None)
-    fraction = assembly.weight_fraction
-    if study.with_weight or not study.bearing_loads or has_direction:
-        return []
-    if not fraction > plan.scene.accuracy.tolerance:
-        return []
-    return [
-        f"the weight of the rollers, {100.0 * fraction:.2g} % of what presses them on average, is left out, as "
-        "its direction is not stated; give operation.gravity_direction, 0 deg where the load is itself a weight"
-    ]

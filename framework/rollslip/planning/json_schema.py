@@ -89,18 +89,13 @@ def _add_key(node: dict[str, Any], name: str, row: SchemaRow) -> None:
             schema["anyOf"].append({"type": "array"})
     elif names:
         schema = {"type": "string", **names}
+    elif row.type.startswith("list of"):
+        schema = {"type": "array"}
     else:
-        schema = _type_schema(row.type)
+        types = [row.type] if row.type in _TYPES else row.type.split(" or ")
+        options = [_TYPES[name] for name in types if name in _TYPES]
+        choices = [name for name in types if name not in _TYPES]
+        if choices:
+            options.append({"enum": choices})
+        schema = options[0] if len(options) == 1 else {"anyOf": options}
     node.setdefault("properties", {}).setdefault(name, {}).update(schema | description)
-
-
-def _type_schema(text: str) -> dict[str, Any]:
-    """Return the schema of a value by the type in its row: one type or several, and names."""
-    if text.startswith("list of"):
-        return {"type": "array"}
-    types = [text] if text in _TYPES else text.split(" or ")
-    options = [_TYPES[name] for name in types if name in _TYPES]
-    names = [name for name in types if name not in _TYPES]
-    if names:
-        options.append({"enum": names})
-    return options[0] if len(options) == 1 else {"anyOf": options}

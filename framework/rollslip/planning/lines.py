@@ -61,20 +61,25 @@ def bearing_parts(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part
     law = assembly.lubricant.pressure_viscosity_law
     named = dict(scene.raw or {}).get("models", {})
     parts = [_stage(kind, model, named) for kind, model in assembly.models.items()]
-    reasons = (f"the law of the oil, {assembly.lubricant.name}", law.caution())
     parts.append(
         Part(
             part="viscosity at pressure",
             choice=law.name,
             resolution="every loaded slice",
-            reason="; ".join(filter(None, reasons)),
+            reason="; ".join(
+                filter(None, (f"the law of the oil, {assembly.lubricant.name}", law.caution()))
+            ),
         )
     )
     parts.append(_inlet(assembly.film))
     if (mounted := scene.bearing.mounted) is not None:
-        clearance = format_quantity(mounted.clearance, "m", 3)
         parts.append(
-            Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted))
+            Part(
+                part="clearance",
+                choice=format_quantity(mounted.clearance, "m", 3),
+                resolution="in operation",
+                reason=str(mounted),
+            )
         )
     has_weight = all(study.with_weight for study in studies.values())
     return [*parts, rings(assembly), *_body_forces(assembly, has_weight)]
@@ -167,8 +172,7 @@ def describe_own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
     """
     if not uses_cage(studies) or "mass" in (scene.cage or {}):
         return ""
-    cage = read_cage(scene)
-    description = "; ".join(describe_cage(scene, cage))
+    description = "; ".join(describe_cage(scene, read_cage(scene)))
     if scene.models.neighbour_friction is None:
         return f"the cage is the bearing's own, {description}"
     return f"cage: {description}"
@@ -192,21 +196,15 @@ def cost_sentences(
     """
     scene = assembly.scene
     notes = {"tolerance": '; nothing finer is computed than with accuracy.tolerance = "exact"'}
-    unreachable = [
-        name
+    sentences = [
+        f"accuracy.{name} = {getattr(scene.accuracy, name):g} is less than the finest of everything leaves, about "
+        f"{EXACT:g} to 1e-05{notes.get(name, '')}"
         for name in ("tolerance", "critical_slip", "friction", "cage_speed")
         if (getattr(scene.accuracy, name) or EXACT) < EXACT
     ]
-    sentences = [
-        f"accuracy.{name} = {getattr(scene.accuracy, name):g} is less than the finest of everything leaves, about "
-        f"{EXACT:g} to 1e-05" + notes.get(name, "")
-        for name in unreachable
-    ]
-    cage = describe_own_cage(scene, studies)
-    if cage:
+    if cage := describe_own_cage(scene, studies):
         sentences.append(cage)
-    without_heat = _studies_without_heat(scene, studies)
-    if without_heat:
+    if without_heat := _studies_without_heat(scene, studies):
         sentences.append(
             f"models.thermal does not act in {', '.join(without_heat)}: rings, rollers and oil "
             "have the temperatures that operation states"
@@ -230,18 +228,17 @@ def uses_cage(studies: Mapping[str, Study]) -> bool:
 def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     """Return the lines of cage and drags, if a study uses them."""
     if not any(study.with_cage for study in studies.values()):
-        reason = "the scene has no study of cage and rollers in motion"
         return [
             Part(
                 part="cage, drag and integrators",
                 included=False,
                 choice="not loaded",
-                reason=reason,
+                reason="the scene has no study of cage and rollers in motion",
             )
         ]
-    is_named = "drag" in (assembly.scene.cage or {})
-    supply = assembly.scene.lubrication.supply
-    reason = "cage.drag names it" if is_named else f"default, of lubrication.supply = {supply!r}"
+    reason = f"default, of lubrication.supply = {assembly.scene.lubrication.supply!r}"
+    if "drag" in (assembly.scene.cage or {}):
+        reason = "cage.drag names it"
     choice, known = describe_cage(assembly.scene, assembly.cage)
     parts = [
         Part(part="cage", choice=choice, reason=known),
@@ -260,21 +257,30 @@ def _heat(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
     """Return the line on the thermal model that a scene names, with the studies that do not use it."""
     if scene.models.thermal is None:
         return []
-    without_heat = _studies_without_heat(scene, studies)
     reason = "the scene names it"
-    if without_heat:
+    if without_heat := _studies_without_heat(scene, studies):
         reason = f"not in {', '.join(without_heat)}, at the temperatures of the operation"
-    is_used = any(study.with_heat for study in studies.values())
-    return [Part(part="thermal", included=is_used, choice=scene.models.thermal.name, reason=reason)]
+    return [
+        Part(
+            part="thermal",
+            included=any(study.with_heat for study in studies.values()),
+            choice=scene.models.thermal.name,
+            reason=reason,
+        )
+    ]
 
 
 def _damage(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
     """Return the lines of the damage models of a scene that no study uses; a study that uses them has its own lines."""
     if any(study.with_damage for study in studies.values()):
         return []
-    reason = "no study of this run measures damage"
     return [
-        Part(part="damage", included=False, choice=model.name, reason=reason)
+        Part(
+            part="damage",
+            included=False,
+            choice=model.name,
+            reason="no study of this run measures damage",
+        )
         for model in scene.models.damage
     ]
 
@@ -335,21 +341,32 @@ def _body_forces(assembly: Assembly, has_weight: bool) -> list[Part]:
     else:
         return []
     force = format_quantity(math.hypot(*assembly.body_force), "N", 2)
-    choice = f"{force} on each roller, {math.degrees(direction):.3g} deg from the line of load"
-    return [Part(part=what, choice=choice, resolution="in the equilibrium", reason=why)]
+    return [
+        Part(
+            part=what,
+            choice=f"{force} on each roller, {math.degrees(direction):.3g} deg from the line of load",
+            resolution="in the equilibrium",
+            reason=why,
+        )
+    ]
 
 
 def _inlet(film: FilmModel) -> Part:
     """Return the line on thermal inlet shear and starvation of the film."""
-    heating = film.inlet_heating
-    starvation = film.inlet_starvation
-    return Part(
+    choice = film.inlet_heating or "isothermal inlet"
+    if film.inlet_starvation:
+        choice += f", starved by {film.inlet_starvation}"
+    line = Part(
         part="thermal inlet shear",
-        included=bool(heating),
-        choice=(heating or "isothermal inlet")
-        + (f", starved by {starvation}" if starvation else ""),
-        resolution="every loaded slice" if heating else "",
-        reason=f"film model {film.name!r} asks for it"
-        if heating
-        else "the scene does not ask for it",
+        included=False,
+        choice=choice,
+        reason="the scene does not ask for it",
+    )
+    if not film.inlet_heating:
+        return line
+    return attrs.evolve(
+        line,
+        included=True,
+        resolution="every loaded slice",
+        reason=f"film model {film.name!r} asks for it",
     )

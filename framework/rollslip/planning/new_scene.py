@@ -150,7 +150,17 @@ def completed(
     RollslipError
         If a value is wrong; all faults at once.
     """
-    values = _checked_values(given)
+    values = dict[str, str]()
+    errors = list[RollslipError]()
+    for option, text in given.items():
+        try:
+            values[option] = checked(option, text)
+        except RollslipError as error:
+            errors.append(error)
+    if len(errors) == 1:
+        raise errors[0]
+    if errors:
+        raise SceneError([str(error) for error in errors])
     own = own_cage(values.get("bearing"))
     if own and not own.make:
         if "cage" in values:
@@ -169,32 +179,13 @@ def completed(
     return values, missing
 
 
-def _checked_values(given: Mapping[str, str]) -> dict[str, str]:
-    """Return the checked values of options; an error has all faults at once."""
-    values = dict[str, str]()
-    errors = list[RollslipError]()
-    for option, text in given.items():
-        try:
-            values[option] = checked(option, text)
-        except RollslipError as error:
-            errors.append(error)
-    if len(errors) == 1:
-        raise errors[0]
-    if errors:
-        raise SceneError([str(error) for error in errors])
-    return values
-
-
 def _usual_value(option: str, values: Mapping[str, str]) -> str:
     """Return the usual value of an option, for the bearing among the values of others."""
     if option == "load":
         return assumed_load(values["bearing"])
-    usual = checked(option, ASSUMED[option])
-    if option == "cage":
-        own = own_cage(values["bearing"])
-        if own:
-            usual = own.make
-    return usual
+    if option == "cage" and (own := own_cage(values["bearing"])):
+        return str(own.make)
+    return checked(option, ASSUMED[option])
 
 
 def new(bearing: str, **given: str) -> Scene:
@@ -251,32 +242,29 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
     **given : str
         Option -> value, all of `MEANING`.
     """
-    values = _values(**given) | _marks(assumed)
+    marks = {"speed": " #", "load": " #"}
+    values = _values(**given) | {
+        f"assumed_{option}": f"{marks.get(option, ';')} ASSUMED, write yours"
+        if option in assumed
+        else ""
+        for option in MEANING
+    }
     file = importlib.resources.files("rollslip.planning") / "new_scene.toml.in"
     template = string.Template(file.read_text(encoding="utf-8"))
     bearing = parse_scene(
         template.substitute(values, clearance="", radial_clearance=""), source
     ).bearing
-    clearance = {
-        "clearance": bearing.mounted or "of a bearing without clearance classes",
-        "radial_clearance": format_quantity(bearing.radial_clearance, "m", 3),
-    }
-    text = _aligned(template.substitute(values | clearance))
+    text = _aligned(
+        template.substitute(
+            values,
+            clearance=bearing.mounted or "of a bearing without clearance classes",
+            radial_clearance=format_quantity(bearing.radial_clearance, "m", 3),
+        )
+    )
     if not values["make"]:  # a full complement
         text = _CAGE_TABLE.sub(_NO_CAGE, text)
     assemble(parse_scene(text, source)).load_distribution()
     return text
-
-
-def _marks(assumed: frozenset[str]) -> dict[str, str]:
-    """Return the mark behind the value of each assumed option."""
-    without_comment = ("speed", "load")
-    return {
-        f"assumed_{option}": f"{' #' if option in without_comment else ';'} ASSUMED, write yours"
-        if option in assumed
-        else ""
-        for option in MEANING
-    }
 
 
 def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, object]:
@@ -340,8 +328,8 @@ def _aligned(text: str) -> str:
     """Return a scene with the comments behind its values below one another."""
     lines = []
     for line in text.splitlines():
-        value, sign, comment = (
-            line.partition(" # ") if not line.startswith("# Written") else (line, "", "")
-        )
-        lines.append(f"{value:<40} # {comment}" if sign else line)
+        value, sign, comment = line.partition(" # ")
+        if sign and not line.startswith("# Written"):
+            line = f"{value:<40} # {comment}"
+        lines.append(line)
     return "\n".join(lines) + "\n"

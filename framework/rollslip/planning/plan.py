@@ -80,8 +80,7 @@ class Plan:
 
     def __repr__(self) -> str:
         name = self.scene.source or self.scene.title
-        studies = ", ".join(self.studies)
-        return f"Plan of {name!r}: {studies}; {duration_range(self.seconds)}"
+        return f"Plan of {name!r}: {', '.join(self.studies)}; {duration_range(self.seconds)}"
 
     @property
     def seconds(self) -> float:
@@ -149,9 +148,10 @@ class Plan:
             The bound that was exceeded.
         """
         before = self.choices[study]
-        left_out = tuple(other for other in before.left_out if other is not bound)
         choice = attrs.evolve(
-            before, resolution=bound.reinstated(before.resolution), left_out=left_out
+            before,
+            resolution=bound.reinstated(before.resolution),
+            left_out=tuple(other for other in before.left_out if other is not bound),
         )
         return self._with_choice(study, choice)
 
@@ -173,10 +173,10 @@ class Plan:
 
     def lines(self) -> list[dict[str, str]]:
         """Return the lines as text, by heading."""
-        several = len(self.studies) > 1
         return [
             {
-                "part": part.part + (f" of {part.study}" if part.study and several else ""),
+                "part": part.part
+                + (f" of {part.study}" if part.study and len(self.studies) > 1 else ""),
                 "modelled": "in" if part.included else "out",
                 "choice": part.choice,
                 "resolution": part.resolution,
@@ -295,15 +295,14 @@ def plan(
     studies = {
         name: item.with_resolution(choices[name].resolution) for name, item in studies.items()
     }
-    assemblies = {
-        name: stated.at(choice.resolution).with_bounds(*choice.left_out)
-        for name, choice in choices.items()
-    }
     made = Plan(
         scene=scene,
         assembly=stated,
         studies=studies,
-        assemblies=assemblies,
+        assemblies={
+            name: stated.at(choice.resolution).with_bounds(*choice.left_out)
+            for name, choice in choices.items()
+        },
         choices=choices,
         make_parts=_parts,
         planning=time.process_time() - start,
@@ -353,8 +352,11 @@ def _scaled_parts(before: Plan, study: str, plan: Plan) -> tuple[Part, ...]:
         attrs.evolve(part, study=study, seconds=seconds.pop(part.part, None))
         for part in plan.studies[study].parts(plan.assembly.at(choice.resolution), choice, {})
     ]
-    own = (part for part in before.parts if part.study == study and part.part in seconds)
-    lines += [attrs.evolve(part, seconds=seconds[part.part]) for part in own]
+    lines += [
+        attrs.evolve(part, seconds=seconds[part.part])
+        for part in before.parts
+        if part.study == study and part.part in seconds
+    ]
     return (*(part for part in before.parts if part.study != study), *lines)
 
 
@@ -365,10 +367,12 @@ def _superseded_outputs(study: Study, requested: Mapping[str, Study]) -> frozens
         if other.with_cage and not study.with_cage:
             for name, output in other.outputs.items():
                 better |= {name, *output.aliases}
-    superseded = {
-        name: output for name, output in study.outputs.items() if not output.dims and name in better
-    }
-    return frozenset(superseded) | {output.status for output in superseded.values()}
+    return frozenset(
+        superseded
+        for name, output in study.outputs.items()
+        if not output.dims and name in better
+        for superseded in (name, output.status)
+    )
 
 
 def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> ResolutionChoice:

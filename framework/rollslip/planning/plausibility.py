@@ -139,11 +139,12 @@ def _clearance(
         [],
     )
     stated = {} if rings is None else rings.flexible_rings
-    mounted = scene.bearing.mounted
-    for ring, shapes in stated.items() if mounted else ():
+    for ring, shapes in stated.items() if scene.bearing.mounted else ():
         for key in shapes.departs:
-            text = "is not as in bearing.mounting, from which the clearance in operation follows; state it there alone"
-            yield Location(scene.origins).at("models").at(f"{ring}_ring").at(key), text
+            yield (
+                Location(scene.origins).at("models").at(f"{ring}_ring").at(key),
+                "is not as in bearing.mounting, from which the clearance in operation follows; state it there alone",
+            )
     if len(stated) < 2:
         yield from _preload(scene, rings, stated, where)
 
@@ -202,11 +203,10 @@ def _form_preload(scene: Scene, rings: Any, interference: float) -> tuple[float,
         for ring in ("outer", "inner")
         if getattr(getattr(scene.bearing, f"{ring}_raceway"), "form", ())
     )
-    angles = np.linspace(0.0, 2.0 * np.pi, _FORM_ANGLES)
-    largest = 2.0 * float(rings.form(angles).max()) + min(interference, 0.0)
+    form = rings.form(np.linspace(0.0, 2.0 * np.pi, _FORM_ANGLES))
     # a table is taken for an oval
     lobes, *_ = max(rings.waves, key=lambda wave: wave[1], default=(2, 0.0, 0.0))
-    return largest, lobes, ring
+    return 2.0 * float(form.max()) + min(interference, 0.0), lobes, ring
 
 
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
@@ -245,22 +245,20 @@ def implausible_in_sweep(
             *implausible_values(scene),
         )
     }
-    first = dict[str, str]()
-    counts = dict[str, int]()
+    texts = dict[str, list[str]]()
     for value in values:
         for key, text in _unusual_at(scene, varied, value, known_paths):
-            first.setdefault(key, text)
-            counts[key] = counts.get(key, 0) + 1
+            texts.setdefault(key, []).append(text)
     messages = []
-    for key, text in first.items():
+    for key, (text, *others) in texts.items():
         if len(values) == 1:
             messages.append(f"{key}: {text}")
             continue
-        count = f"{counts[key]} of {len(values)} {which}"
+        count = f"{1 + len(others)} of {len(values)} {which}"
         subject = f"{key}, at {count} of {varied.key}"
         if key.startswith(varied.key):
             subject = f"{key}, {count}"
-        if counts[key] > 1:
+        if others:
             subject += ", the first"
         messages.append(f"{subject}: {text}")
     return messages
@@ -276,8 +274,7 @@ def _unusual_at(
     elif varied.unit is not None or varied.whole:
         number: Any = varied.read(value)
         unit = None if varied.unit is None else unit_given(value, varied.unit)
-        text = unusual(varied.attribute, number, unit)
-        if text:
+        if text := unusual(varied.attribute, number, unit):
             yield varied.key, text
     changed = evolve(scene, {varied.key: value})
     for at, text in (
@@ -328,8 +325,7 @@ def _tables(
     kind: Any, raw: object, where: Location
 ) -> Iterator[tuple[Any, Mapping[str, object], Location]]:
     """Yield the attrs classes that a value is read as, its tables and their locations."""
-    is_composed = get_origin(kind) in (Union, UnionType, tuple)
-    for cls in get_args(kind) if is_composed else (kind,):
+    for cls in get_args(kind) if get_origin(kind) in (Union, UnionType, tuple) else (kind,):
         if not attrs.has(cls):
             continue
         if isinstance(raw, Mapping):
@@ -359,6 +355,5 @@ def _unusual(
         value = quantity(raw, unit or "1")
     except UnitError:  # a text in place of a table
         return
-    text = unusual(attribute, value, None if unit is None else unit_given(raw, unit))
-    if text:
+    if text := unusual(attribute, value, None if unit is None else unit_given(raw, unit)):
         yield where, text

@@ -102,12 +102,13 @@ def models_origin(plan: Plan, study: str) -> dict[str, Any]:
     """
     scene = plan.scene
     assembly = plan.assemblies[study]
-    models = [pair for kind, model in plan.models for pair in ((kind, model), *submodels(model))]
     raw: Mapping[str, Any] = scene.raw or {}
-    offers = [*(find(kind, model.name) for kind, model in models), *named_data(raw)]
+    offers = [
+        find(kind, part.name) for pair in plan.models for kind, part in (pair, *submodels(pair[1]))
+    ]
     own = describe_own_cage(scene, plan.studies)
     return as_attributes(
-        packages=packages_of(offers),
+        packages=packages_of([*offers, *named_data(raw)]),
         models=describe_models(plan.models),
         lubricant=describe_lubricant(assembly.lubricant),
         **(
@@ -140,8 +141,10 @@ def combine_origins(origins: Collection[Mapping[str, Any]], *lists: str) -> dict
     for attributes in origins:
         combined["packages"] |= json.loads(attributes["packages"])
     for key in ("models", *lists, *CITED):
-        items = (item for attributes in origins for item in json.loads(attributes[key]))
-        combined[key] = list({json.dumps(item): item for item in items}.values())
+        items = {
+            json.dumps(item): item for attributes in origins for item in json.loads(attributes[key])
+        }
+        combined[key] = list(items.values())
     return combined
 
 
@@ -206,24 +209,19 @@ def packages_of(offers: Iterable[Offer]) -> dict[str, str]:
 def describe_models(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
     """Return descriptions of models, given with their kinds, for JSON."""
     return [
-        {
-            "kind": kind,
-            "name": model.name,
-            "package": offer.package,
-            "version": offer.version,
+        _describe_model(kind, model)
+        | {
             "equation": model.equation,
             "references": list(map(str, references_of(model))),
             "parameters": repr(model),
-            "submodels": [
-                _describe_submodel(child_kind, child) for child_kind, child in submodels(model)
-            ],
+            "submodels": [_describe_model(*child) for child in submodels(model)],
         }
-        for kind, model, offer in ((kind, model, find(kind, model.name)) for kind, model in models)
+        for kind, model in models
     ]
 
 
-def _describe_submodel(kind: str, model: SliceModel) -> dict[str, Any]:
-    """Return the description of a model within another."""
+def _describe_model(kind: str, model: SliceModel) -> dict[str, Any]:
+    """Return kind and name of a model, and the package that has it."""
     offer = find(kind, model.name)
     return {
         "kind": kind,
@@ -269,12 +267,12 @@ def describe_surfaces(raw: Mapping[str, Any]) -> list[dict[str, Any]]:
     if "name" not in table:
         return []
     name = surface_name(table["name"])
-    origin = "Ra as recalled of measured cylindrical roller bearings (C)"
     return [
         {
             "kind": "surface",
             "name": name,
-            "source": f"{origin}: {SURFACES[name][1]}. Makers print none; measure yours.",
+            "source": f"Ra as recalled of measured cylindrical roller bearings (C): {SURFACES[name][1]}. Makers print "
+            "none; measure yours.",
             "validity": "New, run-in raceways; the roughness that counts lies along the rolling direction.",
             "grades": {},
         }
@@ -306,9 +304,10 @@ def collect_citations(models: Iterable[SliceModel], others: Iterable[Citation]) 
 def data_references(assembly: "Assembly") -> list[Citation]:
     """Return the citations of the oil and of all other data that a scene takes by a name."""
     oil = assembly.lubricant
-    offers = named_data(assembly.scene.raw or {})
     used = (
-        citation for offer in offers for citation in get_class(offer.kind, offer.name).references
+        citation
+        for offer in named_data(assembly.scene.raw or {})
+        for citation in get_class(offer.kind, offer.name).references
     )
     return [*used, *oil.references, *oil.pressure_viscosity_law.references]
 
@@ -316,8 +315,8 @@ def data_references(assembly: "Assembly") -> list[Citation]:
 def describe_citations(found: Iterable[Citation]) -> dict[str, list[Any]]:
     """Return citations as the attributes `CITED` of a dataset."""
     found = list(found)
-    values = [str(citation) for citation in found], [as_dict(citation) for citation in found]
-    return dict(zip(CITED, values, strict=True))
+    text, data = CITED
+    return {text: [*map(str, found)], data: [*map(as_dict, found)]}
 
 
 def references_of(model: SliceModel) -> list[Citation]:

@@ -93,9 +93,7 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
         remedy = f"raise accuracy.{key}; this is the finest that a plan takes"
     else:
         order = min(max(error.orders.get(result, MAX_ORDER), MIN_ORDER), MAX_ORDER)
-        ratio = _UNKNOWN_RATIO
-        if math.isfinite(size):
-            ratio = max(size / tolerance, _MIN_RATIO)
+        ratio = max(size / tolerance, _MIN_RATIO) if math.isfinite(size) else _UNKNOWN_RATIO
         finer = _PROPOSED_FRACTION * tolerance * ratio ** (-2.0 / order)
         remedy = "type --set accuracy.tolerance=exact"
         if finer > EXACT:
@@ -148,8 +146,8 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
         for result, error in errors.items()
         if error == math.inf
     ]
-    warnings = json.dumps([*exceeded, *json.loads(dataset.attrs["warnings"])])
-    return dataset.assign_attrs(accuracy=json.dumps(rows), warnings=warnings)
+    exceeded += json.loads(dataset.attrs["warnings"])
+    return dataset.assign_attrs(accuracy=json.dumps(rows), warnings=json.dumps(exceeded))
 
 
 def accuracy_rows(
