@@ -18,7 +18,7 @@ from rollslip.cli import console
 from rollslip.results.account import Account, Table
 from rollslip.results.accounts import PlainAccount, account_of
 from rollslip.results.accounts import answer as answer_of
-from rollslip.results.curves import Curves, curve_names, curves
+from rollslip.results.curves import curve_names, curves
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 
@@ -59,7 +59,7 @@ def strangers(**attributes):
         },
         {
             "study": "grip-of-a-stranger",
-            "curves": Curves(variable="grip", over="speed", slip="spin_slip", critical="best_slip").attribute,
+            "curves": json.dumps({"variable": "grip", "over": "speed", "slip": "spin_slip", "critical": "best_slip"}),
             "warnings": "[]",
             **attributes,
         },

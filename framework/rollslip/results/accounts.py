@@ -46,17 +46,16 @@ class PlainAccount(Account):
             for curve in curves(dataset)
             if curve.has_critical
         ]
-        singles = [
-            Row(key=name, label=name, text=text) for name, text in single_values(dataset).items()
-        ]
-        return Answer(rows=(*slips, *singles))
+        for name, text in single_values(dataset).items():
+            slips.append(Row(key=name, label=name, text=text))
+        return Answer(rows=tuple(slips))
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return critical slip or status of each curve, and every single value."""
         slips = {
-            name: [row["status"] if row["critical_slip"] is None else _critical(dataset, row)]
-            for name, row in critical_rows(dataset).items()
+            curve.name: [_describe_critical(curve) if curve.has_critical else curve.status]
+            for curve in curves(dataset)
         }
         return slips | {name: [text] for name, text in single_values(dataset).items()}
 
@@ -66,7 +65,16 @@ class PlainAccount(Account):
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return critical slip and largest friction of each curve, and every single value."""
-        slips = {curve.name: _describe_critical(curve) for curve in curves(dataset)}
+        slips = dict[str, str]()
+        for curve in curves(dataset):
+            text = curve.status
+            if curve.has_critical:
+                text = (
+                    f"{_describe_critical(curve)}, largest friction {curve.critical_friction:.4g}"
+                )
+            if curve.is_preceded_by_fall:
+                text += f"; friction falls already from a slip of {curve.first_slip:.2%} on, then rises again"
+            slips[curve.name] = text
         return _named(slips | single_values(dataset))
 
     @staticmethod
@@ -174,21 +182,8 @@ def account_of(dataset: "xr.Dataset") -> Account:
 
 
 def _describe_critical(curve: Curve) -> str:
-    """Return critical slip and largest friction of a curve as text, with an earlier maximum; the status without one."""
-    text = curve.status
-    if curve.has_critical:
-        text = f"slip at largest traction {curve.critical_slip:.2%} {curve.assumption}".rstrip()
-        text += f", largest friction {curve.critical_friction:.4g}"
-    if curve.is_preceded_by_fall:
-        text += (
-            f"; friction falls already from a slip of {curve.first_slip:.2%} on, then rises again"
-        )
-    return text
-
-
-def _critical(dataset: "xr.Dataset", row: Mapping[str, Any]) -> str:
     """Return critical slip and assumption of a curve as text."""
-    return f"slip at largest traction {row['critical_slip']:.2%} {dataset.attrs.get('curves_with', '')}".rstrip()
+    return f"slip at largest traction {curve.critical_slip:.2%} {curve.assumption}".rstrip()
 
 
 def _named(texts: Mapping[str, str]) -> list[str]:
@@ -221,8 +216,9 @@ def refuse_unreadable(*paths: str | os.PathLike[str]) -> Iterator[None]:
         is_missing = isinstance(error, KeyError)
         cause: object = error.args[0] if is_missing and error.args else error
         what = str(cause).partition(". ")[0]
-        is_name = is_missing and " " not in what
-        what = f"there is no {what!r} in it" if is_name else shown_short(what)
+        what = (
+            f"there is no {what!r} in it" if is_missing and " " not in what else shown_short(what)
+        )
         raise OutputError(
             f"{', '.join(map(str, paths))}: cannot be read as a result of its study: {what} ({type(error).__name__}); "
             "another program has changed it, or another version of its package wrote it: run the scene again"

@@ -100,8 +100,10 @@ MAX_ROWS = 8
 _WIDTH: Final = 100
 #: Smallest width for which lines are wrapped.
 _MIN_WIDTH: Final = 40
-#: Smallest and largest width of the last column.
-_COLUMN_WIDTHS: Final = (16, 1000)
+#: Smallest width of the last column.
+_MIN_COLUMN_WIDTH: Final = 16
+#: Largest width of the last column.
+_MAX_COLUMN_WIDTH: Final = 1000
 #: Letters of the longest heading below the rows.
 _HEADING: Final = len("assumed")
 #: A line of a new scene whose value was assumed, or that starts a table.
@@ -150,12 +152,13 @@ class Note:
     def largest_change(self) -> tuple[str, float]:
         """The quantity that changes most, and its relative change; infinite where the alternative has none.
 
-        Negligible slips do not count, and a large change of the slip comes before those of other quantities.
+        Negligible slips and quantities that are 0 do not count, and a large change of the slip comes before those of
+        other quantities.
         """
         changes = {
             name: _relative_change(before, after)
             for name, (before, after) in (self.changes or {}).items()
-            if _is_relevant(name, before, after)
+            if (max(before, after) >= _NEGLIGIBLE_SLIP if name == "slip" else before > 0.0)
         }
         name = max(changes, key=changes.__getitem__, default="")
         if changes.get("slip", 0.0) > _LARGE_CHANGE:
@@ -190,24 +193,12 @@ class Note:
         changes = None
         if self.changes is not None:
             changes = {name: [*map(or_none, values)] for name, values in self.changes.items()}
-        return {
-            "code": self.code,
-            "short": self.short,
-            "text": self.text,
-            "severity": self.severity,
-            "alternative": self.alternative,
-            "changes": changes,
-        }
+        return attrs.asdict(self) | {"changes": changes}
 
 
 def _relative_change(before: float, after: float) -> float:
     """Return the relative change of a value; infinite where there is none after it."""
     return abs(after / before - 1.0) if math.isfinite(after) else math.inf
-
-
-def _is_relevant(name: str, before: float, after: float) -> bool:
-    """Whether a change counts: slips that are not negligible, and quantities that are not 0."""
-    return max(before, after) >= _NEGLIGIBLE_SLIP if name == "slip" else before > 0.0
 
 
 def _quantity_text(name: str, value: float) -> str:
@@ -224,12 +215,13 @@ class Rule:
 
     code: str
     verdict: Verdict
-    row: str  #: Key of the row beside which the remark is shown.
     #: Conditions: a fact, a sign and a limit, which is a number, or a factor on another fact. The sign "none" means
     #: that the fact is not known.
     conditions: tuple[tuple[Fact, str, float | tuple[float, Fact]], ...]
-    remark: str  #: Text beside the row; {acceptable} and {twice} are once and twice the acceptable slip.
-    source: str  #: Reason of the limit.
+    #: Text beside the row; {acceptable} and {twice} are once and twice the acceptable slip.
+    remark: str = ""
+    row: str = "cage_slip"  #: Key of the row beside which the remark is shown.
+    source: str = "a choice"  #: Reason of the limit.
 
     @property
     def condition(self) -> str:
@@ -247,86 +239,25 @@ class Rule:
         return " and ".join(texts) or "else"
 
 
-_CHOICE: Final = "a choice"
 #: The rules of the verdict, in the order in which they are tried.
 RULES: Final = (
-    Rule(
-        code="V1",
-        verdict=Verdict.SKIDS,
-        row="drag_reserve",
-        conditions=((Fact.RESERVE, "<", 1.0),),
-        remark="the drags are larger than what the rollers carry",
-        source="balance of torques",
-    ),
-    Rule(
-        code="V2",
-        verdict=Verdict.UNKNOWN,
-        row="cage_slip",
-        conditions=((Fact.CAGE_SLIP, "none", 0.0),),
-        remark="",
-        source="nothing can be said",
-    ),
-    Rule(
-        code="V3",
-        verdict=Verdict.SKIDS,
-        row="cage_slip",
-        conditions=((Fact.CAGE_SLIP, ">", 0.2),),
-        remark="above 20 %",
-        source=_CHOICE,
-    ),
-    Rule(
-        code="V4",
-        verdict=Verdict.SKIDS,
-        row="drag_reserve",
-        conditions=((Fact.RESERVE, "<", 1.5),),
-        remark="below 1.5",
-        source=_CHOICE,
-    ),
-    Rule(
-        code="V5",
-        verdict=Verdict.UNKNOWN,
-        row="cage_slip",
-        conditions=(
-            (Fact.BAND_LOW, "<", (1.0, Fact.ACCEPTABLE_SLIP)),
-            (Fact.BAND_HIGH, ">", 0.2),
-            (Fact.BAND_HIGH, ">", (40.0, Fact.BAND_LOW)),
-        ),
-        remark="from OK to SKIDS where data scatter",
-        source=_CHOICE,
-    ),
-    Rule(
-        code="V6",
-        verdict=Verdict.SLIPS,
-        row="cage_slip",
-        conditions=((Fact.CAGE_SLIP, ">", (1.0, Fact.ACCEPTABLE_SLIP)),),
-        remark="above the acceptable {acceptable}",
-        source="what a scene calls acceptable, by default a choice",
-    ),
-    Rule(
-        code="V7",
-        verdict=Verdict.SLIPS,
-        row="cage_slip",
-        conditions=((Fact.BAND_HIGH, ">", (2.0, Fact.ACCEPTABLE_SLIP)),),
-        remark="may be above {twice}",
-        source=_CHOICE,
-    ),
-    Rule(
-        code="V8",
-        verdict=Verdict.SLIPS,
-        row="drag_reserve",
-        conditions=((Fact.RESERVE, "<", 2.0),),
-        remark="below 2",
-        source=_CHOICE,
-    ),
-    Rule(
-        code="V9",
-        verdict=Verdict.OK,
-        row="cage_slip",
-        conditions=(),
-        remark="",
-        source="else",
-    ),
-)
+    Rule(code="V1", verdict=Verdict.SKIDS, conditions=((Fact.RESERVE, "<", 1.0),), row="drag_reserve",
+         remark="the drags are larger than what the rollers carry", source="balance of torques"),
+    Rule(code="V2", verdict=Verdict.UNKNOWN, conditions=((Fact.CAGE_SLIP, "none", 0.0),), source="nothing can be said"),
+    Rule(code="V3", verdict=Verdict.SKIDS, conditions=((Fact.CAGE_SLIP, ">", 0.2),), remark="above 20 %"),
+    Rule(code="V4", verdict=Verdict.SKIDS, conditions=((Fact.RESERVE, "<", 1.5),), row="drag_reserve",
+         remark="below 1.5"),
+    Rule(code="V5", verdict=Verdict.UNKNOWN, remark="from OK to SKIDS where data scatter",
+         conditions=((Fact.BAND_LOW, "<", (1.0, Fact.ACCEPTABLE_SLIP)), (Fact.BAND_HIGH, ">", 0.2),
+                     (Fact.BAND_HIGH, ">", (40.0, Fact.BAND_LOW)))),
+    Rule(code="V6", verdict=Verdict.SLIPS, conditions=((Fact.CAGE_SLIP, ">", (1.0, Fact.ACCEPTABLE_SLIP)),),
+         remark="above the acceptable {acceptable}", source="what a scene calls acceptable, by default a choice"),
+    Rule(code="V7", verdict=Verdict.SLIPS, conditions=((Fact.BAND_HIGH, ">", (2.0, Fact.ACCEPTABLE_SLIP)),),
+         remark="may be above {twice}"),
+    Rule(code="V8", verdict=Verdict.SLIPS, conditions=((Fact.RESERVE, "<", 2.0),), row="drag_reserve",
+         remark="below 2"),
+    Rule(code="V9", verdict=Verdict.OK, conditions=(), source="else"),
+)  # fmt: skip
 #: Lower and upper bound of a fact.
 _Interval = tuple[float, float]
 #: A fact that is not known.
@@ -385,15 +316,15 @@ class Answer:
 
     def __getitem__(self, key: str) -> Row:
         """Return a row by its key."""
-        for row in self.rows:
-            if row.key == key:
-                return row
-        raise KeyError(f"{key}; there are {', '.join(row.key for row in self.rows)}")
+        rows = {row.key: row for row in self.rows}
+        if key not in rows:
+            raise KeyError(f"{key}; there are {', '.join(rows)}")
+        return rows[key]
 
     def visible_rows(self) -> list[Row]:
         """Return the rows that are shown, `MAX_ROWS` at most: those with an alarm, and the first others."""
         visible = sorted(self.rows, key=lambda row: not row.is_alarm)[:MAX_ROWS]
-        return [row for row in self.rows if row in visible]
+        return sorted(visible, key=self.rows.index)
 
     def groups(self, more: str = "") -> list[tuple[str, list[str]]]:
         """Return the texts below the rows, by heading; ``more`` is the option that shows notes in full."""
@@ -417,14 +348,17 @@ class Answer:
             Option that shows notes in full.
         """
         width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, _MIN_WIDTH)
-        head = _wrapped(["   ".join(filter(None, (self.verdict, ", ".join(self.case))))], width)
+        title = "   ".join(filter(None, (self.verdict, ", ".join(self.case))))
+        head = textwrap.wrap(title, width, break_on_hyphens=False)
         rows = [(row.label, row.text, row.note) for row in self.visible_rows()]
         groups = self.groups(more)
         for _ in _shortened(rows, groups, width, f" ({more})"):
             below = list[str]()
             for name, texts in groups:
-                room = math.inf if name == "next" else width
-                below += align_columns(list(_with_heading(name, texts)), room)
+                headed = [
+                    (f"{'' if k else name:<{_HEADING}}", text) for k, text in enumerate(texts)
+                ]
+                below += align_columns(headed, math.inf if name == "next" else width)
             parts = [part for part in (head, align_columns(rows, width), below) if part]
             lines = "\n\n".join("\n".join(part) for part in parts).split("\n")
             if len(lines) <= MAX_LINES:
@@ -475,11 +409,11 @@ class Answer:
         )
         verdict = f"<strong>{self.verdict}</strong> " if self.verdict else ""
         head = f"<p>{verdict}{escape(', '.join(self.case))}</p>"
-        titles = "".join(
-            f'<th scope="col">{title}</th>' for title in ("quantity", "value", "band, remarks")
+        return (
+            f'<div class="answer {self.verdict.lower()}">{head}<table><thead><tr><th scope="col">quantity</th>'
+            '<th scope="col">value</th><th scope="col">band, remarks</th></tr></thead>'
+            f"<tbody>{rows}</tbody></table>{below}</div>"
         )
-        table = f"<table><thead><tr>{titles}</tr></thead><tbody>{rows}</tbody></table>"
-        return f'<div class="answer {self.verdict.lower()}">{head}{table}{below}</div>'
 
     _repr_html_ = html
 
@@ -500,20 +434,21 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
     ranked = sorted(answers, key=lambda item: -max((row.rank for row in item[1].rows), default=-1))
     best, disagreements = _best_rows(ranked)
     ordered = [answer for _, answer in ranked]
-    faults = [fault for answer in ordered for fault in answer.faults] + disagreements
-    acceptable = next((item.acceptable for item in ordered if item.acceptable > 0.0), ACCEPTABLE)
+    faults = [fault for answer in ordered for fault in answer.faults]
     merged = Answer(
         rows=tuple(best.values()),
-        acceptable=acceptable,
+        acceptable=next((item.acceptable for item in ordered if item.acceptable > 0.0), ACCEPTABLE),
         assumed=tuple(dict.fromkeys(text for answer in ordered for text in answer.assumed)),
-        faults=tuple(faults),
+        faults=(*faults, *disagreements),
     )
     commands = next((answer.commands for answer in ordered if answer.commands), None)
     if "cage_slip" not in best and commands is None:
         return merged
     merged = with_verdict(merged)
-    texts = (commands or {}).get(merged.verdict, ())
-    lines = [text.replace("{scene}", scene) if scene else python_call(text) for text in texts]
+    lines = [
+        text.replace("{scene}", scene) if scene else python_call(text)
+        for text in (commands or {}).get(merged.verdict, ())
+    ]
     return attrs.evolve(merged, next=tuple(lines))
 
 
@@ -537,17 +472,23 @@ def _best_rows(answers: Iterable[tuple[str, Answer]]) -> tuple[dict[str, Row], l
 
 def with_verdict(answer: Answer) -> Answer:
     """Return an answer with its verdict, and a remark beside the row that decided."""
-    facts = answer_facts(answer)
-    rule, verdict, remark = _decide(facts)
-    per_cent = {"acceptable": 100.0 * answer.acceptable, "twice": 200.0 * answer.acceptable}
-    remark = remark.format(**{name: f"{format_plain(value)} %" for name, value in per_cent.items()})
+    rule, verdict, remark = _decide(answer_facts(answer))
+    remark = remark.format(
+        acceptable=f"{format_plain(100.0 * answer.acceptable)} %",
+        twice=f"{format_plain(200.0 * answer.acceptable)} %",
+    )
     rows = answer.rows
     if not any(row.key == "cage_slip" for row in rows):
         rows = (Row(key="cage_slip", label="cage slip", text="not computed"), *rows)
     key = rule.row if any(row.key == rule.row for row in rows) else "cage_slip"
     return attrs.evolve(
         answer,
-        rows=tuple(_with_remark(row, remark) if row.key == key else row for row in rows),
+        rows=tuple(
+            attrs.evolve(row, note="; ".join(filter(None, (row.note, remark))))
+            if row.key == key
+            else row
+            for row in rows
+        ),
         verdict=verdict,
         rule=rule.code,
         marked_row="" if verdict is Verdict.OK else key,
@@ -561,24 +502,20 @@ def _decide(facts: Mapping[Fact, _Interval]) -> tuple[Rule, Verdict, str]:
     """
     states = [(rule, evaluate_rule(rule, facts)) for rule in RULES]
     first = next(rule for rule, state in states if state)
-    rank = {verdict: k for k, verdict in enumerate(Verdict)}
+    rank = [*Verdict].index
     for rule, state in states:
-        is_worse = rank[first.verdict] < rank[rule.verdict] < rank[Verdict.UNKNOWN]
-        if state is None and is_worse:
-            return rule, Verdict.UNKNOWN, _describe_undecided(rule, facts)
+        if state is not None or not rank(first.verdict) < rank(rule.verdict) < rank(
+            Verdict.UNKNOWN
+        ):
+            continue
+        missing = dict.fromkeys(
+            fact for fact, *_ in rule.conditions if math.isnan(facts.get(fact, _NOT_KNOWN)[0])
+        )
+        remark = f"whether it is {rule.remark} is not known"
+        if missing:
+            remark = f"whether it {rule.verdict.lower()} is not known: no {' and '.join(missing)}"
+        return rule, Verdict.UNKNOWN, remark
     return first, first.verdict, first.remark
-
-
-def _describe_undecided(rule: Rule, facts: Mapping[Fact, _Interval]) -> str:
-    """Return the remark on a rule that the facts do not decide: which of them is missing, or that one is too wide."""
-    missing = dict.fromkeys(fact for fact, *_ in rule.conditions if not _is_known(facts.get(fact)))
-    if missing:
-        return f"whether it {rule.verdict.lower()} is not known: no {' and '.join(missing)}"
-    return f"whether it is {rule.remark} is not known"
-
-
-def _with_remark(row: Row, remark: str) -> Row:
-    return attrs.evolve(row, note="; ".join(filter(None, (row.note, remark))))
 
 
 def answer_facts(answer: Answer) -> dict[Fact, _Interval]:
@@ -599,10 +536,6 @@ def answer_facts(answer: Answer) -> dict[Fact, _Interval]:
     return facts
 
 
-def _is_known(fact: _Interval | None) -> bool:
-    return fact is not None and not math.isnan(fact[0])
-
-
 def _disagree(row: Row, other: Row) -> bool:
     """Whether two values of a quantity differ by more than both tolerances; small slips always agree."""
     if row is other or math.isnan(row.value) or math.isnan(other.value) or math.isinf(row.value):
@@ -621,8 +554,11 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
     operation = json.loads(attributes.get("scene_resolved", "{}")).get("operation")
     if not operation:
         return ()
-    data = json.loads(attributes.get("data", "[]"))
-    bearings = [item["name"] for item in data if item["kind"] == "bearing"]
+    bearings = [
+        item["name"]
+        for item in json.loads(attributes.get("data", "[]"))
+        if item["kind"] == "bearing"
+    ]
     oil = json.loads(attributes.get("lubricant", "{}")).get("name", "")
     oil = re.sub(r"^iso-vg-(\d+)$", r"ISO VG \1", oil)
     oil = oil.upper() if oil.startswith("mil-") else oil
@@ -639,7 +575,7 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
         f"{format_plain(load * factor)} {unit}",
         f"{format_plain(operation['temperature'] - 273.15)} °C",
     )
-    return tuple(part for part in parts if part)
+    return tuple(filter(None, parts))
 
 
 def describe_assumptions(dataset: "xr.Dataset") -> tuple[str, ...]:
@@ -696,7 +632,7 @@ def _varied_quantity(item: Mapping[str, Any]) -> str:
 def _slip_range(low: float, high: float) -> str:
     """Return two slips as text, in the order of the values that lead to them."""
     first, last = (percent(slip) if math.isfinite(slip) else "skidding" for slip in (low, high))
-    if first.endswith("%") and last.endswith("%"):
+    if last.endswith("%"):
         first = first.removesuffix(" %")
     return f"{first} to {last}"
 
@@ -736,8 +672,10 @@ def summarise_notes(notes: Iterable[Note], more: str = "") -> str:
 def _count_notes(notes: Sequence[Note], has_others: bool) -> str:
     """Return the number of notes and a limit on what they change, after others that are shown on their own."""
     largest = max(note.largest_change[1] for note in notes)
-    limits = (f"{100.0 * fraction:g} %" for fraction in _CHANGE_LIMITS if largest <= fraction)
-    limit = next(limits, "a factor of 2")
+    limit = next(
+        (f"{100.0 * fraction:g} %" for fraction in _CHANGE_LIMITS if largest <= fraction),
+        "a factor of 2",
+    )
     if has_others:
         return f"{len(notes)} more below {limit}"
     quantities = " or ".join(sorted({note.largest_change[0] for note in notes}))
@@ -773,8 +711,7 @@ def _message_rank(message: Mapping[str, Any]) -> tuple[bool, float]:
 def _note(message: Mapping[str, Any], consequences: Mapping[str, Mapping[str, Any]]) -> Note:
     """Return the note of a message on a range, with the changes by another law, if these were evaluated."""
     code = message.get("code", "")
-    not_evaluated: dict[str, Any] = {"changes": {}} if consequences else {}
-    row = consequences.get(code, not_evaluated)
+    row = consequences.get(code, {"changes": {}} if consequences else {})
     changes = row.get("changes")
     if changes is not None:
         changes = {
@@ -802,12 +739,6 @@ def _note_rank(note: Note) -> float:
 # Lines ---------------------------------------------------------------------------------------------------------------
 
 
-def _with_heading(name: str, texts: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Yield texts with a heading before the first."""
-    for k, text in enumerate(texts):
-        yield f"{'' if k else name:<{_HEADING}}", text
-
-
 def _shortened(
     rows: list[tuple[str, str, str]],
     groups: Sequence[tuple[str, list[str]]],
@@ -821,10 +752,9 @@ def _shortened(
     while len(assumed) > 2:
         yield
         assumed.pop()
-    yield
-    assumed[:] = [_line(text, width, more) for text in assumed]
-    yield
-    notes[:] = [_line(text, width, more) for text in notes]
+    for texts in (assumed, notes):
+        yield
+        texts[:] = [_line(text, width, more) for text in texts]
     yield
     del assumed[1:]
     yield
@@ -852,10 +782,6 @@ def _line(text: str, width: int, more: str) -> str:
     return textwrap.shorten("; ".join(parts), room, placeholder=" ...") + more
 
 
-def _wrapped(lines: Iterable[str], width: int) -> list[str]:
-    return [line for text in lines for line in textwrap.wrap(text, width, break_on_hyphens=False)]
-
-
 def align_columns(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
     """Return rows of texts as lines with aligned columns; the last column wraps.
 
@@ -874,8 +800,7 @@ def align_columns(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
         before = "  " + "".join(
             f"{text:<{size}}  " for text, size in zip(row, widths, strict=False)
         )
-        narrowest, widest = _COLUMN_WIDTHS
-        room = int(min(max(width - len(before), narrowest), widest))
+        room = int(min(max(width - len(before), _MIN_COLUMN_WIDTH), _MAX_COLUMN_WIDTH))
         parts = textwrap.wrap(row[-1], room, break_on_hyphens=False, break_long_words=False) or [""]
         lines += [(before if not k else " " * len(before)) + part for k, part in enumerate(parts)]
     return [line.rstrip() for line in lines]

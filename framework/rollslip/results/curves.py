@@ -48,11 +48,6 @@ class Curves:
     #: it, and, if a study has them, ``first_maximum_slip`` and ``first_maximum_friction``.
     critical: str
 
-    @property
-    def attribute(self) -> str:
-        """The attribute ``curves`` of a result."""
-        return json.dumps(attrs.asdict(self))
-
     @classmethod
     def from_dataset(cls, dataset: "xr.Dataset") -> "Curves | None":
         """Return the names in the attribute ``curves`` of a result; None if it has no curves."""
@@ -88,8 +83,7 @@ class Curve:
     @property
     def is_preceded_by_fall(self) -> bool:
         """Whether friction already falls with slip before its maximum."""
-        last = self.critical_slip if self.has_critical else math.inf
-        return bool(self.first_slip < last)
+        return bool(self.first_slip < (self.critical_slip if self.has_critical else math.inf))
 
     def branches(self) -> tuple[Array, Array, int, int]:
         """Return the curve with its maximum as a point, and the indices of start and end of the thermal branch.
@@ -117,11 +111,10 @@ class Curve:
         slip_name = self.slip_name if self.slip_name.endswith(" slip") else "slip"
         slopes = self._describe_slopes()
         if self.has_critical:
-            assumption = f" {self.assumption}" if self.assumption else ""
-            friction = digits(self.critical_friction, 3)
+            slip = f"{percent(self.critical_slip)} {self.assumption}".rstrip()
             return (
-                f"{self.name}: {slip_name} at largest traction {percent(self.critical_slip)}{assumption}, "
-                f"{self.quantity} there {friction}{slopes}"
+                f"{self.name}: {slip_name} at largest traction {slip}, "
+                f"{self.quantity} there {digits(self.critical_friction, 3)}{slopes}"
             )
         finite = np.flatnonzero(np.isfinite(self.friction))
         if not finite.size or not np.any(self.friction > 0.0):
@@ -176,11 +169,8 @@ def curve_names(dataset: "xr.Dataset") -> list[str]:
 
 def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
     """Return the label of each curve behind the name of a result: ", inner ring" or " at 300 N"."""
-    values = dataset[curves.over].to_numpy()
-    unit = dataset[curves.over].attrs.get("units", "1")
-    if values.dtype.kind in "UO":
-        return [f", {value} {curves.over}" for value in values]
-    return [f" at {format_quantity(float(value), unit)}" for value in values]
+    start = " at " if dataset[curves.over].dtype.kind in "fi" else ", "
+    return [f"{start}{name}" for name in curve_names(dataset)]
 
 
 def curves(dataset: "xr.Dataset") -> list[Curve]:
@@ -205,7 +195,8 @@ def _curve(dataset: "xr.Dataset", names: Curves, label: str) -> Curve:
         film_parameter = dataset["film_parameter"].to_numpy()
     regime = ""
     if "regime" in dataset and dataset["regime"].dims == slip.dims:
-        regime = _regime(dataset["regime"].to_numpy())
+        regimes = [NAMES[code] for code in np.unique(dataset["regime"].to_numpy()).astype(int)]
+        regime = LONG_NAMES[regimes[0]] if len(regimes) == 1 else ", ".join(regimes)
     return Curve(
         name=label,
         quantity=dataset[names.variable].attrs["long_name"],
@@ -223,12 +214,6 @@ def _curve(dataset: "xr.Dataset", names: Curves, label: str) -> Curve:
     )
 
 
-def _regime(codes: NDArray[Any]) -> str:
-    """Return the film regimes of a curve in words."""
-    names = [NAMES[code] for code in np.unique(codes).astype(int)]
-    return LONG_NAMES[names[0]] if len(names) == 1 else ", ".join(names)
-
-
 def critical_rows(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
     """Return critical slip, its friction and its status of each curve by name, for JSON; missing values are None.
 
@@ -243,8 +228,10 @@ def critical_rows(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
             "status": curve.status,
         }
         if has_first:
-            values = (or_none(curve.first_slip), or_none(curve.first_friction))
-            row |= zip(FIRST, values, strict=True)
+            row |= {
+                "first_maximum_slip": or_none(curve.first_slip),
+                "first_maximum_friction": or_none(curve.first_friction),
+            }
         rows[curve.name] = row
     return rows
 

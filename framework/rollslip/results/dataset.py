@@ -7,6 +7,7 @@
   leaves a file that cannot be closed and ends the process.
 """
 
+import functools
 import io
 import json
 import math
@@ -237,19 +238,18 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
     return dataset
 
 
-def _with_present_keys(value: Any, names: Mapping[str, str]) -> Any:
-    """Return a text with the present names of its keys, and any other value as it is."""
-    if not isinstance(value, str):
-        return value
-    return _QUOTED.sub(lambda key: f'"{names[key[1]]}"', value)
+def _present_key(names: Mapping[str, str], key: re.Match[str]) -> str:
+    return f'"{names[key[1]]}"'
 
 
 def with_present_names(dataset: "xr.Dataset") -> "xr.Dataset":
     """Return a result with the present names of its variables, its attributes, and the keys in its JSON texts."""
     attributes: dict[str, Any] = {}
     for name, value in dataset.attrs.items():
-        names = {**FORMER_NAMES, **_KEYS_OF_SCENES} if name == "scene_resolved" else FORMER_NAMES
-        attributes[FORMER_NAMES.get(str(name), str(name))] = _with_present_keys(value, names)
+        names = {**FORMER_NAMES, **(_KEYS_OF_SCENES if name == "scene_resolved" else {})}
+        if isinstance(value, str):
+            value = _QUOTED.sub(functools.partial(_present_key, names), value)
+        attributes[FORMER_NAMES.get(str(name), str(name))] = value
     renamed = dataset.rename(
         {name: FORMER_NAMES[str(name)] for name in dataset.variables if name in FORMER_NAMES}
     )

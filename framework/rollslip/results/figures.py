@@ -216,7 +216,14 @@ def report(
     from rollslip.results.report import is_report, write_report
 
     expect_results("report", *(item for item in results if not isinstance(item, str | Path)))
-    out = _default_report(results) if out is None else Path(out)
+    if out is None:
+        folders = {
+            Path(item) if _is_folder(item) else Path(item).parent
+            for item in results
+            if isinstance(item, str | Path)
+        }
+        out = (folders.pop() if len(folders) == 1 else Path()) / "report.html"
+    out = Path(out)
     if out.exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
     if out.exists() and not is_report(out):
@@ -235,17 +242,6 @@ def report(
             write_report(datasets, figures, out)
     add_to_manifest(out)
     return out
-
-
-def _default_report(results: "Sequence[xr.Dataset | str | Path]") -> Path:
-    """Return the file of a report in the folder of the results, or in the current one for several folders."""
-    folders = {
-        Path(item) if _is_folder(item) else Path(item).parent
-        for item in results
-        if isinstance(item, str | Path)
-    }
-    folder = folders.pop() if len(folders) == 1 else Path()
-    return folder / "report.html"
 
 
 def _named_datasets(
@@ -314,10 +310,10 @@ def _drawn(result: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
             if LAW in variable.attrs:
                 from rollslip.results.curve_figures import over_slip
 
-                about = variable.attrs
-                caption = f"{about['long_name']} over slip, by {about[LAW]!r}."
                 yield (
                     f"{account.name}-{name}".replace("_", "-"),
-                    capitalise(caption),
+                    capitalise(
+                        f"{variable.attrs['long_name']} over slip, by {variable.attrs[LAW]!r}."
+                    ),
                     over_slip(result, str(name)),
                 )

@@ -32,7 +32,6 @@ from rollslip.errors import PluginError
 from rollslip.files import whole_file
 from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
-from rollslip.references import Citation
 from rollslip.results.account import Table
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.answer import Answer, describe_case
@@ -93,10 +92,9 @@ _REPORT_COMMAND: Final = re.compile(
 
 def _uncertainty_command(report: re.Match[str]) -> str:
     """Return the command of a study of uncertainty in place of a command that writes a report."""
-    _, _, scene, end = report.group(0, 1, 2, 3)
-    return (
-        f"rollslip uncertainty {scene}" if end.startswith(" ") else f"rollslip.uncertainty({scene})"
-    )
+    if report[3].startswith(" "):
+        return f"rollslip uncertainty {report[2]}"
+    return f"rollslip.uncertainty({report[2]})"
 
 
 def write_report(
@@ -212,22 +210,21 @@ def _warnings(datasets: "Datasets") -> str:
         return _list(first)
     body = ""
     for heading, record in _per_study(datasets, "validity"):
-        texts = [message["text"] for message in record.get("messages", ())]
-        others = [text for text in texts if text not in first]
+        messages = record.get("messages", ())
+        others = [message["text"] for message in messages if message["text"] not in first]
         if others:
             body += heading + _list(others)
-    summary = describe_more_bounds(more).partition(":")[0]
-    return f"{_list(first)}<details>{_tag('summary', summary)}{body}</details>"
+    summary = _tag("summary", describe_more_bounds(more).partition(":")[0])
+    return f"{_list(first)}<details>{summary}{body}</details>"
 
 
 def _findings(datasets: "Datasets") -> str:
     """Return the findings of each dataset, and the confidence in them."""
     body = ""
     for name, dataset in datasets.items():
-        parts = (*account_of(dataset).story(dataset), describe_law_outputs(dataset))
-        findings = "".join(_finding(part) for part in parts if part)
-        if findings:
-            body += _tag("h3", name) + findings
+        parts = [*account_of(dataset).story(dataset), describe_law_outputs(dataset)]
+        if any(parts):
+            body += _tag("h3", name) + "".join(_finding(part) for part in parts if part)
     level = confidence(datasets.values())
     if level and body:
         body += _tag("p", f"Confidence: {level}.")
@@ -251,11 +248,10 @@ def _figures(figures: Mapping[str, Sequence[Path]], leading: str) -> tuple[str, 
     named[len(first) :] = sorted(named[len(first) :], key=lambda item: _width(item[1]) > _WIDE)
     colours = adapting([svg for _, svg in named])
     parts = [_figure(svg, number, name) for number, (name, svg) in enumerate(named, 1)]
-    lead = "".join(parts[: len(first)])
     others = "".join(parts[len(first) :])
     if others:
         others = f'<div class="figures">{others}</div>'
-    return lead, others, colours if named else ""
+    return "".join(parts[: len(first)]), others, colours if named else ""
 
 
 def _width(svg: str) -> float:
@@ -283,9 +279,8 @@ def _figure(svg: str, number: int, name: str) -> str:
         else ""
     )
     root = re.sub(r' (?:width|height)="[^"]*"', "", root)
-    label = f'role="img" aria-label="{caption} {findings}"'
     return (
-        f'<figure{kind}><div class="sheet">{root} {label}>{drawing}</div>'
+        f'<figure{kind}><div class="sheet">{root} role="img" aria-label="{caption} {findings}">{drawing}</div>'
         f"<figcaption>Figure {number}. {caption}</figcaption></figure>\n"
     )
 
@@ -302,7 +297,7 @@ def _plan(datasets: "Datasets") -> str:
                     p["choice"],
                     p["resolution"],
                     error_text(p.get("errors", {})),
-                    _cost(p),
+                    "" if p.get("seconds") is None else format_quantity(p["seconds"], "s", 2),
                     p["reason"],
                 ]
                 for p in parts
@@ -336,12 +331,6 @@ def _plan(datasets: "Datasets") -> str:
         )
         body += f"<p>Time of the processor: {actual}, estimated {estimated}.</p>"
     return body
-
-
-def _cost(part: Mapping[str, Any]) -> str:
-    """Return the estimated cost of a part of the plan as text."""
-    seconds = part.get("seconds")
-    return "" if seconds is None else format_quantity(seconds, "s", 2)
 
 
 def _models(datasets: "Datasets") -> str:
@@ -412,10 +401,8 @@ def _oil(datasets: "Datasets") -> str:
             body += _tag("p", f"Data quality: {each}. {legend(grades.values())}.")
     for heading, items in _per_study(datasets, "data"):
         for item in items:
-            text = (
-                f"{item['kind'].capitalize()} {item['name']}. {item['source']} {item['validity']}"
-            )
-            body += heading + _tag("p", text)
+            name = f"{item['kind'].capitalize()} {item['name']}"
+            body += heading + _tag("p", f"{name}. {item['source']} {item['validity']}")
     for heading, clearance in _per_study(datasets, "clearance"):
         body += heading + _tag("p", f"Clearance in operation: {clearance['text']}.")
     for heading, rings in _per_study(datasets, "conditions"):
@@ -435,11 +422,10 @@ def _regimes(datasets: "Datasets") -> str:
             continue
         for position, contact in enumerate(account_of(dataset).contacts(dataset)):
             largest = float(dataset["load_parameter"][position])
+            light = "the contact" if largest < LIGHT else "no"
             if "light_fraction" in dataset:
                 fraction = float(dataset["light_fraction"][position])
                 light = f"{percent(fraction)} of the force" if fraction > 0.0 else "none"
-            else:
-                light = "the contact" if largest < LIGHT else "no"
             regime = contact.regime or ", ".join(
                 f"{LONG_NAMES[str(kind)]} {percent(fraction)}"
                 for kind, fraction in zip(
@@ -509,18 +495,15 @@ def _provenance(datasets: "Datasets") -> str:
 
 
 def _citations(datasets: "Datasets") -> str:
-    """Return what is to be cited."""
-    items = "".join(f"<li>{_linked(item)}</li>" for item in citations_of(*datasets.values()))
+    """Return what is to be cited, with a DOI as a link."""
+    items = ""
+    for citation in citations_of(*datasets.values()):
+        text = escape(str(citation))
+        if not isinstance(citation, str) and citation.doi:
+            doi = f"doi:{escape(citation.doi)}"
+            text = text.replace(doi, f'<a href="{escape(citation.link)}">{doi}</a>')
+        items += f"<li>{text}</li>"
     return f"<ul>{items}</ul>" if items else ""
-
-
-def _linked(citation: Citation) -> str:
-    """Return a citation with its DOI as a link."""
-    text = escape(str(citation))
-    if isinstance(citation, str) or not citation.doi:
-        return text
-    doi = f"doi:{escape(citation.doi)}"
-    return text.replace(doi, f'<a href="{escape(citation.link)}">{doi}</a>')
 
 
 def _scene(datasets: "Datasets") -> str:
@@ -549,9 +532,10 @@ def _per_study(
 ) -> list[tuple[str, Any]]:
     """Return the different values of an attribute, with headings that name their datasets; without for one value."""
     values = _distinct(datasets, attribute)
-    if len(values) == 1:
-        return [("", read(value)) for _, value in values]
-    return [(_tag("h3", ", ".join(names)), read(value)) for names, value in values]
+    return [
+        (_tag("h3", ", ".join(names)) if len(values) > 1 else "", read(value))
+        for names, value in values
+    ]
 
 
 def _value(value: object, unit: str, digits: int = 6) -> str:

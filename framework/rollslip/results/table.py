@@ -174,10 +174,14 @@ def _point_columns(
     for indices in itertools.product(*(range(variable.sizes[dim]) for dim in inner)):
         at = dict(zip(inner, indices, strict=True))
         column = variable.isel(at)
-        label = " ".join((str(column.attrs.get("key", name)), *_labels(variable, at)))
-        missing = [dim for dim in dims if dim not in column.dims]
-        expanded = column.expand_dims({dim: sizes[dim] for dim in missing})
-        values = expanded.transpose(*dims).to_numpy().ravel()
+        labels = (
+            str(variable[dim][k].item() if dim in variable.coords else k + 1)
+            for dim, k in at.items()
+            if variable.sizes[dim] > 1
+        )
+        label = " ".join((str(column.attrs.get("key", name)), *labels))
+        missing = {dim: sizes[dim] for dim in dims if dim not in column.dims}
+        values = column.expand_dims(missing).transpose(*dims).to_numpy().ravel()
         if values.dtype.kind != "f":
             yield label, values.tolist()
             continue
@@ -188,15 +192,6 @@ def _point_columns(
             str(column.attrs.get("given", "")),
         )
         yield f"{label} [{unit}]" if unit else label, shown
-
-
-def _labels(variable: "xr.DataArray", at: Mapping[Any, int]) -> list[str]:
-    """Return the labels of a column of a variable: names or numbers along its dimensions that are longer than one."""
-    return [
-        str(variable[dim][k].item() if dim in variable.coords else k + 1)
-        for dim, k in at.items()
-        if variable.sizes[dim] > 1
-    ]
 
 
 def _csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
