@@ -10,8 +10,8 @@
 """
 
 import abc
-from collections.abc import Collection, Mapping
-from typing import Final
+from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -25,6 +25,8 @@ from rollslip_kernels.gauss import legendre
 from rollslip_kernels.slices import Slices
 
 Array = NDArray[np.float64]
+#: Key of [accuracy], or name of a number -> relative error.
+Errors: TypeAlias = Mapping[str, float]
 
 #: Advice on how to make tables coarser, and a run faster. A plan takes the error of tables from the smallest of these.
 COARSER_TABLES: Final = (
@@ -169,6 +171,21 @@ def error_text(errors: Mapping[str, float | None]) -> str:
         for name, error in errors.items()
         if error is not None
     )
+
+
+def combine_errors(errors: Iterable[Errors], by: Callable[[list[float]], float]) -> Errors:
+    """Return the sum or the maximum of several errors, result by result; a result that one of them lacks counts as 0.
+
+    Parameters
+    ----------
+    errors : iterable of mappings
+        Relative errors by result.
+    by : callable
+        `sum` or `max`.
+    """
+    parts = [*errors]
+    names = dict.fromkeys(name for part in parts for name in part)
+    return {name: by([part.get(name, 0.0) for part in parts]) for name in names}
 
 
 class BoundBrokenError(RollslipError):

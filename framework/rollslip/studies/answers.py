@@ -1,6 +1,6 @@
 """Values that a study exchanges with plan, run and campaigns: outputs, choice of a resolution, lines of a plan."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from pathlib import Path
 from types import MappingProxyType
@@ -9,12 +9,10 @@ from typing import Any, TypeAlias
 import attrs
 
 from rollslip.bearing.raceway import Array, Ring
-from rollslip.bearing.resolution import LeftOut, Resolution
+from rollslip.bearing.resolution import Errors, LeftOut, Resolution, combine_errors
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
 
-#: Key of [accuracy], or name of a number -> relative error.
-Errors: TypeAlias = Mapping[str, float]
 #: Name -> dimensions, values and attributes.
 Variables: TypeAlias = Mapping[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
 #: Some variables of a result, and the coordinates of their dimensions.
@@ -42,8 +40,10 @@ class Output:
 
     def variable(self, values: Any) -> tuple[tuple[str, ...], Any, dict[str, Any]]:
         """Return values as a variable of a dataset."""
-        floor = {"floor": self.floor} if self.floor else {}
-        return tuple(self.dims.split()), values, {**about(self.unit, self.meaning), **floor}
+        attributes = about(self.unit, self.meaning)
+        if self.floor:
+            attributes["floor"] = self.floor
+        return tuple(self.dims.split()), values, attributes
 
 
 @attrs.frozen(kw_only=True)
@@ -73,21 +73,6 @@ class ResolutionChoice:
         return reduce(
             lambda resolution, bound: bound.reinstated(resolution), self.left_out, self.resolution
         )
-
-
-def combine_errors(errors: Iterable[Errors], by: Callable[[list[float]], float]) -> Errors:
-    """Return the sum or the maximum of several errors, result by result; a result that one of them lacks counts as 0.
-
-    Parameters
-    ----------
-    errors : iterable of mappings
-        Relative errors by result.
-    by : callable
-        `sum` or `max`.
-    """
-    parts = [*errors]
-    names = dict.fromkeys(name for part in parts for name in part)
-    return {name: by([part.get(name, 0.0) for part in parts]) for name in names}
 
 
 @attrs.frozen(kw_only=True)

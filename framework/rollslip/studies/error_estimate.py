@@ -46,11 +46,17 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Array, slip_grid
-from rollslip.bearing.resolution import LeftOut, Resolution, reference_resolution
+from rollslip.bearing.resolution import (
+    Errors,
+    LeftOut,
+    Resolution,
+    combine_errors,
+    reference_resolution,
+)
 from rollslip.errors import ConvergenceError
 from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
-from rollslip.studies.answers import Errors, PartialResult, ResolutionChoice, combine_errors
+from rollslip.studies.answers import PartialResult, ResolutionChoice
 from rollslip.studies.bounds import (
     ASSUMED_ORDER,
     JOINT_ORDER,
@@ -329,7 +335,11 @@ class Probe:
         slips = [*grid[_GRID_STRIDE::_GRID_STRIDE]]
         peaks = list[tuple[float, ...]]()
         for k, curve in enumerate(study.curves(assembly, grid, (1,))[0]):
-            for best in _rival_maxima(curve):
+            # local maxima that are high enough to become the largest on finer slices
+            padded = np.concatenate(([-np.inf], curve, [-np.inf]))
+            is_rival = (curve >= _RIVAL_HEIGHT * curve.max()) & (curve > 0.0)
+            is_peak = is_rival & (curve >= padded[:-2]) & (curve > padded[2:])
+            for best in map(int, np.flatnonzero(is_peak)):
                 near = np.linspace(
                     grid[max(best - 1, 0)],
                     grid[min(best + 1, grid.size - 1)],
@@ -383,18 +393,6 @@ class Probe:
             steps = np.where(curvature < 0.0, 0.5 * (low - high) / curvature, np.inf)
             vertex = self._slip[first + 1] + step * steps
         return np.where(np.abs(steps) <= 0.5 * (_REFINED_SLIPS + 1), vertex, np.nan)
-
-
-def _rival_maxima(curve: Array) -> list[int]:
-    """Return the indices of local maxima of a curve that are high enough to become the largest on finer slices."""
-    padded = np.concatenate(([-np.inf], curve, [-np.inf]))
-    is_peak = (
-        (curve >= padded[:-2])
-        & (curve > padded[2:])
-        & (curve >= _RIVAL_HEIGHT * curve.max())
-        & (curve > 0.0)
-    )
-    return [*map(int, np.flatnonzero(is_peak))]
 
 
 def _min_order(study: DiscretisedStudy) -> float:

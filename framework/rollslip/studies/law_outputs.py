@@ -56,9 +56,12 @@ def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Vari
 
 def _laws_with_outputs(assembly: Assembly) -> list[SliceModel]:
     """Return the laws of a bearing, submodels included, that have outputs of their own."""
-    models = assembly.inner.chain.models
-    laws = [law for model in models for law in (model, *(child for _, child in submodels(model)))]
-    return [law for law in laws if getattr(law, "outputs", None)]
+    return [
+        law
+        for model in assembly.inner.chain.models
+        for law in (model, *(child for _, child in submodels(model)))
+        if getattr(law, "outputs", None)
+    ]
 
 
 def _contacts_by_group(
@@ -68,8 +71,10 @@ def _contacts_by_group(
     curves = None if type(study).loaded_slices is Study.loaded_slices else study.curves_of
     if curves is not None:
         contacts = [*study.loaded_slices(assembly, dataset)]
-        n_curves = dataset.sizes[curves.over]
-        groups = [[item for item in contacts if item.curve == k] for k in range(n_curves)]
+        groups = [
+            [item for item in contacts if item.curve == k]
+            for k in range(dataset.sizes[curves.over])
+        ]
         return groups, (curves.over, curves.slip)
     contacts = study.validity_slices(assembly, dataset)
     groups = [[item for item in contacts if item.ring == ring] for ring in RINGS]

@@ -47,21 +47,19 @@ def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
     problems = [_describe_unknown(study, name) for name in requested if name not in known]
     if problems:
         raise SceneError(problems)
-    statuses = (known[name].status for name in requested if known[name].status)
-    return tuple(dict.fromkeys((*requested, *statuses)))
+    statuses = [known[name].status for name in requested]
+    return tuple(filter(None, dict.fromkeys((*requested, *statuses))))
 
 
 def _describe_unknown(study: type[Study], name: str) -> str:
     """Say that a study has no output of a name, which other study has it or what is similar, and what there is."""
     others = [other for other in available("study") if name in get_class("study", other).outputs]
-    near = nearest(name, study.outputs, count=1)
-    hint = ""
+    hint = "".join(f"did you mean {near!r}? " for near in nearest(name, study.outputs, count=1))
     if others:
         hint = f"study {' or '.join(map(repr, others))} has it. "
-    elif near:
-        hint = f"did you mean {near[0]!r}? "
-    known = ", ".join(study.outputs)
-    return f"output: study {study.name!r} has no {name!r}; {hint}There are: {known}"
+    return (
+        f"output: study {study.name!r} has no {name!r}; {hint}There are: {', '.join(study.outputs)}"
+    )
 
 
 def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:

@@ -7,9 +7,10 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.resolution import Errors
 from rollslip.errors import RollslipError
 from rollslip.scene.rings import ring_flexibility
-from rollslip.studies.answers import Errors, Part, ResolutionChoice
+from rollslip.studies.answers import Part, ResolutionChoice
 
 
 def resolution_reason(assembly: Assembly, estimated: ResolutionChoice) -> str:
@@ -18,9 +19,9 @@ def resolution_reason(assembly: Assembly, estimated: ResolutionChoice) -> str:
         return f"there are no estimates: {estimated.failed}"
     if estimated.refinement_reason:
         return f"{estimated.refinement_reason}, so it was run again"
-    accuracy = assembly.scene.accuracy
     fraction = " and ".join(
-        f"{accuracy.of(result):g} ({result.replace('_', ' ')})" for result in estimated.total
+        f"{assembly.scene.accuracy.of(result):g} ({result.replace('_', ' ')})"
+        for result in estimated.total
     )
     return f"the fewest whose estimated error keeps {fraction}" if fraction else "the finest of all"
 
@@ -30,7 +31,6 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
     scene = assembly.scene
     resolution = assembly.resolution
     bearing = scene.bearing
-    tilted = scene.operation.misalignment != 0.0
     if assembly.slices == 1:
         return Part(
             part="slices",
@@ -40,7 +40,8 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
             reason="straight rollers and aligned rings load a contact evenly along its length",
         )
     uneven = " and ".join(
-        ["the profile"] * (bearing.profile.shape != "none") + ["the misalignment"] * tilted
+        ["the profile"] * (bearing.profile.shape != "none")
+        + ["the misalignment"] * (scene.operation.misalignment != 0.0)
     )
     points = "equal slices" if resolution.quadrature == "equal" else "points of Gauss and Legendre"
     if scene.accuracy.slices is not None:
@@ -100,11 +101,10 @@ def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
                 reason=f"a film is full from a film parameter of {limit:g}; {state}",
             )
         )
-    left_out = {
-        "inlet_heating": ("thermal inlet shear", assembly.film.name),
-        "light_contacts": ("pressure", "hertz"),
-    }
-    for name, (part, choice) in left_out.items():
+    for name, part, choice in (
+        ("inlet_heating", "thermal inlet shear", assembly.film.name),
+        ("light_contacts", "pressure", "hertz"),
+    ):
         if name in errors:
             lines.append(
                 Part(
@@ -116,12 +116,11 @@ def friction(assembly: Assembly, estimated: ResolutionChoice) -> list[Part]:
                     errors=errors[name],
                 )
             )
-    law = assembly.traction.full_film.name
     if "law" in errors:
         lines.append(
             Part(
                 part="law of the full film",
-                choice=law,
+                choice=assembly.traction.full_film.name,
                 resolution="every loaded slice",
                 reason="replaces the law that the scene names; both differ by less than its fraction of the tolerance",
                 errors=errors["law"],
@@ -184,7 +183,6 @@ def rings(assembly: Assembly) -> Part:
             reason=effect or "none is named",
         )
     chosen = (("inner", scene.models.inner_ring), ("outer", scene.models.outer_ring))
-    shapes = both.parity.size
     formed = len(both.waves) + len(both.tables)
     reason = "one equilibrium of roller loads, bending of the rings and form of the raceways"
     return Part(
@@ -192,7 +190,7 @@ def rings(assembly: Assembly) -> Part:
         choice=", ".join(
             f"{ring} {'rigid' if model is None else model.name}" for ring, model in chosen
         ),
-        resolution=f"{shapes} shapes of bending, {formed} parts of forms",
+        resolution=f"{both.parity.size} shapes of bending, {formed} parts of forms",
         reason="; ".join(filter(None, (reason, effect))),
         errors={"friction": both.left} if both.left else {},
     )

@@ -7,6 +7,7 @@
 """
 
 import abc
+import json
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -153,7 +154,7 @@ class Study(DiscretisedStudy, abc.ABC):
         """The attributes that every result of the study has."""
         attributes: dict[str, Any] = {"study": self.name}
         if self.curves_of is not None:
-            attributes["curves"] = self.curves_of.attribute
+            attributes["curves"] = json.dumps(attrs.asdict(self.curves_of))
         if self.curves_with:
             attributes["curves_with"] = self.curves_with
         return attributes
@@ -176,8 +177,7 @@ class Study(DiscretisedStudy, abc.ABC):
         """Return the unknowns of the largest system that is solved: those of the bearing at rest."""
         if not self.bearing_loads:
             return 0
-        per_roller = 2 if assembly.slices > 1 else 1
-        return 2 + per_roller * assembly.scene.bearing.rollers
+        return 2 + (1 + (assembly.slices > 1)) * assembly.scene.bearing.rollers
 
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate; 0 where that is not known."""
@@ -269,8 +269,8 @@ class Study(DiscretisedStudy, abc.ABC):
         positions = 1
         if "n_positions" in self.affected_by:
             positions = resolution.n_positions or 1
-        factor = assembly.slices / small.slices * positions
-        return {"run": factor * processor_time(partial(self.run, small), 1)}
+        seconds = processor_time(partial(self.run, small), 1)
+        return {"run": assembly.slices / small.slices * positions * seconds}
 
     def parts(
         self, assembly: Assembly, estimated: ResolutionChoice, costs: Mapping[str, float]
@@ -342,9 +342,8 @@ class Study(DiscretisedStudy, abc.ABC):
         """
         values = {}
         for tolerance, name in self.controlled_outputs.items():
-            variable = dataset[name]
             if self.curves_of is None or name != self.curves_of.critical:
-                rows = np.atleast_2d(variable.to_numpy()).tolist()
+                rows = np.atleast_2d(dataset[name].to_numpy()).tolist()
                 values[tolerance.replace("_", " ")] = ComparedValues(rows, tolerance=tolerance)
         if self.curves_of is not None:
             for label, slip, status in zip(
@@ -462,8 +461,7 @@ def settings(scene: Scene, study: str | None = None) -> dict[str, Study]:
         )
     problems = list[str]()
     studies = dict[str, Study]()
-    names = [study] if study is not None else list(scene.study) or [DEFAULT_STUDY]
-    for name in names:
+    for name in [study] if study is not None else list(scene.study) or [DEFAULT_STUDY]:
         try:
             studies[name] = study_class(name, scene).from_scene(scene)
         except SceneError as error:

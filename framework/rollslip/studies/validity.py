@@ -72,6 +72,7 @@ _KINDS: Final = (
     (FilmModel, "film"),
     (PressureModel, "pressure"),
     (TractionModel, "traction"),
+    (ResistanceModel, "drag"),
 )
 
 
@@ -251,8 +252,7 @@ def quantity(model: SliceModel, name: str, slices: Slices) -> Array:
 def symbol_of(name: str) -> tuple[str, str]:
     """Return how a quantity is written in sentences, and its unit."""
     if name in QUANTITIES:
-        symbol = QUANTITIES[name].symbol
-        return f"{name.replace('_', ' ')} {symbol}".strip(), "1"
+        return f"{name.replace('_', ' ')} {QUANTITIES[name].symbol}".strip(), "1"
     return name.replace("_", " "), {**COLUMNS, **CONDITIONS}.get(name, ("1", ""))[0]
 
 
@@ -261,8 +261,6 @@ def laws_of(
 ) -> Iterator[tuple[str, SliceModel, Validity]]:
     """Yield kind and name of a law, itself and each of its validities, then those of its submodels."""
     kind = next((name for base, name in _KINDS if isinstance(model, base)), "")
-    if isinstance(model, ResistanceModel):
-        kind = "drag"
     label = f"{kind} {model.name!r}".strip()
     for validity in model.validity:
         if validity.quantity not in covered:
@@ -303,11 +301,10 @@ def range_excesses(models: Sequence[SliceModel], tables: Sequence[RingSlices]) -
             }
         fractions = {ring: _fraction_outside(validity, values[ring], force[ring]) for ring in rings}
         ring = max(fractions, key=lambda name: fractions[name])
-        is_alike = fractions[ring] - min(fractions.values()) < REPORTED_FROM
-        reported = "" if is_alike else ring
-        excesses.append(
-            _range_excess(label, validity, fractions[ring], values[ring], force[ring], reported)
-        )
+        excess = _range_excess(label, validity, fractions[ring], values[ring], force[ring])
+        if fractions[ring] - min(fractions.values()) >= REPORTED_FROM:
+            excess = attrs.evolve(excess, ring=ring)
+        excesses.append(excess)
     return excesses
 
 
@@ -320,7 +317,7 @@ def _fraction_outside(validity: Validity, values: Array, force: Array) -> float:
 
 
 def _range_excess(
-    label: str, validity: Validity, fraction: float, values: Array, force: Array, ring: str
+    label: str, validity: Validity, fraction: float, values: Array, force: Array
 ) -> RangeExcess:
     """Return the excess of a bound, with the quantiles of its quantity by force."""
     spread = tuple[float, ...]()
@@ -346,7 +343,6 @@ def _range_excess(
         fraction=fraction,
         values=spread,
         median=median,
-        ring=ring,
         detail=detail,
         is_known=not bool(np.isnan(values).all()),
     )
@@ -387,7 +383,14 @@ def law_difference(
     reference = get_class("traction", law.solved_by)
     shared = {a.name for a in attrs.fields(cls)} & {a.name for a in attrs.fields(reference)}  # type: ignore[arg-type]
     exact = reference(**{name: getattr(law, name) for name in shared})
-    chain = _chain_with_full_film(exact, assembly)
+    models = (
+        model.with_full_film(exact) if isinstance(model, TractionModel) else model
+        for model in assembly.inner.chain.models
+    )
+    fields = attrs.fields(type(traction))  # type: ignore[arg-type]
+    # the law is the traction itself, or a submodel of it
+    child = "".join(f".{field.name}" for field in fields if getattr(traction, field.name) is law)
+    chain = Chain(*models, compiled=assembly.resolution.compiled)
     differences = [_friction_differences(table, chain) for table in tables]
     errors = np.concatenate(differences) if differences else np.empty(0)
     if errors.size == 0:
@@ -395,20 +398,11 @@ def law_difference(
     return LawDifference(
         law=law.name,
         reference=exact.name,
-        key=_key_of(law, traction),
+        key=f"models.traction{child}",
         rms=float(np.sqrt((errors**2).mean())),
         mean=float(errors.mean()),
         largest=float(errors[np.argmax(np.abs(errors))]),
     )
-
-
-def _chain_with_full_film(law: TractionModel, assembly: Assembly) -> Chain:
-    """Return the chain of a bearing's laws with another law of the full film."""
-    models = (
-        model.with_full_film(law) if isinstance(model, TractionModel) else model
-        for model in assembly.inner.chain.models
-    )
-    return Chain(*models, compiled=assembly.resolution.compiled)
 
 
 def _friction_differences(table: RingSlices, chain: Chain) -> Array:
@@ -424,13 +418,6 @@ def _friction_differences(table: RingSlices, chain: Chain) -> Array:
     change = np.add.reduceat(force * (np.abs(own.friction) - np.abs(other.friction)), table.starts)
     differences: Array = change[size > 0.0] / size[size > 0.0]
     return differences
-
-
-def _key_of(law: TractionModel, traction: TractionModel) -> str:
-    """Return the key of the scene under which a law stands: that of the traction, or of a submodel of it."""
-    cls: Any = type(traction)
-    child = "".join(f".{a.name}" for a in attrs.fields(cls) if getattr(traction, a.name) is law)
-    return f"models.traction{child}"
 
 
 def validity_messages(
@@ -493,15 +480,16 @@ def validity_messages(
 def _describe_excess(excess: RangeExcess, bound: str, where: str, what: str) -> str:
     """Return the sentence on a bound that is exceeded: the bound, what is outside, its consequence and remedy."""
     ring = f" of the {excess.ring} ring" if excess.ring else ""
-    detail = f" ({excess.detail})" if excess.detail else ""
     state = f" {where}" if where else ""
+    if excess.detail:
+        state += f" ({excess.detail})"
     fraction = _percent(excess.fraction)
     subject = f"{fraction} {what}{ring} is"
     if fraction == _percent(1.0) and what == _OF_FORCE:
         subject = f"all loaded contacts{ring} are"
     validity = excess.validity
     return (
-        f"{excess.law} is valid for {bound}; {subject} outside{state}{detail}, where "
+        f"{excess.law} is valid for {bound}; {subject} outside{state}, where "
         f"{validity.consequence_at(*excess.values)}; remedy: {validity.remedy}"
     )
 
@@ -539,15 +527,18 @@ def describe_bound(validity: Validity) -> str:
     name = validity.quantity_name or name
     if unit == "1":
         return f"{name} {validity.bound}"
-    limits = ((">=", validity.low), ("<=", validity.high))
-    bounds = [f"{sign} {format_quantity(x, unit, 3)}" for sign, x in limits if np.isfinite(x)]
+    bounds = [
+        f"{sign} {format_quantity(limit, unit, 3)}"
+        for sign, limit in ((">=", validity.low), ("<=", validity.high))
+        if np.isfinite(limit)
+    ]
     return f"{name} {' and '.join(bounds)}"
 
 
 def _is_of_approximation(excess: RangeExcess, difference: LawDifference) -> bool:
     """Whether a bound is one of an approximation itself, whose error is known by its difference."""
-    general = {*QUANTITIES, *COLUMNS, *CONDITIONS}
-    return excess.law == f"traction {difference.law!r}" and excess.validity.quantity not in general
+    is_general = excess.validity.quantity in {*QUANTITIES, *COLUMNS, *CONDITIONS}
+    return excess.law == f"traction {difference.law!r}" and not is_general
 
 
 def _describe_difference(
@@ -561,12 +552,10 @@ def _describe_difference(
         if _is_of_approximation(excess, difference) and excess.fraction >= REPORTED_FROM
     ]
     beyond = f", with {' and '.join(bounds)} {what}" if bounds else ""
-    rms = 100.0 * difference.rms
-    mean = 100.0 * difference.mean
-    largest = 100.0 * difference.largest
     return (
-        f"the friction of {difference.law!r} is {rms:.2g} % (rms) off that of {difference.reference!r}, the law that "
-        f"it approximates, {where or 'on these slices'}: {mean:+.2g} % in the mean, {largest:+.2g} % at most{beyond}; "
+        f"the friction of {difference.law!r} is {100.0 * difference.rms:.2g} % (rms) off that of "
+        f"{difference.reference!r}, the law that it approximates, {where or 'on these slices'}: "
+        f"{100.0 * difference.mean:+.2g} % in the mean, {100.0 * difference.largest:+.2g} % at most{beyond}; "
         f"remedy: {difference.key} = {difference.reference!r}"
     )
 
