@@ -156,7 +156,7 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage():
     ranges = {"operation.inner_speed": (50.0, 200.0), "operation.outer_speed": (0.0, 0.0)}
     k = assemble(SCENE).kinematics
     own = SCENE.operation.inner_speed / (1.0 / k.inner_radius + 1.0 / k.outer_radius)
-    found, top, _ = made_by._tabulate_drags(scene, np.array([353.15]), ranges, np.array([own]))
+    found, top, _ = made_by.tabulate_drags(scene, np.array([353.15]), ranges, np.array([own]))
     torque = assemble(scene).cage.drags.torque
     cages = np.sinh(np.linspace(0.0, np.arcsinh(top), found["rest"].shape[1]))
     told = found["rest"][0] - found["cage"][0, 0] * cages**2

@@ -17,8 +17,8 @@ from rollslip.catalogue import discovery
 from rollslip.errors import SceneError
 from rollslip.scene.formats import format_of
 from rollslip_campaigns.surrogate import SurrogateSettings, surrogate
+from rollslip_campaigns.surrogate.drags import tabulate_drags
 from rollslip_campaigns.surrogate.exports import C, Csv, _description, c_header
-from rollslip_campaigns.surrogate.surrogate import _tabulate_drags
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 
 pytestmark = pytest.mark.quick
@@ -190,7 +190,7 @@ def test_drags_are_told_apart_by_what_they_go_with():
     drag = [{"model": "constant-torque", "size": "0.2 N m"}]
     scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"cage.drag": drag})
     ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
-    found, top, off = _tabulate_drags(scene, np.array([350.0]), ranges, np.geomspace(1.0, 10.0, 5))
+    found, top, off = tabulate_drags(scene, np.array([350.0]), ranges, np.geomspace(1.0, 10.0, 5))
     assert [found["inner"][0], found["outer"][0], *found["cage"][0]] == pytest.approx(
         [0.0] * 7, abs=1e-6
     )
@@ -208,9 +208,7 @@ def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
         monkeypatch.setattr(surrogate, "assemble", lambda _: made())
         monkeypatch.setattr(surrogate, "at_rolling_speed", lambda _, u: made(2.0 * u))
         ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
-        found, _, off = _tabulate_drags(
-            rollslip.load_scene("gearbox"), np.array([350.0]), ranges, u
-        )
+        found, _, off = tabulate_drags(rollslip.load_scene("gearbox"), np.array([350.0]), ranges, u)
         return found, off
 
     u = np.geomspace(10.0, 50.0, 9)

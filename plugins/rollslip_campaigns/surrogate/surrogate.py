@@ -38,6 +38,7 @@ from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.search import Array
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
+from rollslip_campaigns.surrogate.drags import CAGE_NODES, OPERATION_KEYS, tabulate_drags
 from rollslip_campaigns.surrogate.stiffness import stiffness
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables, weights
 from rollslip_campaigns.sweep.definition import Sweep
@@ -52,7 +53,6 @@ from rollslip_studies.raceway_friction.study import (
     ROLLING_NODES,
     SLIDE_ROLL_SCALE,
     RacewayFriction,
-    at_rolling_speed,
 )
 from rollslip_studies.variation.quantities import quantities
 
@@ -110,29 +110,12 @@ _MIN_RATIO: Final = 0.05
 #: Largest ratio; it is unbounded where both rings turn alike and nothing rolls. Doubling it stretches the
 #: logarithmic axis of bearings with both rings in motion. Chosen.
 _MAX_RATIO: Final = 50.0
-#: Nodes over cage speed of the remainder of the drags, uniform in asinh(speed/CAGE_SMALL). Doubling it halves their
-#: distance and the error of drags that change abruptly, such as a constant torque at rest; one row a temperature.
-_CAGE_NODES = 65
 #: Shaft speeds at which steady states and stiffness are tabulated. Doubling it doubles their time and rows in a CSV
 #: file, and changes no motion; chosen.
 _SHAFT_NODES = 9
-#: Random speeds of cage and rings, for each temperature, at which the drags of the tables are compared with the models.
-#: Doubling it finds errors of a smaller part of the speeds; one costs an assembly of the bearing.
-_DRAG_CHECKS = 20
 #: Relative error of drags above which they are not a sum of terms in ring leads and the square of the cage speed, but
 #: depend on speeds otherwise, so that no finer table helps. Halving it would blame the form where nodes are too coarse.
 _MAX_FORM_ERROR: Final = 0.1
-#: Fraction of the drags below which a term is rounding error and is set to zero: differences of double precision leave
-#: about 1e-14. Doubling it changes nothing.
-_DRAG_ROUNDING: Final = 1e-10
-#: Quantities of an operation that tables range over.
-_KEYS: Final = (
-    "operation.temperature",
-    "operation.radial_load",
-    "operation.inner_speed",
-    "operation.outer_speed",
-)
-#: SI units of these quantities.
 _UNITS: Final = ("K", "N", "rad/s", "rad/s")
 #: Number of trailing axes of each table, of (cage ratio, rolling speed, slide-roll ratio).
 _TABLE_AXES: Final = {
@@ -190,7 +173,7 @@ def _axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
     """Return the finest rows of temperature and load; a row has one node where both bounds are the same."""
     axes = {}
     for key, name, logarithmic in zip(
-        _KEYS, ("temperature", "radial_load"), (False, True), strict=False
+        OPERATION_KEYS, ("temperature", "radial_load"), (False, True), strict=False
     ):
         low, high = ranges[key]
         space = np.geomspace if logarithmic else np.linspace
@@ -254,7 +237,7 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
     }
     rows = dict[str, object]()
     spans = dict[str, object]()
-    for key, axis in zip(_KEYS, _axes(ranges).values(), strict=False):
+    for key, axis in zip(OPERATION_KEYS, _axes(ranges).values(), strict=False):
         rows[key] = axis.nodes.tolist()
         if axis.nodes.size > 1:
             low, high = ranges[key]
@@ -263,7 +246,9 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
     requested_engine(sweep)
     sampling = {"samples": requested.checks, "seed": 1, "sampling": "latin-hypercube"}
     random = plan_sweep(
-        scene, spans or {_KEYS[1]: rows[_KEYS[1]]}, **options | (sampling if spans else {})
+        scene,
+        spans or {OPERATION_KEYS[1]: rows[OPERATION_KEYS[1]]},
+        **options | (sampling if spans else {}),
     )
     return SurrogatePlan(
         scene=base,
@@ -281,16 +266,18 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
     change = _TEMPERATURE_CHANGE
     low_load, high_load = _LOAD_FACTORS
     ranges = {
-        _KEYS[0]: (operation.temperature - change, operation.temperature + change),
-        _KEYS[1]: (low_load * operation.radial_load, high_load * operation.radial_load),
-        _KEYS[2]: _default_speeds(operation.inner_speed),
-        _KEYS[3]: _default_speeds(operation.outer_speed),
+        OPERATION_KEYS[0]: (operation.temperature - change, operation.temperature + change),
+        OPERATION_KEYS[1]: (low_load * operation.radial_load, high_load * operation.radial_load),
+        OPERATION_KEYS[2]: _default_speeds(operation.inner_speed),
+        OPERATION_KEYS[3]: _default_speeds(operation.outer_speed),
     }
     problems = list[str]()
     for key, text in read_overs(over or {}).items():
-        name = next((full for full in _KEYS if key in (full, full.partition(".")[2])), None)
+        name = next(
+            (full for full in OPERATION_KEYS if key in (full, full.partition(".")[2])), None
+        )
         if name is None:
-            choices = f"there are: {', '.join(_KEYS)}"
+            choices = f"there are: {', '.join(OPERATION_KEYS)}"
             problems.append(
                 f"{key}: {choices if key in known else describe_unknown_key(key, known)}"
             )
@@ -316,9 +303,9 @@ def _read_range(name: str, text: object, quantity: Quantity) -> tuple[float, flo
     ends = evenly(parts[0], parts[-1], 2, unit)
     low = float(ends[0])
     high = float(ends[-1])
-    if low > high or (name == _KEYS[1] and not low > 0.0):
+    if low > high or (name == OPERATION_KEYS[1] and not low > 0.0):
         raise ValueError(
-            f"{text!r}: the lower end must be {'above 0 and ' * (name == _KEYS[1])}below the upper one"
+            f"{text!r}: the lower end must be {'above 0 and ' * (name == OPERATION_KEYS[1])}below the upper one"
         )
     for end in (low, high):
         quantity.read(end)
@@ -337,7 +324,9 @@ def _speed_bounds(
     """Return the smallest and largest rolling speed u [m/s] of tables, and those of the ratio R_o w/u."""
     Ri = assembly.kinematics.inner_radius
     Ro = assembly.kinematics.outer_radius
-    inner, outer = np.meshgrid(*(np.linspace(*ranges[key], _RING_SPEEDS) for key in _KEYS[2:]))
+    inner, outer = np.meshgrid(
+        *(np.linspace(*ranges[key], _RING_SPEEDS) for key in OPERATION_KEYS[2:])
+    )
     u = Ri * Ro / (Ri + Ro) * (inner - outer)
     if not u.any():
         raise SceneError(
@@ -501,7 +490,7 @@ def run_surrogate(
         key.partition(".")[2]: np.array(
             [float(change.get(key, plan.ranges[key][0])) for change in changes]
         )
-        for key in _KEYS[:2]
+        for key in OPERATION_KEYS[:2]
     }
     levels = [0, 0]
     fraction = _FIRST_FRACTION
@@ -546,7 +535,7 @@ def run_surrogate(
 
 def _drag_error(scene: "Scene", ranges: Mapping[str, tuple[float, float]], rolling: Array) -> float:
     """Return the relative error of the drags, tabulated over some rolling speeds [m/s]."""
-    return _tabulate_drags(scene, np.array(ranges[_KEYS[0]]), ranges, rolling)[2]
+    return tabulate_drags(scene, np.array(ranges[OPERATION_KEYS[0]]), ranges, rolling)[2]
 
 
 def _row(axis: Axis, level: int) -> list[int]:
@@ -583,96 +572,6 @@ def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[i
                 break
             levels[k] += 1
     return levels
-
-
-# Drags of the cage ----------------------------------------------------------------------------------------------------
-
-
-@attrs.frozen(eq=False)
-class _DragTerms:
-    """Terms of the drags on a cage, by finite differences at speeds up to `speed` [rad/s]."""
-
-    drags: Any
-    speed: float
-
-    def lead_coefficient(self, ring: int) -> float:
-        """Return the torque over the lead of a ring before the cage [N m s]: 1 is the inner ring, 2 the outer one."""
-        speeds = [0.5 * self.speed] * 3
-        before = self.drags.torque(*speeds)
-        speeds[ring] += self.speed
-        return float((self.drags.torque(*speeds) - before) / self.speed)
-
-    def remainder(self, w: float, leads: float) -> float:
-        """Return the torque [N m] at a cage speed w beside rings at rest without the part over the leads of rings."""
-        return float(self.drags.torque(w, 0.0, 0.0)) + leads * w
-
-    def square_coefficient(self, leads: float) -> float:
-        """Return the coefficient of the cage speed squared [N m s2], by a second difference."""
-        w = self.speed
-        return (
-            -8.0
-            * (
-                self.remainder(w, leads)
-                - 2.0 * self.remainder(0.75 * w, leads)
-                + self.remainder(0.5 * w, leads)
-            )
-            / w**2
-        )
-
-
-def _tabulate_drags(
-    scene: "Scene", temperatures: Array, ranges: Mapping[str, tuple[float, float]], rolling: Array
-) -> tuple[dict[str, Array], float, float]:
-    """Return tables of the drags of the cage, their largest cage speed [rad/s], and their largest relative error.
-
-    The torque is a sum of coefficients times the leads of the inner and outer ring, a coefficient times the square of
-    the cage speed, which also depends on the rolling speed, and a remainder over the cage speed; all over temperature.
-    The error is that at random cage speeds between those of the rings, relative to all drags there or at the largest
-    speeds.
-    """
-    rng = np.random.default_rng(1)
-    top = max(abs(speed) for key in _KEYS[2:] for speed in ranges[key])
-    step = math.asinh(top / CAGE_SMALL) / (_CAGE_NODES - 1)
-    cages = CAGE_SMALL * np.sinh(step * np.arange(_CAGE_NODES))
-    tables: dict[str, list[Any]] = {name: [] for name in ("inner", "outer", "cage", "rest")}
-    axis = Axis(rolling, True)
-    worst = 0.0
-    for temperature in temperatures.tolist():
-        bearing = assemble(evolve(scene, {_KEYS[0]: temperature}))
-        terms = _DragTerms(bearing.cage.drags, top)
-        k = bearing.kinematics
-        inner = terms.lead_coefficient(1)
-        outer = terms.lead_coefficient(2)
-        leads = inner + outer
-        size = abs(terms.remainder(top, leads)) + (abs(inner) + abs(outer)) * top
-        square = terms.square_coefficient(leads)
-        if not abs(square) * top**2 > _DRAG_ROUNDING * size:
-            square = 0.0
-        squares = np.array(
-            [
-                _DragTerms(at_rolling_speed(bearing, u).cage.drags, top).square_coefficient(leads)
-                for u in rolling.tolist()
-            ]
-        )
-        rest = np.array([terms.remainder(w, leads) + square * w * w for w in cages.tolist()])
-        rest[np.abs(rest) <= _DRAG_ROUNDING * size] = 0.0
-        for name, value in (("inner", inner), ("outer", outer), ("cage", squares), ("rest", rest)):
-            tables[name].append(value)
-        for _ in range(_DRAG_CHECKS):
-            wo = rng.uniform(-top, top)
-            u = float(np.exp(rng.uniform(*np.log(rolling[[0, -1]]))))
-            wi = wo + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
-            w = float(rng.uniform(wo, wi))
-            reference = at_rolling_speed(bearing, u).cage.drags.torque(w, wi, wo)
-            by_cage = weights(_CAGE_NODES, np.array([math.asinh(abs(w) / CAGE_SMALL) / step]))
-            torque = (
-                inner * (wi - w)
-                + outer * (wo - w)
-                - float((axis.weights(u) @ squares)[0]) * abs(w) * w
-                + math.copysign(1.0, w) * float((by_cage @ rest)[0])
-            )
-            worst = max(worst, abs(torque - reference) / max(size, abs(reference), 1e-300))
-    return {name: np.array(values) for name, values in tables.items()}, float(cages[-1]), worst
 
 
 # The dataset ----------------------------------------------------------------------------------------------------------
@@ -724,7 +623,7 @@ def _dataset(
         name: tables[name][0, 0][::stride]
         for name, stride in zip(("cage_ratio", "rolling_speed", "slide_roll"), strides, strict=True)
     }
-    drags, max_cage_speed, _ = _tabulate_drags(scene, T, plan.ranges, nodes["rolling_speed"])
+    drags, max_cage_speed, _ = tabulate_drags(scene, T, plan.ranges, nodes["rolling_speed"])
     dims = ("ring", "temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_roll")
     outputs = RacewayFriction.outputs
     variables: dict[str, Any] = {
@@ -753,7 +652,7 @@ def _dataset(
             value,
             about(unit, f"{name.replace('_', ' ')} there"),
         )
-    step = math.asinh(max_cage_speed / CAGE_SMALL) / (_CAGE_NODES - 1)
+    step = math.asinh(max_cage_speed / CAGE_SMALL) / (CAGE_NODES - 1)
     coords: dict[str, Any] = {
         name: (name, value, about(unit, name.replace("_", " ")))
         for name, value, unit in (
@@ -762,7 +661,7 @@ def _dataset(
             ("cage_ratio", nodes["cage_ratio"], "1"),
             ("rolling_speed", nodes["rolling_speed"], "m/s"),
             ("slide_roll", nodes["slide_roll"], "1"),
-            ("cage_speed", CAGE_SMALL * np.sinh(step * np.arange(_CAGE_NODES)), "rad/s"),
+            ("cage_speed", CAGE_SMALL * np.sinh(step * np.arange(CAGE_NODES)), "rad/s"),
         )
     }
     coords["ring"] = ("ring", ["inner", "outer"], about("1", "raceway"))
@@ -832,7 +731,7 @@ _STEADY_VARIABLES: Final = (
 
 def _with_steady_states(result: "xr.Dataset", plan: SurrogatePlan) -> "xr.Dataset":
     """Return the result with steady states and stiffness over temperature, load and shaft speed."""
-    low, high = plan.ranges[_KEYS[2]]
+    low, high = plan.ranges[OPERATION_KEYS[2]]
     speeds = np.linspace(low, high, _SHAFT_NODES) if high > low else np.array([low])
     tables = Tables.from_dataset(result)
     outer = plan.sweep.scene.operation.outer_speed
@@ -858,7 +757,11 @@ def _with_steady_states(result: "xr.Dataset", plan: SurrogatePlan) -> "xr.Datase
     slips = np.nan_to_num(states[..., 0])
     springs = np.empty((*slips.shape, 2, 2))
     for t, k in np.ndindex(len(T), len(speeds)):
-        bearing = assemble(evolve(plan.scene, {_KEYS[0]: float(T[t]), _KEYS[2]: float(speeds[k])}))
+        bearing = assemble(
+            evolve(
+                plan.scene, {OPERATION_KEYS[0]: float(T[t]), OPERATION_KEYS[2]: float(speeds[k])}
+            )
+        )
         cage_speed = bearing.kinematics.epicyclic_cage_speed
         for w, load in enumerate(W.tolist()):
             springs[t, w, k] = stiffness(

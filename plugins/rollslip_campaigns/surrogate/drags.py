@@ -1,0 +1,128 @@
+"""Drags on the cage of a surrogate: a sum of terms over temperature and speeds, by finite differences.
+
+The torque is a sum of coefficients times the leads of the inner and outer ring before the cage, a coefficient times the
+square of the cage speed, and a remainder over the cage speed. Whether drags have this form is checked at random speeds.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import assemble
+from rollslip.scene.changes import evolve
+from rollslip.search import Array
+from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, weights
+from rollslip_studies.raceway_friction.study import at_rolling_speed
+
+if TYPE_CHECKING:
+    from rollslip.scene.values import Scene
+
+__all__ = ["CAGE_NODES", "OPERATION_KEYS", "DragTerms", "tabulate_drags"]
+
+#: Nodes over cage speed of the remainder of the drags, uniform in asinh(speed/CAGE_SMALL). Doubling it halves their
+#: distance and the error of drags that change abruptly, such as a constant torque at rest; one row a temperature.
+CAGE_NODES: Final = 65
+#: Random speeds of cage and rings, for each temperature, at which the drags of the tables are compared with the models.
+#: Doubling it finds errors of a smaller part of the speeds; one costs an assembly of the bearing.
+_DRAG_CHECKS = 20
+#: Fraction of the drags below which a term is rounding error and is set to zero: differences of double precision leave
+#: about 1e-14. Doubling it changes nothing.
+_DRAG_ROUNDING: Final = 1e-10
+#: Quantities of an operation that tables range over.
+OPERATION_KEYS: Final = (
+    "operation.temperature",
+    "operation.radial_load",
+    "operation.inner_speed",
+    "operation.outer_speed",
+)
+#: SI units of these quantities.
+
+
+@attrs.frozen(eq=False)
+class DragTerms:
+    """Terms of the drags on a cage, by finite differences at speeds up to `speed` [rad/s]."""
+
+    drags: Any
+    speed: float
+
+    def lead_coefficient(self, ring: int) -> float:
+        """Return the torque over the lead of a ring before the cage [N m s]: 1 is the inner ring, 2 the outer one."""
+        speeds = [0.5 * self.speed] * 3
+        before = self.drags.torque(*speeds)
+        speeds[ring] += self.speed
+        return float((self.drags.torque(*speeds) - before) / self.speed)
+
+    def remainder(self, w: float, leads: float) -> float:
+        """Return the torque [N m] at a cage speed w beside rings at rest without the part over the leads of rings."""
+        return float(self.drags.torque(w, 0.0, 0.0)) + leads * w
+
+    def square_coefficient(self, leads: float) -> float:
+        """Return the coefficient of the cage speed squared [N m s2], by a second difference."""
+        w = self.speed
+        return (
+            -8.0
+            * (
+                self.remainder(w, leads)
+                - 2.0 * self.remainder(0.75 * w, leads)
+                + self.remainder(0.5 * w, leads)
+            )
+            / w**2
+        )
+
+
+def tabulate_drags(
+    scene: "Scene", temperatures: Array, ranges: Mapping[str, tuple[float, float]], rolling: Array
+) -> tuple[dict[str, Array], float, float]:
+    """Return tables of the drags of the cage, their largest cage speed [rad/s], and their largest relative error.
+
+    The torque is a sum of coefficients times the leads of the inner and outer ring, a coefficient times the square of
+    the cage speed, which also depends on the rolling speed, and a remainder over the cage speed; all over temperature.
+    The error is that at random cage speeds between those of the rings, relative to all drags there or at the largest
+    speeds.
+    """
+    rng = np.random.default_rng(1)
+    top = max(abs(speed) for key in OPERATION_KEYS[2:] for speed in ranges[key])
+    step = math.asinh(top / CAGE_SMALL) / (CAGE_NODES - 1)
+    cages = CAGE_SMALL * np.sinh(step * np.arange(CAGE_NODES))
+    tables: dict[str, list[Any]] = {name: [] for name in ("inner", "outer", "cage", "rest")}
+    axis = Axis(rolling, True)
+    worst = 0.0
+    for temperature in temperatures.tolist():
+        bearing = assemble(evolve(scene, {OPERATION_KEYS[0]: temperature}))
+        terms = DragTerms(bearing.cage.drags, top)
+        k = bearing.kinematics
+        inner = terms.lead_coefficient(1)
+        outer = terms.lead_coefficient(2)
+        leads = inner + outer
+        size = abs(terms.remainder(top, leads)) + (abs(inner) + abs(outer)) * top
+        square = terms.square_coefficient(leads)
+        if not abs(square) * top**2 > _DRAG_ROUNDING * size:
+            square = 0.0
+        squares = np.array(
+            [
+                DragTerms(at_rolling_speed(bearing, u).cage.drags, top).square_coefficient(leads)
+                for u in rolling.tolist()
+            ]
+        )
+        rest = np.array([terms.remainder(w, leads) + square * w * w for w in cages.tolist()])
+        rest[np.abs(rest) <= _DRAG_ROUNDING * size] = 0.0
+        for name, value in (("inner", inner), ("outer", outer), ("cage", squares), ("rest", rest)):
+            tables[name].append(value)
+        for _ in range(_DRAG_CHECKS):
+            wo = rng.uniform(-top, top)
+            u = float(np.exp(rng.uniform(*np.log(rolling[[0, -1]]))))
+            wi = wo + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
+            w = float(rng.uniform(wo, wi))
+            reference = at_rolling_speed(bearing, u).cage.drags.torque(w, wi, wo)
+            by_cage = weights(CAGE_NODES, np.array([math.asinh(abs(w) / CAGE_SMALL) / step]))
+            torque = (
+                inner * (wi - w)
+                + outer * (wo - w)
+                - float((axis.weights(u) @ squares)[0]) * abs(w) * w
+                + math.copysign(1.0, w) * float((by_cage @ rest)[0])
+            )
+            worst = max(worst, abs(torque - reference) / max(size, abs(reference), 1e-300))
+    return {name: np.array(values) for name, values in tables.items()}, float(cages[-1]), worst
