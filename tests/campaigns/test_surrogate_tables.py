@@ -16,7 +16,8 @@ import rollslip
 from rollslip.catalogue import discovery
 from rollslip.errors import SceneError
 from rollslip.scene.formats import format_of
-from rollslip_campaigns.surrogate import SurrogateSettings, surrogate
+from rollslip_campaigns.surrogate import SurrogateSettings
+from rollslip_campaigns.surrogate import drags as surrogate_drags
 from rollslip_campaigns.surrogate.drags import tabulate_drags
 from rollslip_campaigns.surrogate.exports import C, Csv, _description, c_header
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
@@ -205,8 +206,8 @@ def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
             radii = SimpleNamespace(inner_radius=1.0, outer_radius=1.0)
             return SimpleNamespace(kinematics=radii, cage=SimpleNamespace(drags=of))
 
-        monkeypatch.setattr(surrogate, "assemble", lambda _: made())
-        monkeypatch.setattr(surrogate, "at_rolling_speed", lambda _, u: made(2.0 * u))
+        monkeypatch.setattr(surrogate_drags, "assemble", lambda _: made())
+        monkeypatch.setattr(surrogate_drags, "at_rolling_speed", lambda _, u: made(2.0 * u))
         ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
         found, _, off = tabulate_drags(rollslip.load_scene("gearbox"), np.array([350.0]), ranges, u)
         return found, off
