@@ -453,8 +453,8 @@ def test_a_drag_that_fails_in_mid_run_leaves_what_was_computed(integrator, value
     assembly = bearing()
     cage = assembly.cage
     drags = attrs.evolve(cage.drags, torques=(Dragging(breaks_at=40, value=value),))
-    read_of, _ = assembly.known_cage["cage"]
-    broken = attrs.evolve(assembly, known_cage={"cage": (read_of, attrs.evolve(cage, drags=drags))})
+    read_of, _ = assembly.cage_cache["cage"]
+    broken = attrs.evolve(assembly, cage_cache={"cage": (read_of, attrs.evolve(cage, drags=drags))})
     found = started(
         broken, "cage-set", "effective", duration=0.05, points=201, integrator=integrator
     )

@@ -55,7 +55,7 @@ def main():
     from rollslip_plugins.data.cylindrical import CATALOGUE
 
     def bearing_of(name):
-        called = CATALOGUE.called(name)
+        called = CATALOGUE.canonical_name(name)
         return None if called is None else CATALOGUE[called].bearing
 
     path = sys.argv[1] if len(sys.argv) > 1 else HERE / "catalogue_ratings.csv"

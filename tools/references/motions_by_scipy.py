@@ -196,7 +196,7 @@ def judged(k):
     own = made.choices["dynamics"].resolution
     taken = json.loads(result.attrs["resolution"])
     own = attrs.evolve(own, slices=taken["slices"], n_positions=taken["n_positions"])
-    study = made.studies["dynamics"].at(own)
+    study = made.studies["dynamics"].with_resolution(own)
     at = made.assembly.at(own)
     away = result.attrs["skidding_slip"]
     times = result.time.to_numpy().copy()

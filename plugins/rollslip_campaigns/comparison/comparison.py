@@ -547,7 +547,7 @@ def _origin(
     } | origin(
         study="comparison",
         compared=comparison.study,
-        curves=comparison.curves.attribute,
+        curves=attrs.asdict(comparison.curves),
         **({"curves_with": first["curves_with"]} if "curves_with" in first else {}),
         reference=comparison.reference,
         reference_named=int(comparison.named),
