@@ -68,7 +68,7 @@ def test_points_of_a_friction_curve_have_them(scene):
     assert np.allclose(one.heating, viscosity * (sliding**2 / one.film_thickness).T, rtol=1e-12)
     assert list(plot(found)) == [
         "friction-curve",
-        "friction-curve-asperity-share",
+        "friction-curve-asperity-fraction",
         "friction-curve-heating",
     ]
     first, *_ = describe_law_outputs(found)

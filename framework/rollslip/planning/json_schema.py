@@ -83,8 +83,12 @@ def _add_key(node: dict[str, Any], name: str, row: SchemaRow) -> None:
             "enum": [*(SEPARATORS if kind[1] == "separator" else available(model_kind(kind[1])))]
         }
     if row.type.startswith("a name, or a table"):
-        table = {"type": "object", "properties": {}, "additionalProperties": False}
-        schema: dict[str, Any] = {"anyOf": [{"type": "string", **names}, table]}
+        schema: dict[str, Any] = {
+            "anyOf": [
+                {"type": "string", **names},
+                {"type": "object", "properties": {}, "additionalProperties": False},
+            ]
+        }
         if row.type.endswith("list of them"):
             schema["anyOf"].append({"type": "array"})
     elif names:

@@ -81,8 +81,8 @@ def bearing_parts(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part
                 reason=str(mounted),
             )
         )
-    has_weight = all(study.with_weight for study in studies.values())
-    return [*parts, rings(assembly), *_body_forces(assembly, has_weight)]
+    parts.append(rings(assembly))
+    return parts + _body_forces(assembly, all(study.with_weight for study in studies.values()))
 
 
 def study_parts(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:

@@ -281,9 +281,9 @@ def describe_surfaces(raw: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def citations(plan: Plan) -> list[Citation]:
     """Return what to cite for the models, studies and data of a plan, the paper that rollslip follows first."""
-    studies = (citation for study in plan.studies.values() for citation in study.references)
+    others = [citation for study in plan.studies.values() for citation in study.references]
     return collect_citations(
-        [model for _, model in plan.models], [*studies, *data_references(plan.assembly)]
+        [model for _, model in plan.models], others + data_references(plan.assembly)
     )
 
 

@@ -348,8 +348,11 @@ class Answer:
             Option that shows notes in full.
         """
         width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, _MIN_WIDTH)
-        title = "   ".join(filter(None, (self.verdict, ", ".join(self.case))))
-        head = textwrap.wrap(title, width, break_on_hyphens=False)
+        head = textwrap.wrap(
+            "   ".join(filter(None, (self.verdict, ", ".join(self.case)))),
+            width,
+            break_on_hyphens=False,
+        )
         rows = [(row.label, row.text, row.note) for row in self.visible_rows()]
         groups = self.groups(more)
         for _ in _shortened(rows, groups, width, f" ({more})"):
@@ -622,8 +625,9 @@ def _varied_quantity(item: Mapping[str, Any]) -> str:
     unit = shown_unit(max(map(abs, bounds)), item["unit"] or "1")
     low, high = (converted(bound, item["unit"], unit) for bound in bounds)
     if low > 0.0 and high < _SMALL_NUMBER:
-        ratio = math.sqrt(low / high)
-        return f"{name} x {two_digits(ratio)} to {two_digits(math.sqrt(high / low))}"
+        return (
+            f"{name} x {two_digits(math.sqrt(low / high))} to {two_digits(math.sqrt(high / low))}"
+        )
     if max(abs(low), abs(high)) <= _SMALL_NUMBER:
         return name
     return f"{name} {two_digits(low)} to {two_digits(high)} {unit}".rstrip()

@@ -77,9 +77,8 @@ def over_slip(dataset: "xr.Dataset", name: str) -> "Figure":
     assert curves is not None
     labels = curve_names(dataset)
     for k, label in enumerate(labels):
-        slip = 100.0 * dataset[curves.slip]
         colour = light_to_dark()(1.0 - k / max(len(labels) - 1, 1))
-        sheet.line(slip, dataset[name][k], label, color=colour)
+        sheet.line(100.0 * dataset[curves.slip], dataset[name][k], label, color=colour)
     return sheet.done(
         axis_label(dataset[curves.slip], "", "%"),
         axis_label(dataset[name], "", dataset[name].attrs["units"]),

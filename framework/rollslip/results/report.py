@@ -435,8 +435,15 @@ def _regimes(datasets: "Datasets") -> str:
                 )
                 if fraction > 0.0
             )
-            film = _value(contact.film_parameter, "1", digits=3)
-            rows.append([f"{name}, {contact.name}", regime, film, f"{largest:.3g}", light])
+            rows.append(
+                [
+                    f"{name}, {contact.name}",
+                    regime,
+                    _value(contact.film_parameter, "1", digits=3),
+                    f"{largest:.3g}",
+                    light,
+                ]
+            )
     if not rows:
         return ""
     head = ("contact", "film regime", "smallest film parameter Λ", "largest M", f"at M < {LIGHT:g}")
