@@ -9,7 +9,7 @@ import legibility
 
 pytestmark = pytest.mark.quick
 
-#: Names of Python, of libraries and of methods that contain a private word by accident, and an option of `rollslip limit`.
+#: Names of Python, of libraries and of methods that contain a private word by accident; an option of `rollslip limit`.
 ALLOWED = {
     "LeastSquaresEstimate", "break_long_words", "keep", "least_squares", "one_of", "ones", "ones_like",
 }  # fmt: skip

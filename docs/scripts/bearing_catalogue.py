@@ -74,7 +74,9 @@ def main():
         bearings = list(known(csv.DictReader(file)))
     rated = ratios(
         sys.argv[2],
-        lambda name: CATALOGUE[found].bearing if (found := CATALOGUE.canonical_name(name)) else None,
+        lambda name: (
+            CATALOGUE[found].bearing if (found := CATALOGUE.canonical_name(name)) else None
+        ),
     )
     table = []
     for series in RULES:

@@ -102,7 +102,10 @@ if __name__ == "__main__":
             ours = [[quantile(v[:n], p, replicates=REPLICATES) for v in several] for n in SAMPLES]
             plain = [[quantile(v[:n], p) for v in single] for n in SAMPLES]
             wider = [
-                [quantile(v[:n], p, replicates=REPLICATES, confidence=STOPPING_CONFIDENCE) for v in several]
+                [
+                    quantile(v[:n], p, replicates=REPLICATES, confidence=STOPPING_CONFIDENCE)
+                    for v in several
+                ]
                 for n in SAMPLES
             ]
             for found, batches in ((ours, wider), (plain, plain)):

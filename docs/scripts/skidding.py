@@ -68,7 +68,8 @@ def maxima_before(assembly, slip):
     if slip != slip:
         return 0
     return sum(
-        jump.slip < slip for jump in torque_balance(assembly, N_POSITIONS).loading_branch(RANGE).jumps
+        jump.slip < slip
+        for jump in torque_balance(assembly, N_POSITIONS).loading_branch(RANGE).jumps
     )
 
 
@@ -122,7 +123,8 @@ def hold(given):
     try:
         effective = skidding_onset(torque_balance(assembly, N_POSITIONS, effective=True), RANGE, "")
         exact, simple = (
-            torque_balance(assembly, N_POSITIONS, effective=effective) for effective in (False, True)
+            torque_balance(assembly, N_POSITIONS, effective=effective)
+            for effective in (False, True)
         )
         slips = [slip_at(balance, SMALL * fold.drag, fold.slip) for balance in (exact, simple)]
     except RollslipError:

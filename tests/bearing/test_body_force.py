@@ -224,7 +224,9 @@ def test_motions_in_time_and_friction_in_pockets_refuse_a_carrier():
     with pytest.raises(SceneError, match="motions in time know no carrier"):
         Dynamics(duration=1e-3).moving(a)
     with pytest.raises(SceneError, match="friction in pockets"):
-        torque_balance(assemble(evolve(planet(), {"cage.drag": ["pocket-friction"]})), 1).torque(0.1)
+        torque_balance(assemble(evolve(planet(), {"cage.drag": ["pocket-friction"]})), 1).torque(
+            0.1
+        )
 
 
 @pytest.mark.parametrize(
@@ -341,7 +343,9 @@ def test_plane_motion_takes_the_direction_of_the_operation_unless_it_has_its_own
     scene = slow(**{"study.dynamics": given})
     assert Dynamics.from_scene(scene).with_weight
     assert "gravity of rollers" not in {part.part for part in plan(scene, "dynamics").parts}
-    Dynamics.from_scene(scene).moving(assemble(evolve(scene, {"operation.gravity_direction": "90 deg"})))
+    Dynamics.from_scene(scene).moving(
+        assemble(evolve(scene, {"operation.gravity_direction": "90 deg"}))
+    )
 
 
 def test_a_minimum_load_knows_the_weight_that_the_scene_states():

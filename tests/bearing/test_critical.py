@@ -37,7 +37,9 @@ def test_locate_finds_the_maximum_of_a_known_curve(peak, height):
 )
 def test_locate_says_in_words_what_there_is_instead(values, status):
     slip = np.linspace(0.0, 0.3, 4)
-    found = find_critical_slip(lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip")
+    found = find_critical_slip(
+        lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip"
+    )
     assert status in found.status
     assert np.isnan(found.slip)
     assert np.isnan(found.friction)
@@ -46,7 +48,9 @@ def test_locate_says_in_words_what_there_is_instead(values, status):
 def test_two_equal_maxima_give_the_first():
     slip = np.linspace(0.0, 1.0, 101)
     friction = np.sin(2 * np.pi * slip) ** 2
-    found = find_critical_slip(lambda s: float(np.sin(2 * np.pi * s) ** 2), slip, friction, "max_slip")
+    found = find_critical_slip(
+        lambda s: float(np.sin(2 * np.pi * s) ** 2), slip, friction, "max_slip"
+    )
     assert found.slip == pytest.approx(0.25, abs=1e-6)
 
 

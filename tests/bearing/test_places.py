@@ -404,7 +404,9 @@ def test_a_law_behind_an_address_reads_places():
 
     class Address(Placed):
         def kernel(self):
-            return capsule_from_address(ctypes.cast(evaluate, ctypes.c_void_p).value, owner=evaluate)
+            return capsule_from_address(
+                ctypes.cast(evaluate, ctypes.c_void_p).value, owner=evaluate
+            )
 
     slices = Slices(5, rolling_speed=1.0, sliding_speed=0.1, roller=np.arange(5.0))
     Chain(Address("roller"))(slices)

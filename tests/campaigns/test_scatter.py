@@ -303,7 +303,9 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
 )
 def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
     found = reserve(
-        torque_balance(assemble(constant(0.5)), 1), SkiddingOnset(*away, max_torque=4.0), Running(*runs)
+        torque_balance(assemble(constant(0.5)), 1),
+        SkiddingOnset(*away, max_torque=4.0),
+        Running(*runs),
     )
     assert found.factor == pytest.approx(factor, nan_ok=True)
     assert found.status.startswith(begins)

@@ -226,7 +226,11 @@ def two(slices, other):
             two,
             "limit is not a parameter with a default; declare it by rollslip.fields.parameter(default=",
         ),
-        ({"limit": parameter(unit="1", doc="limit")}, two, "limit is not a parameter with a default"),
+        (
+            {"limit": parameter(unit="1", doc="limit")},
+            two,
+            "limit is not a parameter with a default",
+        ),
         (
             {"limit": parameter(default=1.0, unit="1", doc="limit")},
             two,
@@ -548,7 +552,9 @@ def test_a_function_of_numba_is_a_kernel():
             friction[i] = 0.5 * V[i] / u[i] + s.viscosity
         return 0
 
-    friction = filled(Foreign(capsule_from_address(evaluate.address, owner=evaluate)), viscosity=1.0)
+    friction = filled(
+        Foreign(capsule_from_address(evaluate.address, owner=evaluate)), viscosity=1.0
+    )
     np.testing.assert_array_equal(friction, EXPECTED + 1.0)
 
 

@@ -173,7 +173,9 @@ def test_what_is_no_requirement_is_a_mistake_of_the_scene():
     with pytest.raises(SceneError) as error:
         plan(scene("rollslip-nowhere>=0.1", ">=0.1", "two words"))
     first, second = error.value.problems
-    assert first.startswith(f"scene.toml:{LINE}: plugins.require[1]: '>=0.1' is not a requirement (")
+    assert first.startswith(
+        f"scene.toml:{LINE}: plugins.require[1]: '>=0.1' is not a requirement ("
+    )
     assert second.startswith(
         f"scene.toml:{LINE}: plugins.require[2]: 'two words' is not a requirement ("
     )

@@ -135,7 +135,12 @@ BROKEN = {
         "operation.radial_laod",
         "did you mean 'radial_load'",
     ),
-    "no key": ("cage-slip.csv", "operation.radial_load", "load", "'load' is not a key of the scene"),
+    "no key": (
+        "cage-slip.csv",
+        "operation.radial_load",
+        "load",
+        "'load' is not a key of the scene",
+    ),
     "a load that cannot be": (
         "cage-slip.csv",
         "150, 15",

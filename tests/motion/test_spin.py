@@ -113,4 +113,6 @@ def test_friction_of_a_pocket_is_against_the_spin():
 def test_rows_that_do_not_exist_are_refused():
     one = Spin(POSITIONS, linear, RADII, ROLLING)
     with pytest.raises(ValueError, match="row 1 of 1 does not exist"):
-        one.periodic_rows(np.array([1]), POSITIONS, np.ones(1), np.zeros((1, POSITIONS)), np.ones(1))
+        one.periodic_rows(
+            np.array([1]), POSITIONS, np.ones(1), np.zeros((1, POSITIONS)), np.ones(1)
+        )

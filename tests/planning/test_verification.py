@@ -159,7 +159,8 @@ def test_slips_that_are_followed_are_to_be_more():
     ).values()
     assert continued.uses_continuation
     fake = SimpleNamespace(
-        scene=evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), studies={"effective-friction": continued},
+        scene=evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}),
+        studies={"effective-friction": continued},
         choices={"effective-friction": SimpleNamespace(resolution=SimpleNamespace(slices=1, n_positions=1))},
     )  # fmt: skip
     (said,) = error_warnings(

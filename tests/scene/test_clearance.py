@@ -197,7 +197,9 @@ def test_thin_rings_share_an_interference_by_their_walls():
     assert found == pytest.approx(tube / (ring + tube), rel=1e-4)
     # a thin ring follows a solid shaft, and a thin one in a thick housing yields all of it
     assert transmitted_fraction(STEEL, 0.1 + 2 * ring, 0.1, 0.0) == pytest.approx(1.0, rel=1e-4)
-    assert transmitted_fraction(STEEL, 0.1, 0.1 + 2 * ring, math.inf) == pytest.approx(1.0, rel=1e-4)
+    assert transmitted_fraction(STEEL, 0.1, 0.1 + 2 * ring, math.inf) == pytest.approx(
+        1.0, rel=1e-4
+    )
 
 
 def test_a_thin_hoop_and_a_solid_disc_grow_as_the_books_say():
@@ -228,7 +230,9 @@ def test_a_fit_and_speed_change_the_clearance_as_elasticity_says(rpm, interferen
 
 
 def test_a_turning_outer_ring_widens_and_a_ring_in_play_is_not_pressed():
-    assert mounted((0.0, -900.0)) == pytest.approx(centrifugal_growth(STEEL, 900.0, 0.195, 0.21)[0], abs=1e-12)
+    assert mounted((0.0, -900.0)) == pytest.approx(
+        centrifugal_growth(STEEL, 900.0, 0.195, 0.21)[0], abs=1e-12
+    )
     assert mounted((0.0, -900.0), growth=False) == 0.0
     assert mounted(shaft_interference=-1e-5, housing_interference=-2e-5) == 0.0
     assert mounted(housing_interference=4e-5) == pytest.approx(-4e-5 * 0.195 / 0.21, abs=1e-12)
@@ -274,7 +278,9 @@ def test_a_ring_in_play_widens_freely_until_its_seat_holds_it():
             PLAIN,
             mounting=Mounting(housing_interference=-play, housing_outside_diameter=0.4, **more),
         )
-        one, other = (operating_clearance(b, (1000.0, 0.0), rigid=rigid).clearance for rigid in (True, False))
+        one, other = (
+            operating_clearance(b, (1000.0, 0.0), rigid=rigid).clearance for rigid in (True, False)
+        )
         return one - other
 
     # Lame, a bare ring of 27 mm (D): rollers of the whole orbit, each of 20.7 g at 0.09 m and 458 rad/s
@@ -319,7 +325,9 @@ def test_a_housing_of_a_ring_that_the_clearance_does_not_know_is_told():
 def test_on_a_shaft_without_a_ring_no_fit_is_felt_and_the_shaft_grows_as_a_disc():
     bare = attrs.evolve(PLAIN, inner_raceway=Raceway(without_ring=True), mounting=Mounting(
         initial_clearance=5e-5, housing_interference=0.0, temperature_difference=0.0))  # fmt: skip
-    assert operating_clearance(bare, (0.0, 0.0), rigid=False).clearance == pytest.approx(5e-5, abs=1e-12)
+    assert operating_clearance(bare, (0.0, 0.0), rigid=False).clearance == pytest.approx(
+        5e-5, abs=1e-12
+    )
     # (1 - nu) rho w^2 r^3/(4 E) of a solid disc, of radii
     grown = 2.0 * (1 - 0.3) * STEEL.density * 1000.0**2 * 0.0825**3 / (4.0 * STEEL.elastic_modulus)
     assert operating_clearance(bare, (1000.0, 0.0), rigid=False).clearance == pytest.approx(
@@ -653,7 +661,9 @@ def test_temperatures_of_a_motion_change_the_clearance_once():
         name: float(found["course_temperature"].sel(node=name)[-1])
         for name in ("inner ring", "rollers", "outer ring")
     }
-    ends = operating_clearance(one.bearing, (one.operation.inner_speed, 0.0), tuple(o.values())).clearance
+    ends = operating_clearance(
+        one.bearing, (one.operation.inner_speed, 0.0), tuple(o.values())
+    ).clearance
     assert ends != begins
     assert float(found.radial_clearance[-1]) == pytest.approx(ends, abs=1e-8)
 

@@ -51,7 +51,9 @@ def ratios():
         (d, D, width) = map(int, re.search(r"(\d+) x (\d+) x (\d+) mm", data.description).groups())
         speed = 1e6 / (d + D) * math.pi / 30.0  # n d_m = 5e5
         level = 0.5 * b.roller_diameter
-        phi = OilSupply.from_lubrication(Lubrication(), b.boundaries, b.roller_diameter, speed, 1e-9).oil_fraction
+        phi = OilSupply.from_lubrication(
+            Lubrication(), b.boundaries, b.roller_diameter, speed, 1e-9
+        ).oil_fraction
         orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
         cage = 0.5 * (1.0 - b.roller_diameter / (2.0 * orbit))  # speed, over that of the ring
         area = b.rollers * b.roller_length * b.roller_diameter

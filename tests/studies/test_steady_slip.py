@@ -746,7 +746,9 @@ def test_the_first_of_two_maxima_of_the_torque_is_told():
 def test_effective_friction_gives_nearly_the_same_slip():
     """Measured for this bearing: 2 % of the slip; friction averaged over rollers is not that of each of them."""
     scene = dragged(PROFILED, brake(0.2))
-    slips = [running(torque_balance(assemble(scene), 2, effective=one)).slip for one in (False, True)]
+    slips = [
+        running(torque_balance(assemble(scene), 2, effective=one)).slip for one in (False, True)
+    ]
     assert slips[1] == pytest.approx(slips[0], rel=0.03)
     assert slips[1] != slips[0]
 

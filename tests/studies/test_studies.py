@@ -73,7 +73,11 @@ def test_what_a_study_says_of_itself_fits_together(name):
     cls = study_class(name)
     assert cls.name == name
     assert set(cls.controlled_outputs.values()) <= set(cls.outputs)
-    assert set(cls.controlled_outputs) <= {"friction", "critical_slip", "cage_speed"} <= set(dir(Accuracy))
+    assert (
+        set(cls.controlled_outputs)
+        <= {"friction", "critical_slip", "cage_speed"}
+        <= set(dir(Accuracy))
+    )
     assert cls.affected_by <= set(AXES)
     assert {output.status for output in cls.outputs.values()} - {""} <= set(cls.outputs)
     assert any(output.default for output in cls.outputs.values())
@@ -120,7 +124,9 @@ def test_what_no_doubling_settles_says_what_moves_and_which_keys_to_raise():
         load_scene("1032930-70C"), {"accuracy.friction": 1e-9, "accuracy.slices": "auto"}
     )
     with pytest.raises(ConvergenceError) as refused:
-        choose_by_doubling(_Unsettled().run, _Unsettled.controlled_outputs, _Unsettled.affected_by, assemble(scene))
+        choose_by_doubling(
+            _Unsettled().run, _Unsettled.controlled_outputs, _Unsettled.affected_by, assemble(scene)
+        )
     assert re.fullmatch(
         r"the last doubling up to \d+ slices still changes friction by \S+ and whether critical slip has a value; "
         "raise accuracy.friction and accuracy.critical_slip",

@@ -298,7 +298,9 @@ class Gaps(Made):
 
     def at(self, temperatures):
         if any(abs(temperatures[0] - gap) < 0.5 for gap in self._at):
-            return State(np.nan, refusal="no periodic spin was found", cage_skids=True, not_converged=True)
+            return State(
+                np.nan, refusal="no periodic spin was found", cage_skids=True, not_converged=True
+            )
         return super().at(temperatures)
 
 

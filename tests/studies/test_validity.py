@@ -493,7 +493,9 @@ def test_several_results_warn_of_a_bound_once_where_it_counts_most():
     assert any(text.startswith("film 'moes' (film parameter Lambda >= 3;") for text in more)
     for result in results:
         assert all(
-            one["text"] in warned(result) for one in record_of(result)["messages"] if one["is_warning"]
+            one["text"] in warned(result)
+            for one in record_of(result)["messages"]
+            if one["is_warning"]
         )
 
 

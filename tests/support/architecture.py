@@ -11,7 +11,7 @@ from pathlib import Path
 import legibility
 
 ROOT = Path(__file__).parents[2]
-#: Folders from left to right: each imports only what stands left of it. The top level is the modules beside the folders.
+#: Folders in order: each imports only folders before it. The top level is the modules beside the folders.
 #: Studies of the box and campaigns are roots of their own, right of all.
 ORDER = (
     "top level", "models", "lubricant", "catalogue", "scene", "bearing", "results", "studies", "planning",
@@ -308,7 +308,7 @@ def named_models(root: Path = ROOT) -> list[str]:
 
 
 def misplaced(root: Path = ROOT) -> list[str]:
-    """Findings that import more than the top level, results, NumPy and other findings, and packages outside their folders."""
+    """Findings that import others than top level, results, NumPy and findings, and packages outside their folders."""
     known = modules(root)
     found = list[str]()
     for module, path in known.items():

@@ -959,7 +959,9 @@ def maxima(subject, verdict):
         (lambda s: s / 1e-12 * math.exp(1 - s / 1e-12), np.linspace(0, 4e-12, 41), 1e-12, 1.0),
         (lambda s: s * 1e-300 * math.exp(1 - s * 1e-300), np.linspace(0, 4e300, 41), 1e300, 1.0),
     ):
-        found = find_critical_slip(curve, grid, np.array([curve(float(s)) for s in grid]), "max_slip")
+        found = find_critical_slip(
+            curve, grid, np.array([curve(float(s)) for s in grid]), "max_slip"
+        )
         assert found.status == "found"
         verdict.off(abs(found.slip / slip - 1), 3e-7, f"{found} for {slip}")
         verdict.off(
@@ -978,7 +980,9 @@ def maxima(subject, verdict):
 def no_maximum(subject, verdict, values):
     """What there is in place of a maximum, in words, and NaN for its place."""
     slip = np.linspace(0.0, 0.3, len(values))
-    found = find_critical_slip(lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip")
+    found = find_critical_slip(
+        lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip"
+    )
     assert math.isnan(found.slip)
     assert math.isnan(found.friction)
     verdict.status(found.status)
@@ -2149,7 +2153,9 @@ def lost_beside_centrifugal_force():
 
 def lost_at_a_maximum():
     slip = np.linspace(0.0, 4.1, 41)
-    found = find_critical_slip(lambda s: s * math.exp(1 - s), slip, slip * np.exp(1 - slip), "max_slip")
+    found = find_critical_slip(
+        lambda s: s * math.exp(1 - s), slip, slip * np.exp(1 - slip), "max_slip"
+    )
     return Loss(
         formula="critical slip, the place of a flat maximum",
         where="s exp(1 - s), maximum at s = 1",

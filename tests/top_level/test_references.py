@@ -38,7 +38,9 @@ pytestmark = pytest.mark.quick
 ROOT = Path(__file__).parents[2]
 #: All that is written down, by its name.
 FILES = [Path(module.__file__).with_suffix(".bib") for module in (references, plugins_bibliography)]
-WRITTEN = {f"{path.stem}.{key}": one for path in FILES for key, one in read_bibliography(path).items()}
+WRITTEN = {
+    f"{path.stem}.{key}": one for path in FILES for key, one in read_bibliography(path).items()
+}
 #: What LaTeX would take for its own, and letters that it has commands for.
 AWKWARD = Reference(
     authors=("Nørsett, S. P.", "Müller & Söhne", "Šá Ç, X."),
@@ -131,7 +133,10 @@ def test_a_reference_reads_as_a_citation(values, text):
         ({"journal": ""}, "journal: missing, but required"),
         ({"kind": "book", "publisher": ""}, "publisher: missing, but required for kind = 'book'"),
         ({"unconfirmed": ("page",)}, "unconfirmed: 'page' is not one of authors, title"),
-        ({"doi": "https://doi.org/10.1234/x"}, "doi: .* is not a DOI such as .* without a resolver"),
+        (
+            {"doi": "https://doi.org/10.1234/x"},
+            "doi: .* is not a DOI such as .* without a resolver",
+        ),
         ({"doi": "10.1234/a}b"}, "doi: .* is not a DOI"),
     ],
 )
@@ -166,7 +171,11 @@ def test_plain_values_come_back_as_they_were():
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_entry_of_a_file_is_read(path):
     text = path.read_text(encoding="utf-8")
-    assert len(read_bibliography(path)) == len(re.findall(r"^@", text, re.MULTILINE)) == text.count("@")
+    assert (
+        len(read_bibliography(path))
+        == len(re.findall(r"^@", text, re.MULTILINE))
+        == text.count("@")
+    )
 
 
 def test_what_a_later_version_knows_is_told_as_text():

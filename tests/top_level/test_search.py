@@ -190,7 +190,10 @@ def test_a_vertex_is_where_the_derivative_of_the_polynomial_is_zero_to_thirty_di
 
 
 def test_the_vertex_of_three_samples_is_that_of_the_parabola_and_of_ends_or_level_ones_the_largest_sample():
-    assert polynomial_maximum([0.0, 1.0, 3.0], [1.0, 2.0, 1.0]) == (pytest.approx(1.5), pytest.approx(2.125))
+    assert polynomial_maximum([0.0, 1.0, 3.0], [1.0, 2.0, 1.0]) == (
+        pytest.approx(1.5),
+        pytest.approx(2.125),
+    )
     assert polynomial_maximum([0.0, 1.0, 3.0], [3.0, 2.0, 1.0]) == (0.0, 3.0)
     assert polynomial_maximum([0.0, 1.0, 3.0], [1.0, 2.0, 3.0]) == (3.0, 3.0)
     assert polynomial_maximum([0.0, 1.0, 3.0, 4.0], [2.0, 2.0, 2.0, 2.0]) == (0.0, 2.0)

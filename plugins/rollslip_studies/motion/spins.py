@@ -29,7 +29,7 @@ An orbit multiplies a disturbance of the spin by Floquet's multiplier, exp(-2 pi
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Final, TypeAlias
+from typing import Final, Protocol, TypeAlias
 
 import attrs
 import numpy as np
@@ -51,7 +51,6 @@ from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.motion.spin import NUDGED, SLIDES
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.train import Train
 
 Flags: TypeAlias = NDArray[np.bool_]
@@ -162,11 +161,30 @@ class ConventionalFriction:
         return traction, resistance * rolling / film
 
 
+class FrictionCurve(Protocol):
+    """Friction over the sliding speed V, tabulated over V/(|V| + V_s)."""
+
+    @property
+    def nodes(self) -> Array:
+        """Friction and its slope times the width of a cell, (N, 2)."""
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """V/(|V| + V_s) of the first and the last node."""
+
+    @property
+    def sliding_scale(self) -> float:
+        """V_s [m/s]."""
+
+    def friction(self, sliding: Array) -> Array:
+        """Return friction coefficients at sliding speeds [m/s]."""
+
+
 class EffectiveFriction:
     """Effective friction of one ring times the normal force, rolling resistance as without slip."""
 
     def __init__(
-        self, table: EffectiveTable, friction: ConventionalFriction, rolling: float
+        self, table: FrictionCurve, friction: ConventionalFriction, rolling: float
     ) -> None:
         self._table = table
         self._force = friction.contacts.per_roller(friction.contacts.force)
@@ -304,7 +322,7 @@ class Motions:
         pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
         rubbing: float = 0.0,  # coefficient of friction of rollers without a cage at their neighbours
         # Friction curves of inner and outer raceway in place of the whole chain.
-        effective: tuple[EffectiveTable, EffectiveTable] | None = None,
+        effective: tuple[FrictionCurve, FrictionCurve] | None = None,
         inertia: bool = True,  # False for rollers without inertia of their spin
         n_loads: int = 0,  # loads that stand for the slices of a roller, 0 for all of these
         # Motions of the same bearing, or of one nearly alike, which know the slip of its rollers without cage slip.
