@@ -106,7 +106,8 @@ _MAX_SAMPLES = 16384
 #: (`rollslip_campaigns.uncertainty.estimators.min_samples`).
 _DEFAULT_SAMPLES = 1024
 #: Default number of samples of the minimum load, for which a point is a search over loads. Twice as many double its
-#: time. Chosen: enough for median and 90 % band, not for the bounds of a 99 % quantile.
+#: time. Chosen: enough for the median. The ends of a 90 % band have two finite bounds from 72 samples on
+#: (`rollslip_campaigns.uncertainty.estimators.min_samples`), and one with 64.
 _DEFAULT_LOADS = 64
 #: Smallest number of samples from which a rank correlation is computed; below it, the correlation is NaN. A smaller
 #: number would report correlations that are chance. Chosen: with 8 samples the standard error is 1/sqrt(7), about 0.4.

@@ -89,11 +89,11 @@ _MAX_TRIAL_TOLERANCE: Final = 1e-3
 #: Orbits of the cage over which levels are compared. Doubled, the trial at level pocket takes twice as long and
 #: sees slower drifts of the mean. Chosen: the first orbit contains the start.
 _TRIAL_ORBITS: Final = 3
-#: Samples of an orbit for its mean speed, and of the whole duration for the comparison of frictions. Halved,
-#: oscillations of the cage with more than 16 periods an orbit alias into the mean. Chosen; samples cost nothing
-#: beside the steps.
+#: Samples of an orbit for its mean speed, and of the whole duration for the comparison of frictions. With fewer,
+#: oscillations of the cage with more than half as many periods an orbit alias into the mean. It must exceed the last of
+#: `_TRIAL_CHECKS`. Chosen; samples cost nothing beside the steps.
 _TRIAL_SAMPLES: Final = 64
-#: Samples after which frictions are compared before the trial goes on: at 1/16, 1/8, 1/4 and 1/2 of the duration.
+#: Samples, of `_TRIAL_SAMPLES`, after which frictions are compared before the trial goes on: at 1/16, 1/8, 1/4 and 1/2.
 #: Each check may save the rest of the trial, and costs one restart of the integrator.
 _TRIAL_CHECKS: Final = (4, 8, 16, 32)
 

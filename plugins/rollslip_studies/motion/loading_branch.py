@@ -17,7 +17,7 @@ The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque 
 5. Bisect the intervals beside a maximum of the torque, and those in which a motion ends, while a bound on the torque
    inside exceeds the running maximum by 0.1 %.
 6. A motion from which the torque falls by more than 0.2 % before it is exceeded is a candidate for a jump.
-7. At a smooth maximum, find the vertex of the interpolating polynomial through up to nine samples. At the end of a
+7. At a smooth maximum, find the vertex of the interpolating polynomial through five to nine samples. At the end of a
    motion, take the last sample.
 8. Repeat step 7 with four times as many positions of the orbit. The change, added to the error of the interpolation,
    is the stated error: what still more positions would change decreases irregularly. A maximum that finer positions
@@ -68,7 +68,7 @@ class SearchTolerances:
     grid_step: float = 0.25
     #: Width in logit(S) to which a gap at the end of a motion is bisected, nine times from a step of the grid. Half
     #: and twice the value change largest torques by up to 4e-5 and 8e-5; chosen, below `equal_drag`.
-    gap_width: float = 0.25 / 512.0
+    gap_width: float = 0.25 / 512.0  # of grid_step, which it follows by hand
     #: Relative difference up to which torques count as equal, so that no interval is bisected for less. Twice the
     #: value does not resolve a step of the torque, which changes it by 4.6 % and its stated error from 1.3 % to 13 %;
     #: half the value costs 1 % and changes torques by up to 2e-4.
@@ -129,6 +129,9 @@ class SearchTolerances:
 
 
 SEARCH: Final = SearchTolerances()
+#: Ratio of the slips after and before a jump from which on the cage skids: the rule by which a verdict says SKIDS. Half
+#: or twice the value moves the onset of skidding to another jump in bearings with several; chosen, as a convention.
+SKIDDING_RATIO: Final = 2.0
 
 
 @attrs.frozen
@@ -145,7 +148,7 @@ class Jump:
     @property
     def is_skidding(self) -> bool:
         """Whether the slip at least doubles, or nothing carries the drag: the cage skids."""
-        return not self.slip_after < 2.0 * self.slip
+        return not self.slip_after < SKIDDING_RATIO * self.slip
 
 
 @attrs.frozen

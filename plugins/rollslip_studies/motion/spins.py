@@ -91,12 +91,14 @@ _BALANCE_TOLERANCE: Final = 1e-5
 #: The same for rollers without inertia, where nothing refines the result: a few times the rounding. Doubling it
 #: doubles an error of 1e-12; chosen.
 _BALANCE_WITHOUT_INERTIA: Final = 1e-12
-#: Step of Newton's method, relative to the roller slip, at which a periodic motion is accepted. Half the
+#: Step of Newton's method, relative to the largest roller slip, at which a periodic motion is accepted, and tolerance
+#: of the balances in marches of second order. Half the
 #: value makes it fail near rounding, and changes a torque by 1.6e-3, where a march then replaces it; twice the
 #: value changes torques by less than 2e-7, because the convergence is quadratic; chosen.
 _NEWTON_TOLERANCE: Final = 1e-7
-#: Change over an orbit, relative as `_BALANCE_TOLERANCE`, below which a march counts as periodic. Half and twice
-#: the value change torques by less than 1e-11; chosen, below `DISTINCT`.
+#: What a march would still change, extrapolated and relative as `_BALANCE_TOLERANCE`, below which it counts as
+#: periodic. Half and twice the value change torques by less than 1e-11; chosen, below `DISTINCT`. The compiled march ends at a
+#: tolerance of its own, KEPT in spin.pyx.
 _PERIODIC_TOLERANCE: Final = 1e-3
 #: Relative discretisation error of implicit Euler up to which a motion counts as converged. Neither
 #: half nor twice the value changes a result of 55 random bearings; chosen.
