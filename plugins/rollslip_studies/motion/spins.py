@@ -97,8 +97,8 @@ _BALANCE_WITHOUT_INERTIA: Final = 1e-12
 #: value changes torques by less than 2e-7, because the convergence is quadratic; chosen.
 _NEWTON_TOLERANCE: Final = 1e-7
 #: What a march would still change, extrapolated and relative as `_BALANCE_TOLERANCE`, below which it counts as
-#: periodic. Half and twice the value change torques by less than 1e-11; chosen, below `DISTINCT`. The compiled march ends at a
-#: tolerance of its own, KEPT in spin.pyx.
+#: periodic. Half and twice the value change torques by less than 1e-11; chosen, below `DISTINCT`. The compiled march
+#: ends at a tolerance of its own, KEPT in spin.pyx.
 _PERIODIC_TOLERANCE: Final = 1e-3
 #: Relative discretisation error of implicit Euler up to which a motion counts as converged. Neither
 #: half nor twice the value changes a result of 55 random bearings; chosen.
