@@ -791,7 +791,7 @@ class _ReferenceComparison:
         """Return an estimate with the errors by refining slices and positions together, and each alone.
 
         The reference has points of Gauss's rule, pi times as many as equal slices: it is twice as fine, and light loads
-        reach only the middle of a roller, where Gauss points are pi/2 times as far apart. Where run and reference agree,
+        reach only the middle of a roller, where Gauss points are pi/2 times as far apart. Where both runs agree,
         a second reference follows for single values, by the rule of the run and on other positions. Each part alone is
         refined where both together exceed the tolerance.
         """
