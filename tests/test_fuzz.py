@@ -44,6 +44,7 @@ def fuzz(target, seeds):
             raise
 
 
+#: Target -> number of seeds in an ordinary run; targets that take long have fewer.
 COUNTS = {
     "scene": 100,
     "bearing": 60,
@@ -82,6 +83,7 @@ def test_any_input_is_read_or_refused_at_length(name):
     fuzz(TARGETS[name], until(60))
 
 
+#: More digits than Python converts to decimal by default (4300).
 HEX = "0x" + "f" * 5000
 #: Target, input, what it did when it was found.
 KEPT = [

@@ -167,6 +167,7 @@ def test_figures_of_a_repository_cover_its_roots(repository):
     assert figures.keys() == legibility.FIGURES.keys()
 
 
+#: Budgets of made-up figures: two counts, a ratio that should be small and one that should be large.
 LIMITS = {
     "statements": {"product": 1000},
     "tokens_per_line": {"tests": 9.0},

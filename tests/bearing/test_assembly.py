@@ -105,6 +105,7 @@ def test_a_contact_is_pressed_by_the_law_of_its_own_ring(ring):
     )  # the radii differ, and so must the loads
 
 
+#: Another viscosity and temperature of the oil: deflections and loads do not depend on them and can be shared.
 OTHER_OIL = {"lubricant.viscosity_factor": 1.07, "operation.temperature": "68 degC"}
 
 

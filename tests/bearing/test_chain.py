@@ -163,6 +163,7 @@ def results(slices):
     return slices._table.copy()
 
 
+#: Slices: of several default blocks, and no multiple of the blocks of 7 and 256 that are compared with them.
 N = 1000
 
 

@@ -17,6 +17,7 @@ from rollslip_studies.dynamics.levels.load_map import build_load_map, fastest, r
 
 pytestmark = pytest.mark.quick
 
+#: What bearing 1032930-50C is changed by: all that gives loads another course along the orbit.
 SCENES = {
     "profiled": {"accuracy.slices": 15},
     "clearance": {"accuracy.slices": 7, "bearing.radial_clearance": "20 um"},
@@ -28,6 +29,7 @@ SCENES = {
         "operation.outer_speed": "5000 rpm",
     },
 }
+#: Of the map, as a fraction of the load that the rollers carry together.
 TOLERANCE = 5e-3
 
 

@@ -28,7 +28,6 @@ from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.steady_slip.study import SteadySlip
 from without_bands import run
 
-ROOT = Path(__file__).parents[2]
 PAPER = evolve(
     load_scene("1032930-70C"),
     {"accuracy.slices": 4, "operation.misalignment": 2e-4, "models.film": "moes"},
@@ -97,6 +96,7 @@ def expected(scene, ring, n_positions, cage_slip=0.0):
     return {name: float((force * where).sum() / force.sum()) for name, where in places.items()}
 
 
+#: Few slips, a map of few points, none of it beyond skidding: what is compared are means over rollers.
 CURVES = {"study.effective-friction.points": 5, "study.effective-friction.map_points": 3,
           "study.effective-friction.skidding_range": 0, "study.effective-friction.closure": "epicyclic"}  # fmt: skip
 

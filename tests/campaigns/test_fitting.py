@@ -22,6 +22,7 @@ from hypothesis import strategies as st
 from scipy.optimize import curve_fit
 
 import rollslip
+from architecture import ROOT
 from rollslip import Chain, Conditions, Slices, get_model
 from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import get_class, structure_model
@@ -51,7 +52,6 @@ from rollslip_campaigns.measurement.rig import (
 )
 from tabled import REFERENCES, TABLES, rows_of
 
-ROOT = Path(__file__).parents[2]
 #: The law of the reference, fit_muraki.py.
 OIL = LubricantTable(name="mil-prf-7808", data={"pressure_viscosity_law": "barus"})
 RIG = Rig(
@@ -59,10 +59,15 @@ RIG = Rig(
     lubricant=OIL,
     models=Models(film=ModelChoice(name="moes"), traction=ModelChoice(name="muraki")),
 )
+#: Slide-roll ratios of each curve [1], denser where friction rises.
 SLIPS = (0.0005, 0.001, 0.002, 0.004, 0.006, 0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1)
+#: Temperatures [K] and maximum pressures [Pa] of a rig: one curve at 70 degC.
 ONE = ((343.15,), (1.2e9,))
+#: One curve at 70 degC, at less pressure.
 WARM = ((343.15,), (0.9e9,))
+#: Four curves, at 40 and 70 degC.
 FOUR = ((313.15, 343.15), (0.8e9, 1.2e9))
+#: What made-up measurements are computed with: Eyring stress [Pa], factor of the pressure viscosity [1].
 TRUTH = {"eyring_stress": 6e6, "pressure_viscosity_factor": 1.15}
 
 

@@ -23,10 +23,13 @@ from rollslip_campaigns.surrogate.exports import C, Csv, _description, c_header
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 
 pytestmark = pytest.mark.quick
+#: Radius of the inner raceway [m].
 RI = 0.08
+#: Radius of the outer raceway [m]: rollers of 10 mm radius fit between them.
 RO = 0.1
 # slide-roll ratios are even in asinh of them over the first, by the second
 SMALL = 1e-4
+#: Distance of nodes in asinh.
 STEP = 0.5
 
 

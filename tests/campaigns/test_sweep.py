@@ -340,6 +340,7 @@ def test_values_that_are_unusual_are_said_once_for_an_axis(key, over, options, s
     assert sweep.unusual == (f"{key}, {said.format(least=least)}",)
 
 
+#: Key -> values of which one is impossible, and what the refusal says of it: a list, a range, a law, two keys at odds.
 IMPOSSIBLE = {
     "surface.roller_roughness": (
         ["0.1 um", "0.16 m"],

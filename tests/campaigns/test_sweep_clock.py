@@ -18,6 +18,7 @@ SCENE = rollslip.evolve(
     rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5}
 )
 OVER = {"operation.temperature": "60 degC:80 degC:6"}
+#: By how much a clock is set [s]: far more than a run takes, so that no rounding of times hides it.
 HOURS = 5 * 3600.0
 
 

@@ -49,6 +49,7 @@ OVER = {
     "operation.radial_load": "500:5000:4",
     "models.traction.hydrodynamic": ["muraki", "eyring", "maxwell-eyring"],
 }
+#: Points of the sweep: four loads by three laws.
 COUNT = 12
 
 #: What can become of a task.

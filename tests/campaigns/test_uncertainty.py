@@ -51,6 +51,7 @@ def uncertain(**table):
     return attrs.evolve(SCENE, uncertainty=FrozenTable(table), raw=FrozenTable(raw))
 
 
+#: An uncertain pressure viscosity, whose factor is drawn from a uniform distribution.
 ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2}}}
 
 

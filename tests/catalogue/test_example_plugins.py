@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from architecture import ROOT
 from foreign_models import FOREIGN
 from packages import install
 from rollslip import open_result
@@ -37,7 +38,6 @@ from rollslip.catalogue.kinds import get_kind, kinds
 
 pytestmark = pytest.mark.plugins
 
-ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted(
     path.parent.name for path in (ROOT / "docs" / "example-plugins").glob("*/pyproject.toml")
 )

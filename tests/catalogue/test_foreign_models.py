@@ -4,12 +4,12 @@ import shutil
 import tomllib
 from pathlib import Path
 
+from architecture import ROOT
 from foreign_models import FOREIGN
 from packages import install, python
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip_campaigns.measurement import sets
 
-ROOT = Path(__file__).parents[2]
 CHECK = """\
 from rollslip import get_model
 from rollslip.testing import conformance

@@ -21,7 +21,6 @@ from rollslip.fields import FieldError
 
 pytestmark = pytest.mark.quick
 
-ROOT = Path(__file__).parents[2]
 WRITTEN = [kind for kind in kinds() if get_kind(kind).template is not None]
 COMPILED = ("contact", "drag", "film", "traction")
 FORMS = [(kind, False) for kind in WRITTEN] + [(kind, True) for kind in COMPILED]

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from architecture import ROOT
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.scaffold import new
 
-ROOT = Path(__file__).parents[2]
 WRITTEN = {kind: template for kind in kinds() if (template := get_kind(kind).template) is not None}
 FORMS = [(kind, False) for kind in WRITTEN] + [
     (kind, True) for kind in WRITTEN if WRITTEN[kind].compiled

@@ -11,6 +11,7 @@ from rollslip.cli import main
 from rollslip.cli.app import BAD_PLUGIN
 
 SCENE = "1032930-70C"
+#: Longer than the 255 bytes that file systems allow in a name.
 LONG = "x" * 300
 
 

@@ -9,6 +9,7 @@ from rollslip_kernels.stages import blend, contact, traction
 
 pytestmark = pytest.mark.quick
 
+#: Slices: fewer than a block of 256.
 N = 64
 FULL = np.arange(N) % 2 == 1  # a thick film, share 0; elsewhere none, share 1
 

@@ -14,6 +14,7 @@ from rollslip import get_model
 from rollslip_kernels.motion.rosenbrock import Rosenbrock, tableau
 from rollslip_kernels.motion.system import RefusedError, System, python_system
 
+#: Of Rodas5P; the last one is the error estimate.
 STAGES = 8
 
 # The figures ---------------------------------------------------------------------------------------------------------

@@ -187,6 +187,7 @@ print(simd.active())
 """
 
 
+#: An outer ring that bends in four harmonics and is made with three lobes; the list gives its section [m].
 BENT = {
     "models.outer_ring": {"model": "annulus", "outside": "230 mm", "harmonics": 4},
     "bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "5 um", "angle": "30 deg"}],

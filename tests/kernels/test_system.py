@@ -11,8 +11,11 @@ from rollslip_kernels.motion.system import RefusedError, System, python_system
 
 pytestmark = pytest.mark.quick
 
+#: Unknowns of the head, a and b.
 HEAD = 2
+#: Unknowns of each roller, x, y and z.
 BLOCK = 3
+#: Unknowns that only receive: no rate depends on them.
 LEDGER = 2
 N_RECEIVING = HEAD + LEDGER
 
@@ -146,6 +149,7 @@ def test_a_given_jacobian_is_taken_as_it_is():
 
 # Linear algebra ------------------------------------------------------------------------------------------------------
 
+#: Head, rollers, block and ledger: one and many of each, and systems without rollers, ledger or head.
 SHAPES = [
     (1, 1, 1, 0),
     (1, 28, 1, 8),

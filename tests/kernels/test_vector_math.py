@@ -10,6 +10,7 @@ mpmath.mp.dps = 40
 
 INF = np.inf
 NAN = np.nan
+#: The smallest number above zero, 2^-1074.
 TINY = 5e-324
 MOST = np.finfo(float).max
 

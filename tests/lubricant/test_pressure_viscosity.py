@@ -318,6 +318,7 @@ def test_an_oil_without_the_data_of_its_law_is_refused_in_words(monkeypatch):
 
 # Which alpha an oil gives --------------------------------------------------------------------------------------------
 
+#: Viscosity [Pa s] and pressure viscosity [1/Pa]: the first pair is the oil MIL-L-7808 at 50 degC.
 FILM_CASES = [(8.58e-3, 1.074e-8), (0.06, 2.18e-8), (3e-3, 8e-9), (1.0, 3e-8), (2e-3, 3e-9)]
 
 

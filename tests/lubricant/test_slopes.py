@@ -15,6 +15,7 @@ pytestmark = pytest.mark.quick
 
 LAWS = ("muraki", "maxwell-eyring", "eyring")
 SCENE = load_scene("1032930-70C")
+#: Rise of Eyring stress and shear modulus with pressure [1].
 SLOPES = {"lubricant.eyring_stress_slope": 0.02, "lubricant.shear_modulus_slope": 3.0}
 
 

@@ -29,7 +29,9 @@ from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, 
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 from strategies import NumpyForm
 
+#: Few slices for short tests; mass [kg] and inertia [kg m2] are those of the shipped cage.
 FAST = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2, "cage.mass": 0.4, "cage.inertia": 3.3e-3}
+#: A drag of rollers that roll and one of their pockets.
 DRAGS = ["rolling-resistance", {"model": "pocket-friction", "coefficient": 0.08}]
 MANY = {"accuracy.slices": 15}  # enough for a table of friction
 KINDS = ["constant", "effective", "conventional"]

@@ -25,6 +25,7 @@ from rollslip_studies.motion.effective_table import curve_table, effective_table
 from strategies import decades
 from without_bands import run
 
+#: Rolling speed [m/s], about that of the paper's bearing.
 ROLLING = 30.0
 REACH = 8.0 * ROLLING
 EPSILON = float(np.finfo(float).eps)

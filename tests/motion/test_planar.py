@@ -546,6 +546,8 @@ def test_three_rollers_move_as_in_an_independent_program():
 
 # The land ------------------------------------------------------------------------------------------------------------
 
+#: Viscosity [Pa s], lengths [m], floor of the film as a fraction of the clearance, wall: stiffness [N/m], damping
+#: [s/m], friction [1].
 LAND = {"eta": 0.0086, "radius": 0.0945, "width": 7.5e-3, "clearance": 2.4e-4, "floor": 1e-3,
         "stiffness": 1e8, "damping": 0.3, "friction": 0.1}  # fmt: skip
 

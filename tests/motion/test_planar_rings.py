@@ -20,16 +20,23 @@ from rollslip_studies.dynamics.levels.planar import LEDGER, PlanarSettings, plan
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
+#: Boundary dimensions of the 1032930 [m]: rings need a section.
 LIST = ("bearing.catalogue", {"bore": 0.15, "outside_diameter": 0.21, "width": 0.028})
+#: Three lobes of a standing ring; the angle is none of symmetry.
 LOBES = ("bearing.outer_raceway.form", [{"lobes": 3, "amplitude": "8 um", "angle": "20 deg"}])
+#: A thin ring on a seat of 1 GPa, with one force that has an arm.
 THIN = {
     "model": "thin", "seat_stiffness": "1e9 Pa", "harmonics": 3, "damping_ratio": 0.1,
     "forces": [{"angle": "30 deg", "radial": "2 kN", "tangential": "1 kN", "arm": "10 mm"}],
 }  # fmt: skip
+#: Two lobes of a ring that turns with the shaft.
 TURNING = ("bearing.inner_raceway.form", [{"lobes": 2, "amplitude": "6 um", "angle": "40 deg"}])
+#: A ring thicker than that of the list.
 OUTER = {"model": "annulus", "outside": "230 mm", "harmonics": 4}
 CONSTANT = FrictionSettings(name="constant", coefficient=0.05, transition=0.1)
+#: The same, which widens but does not bend.
 HOOP = {"model": "annulus", "outside": "230 mm", "harmonics": 0}
+#: A shaft with a bore of 20 mm, whose shapes end at the oval.
 INNER = {"model": "annulus", "bore": "20 mm", "harmonics": 2}
 
 
@@ -474,9 +481,8 @@ def test_a_form_that_turns_slowly_goes_through_the_equilibria_of_forms_that_stan
 
 # Energy --------------------------------------------------------------------------------------------------------------
 
-FACTOR = (1e3 / 3.84e-5 * 15**0.8) ** (
-    1 / 0.9
-)  # Palmgren's law, Q = FACTOR d^(10/9) of a roller of 15 mm
+#: Palmgren's law, Q = FACTOR d^(10/9) of a roller of 15 mm.
+FACTOR = (1e3 / 3.84e-5 * 15**0.8) ** (1 / 0.9)
 
 
 @functools.cache

@@ -16,6 +16,7 @@ from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motio
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
+#: Few slices and a coarse tolerance: frequencies are compared with those of the same rates.
 SCENE = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2}
 FRICTION = FrictionSettings(name="constant", coefficient=0.01, transition=0.5)
 LEVELS = [

@@ -7,8 +7,11 @@ from scipy.optimize import brentq
 from rollslip_kernels.motion.spin import Spin
 
 pytestmark = pytest.mark.quick
+#: Radii of raceways, roller and orbit [m].
 RADII = INNER, OUTER, RADIUS, ORBIT = 0.08, 0.1, 0.01, 0.09
+#: Rolling speed by which slips become speeds [m/s].
 ROLLING = 30.0
+#: Roller positions of an orbit, each with its own rise and zero of traction.
 POSITIONS = 41
 RNG = np.random.default_rng(3)
 RISES = RNG.uniform(50.0, 300.0, POSITIONS)

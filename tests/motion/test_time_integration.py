@@ -54,6 +54,7 @@ def exact(t):
     return np.stack((np.cos(t), np.sin(t), np.cos(t)), axis=-1)
 
 
+#: The exact solution at t = 0.
 START = [1.0, 0.0, 1.0]
 
 

@@ -19,6 +19,7 @@ from tabled import TABLES, rows_of
 
 DOCS = Path(__file__).parents[2] / "docs"
 SCENE = "1032930-70C"
+#: Study -> setting and number, so many points that their result exceeds the memory of any machine.
 DEAR = {
     "effective-friction": ("points", 10**10),
     "friction-curve": ("points", 10**10),

@@ -41,7 +41,9 @@ FILMS = numbers_of(REFERENCES / "rolling_resistance.csv")
 #: The law alone, in an inlet that is cold and full.
 COLD = RollingResistance(inlet_heating="none")
 WHOLE = RollingResistance(inlet_heating="none", extent="film")
+#: Lengths in m, viscosity in Pa s.
 LAND = {"ring": "outer", "viscosity": 0.01, "radius": 0.1, "width": 0.01, "clearance": 1e-4}
+#: 20 rollers of 10 mm by 20 mm, in an oil of 900 kg/m3 that fills 2 % of the space; lengths in m.
 ROLLERS = {
     "density": 900.0,
     "oil_fraction": 0.02,

@@ -30,6 +30,7 @@ every_law = pytest.mark.parametrize("model", forms([MURCH_WILSON, GUPTA]))
 both_forms = pytest.mark.parametrize(
     "form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"]
 )
+#: Reduced modulus of two bodies of bearing steel [Pa].
 STEEL = 2.286e11
 #: What is said of a slice without a film: the compiled form knows which, the readable one why.
 NO_FILM = {

@@ -17,7 +17,9 @@ from rollslip_plugins.film_pressure import LOADS, LUBRICANTS, SOLVED
 from scene_samples import scene_with
 from tabled import REFERENCES, numbers_of
 
+#: Reduced radius [m] and modulus [Pa] of the contact, viscosity of the oil [Pa s].
 STEEL = {"radius": 0.01, "modulus": 2e11, "viscosity": 0.01}
+#: Rolling speed [m/s].
 SPEED = 20.0
 Us = 2 * 0.01 * SPEED / (2e11 * 0.01)
 

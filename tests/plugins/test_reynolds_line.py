@@ -20,13 +20,16 @@ from rollslip_plugins.film.line_contact import LOCATIONS, solve_line_contact
 from rollslip_plugins.film.reynolds_line import ReynoldsLine
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from strategies import evaluated
-from tabled import REFERENCES, rows_of
+from tabled import REFERENCES, TABLES, rows_of
 
 DOCS = Path(__file__).parents[2] / "docs"
-TABLES = DOCS / "tables"
+#: Reduced radius of the paper's inner contact [m].
 RADIUS = 0.006875
+#: Reduced modulus of two bodies of bearing steel [Pa].
 MODULUS = 2.2857e11
+#: Rolling speed [m/s].
 SPEED = 25.0
+#: At ambient pressure [Pa s].
 VISCOSITY = 0.01
 US = 2 * VISCOSITY * SPEED / (MODULUS * RADIUS)
 
@@ -456,6 +459,7 @@ def test_it_runs_in_a_chain_and_has_no_kernel():
 
 # The documentation's numbers -----------------------------------------------------------------------------------------
 
+#: Moes M and L of the cells that are computed anew: light and viscous, between, and heavy with a constant viscosity.
 CELLS = [(0.5, 15.0), (2.0, 10.0), (20.0, 0.0)]
 
 

@@ -39,11 +39,15 @@ from without_bands import run
 
 #: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
 R = 0.10125
+#: Of the ring, B [m].
 WIDTH = 0.028
+#: Mean thickness of the ring [m]: from the raceway to the outside, (D - E)/2.
 H = 0.0075
+#: Modulus of elasticity of bearing steel [Pa].
 E = 208e9
 AREA = WIDTH * H
 INERTIA = WIDTH * H**3 / 12
+#: d, D and B as a scene has them [m].
 LIST = {"bore": 0.15, "outside_diameter": 0.21, "width": 0.028}
 RIGID = RingShapes()
 
@@ -726,6 +730,7 @@ def test_orbits_that_do_not_repeat_are_refused_in_words(ring):
             Dynamics(duration=1e-3, level=level).moving(assemble(made))
 
 
+#: A thin ring on a seat of 1 GPa.
 SEATED = {"model": "thin", "seat_stiffness": "1e9 Pa", "harmonics": 4}
 TEETH = {"forces": [{"angle": "30 deg", "radial": "2 kN", "tangential": "1 kN", "arm": "10 mm"}]}
 DENT = {
@@ -978,6 +983,7 @@ def test_plane_motion_tells_how_its_rings_yield():
     assert "shape" not in run(scene(**{"study.dynamics": dynamics}), "dynamics").coords
 
 
+#: An oval: crests 12 um above the troughs, less than a play of 20 um; with a form of four lobes it is more.
 WAVE = {"lobes": 2, "amplitude": "6 um"}
 OVAL = {
     "angles": ["0 deg", "90 deg", "180 deg", "270 deg"],

@@ -37,6 +37,7 @@ every_heated = pytest.mark.parametrize("model", forms(HEATED))
 # A film's groups are some ten roundings away from its members, and a root is solved to 1e-15; the exponential integrals
 # lose a digit, and ln(eps) another where eps is 1e-17.
 ROUNDING = 3e-13
+#: Bodies and film that conduct so well that nothing warms.
 NO_HEAT = {"effusivity": 1e200, "conductivity": 1e200}
 
 few = settings(max_examples=15)
@@ -48,11 +49,17 @@ class TestOtherParameters(Conformance):
 
 # Against arithmetic in many digits -----------------------------------------------------------------------------------
 
+#: Viscosity in the film [Pa s].
 ETA = 2.0
+#: Film thickness [m].
 H = 4e-7
+#: Mean pressure [Pa].
 P = 5e8
+#: Rolling speed [m/s].
 U = 20.0
+#: Half width of the contact [m].
 B = 1e-4
+#: By how much the logarithm of the viscosity falls per kelvin [1/K].
 BETA = 0.05
 
 ROWS = rows_of(REFERENCES / "rivals.csv")

@@ -38,12 +38,14 @@ def checked(*models, **expected):
     )
 
 
+#: A curve of few slips at one force.
 QUICK = {
     "study.friction-curve.normal_force": ["200 N"],
     "study.friction-curve.points": 7,
     "accuracy.slices": 5,
 }
 SPEEDS = np.array([0.0, 1e-9, 1e-3, 0.3, -0.3, 3.0, 40.0])
+#: Pressure [Pa], film thickness [m] and viscosity in the film [Pa s] at all speeds.
 CONTACT = {"pressure": 6e8, "film_thickness": 4e-7, "film_viscosity": 180.0}
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from fifty_digits import maxwell_eyring_stress as fifty_digits
 from rollslip_kernels.stages import stress as compiled
 from rollslip_plugins.traction import stress as readable
+from strategies import decades, or_zero
 
 MURAKI = (compiled.muraki, readable.muraki_stress)
 EYRING = (compiled.eyring, readable.eyring_stress)
@@ -19,6 +20,7 @@ LAWS = MURAKI + EYRING + MAXWELL_EYRING
 EXACT = EYRING + MAXWELL_EYRING
 PAIRS = (MURAKI, EYRING, MAXWELL_EYRING)
 
+#: Zero, the smallest number, both sides of where squares vanish or overflow, and nearly the largest.
 EXTREME_SIGMA = [
     0.0,
     5e-324,
@@ -34,7 +36,9 @@ EXTREME_SIGMA = [
     1e155,
     1e300,
 ]
+#: From no elasticity by vanishing products to a film that only stretches.
 EXTREME_DEBORAH = [0.0, 5e-324, 1e-300, 1e-6, 1.0, 1e8]
+#: From no heating by vanishing products to a film whose stress heating decides.
 EXTREME_HEATING = [0.0, 5e-324, 1e-300, 1.0, 1e6]
 
 ROUNDING = 1e-13  # what an inequality of theory may lose in double precision
@@ -42,14 +46,6 @@ ROUNDING = 1e-13  # what an inequality of theory may lose in double precision
 
 def name(law):
     return law.__name__
-
-
-def decades(low, high):
-    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
-
-
-def or_zero(strategy):
-    return st.one_of(st.just(0.0), strategy)
 
 
 sigmas = decades(-8, 8)
@@ -135,6 +131,7 @@ CLOUDS = {
 }
 # sigma, D, Phi on either side of that limit
 INSIDE = (1.0, 0.01, 1.0)
+#: The same strain rate and heating, with a Deborah number beyond it.
 OUTSIDE = (1.0, 1.0, 1.0)
 
 

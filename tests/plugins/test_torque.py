@@ -35,6 +35,7 @@ TABLE_3C = {
     "22": 1.40,
     "23": 1.48,
 }
+#: K_rs of SKF [1e-8] by kind of supply; a bath does not starve.
 SUPPLY = {"bath": 0, "splash": 3, "circulating": 3, "jet": 3, "mist": 6, "grease": 6}
 #: f_0r and f_1r of ISO 15312 by dimension series.
 ISO = {

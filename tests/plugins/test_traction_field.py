@@ -38,6 +38,7 @@ OIL = Conditions(
     shear_modulus=3e8,
     effusivity=13000.0,
 )
+#: Half width [m], mean pressure [Pa], film thickness [m] and rolling speed [m/s] of a light contact.
 CONTACT = {
     "half_width": 5.14e-5,
     "pressure": 3.36e8,
@@ -53,10 +54,15 @@ def contact(speed, oil=OIL, **changes):
 
 # A contact with given groups: unit viscosity at the mean pressure.
 TAU0 = 4e6
+#: Mean pressure [Pa].
 PRESSURE = 4e8
+#: Half width [m].
 B = 5e-5
+#: Rolling speed [m/s].
 U = 30.0
+#: Film thickness [m].
 H = 1e-6
+#: Thermal conductivity of the oil [W/(m K)].
 K = 0.14
 
 

@@ -382,7 +382,9 @@ def test_kragelsky_has_exactly_one_maximum(model):
 
 # What the stress does when one thing changes -------------------------------------------------------------------------
 
+#: Sign of the change of stress when a quantity grows.
 RISES = 1
+#: Its opposite.
 FALLS = -1
 ELASTIC = ("muraki", "maxwell-eyring")
 ALL = (*ELASTIC, "eyring")

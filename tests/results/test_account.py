@@ -4,14 +4,13 @@ import ast
 import json
 import subprocess
 import sys
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from architecture import COMMON
+from architecture import COMMON, ROOT
 from rollslip import register
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli import console
@@ -22,7 +21,6 @@ from rollslip.results.curves import curve_names, curves
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 
-ROOT = Path(__file__).parents[2]
 FRAMEWORK = ROOT / "framework" / "rollslip"
 #: Folders whose results are told: all studies, all campaigns but that which makes a page.
 TELLING = sorted(

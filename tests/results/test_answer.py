@@ -35,8 +35,6 @@ from rollslip.results.answer import (
 from rollslip.results.text import format_rounded_up, percent
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
 
-SAFE = {"slip": 0.01, "band": (0.004, 0.03), "reserve": (8.0, 8.0)}
-
 
 def answered(slip=0.01, band=(0.004, 0.03), reserve=(8.0, 8.0), acceptable=0.05):
     rows = [
@@ -86,8 +84,8 @@ THRESHOLDS = [
 @pytest.mark.parametrize(("code", "at", "beside", "other"), THRESHOLDS)
 def test_each_rule_decides_up_to_its_threshold(code, at, beside, other):
     rules = {rule.code: rule for rule in RULES}
-    one = answered(**SAFE | at)
-    two = answered(**SAFE | beside)
+    one = answered(**at)
+    two = answered(**beside)
     assert (one.rule, one.verdict) == (code, rules[code].verdict)
     assert (two.rule, two.verdict) == (other, rules[other].verdict)
 
@@ -120,7 +118,7 @@ def test_every_rule_has_a_threshold_above_and_a_source():
 def test_a_rule_for_something_worse_that_cannot_be_decided_makes_the_verdict_unknown_and_says_why(
     facts, verdict, words
 ):
-    answer = answered(**SAFE | facts)
+    answer = answered(**facts)
     assert answer.verdict == verdict
     assert "; ".join(row.note for row in answer.rows if row.note) == words
 

@@ -12,7 +12,7 @@ from matplotlib import style
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from drawn import words
+from drawn import metadata, words
 from rollslip.bearing.assembly import assemble
 from rollslip.cli import app
 from rollslip.planning.provenance import describe_film_limits
@@ -72,14 +72,6 @@ def drawn(everything, tmp_path_factory):
 def only(paths):
     (path,) = paths
     return path
-
-
-def metadata(path, name):
-    return next(
-        e.text
-        for e in ET.parse(path).iter()
-        if e.tag == f"{{http://purl.org/dc/elements/1.1/}}{name}"
-    )
 
 
 def test_two_runs_write_the_same_bytes(tmp_path, everything, drawn):

@@ -137,10 +137,13 @@ def test_the_answer_stands_before_all_else(results, figures, tmp_path):
 
 # The first page -----------------------------------------------------------------------------------------------------
 
+#: Millimetres of a point of type: 72 to the inch.
 POINT = 25.4 / 72.0
+#: Millimetres of 1 rem: 16 CSS pixels, of which an inch has 96.
 REM = 16.0 * 25.4 / 96.0
 #: A4 less the margins of @page.
 WIDTH = 210.0 - 2 * 15.0
+#: The same for its height, margins of 12 mm above and below.
 HEIGHT = 297.0 - 2 * 12.0
 
 

@@ -17,6 +17,7 @@ from rollslip.planning.execution import compute, execute
 from rollslip.results.dataset import VOLATILE, save
 from rollslip.results.text import python_call
 
+#: Settings of a result that is only stored and read: how right it is does not matter.
 COARSE = {
     "accuracy.slices": 5,
     "accuracy.tolerance": 0.05,

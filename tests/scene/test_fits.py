@@ -11,6 +11,7 @@ PRINTED = [
     (row["class"], int(row["to_mm"]), float(row["lower_um"]), float(row["upper_um"]))
     for row in rows_of(REFERENCES / "iso_286.csv")
 ]
+#: Upper bounds of the steps of nominal diameter in ISO 286 up to 1 m [mm].
 STEPS = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000)
 CLASSES = tolerance_classes()
 FITS = [*CLASSES][2:]

@@ -22,6 +22,7 @@ from rollslip.scene.schema import schema
 
 pytestmark = pytest.mark.quick
 
+#: What a scene is changed by before it is exchanged: a long decimal, an unusual unit, tables, texts like numbers.
 CHANGES = {
     "as shipped": {},
     "odd numbers": {

@@ -129,6 +129,7 @@ LAWS = [
         "did you mean '83 mm'?",
     ),
 ]
+#: Key of a law or its parameter, value, what the refusal says of it.
 IMPOSSIBLE_LAWS = [
     (
         "models.traction",
@@ -182,6 +183,7 @@ def test_an_impossible_parameter_of_a_law_is_refused(key: str, value: object, sa
     assert said in problem
 
 
+#: Key, value, what the refusal says of it.
 IMPOSSIBLE = [
     (
         "surface.roller_roughness",

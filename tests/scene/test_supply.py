@@ -21,6 +21,7 @@ pytestmark = pytest.mark.quick
 SCENE = load_scene("1032930-50C")
 #: Bore, outside diameter and rollers of 50 x 90 mm [m], and 3000 1/min [rad/s].
 RINGS = (0.05, 0.09)
+#: Diameter of a roller [m].
 ROLLER = 0.01
 SPEED = 100.0 * math.pi
 KINDS = st.sampled_from(sorted(SUPPLIES))

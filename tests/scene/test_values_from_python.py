@@ -14,6 +14,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError, SceneError
 
 PAPER = load_scene("1032930-70C")
+#: Two values [rad/s] that a range of Python, too, can give.
 SPEEDS = [500.0, 600.0]
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import rollslip
-from rollslip import evolve, load_scene
-from rollslip.bearing.assembly import assemble
+from rollslip import evolve
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError
 from rollslip.fields import FieldError
@@ -20,11 +19,8 @@ from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.dynamics.termination import steady_slip_of
 from rollslip_studies.motion.torque_balance import running, torque_balance
 from rollslip_studies.steady_slip.study import SteadySlip
+from twelve_rollers import FAST, FRICTIONS, LEVELS, SHIPPED, bearing
 
-SHIPPED = load_scene("1032930-50C")
-FAST = {"bearing.rollers": 12, "accuracy.slices": 5, "accuracy.tolerance": 1e-2}
-LEVELS = ("cage-set", "pocket", "planar")
-FRICTIONS = ("constant", "effective", "conventional")
 #: All levels with all frictions; those that are long only by name.
 LONG = {("planar", "constant"), ("planar", "conventional"), ("pocket", "constant")}
 EVERY = [
@@ -33,20 +29,10 @@ EVERY = [
     for friction in FRICTIONS
 ]
 RING = PlanarSettings(inner_ring_mass=5.0)
-MADE = {}
 
 
 def brake(torque):
     return {"model": "constant-torque", "size": torque, "transition": 1.0}
-
-
-def bearing(*drags, cage=None, **changes):
-    """The shipped bearing with fewer rollers and slices, and these drags; made once."""
-    key = repr((drags, cage, changes))
-    if key not in MADE:
-        own = {"mass": 0.4, "inertia": 3.3e-3, "drag": list(drags)} | (cage or {})
-        MADE[key] = assemble(evolve(SHIPPED, {"cage": own} | FAST | changes))
-    return MADE[key]
 
 
 def run(assembly, level="cage-set", friction="effective", duration=0.05, points=51, **settings):

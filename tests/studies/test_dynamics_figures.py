@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import motion_samples
-from drawn import words
+from drawn import metadata, words
 from motion_samples import CAGE_SPEED, ROLLER_SPEED, SKIDDING, motion, relaxing, skidding_sentences
 from rollslip.cli import console
 from rollslip.results.accounts import account_of
@@ -68,14 +68,6 @@ def rendered(*names):
         pytest.param(name, marks=[] if name in names else [pytest.mark.slow])
         for name in hard_cases()
     ]
-
-
-def metadata(path, name):
-    return next(
-        e.text
-        for e in ET.parse(path).iter()
-        if e.tag == f"{{http://purl.org/dc/elements/1.1/}}{name}"
-    )
 
 
 # Figures ------------------------------------------------------------------------------------------------------------

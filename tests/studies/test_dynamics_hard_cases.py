@@ -7,8 +7,6 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import evolve, load_scene
-from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.models import NO_LIMITS, DragModel, TractionModel
@@ -16,11 +14,8 @@ from rollslip_studies.dynamics.findings import energy_closure, momentum_closure
 from rollslip_studies.dynamics.history.settings import HistorySettings, LoadCourse
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
+from twelve_rollers import FRICTIONS, INERTIA, LEVELS, bearing
 
-SHIPPED = load_scene("1032930-50C")
-FAST = {"bearing.rollers": 12, "accuracy.slices": 5, "accuracy.tolerance": 1e-2}
-LEVELS = ("cage-set", "pocket", "planar")
-FRICTIONS = ("constant", "effective", "conventional")
 #: The dearest and those that are much like another only by name.
 LONG = {
     ("pocket", "constant"),
@@ -40,20 +35,10 @@ ONE_BY_DEFAULT = pytest.mark.parametrize(
     "level",
     ["cage-set", *(pytest.param(level, marks=pytest.mark.slow) for level in ("pocket", "planar"))],
 )
-INERTIA = 3.3e-3
-MADE = {}
 
 
 def brake(torque):
     return {"model": "constant-torque", "size": torque, "transition": 1e-3}
-
-
-def bearing(*drags, cage=None, **changes):
-    key = repr((drags, cage, changes))
-    if key not in MADE:
-        own = {"mass": 0.4, "inertia": INERTIA, "drag": list(drags)} | (cage or {})
-        MADE[key] = assemble(evolve(SHIPPED, {"cage": own} | FAST | changes))
-    return MADE[key]
 
 
 def started(assembly, level, friction, duration=0.01, points=21, ring=None, **settings):

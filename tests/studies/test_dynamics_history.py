@@ -34,6 +34,7 @@ from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 from without_bands import run
 
 HISTORY = "study.dynamics.history"
+#: A motion of half a second, stored every 5 ms, with the friction of every slice.
 SHORT = {
     "accuracy.slices": 5,
     "study.dynamics.friction": "conventional",

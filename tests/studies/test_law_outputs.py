@@ -15,6 +15,7 @@ from rollslip_kernels.slices import Slices
 from rollslip_plugins.traction.eyring import Muraki
 from without_bands import run
 
+#: Few slips, two forces, no map: which outputs a law adds does not depend on their number.
 QUICK = {
     "study.effective-friction.points": 9,
     "study.effective-friction.map_points": 0,

@@ -20,6 +20,7 @@ from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 from without_bands import run
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})
+#: Few points for every study, and what its optional outputs need.
 SHORT = {
     "study.effective-friction.points": 5,
     "study.effective-friction.map_points": 3,

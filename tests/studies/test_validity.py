@@ -43,10 +43,10 @@ from rollslip_plugins.pressure_viscosity import Barus, Roelands
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
 from rollslip_studies.effective_friction.study import EffectiveFriction
-from tabled import rows_of
+from tabled import TABLES, rows_of
 
-TABLES = Path(__file__).parents[2] / "docs" / "tables"
 PAPER = load_scene("1032930-70C")
+#: Few slips and slices, no map: the ranges of laws are exceeded all the same.
 QUICK = {
     "study.effective-friction.points": 9,
     "study.effective-friction.map_points": 0,

@@ -2,6 +2,7 @@
 
 from rollslip import evolve, load_scene
 
+#: Change of a scene: it allows results an error of 5 %.
 COARSE = {"accuracy.tolerance": 0.05}
 #: The same on the command line.
 SET_COARSE = ("--set", "accuracy.tolerance=0.05")

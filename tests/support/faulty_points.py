@@ -136,6 +136,7 @@ def sweep(
 
 # What every fault has in common ---------------------------------------------------------------------------------------
 
+#: Of points of a sweep: the first one is done and others are left when a fault comes.
 COUNT = 12
 #: Points of a sweep; each has one factor of its own.
 FACTORS = ["--over", f"models.traction.factor=0.01:{COUNT / 100}:{COUNT}", "--output", "friction"]

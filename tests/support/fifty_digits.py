@@ -10,6 +10,7 @@ from functools import cache
 
 from mpmath import mp, mpf
 
+#: Decimal digits: three times those of a double, so that plain forms of the laws may cancel.
 DIGITS = 50
 PI = mp.pi
 STEP = mpf("1e-3")

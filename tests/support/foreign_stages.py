@@ -13,6 +13,7 @@ from rollslip import get_include
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 NAME = b"rollslip.slice_model.v1"
+#: Status by which a kernel says that a Python error is set, in rollslip.h.
 PYTHON_RAISED = -1
 _ALIVE = []  # a capsule made here borrows its name, table and function; tests never free them
 

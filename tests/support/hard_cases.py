@@ -44,6 +44,7 @@ from rollslip_plugins.traction import stress as readable_stress
 EPS = sys.float_info.epsilon
 TINY = sys.float_info.min
 HUGE = sys.float_info.max
+#: The smallest number above zero.
 DENORMAL = 5e-324
 
 #: What the program raises where it refuses.
@@ -408,8 +409,11 @@ NOT_FINITE = r"slice \d+ gives a \w+ that is not finite; its inputs are too larg
 UNSETTLED = r"slice \d+ (has no solution|did not settle): .*; (take|ask)"
 BEYOND = rf"{OUTSIDE}|{NOT_FINITE}|{UNSETTLED}|slice \d+ is outside its domain"
 STAGES = ("contact", "deflection", "film", "viscosity", "traction")
+#: Reduced strain rates [1], from all but zero to far above those of bearings.
 SIGMAS = [1e-300, 1e-150, 1e-8, 1e-2, 0.5, 1.0, 1e3, 1e6, 1e12]
+#: Deborah numbers [1]: no elasticity, products that vanish, and up far above those of bearings.
 DEBORAHS = [0.0, 1e-300, 1e-6, 1e-2, 1.0, 1e3, 1e8]
+#: Heating groups [1]: none, products that vanish, and up to a film whose stress heating decides.
 HEATINGS = [0.0, 1e-300, 1e-6, 0.1, 1.0, 1e3, 1e6]
 
 
@@ -558,7 +562,9 @@ def split_over_threads(subject, verdict):
     verdict.off(0.0, 0.0)
 
 
+#: Slices that are repeated: more than a block.
 PATTERN = 1000
+#: Slices in all: ten thousand repetitions of the pattern.
 MILLIONS = 10_000_000
 
 
@@ -618,9 +624,12 @@ def stress_of_no_number(subject, verdict):
 
 # equivalent radii of the paper's bearing [m]
 INNER = 0.006875
+#: The outer contact is concave.
 OUTER = 0.008125
 LENGTH = BASE["length"]
+#: Rollers of that bearing.
 ROLLERS = 28
+#: Radial load of the paper, Fig. 2 [N].
 FORCE = 3415.0
 LARGE = 0.014  # clearance that leaves one roller even at yield [m]
 
@@ -815,6 +824,7 @@ def _raises(kind, says, call, *args, **kwargs):
 # Judging kinematics, profile, critical slip --------------------------------------------------------------------------
 
 W = 667.2  # rad/s
+#: Radii of the paper's bearing [m].
 BEARING = {"inner_radius": 0.0825, "outer_radius": 0.0975, "roller_radius": 0.0075}
 
 

@@ -16,10 +16,14 @@ from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip_studies.motion.torque_balance import TorqueBalance
 
+#: Seeds of the three kinds: the same number of a scene gives other random values in each.
 FREE = 7
+#: Seed of bearings of the catalogue.
 CATALOGUE = 11
+#: Seed of wide scenes.
 WIDE = 13
 OILS = ("mil-prf-7808", "mil-prf-23699", "sae-30", "santotrac-50")
+#: ISO VG grades of the oils in bearings of the catalogue [mm2/s at 40 degC].
 GRADES = (32, 46, 68, 100, 150, 220)
 SERIES = {
     "NU2": ("05", "08", "10", "14", "18", "20", "24", "32"),

@@ -13,15 +13,23 @@ import xarray as xr
 from rollslip.results.dataset import about
 from rollslip_studies.dynamics.findings import DynamicsAccount, describe_differences
 
+#: Radius of the inner raceway [m], of the paper as the next two.
 INNER = 82.5e-3
+#: Radius of a roller [m].
 ROLLER = 7.5e-3
+#: Radius of the orbit of rollers [m].
 ORBIT = 90e-3
+#: 6371 1/min [rad/s].
 INNER_SPEED = 667.17
 CAGE_SPEED = INNER_SPEED * INNER / (2.0 * ORBIT)
 ROLLER_SPEED = INNER * (INNER_SPEED - CAGE_SPEED) / ROLLER
+#: Mass of a roller [kg].
 ROLLER_MASS = 20e-3
+#: Moment of inertia of the cage [kg m2].
 CAGE_INERTIA = 3e-3
+#: Torque that brakes the cage [N m].
 DRAG = 0.3
+#: Coefficient that tractions approach when the rollers slide.
 FRICTION = 0.01
 WORKS = ("work_rings", "lost_inner", "lost_outer", "work_drag")
 

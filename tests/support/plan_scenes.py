@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 from scipy.stats import qmc
 
+from loading_branch_scenes import OILS
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import reference_resolution
@@ -28,7 +29,7 @@ BASE = evolve(
     },
 )
 PROFILES = ("none", "iso16281", {"shape": "circular", "radius": "3 m"}, "iso16281")
-OILS = ("mil-prf-7808", "mil-prf-23699", "sae-30", "santotrac-50")
+#: 12 of 16 scenes draw the epicyclic closure, 3 a rolling outer ring, one a free roller.
 CLOSURES = (*["epicyclic"] * 12, *["outer-rolling"] * 3, "free-roller")
 FILMS = ("moes", "dowson-toyoda", "pan-hamrock", "dowson-1968")
 

@@ -11,6 +11,7 @@ from rollslip_plugins.drag.torques import PetroffLand
 from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER, PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 
+#: Mass [kg] and inertia [kg m2] of the shipped cage.
 CAGE = {"mass": 0.4, "inertia": 3.3e-3}
 TINY = 1e-30  # of a complex step: exact to rounding
 

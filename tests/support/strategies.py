@@ -101,6 +101,7 @@ class Film:
         )
 
 
+#: Coefficient of the mean flash temperature of a band source on a half-space, in zeta.
 FLASH = 0.97
 
 

@@ -17,6 +17,7 @@ from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from tabled import REFERENCES, rows_of
 
 SCENE = load_scene("1032930-50C")
+#: A small bearing of nine rollers, with a small clearance, at 8000 1/min.
 NINE = {
     "bearing.rollers": 9,
     "bearing.roller_diameter": "10 mm",
@@ -43,6 +44,7 @@ NINE = {
 LOADS = 1e-4  # of them may be at the wrong place at level pocket
 # s between instants, and rollers of the reference
 SAMPLE = 1e-5
+#: They are evenly spaced among those of the bearing.
 SHOWN = 9
 
 

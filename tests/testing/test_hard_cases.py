@@ -10,6 +10,7 @@ from rollslip_plugins.traction import stress
 from tabled import rows_of
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "hard_cases.csv"
+#: One rounding of a double, 2^-53, rounded up.
 ROUNDING = 1.2e-16
 PAIRS = [(case, subject) for case in CASES for subject in subjects() if not why_not(case, subject)]
 

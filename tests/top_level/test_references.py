@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from pybtex.database import parse_string
 
 import rollslip_plugins.bibliography as plugins_bibliography
+from architecture import ROOT
 from rollslip import references
 from rollslip.catalogue.discovery import available, families, get_class
 from rollslip.catalogue.kinds import kinds
@@ -35,7 +36,6 @@ from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 
 pytestmark = pytest.mark.quick
 
-ROOT = Path(__file__).parents[2]
 #: All that is written down, by its name.
 FILES = [Path(module.__file__).with_suffix(".bib") for module in (references, plugins_bibliography)]
 WRITTEN = {

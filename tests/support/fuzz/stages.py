@@ -82,7 +82,9 @@ def call_apart(capsule, slices):
 
 # Fuzzing -------------------------------------------------------------------------------------------------------------
 
+#: Bytes at the beginning of an input, which choose the chain.
 _HEAD = 4
+#: Bytes of a double.
 _DOUBLE = 8
 _ODD = [
     *(

@@ -162,6 +162,7 @@ def result(data):
         open_result(path)
 
 
+#: Numbers at the ends of doubles, integers that are large, other spellings, and what is nearly a number.
 _NUMBERS = [
     *(
         "0",
@@ -203,6 +204,7 @@ _NUMBERS = [
         "1e-5",
     ),
 ]
+#: Units of scenes, misspelt ones, and what only looks like a unit.
 _UNITS = [
     *(
         "",
@@ -252,6 +254,7 @@ _UNITS = [
     ),
     f"m{' ' * 5000}mm",
 ]
+#: Names of models, oils and bearings, and texts that lead astray: paths, formats, quotes.
 _TEXTS = [
     *(
         "none",
@@ -303,6 +306,7 @@ _TEXTS = [
         "\\",
     ),
 ]
+#: TOML values of all kinds, right and broken.
 _TOKENS = [
     *(
         "1979-05-27",

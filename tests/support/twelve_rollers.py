@@ -1,0 +1,22 @@
+"""The shipped bearing with fewer rollers and slices, for tests of study dynamics at every level and friction."""
+
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+
+SHIPPED = load_scene("1032930-50C")
+#: Fewer rollers than its 28, and few slices.
+FAST = {"bearing.rollers": 12, "accuracy.slices": 5, "accuracy.tolerance": 1e-2}
+LEVELS = ("cage-set", "pocket", "planar")
+FRICTIONS = ("constant", "effective", "conventional")
+#: Moment of inertia of the cage [kg m2], as shipped.
+INERTIA = 3.3e-3
+MADE = {}
+
+
+def bearing(*drags, cage=None, **changes):
+    """Return that bearing with these drags; made once."""
+    key = repr((drags, cage, changes))
+    if key not in MADE:
+        own = {"mass": 0.4, "inertia": INERTIA, "drag": list(drags)} | (cage or {})
+        MADE[key] = assemble(evolve(SHIPPED, {"cage": own} | FAST | changes))
+    return MADE[key]
