@@ -44,8 +44,10 @@ class MeanFriction(OfScene):
 
     name = "NAME"
 
-    loads: list[str] | tuple[str, ...] = setting("Loads.", default=("2 kN",), metavar="LOAD", many=True, first=True)
-    points: int = setting("Points of a curve.", of=int, default=5, least=2, metavar="N", shown=True)
+    loads: list[str] | tuple[str, ...] = setting(
+        "Loads.", default=("2 kN",), metavar="LOAD", repeatable=True, positional=True
+    )
+    points: int = setting("Points of a curve.", value_type=int, default=5, minimum=2, metavar="N", show_default=True)
 
     def plan(self):
         return {"operation.radial_load": list(self.loads)}
@@ -247,7 +249,11 @@ def test_a_name_that_two_packages_offer_is_neither_ones(tmp_path):
     ("old", "new", "told"),
     [
         ("    It is a test.\n", "", ""),
-        ('setting("Points of a curve.", of=int, ', "dict(", "points: declare it by setting()"),
+        (
+            'setting("Points of a curve.", value_type=int, ',
+            "dict(",
+            "points: declare it by setting()",
+        ),
         ("points: int =", 'points: "Count" =', "no function can be made of it (NameError"),
         (
             '    name = "',

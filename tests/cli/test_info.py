@@ -43,11 +43,11 @@ def test_what_follows_from_a_scene_is_that_of_its_bearing():
 def test_errors_of_parts_of_a_plan_are_summed(capsys):
     parts = [SimpleNamespace(study="s", part=name, included=True, errors={"friction": error}, seconds=1.0)
              for name, error in (("slices", 1e-4), ("n_positions", 3e-4))]  # fmt: skip
-    estimated = {"s": SimpleNamespace(resolution=SimpleNamespace(slices=4, n_positions=2))}
+    choices = {"s": SimpleNamespace(resolution=SimpleNamespace(slices=4, n_positions=2))}
     exact = SimpleNamespace(scene=SimpleNamespace(accuracy=SimpleNamespace(exact=True)))
     once = SimpleNamespace(may_run_again=lambda _: False)
     console.print_short_plan(
-        SimpleNamespace(cautions=[], studies={"s": once}, assembly=exact, parts=parts, estimated=estimated,
+        SimpleNamespace(cautions=[], studies={"s": once}, assembly=exact, parts=parts, choices=choices,
                         seconds_of=lambda _: 2.0, degrees_of_freedom=3, evaluations=5, seconds=2.0, planning=0.1)
     )  # fmt: skip
     said = capsys.readouterr().out

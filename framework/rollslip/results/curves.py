@@ -156,9 +156,9 @@ def digits(value: float, count: int) -> str:
     return f"{value:#.{count}g}".removesuffix(".")
 
 
-def curve_names(dataset: "xr.Dataset") -> list[str]:
-    """Return the names of the curves of a dataset: "inner ring" or "300 N"."""
-    curves = Curves.from_dataset(dataset)
+def curve_names(dataset: "xr.Dataset", curves: "Curves | None" = None) -> list[str]:
+    """Return the names of the curves of a dataset, "inner ring" or "300 N"; those of its study by default."""
+    curves = curves or Curves.from_dataset(dataset)
     if curves is None:
         return []
     over = dataset[curves.over]
@@ -170,7 +170,7 @@ def curve_names(dataset: "xr.Dataset") -> list[str]:
 def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
     """Return the label of each curve behind the name of a result: ", inner ring" or " at 300 N"."""
     start = " at " if dataset[curves.over].dtype.kind in "fi" else ", "
-    return [f"{start}{name}" for name in curve_names(dataset)]
+    return [f"{start}{name}" for name in curve_names(dataset, curves)]
 
 
 def curves(dataset: "xr.Dataset") -> list[Curve]:
