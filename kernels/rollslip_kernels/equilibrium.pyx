@@ -122,8 +122,8 @@ def solve(
 
     ``stages`` and ``tables`` are the contact laws of both rings and the slices they work in, with room for all of one
     instant; ``direction`` holds cos psi, sin psi and -B of the shapes (M, Z, u), ``form`` those of both raceways
-    (M, Z), ``given`` and ``ring_stiffness`` load and stiffness of each unknown of the rings (u,), those from ``outer`` on of the
-    outer ring; ``stops`` (s, u + 2) one-sided springs: shapes, stiffness, gap. ``centrifugal`` is the force of each
+    (M, Z), ``given`` and ``ring_stiffness`` load and stiffness of each unknown of the rings (u,), those from ``outer``
+    on of the outer ring; ``stops`` (s, u + 2) one-sided springs: shapes, stiffness, gap. ``centrifugal`` is the force of each
     instant (M,): where rollers stand as in the one before, it goes on from there; ``pull`` what else acts on each
     roller outwards (M, Z), with which it never does. Of the slices carried along, all of a
     roller or its half that mirrors the other, ``xi`` are the places over half the roller's length, ``weights`` (3, h)
@@ -132,7 +132,7 @@ def solve(
     (M, 2), shift, tip (M, Z), moment, passes (M,).
     """
     cdef Py_ssize_t instants = direction.shape[0], Z = direction.shape[1], u = direction.shape[2], h = xi.shape[0]
-    cdef Py_ssize_t s = stops.shape[0]
+    cdef Py_ssize_t s = stops.shape[0], stiff = ring_stiffness.shape[0]
     cdef Py_ssize_t n = found["load"].shape[3], m, j, i, ring
     cdef bearing_t b
     cdef double[:, ::1] approach = np.empty((2, Z * h))
@@ -153,8 +153,8 @@ def solve(
 
     if centrifugal.shape[0] != instants:
         raise ValueError(f"{centrifugal.shape[0]} centrifugal forces for {instants} instants")
-    if not (u == given.shape[0] == ring_stiffness.shape[0] >= 2 and stops.shape[1] == u + 2 and 2 <= outer <= <size_t>u):
-        raise ValueError(f"{given.shape[0]} loads, {ring_stiffness.shape[0]} stiffnesses, {s} stops for {u} unknowns of rings")
+    if not (u == given.shape[0] == stiff >= 2 and stops.shape[1] == u + 2 and 2 <= outer <= <size_t>u):
+        raise ValueError(f"{given.shape[0]} loads, {stiff} stiffnesses, {s} stops for {u} unknowns of rings")
     if form.shape[0] != instants or form.shape[1] != Z:
         raise ValueError("forms must be those of all rollers at all instants")
     if pull is not None and (pull.shape[0] != instants or pull.shape[1] != Z):

@@ -426,7 +426,7 @@ cdef class Spin:
         if n:
             with nogil:
                 ended = self._march_orbits(K, n, &rows[0], &inertia[0], &bracket[0, 0], &wide[0], orbits, exact, second,
-                                         &out[0, 0, 0], &one[0], &rest[0, 0], way, who)
+                                           &out[0, 0, 0], &one[0], &rest[0, 0], way, who)
         how = self._ended(ended)
         return slips, met.view(bool), left, how
 
@@ -442,9 +442,9 @@ cdef class Spin:
         return 0
 
     cdef int _march_orbits(self, Py_ssize_t K, Py_ssize_t n, const Py_ssize_t *rows, const double *inertia,
-                         const double *bracket, const double *wide, Py_ssize_t orbits, double exact, bint second,
-                         double *out, unsigned char *met, double *left, double[:, ::1] way,
-                         Py_ssize_t[:, ::1] who) noexcept nogil:
+                           const double *bracket, const double *wide, Py_ssize_t orbits, double exact, bint second,
+                           double *out, unsigned char *met, double *left, double[:, ::1] way,
+                           Py_ssize_t[:, ::1] who) noexcept nogil:
         """Walkers 2 r and 2 r + 1 are those of row r; the second goes where the first does as soon as they have met."""
         cdef Py_ssize_t *walks = &who[0, 0]      # those that are still on their way round
         cdef Py_ssize_t *until = &who[1, 0]      # when they have been everywhere since they met
