@@ -751,7 +751,7 @@ def test_a_run_goes_on_where_it_was_stopped(how, tmp_path, capsys, monkeypatch):
     if how == signal.SIGINT:
         assert process.returncode == 130
         assert "Traceback" not in err
-        command = shlex.split(err.partition("go on with: ")[2])
+        command = shlex.split(err.partition("continue with: ")[2])
         assert command[:3] == ["rollslip", "pareto", "1032930-30C"]
         assert command[-1] == "--resume"
     monkeypatch.chdir(tmp_path)

@@ -215,7 +215,7 @@ from rollslip_studies.dynamics import study as dynamics
 from rollslip_studies.motion import time_integration
 whole, more = time_integration.integrate, {}
 if "EVERY" in os.environ:
-    more = {"every": float(os.environ["EVERY"])}
+    more = {"save_interval": float(os.environ["EVERY"])}
     time_integration._FIRST_STEPS = 5
 def integrated(*given, **options):
     if "save" in options:  # the run, not a trial of its plan
