@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+import xarray as xr
 
 import rollslip
 import rollslip_studies.steady_slip.band as band
@@ -72,8 +73,10 @@ def test_a_run_that_is_made_again_finer_estimates_no_cost(nothing_for_readers, m
         raise AssertionError("nobody is shown the time left")
 
     monkeypatch.setattr(Plan, "seconds_of", refuse)
-    rollslip.run("gearbox", "steady-slip")
+    result = rollslip.run("gearbox", "steady-slip")
     assert finer
+    errors = {name for name in xr.Dataset.attrs.fget(result) if name.endswith("_error")}
+    assert errors >= {"positions_error", "slices_error"}
 
 
 #: What a reader may ask of a result, given a folder to write to.

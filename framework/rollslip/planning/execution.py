@@ -14,7 +14,7 @@ import time
 from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from rollslip.results.figures import Result
 
 _log = logging.getLogger(__name__)
+#: Part of the discretisation error, a field of a resolution -> attribute of a result, where it is not the part's name.
+_ERROR_ATTRIBUTES: Final = {"n_positions": "positions_error"}
 
 
 def run(scene: Scene | str, study: str | None = None) -> "Result":
@@ -208,7 +210,9 @@ def compute(
             )
     dataset = dataset.assign(law_outputs(running, assembly, dataset))
     dataset.attrs |= {
-        f"{part}_error": max(errors.values()) for part, errors in error.errors.items() if errors
+        _ERROR_ATTRIBUTES.get(part, f"{part}_error"): max(errors.values())
+        for part, errors in error.errors.items()
+        if errors
     } | {
         "resolution": json.dumps(attrs.asdict(choice.resolution)),
         "reinstated": json.dumps(reinstated),
