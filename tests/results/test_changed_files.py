@@ -17,7 +17,7 @@ import rollslip
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, RollslipError
 from rollslip.results.accounts import refuse_unreadable
-from rollslip.results.dataset import open_result, save
+from rollslip.results.dataset import open_result, save, with_present_names
 
 #: What came in place of an attribute; None: it is missing.
 CHANGES = {
@@ -261,3 +261,34 @@ def test_what_a_package_raises_about_its_own_model_passes():
     error.add_note("raised by package 'theirs'")
     with pytest.raises(KeyError), refuse_unreadable("r.nc"):
         raise error
+
+
+def test_only_files_of_the_first_format_get_present_names(result, tmp_path):
+    own = result.assign(weight=1.0, told=2.0).assign_attrs(most=1, title='the "most" loaded')
+    save(own, tmp_path / "r.nc")
+    assert open_result(tmp_path / "r.nc").identical(own)
+
+
+def test_former_names_become_the_present_ones_once():
+    status = {"told_by": "largest_drag_status"}
+    former = {
+        "largest_drag": ((), 1.0, status),
+        "largest_drag_status": "found",
+        "runaway_drag": 2.0,
+    }
+    validity = '{"told": [{"text": "told", "weight": 0.1}]}'
+    stored = xr.Dataset(
+        former, attrs={"instants_error": 0.1, "validity": validity, "title": "weight"}
+    )
+    present = with_present_names(stored)
+    assert {*present} == {
+        "largest_drag",
+        "limit_drag",
+        "skidding_status",
+    }  # two studies had a name each
+    assert present["largest_drag"].attrs == {"told_by": "skidding_status"}
+    assert present.attrs == {
+        "positions_error": 0.1,
+        "validity": '{"messages": [{"text": "told", "severity": 0.1}]}',
+        "title": "weight",
+    }

@@ -253,7 +253,7 @@ def test_a_result_of_a_newer_version_says_so(tmp_path):
     save(rollslip.run("1032930-50C", "friction-curve"), path)
     content = path.read_bytes()
     path.write_bytes(
-        content.replace(b"\nrollslip result 1 sha256 ", b"\nrollslip result 7 sha256 ")
+        content.replace(b"\nrollslip result 2 sha256 ", b"\nrollslip result 7 sha256 ")
     )
     with pytest.raises(
         OutputError, match=r"r\.nc: was written by a newer version of rollslip \(format 7; this one"

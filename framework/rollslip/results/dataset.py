@@ -7,7 +7,6 @@
   leaves a file that cannot be closed and ends the process.
 """
 
-import functools
 import io
 import json
 import math
@@ -74,8 +73,8 @@ _SHOWN: Final = 80
 _MAX_COMPRESSION: Final = 1032
 #: Bytes of values that any file may claim, whatever its size. Chosen: a few MB do no harm.
 _MIN_CLAIM: Final = 1 << 24
-#: Version of the format of a file.
-FORMAT: Final = 1
+#: Version of the format of a file. In files of format 1, and of those without a last line, some names are former ones.
+FORMAT: Final = 2
 #: Last line of a file: format and checksum.
 _SEAL: Final = b"\nrollslip result %d sha256 %s\n"
 #: Attribute of a file that has a checksum, and its value, for readers by other programs.
@@ -86,13 +85,12 @@ _SEALED: Final = re.compile(rb"\nrollslip result (\d+) sha256 ([0-9a-f]{64})\n\Z
 
 #: Attribute of a coordinate of names: JSON with the unit of each name, where these differ.
 UNITS: Final = "units_by_name"
-#: Attribute of a variable: the variable with its status, which says why a value is missing.
+#: Attribute of a variable: the variable with its status, which says why a value is missing. The value is that of the
+#: first results, which can be read so.
 STATUS_VARIABLE: Final = "told_by"
-#: Names of variables, attributes and keys in results that were stored before these were renamed -> present name.
-#: A name is added when a variable is renamed, and stays while results with it may exist.
+#: Names of variables and attributes in files of format 1 -> present name.
 FORMER_NAMES: Final[Mapping[str, str]] = {
     "bin_share": "bin_fraction",
-    "contact_share": "contact_fraction",
     "error_asked": "error_requested",
     "fewest": "min_conditions",
     "fewest_samples": "min_samples",
@@ -111,37 +109,46 @@ FORMER_NAMES: Final[Mapping[str, str]] = {
     "least_load_status": "minimum_load_status",
     "least_margin_time": "smallest_margin_time",
     "least_margin_to_runaway": "smallest_margin_to_skidding",
-    "least_ratio": "smallest_ratio",
+    "look_further": "search_range_hint",
     "light_share": "light_fraction",
+    "n_positions_error": "positions_error",
     "makers_least_load": "makers_minimum_load",
-    "moved": "changes",
-    "most": "dominant",
-    "most_ratio": "largest_ratio",
     "most_torque": "largest_torque",
     "most_torque_error": "largest_torque_error",
     "most_torque_slip": "largest_torque_slip",
     "regime_share": "regime_fraction",
     "runaway_drag": "limit_drag",
     "runaway_drag_along": "limit_drag_along",
-    "runaway_range": "skidding_range",
     "runaway_slip": "skidding_slip",
     "runaway_slip_along": "skidding_slip_along",
     "runaway_status": "skidding_status",
     "settled_slip": "stationary_slip",
     "settled_status": "stationary_status",
     "settled_temperature": "stationary_temperature",
-    "share_outside": "fraction_outside",
     "statement_says": "statement_text",
     "taken_back": "reinstated",
     "time_beyond_runaway": "time_beyond_skidding",
-    "told": "messages",
-    "warned": "is_warning",
-    "weight": "severity",
 }
-#: A former name in the JSON text of an attribute.
-_QUOTED: Final = re.compile(f'"({"|".join(FORMER_NAMES)})"')
-#: Key of a resolved scene that had a former name in another sense: the points of the course of temperatures.
-_KEYS_OF_SCENES: Final = {"instants": "course_points"}
+#: Attribute with JSON in files of format 1 -> former key in it -> present key.
+_FORMER_KEYS: Final[Mapping[str, Mapping[str, str]]] = {
+    "band": {"least_load": "minimum_load", "most": "dominant", "moved": "changes"},
+    "consequences": {"moved": "changes"},
+    "resolution": {"instants": "n_positions"},
+    "resolutions": {"instants": "n_positions"},
+    "scene_resolved": {
+        "contact_share": "contact_fraction",
+        "instants": "course_points",
+        "least_ratio": "smallest_ratio",
+        "most_ratio": "largest_ratio",
+        "runaway_range": "skidding_range",
+    },
+    "validity": {
+        "share_outside": "fraction_outside",
+        "told": "messages",
+        "warned": "is_warning",
+        "weight": "severity",
+    },
+}
 
 
 def about(unit: str, long_name: str) -> dict[str, Any]:
@@ -204,7 +211,7 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
         raise OutputError(f"{path}: there is no such file")
     try:
         content = path.read_bytes()
-        sealed = _check_seal(content, path)
+        file_format = _check_seal(content, path)
         with h5py.File(io.BytesIO(content)) as file:  # xarray would read dimensions at once
             claims = sum(
                 variable.size * variable.dtype.itemsize
@@ -217,7 +224,7 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
             dataset = stored.load()
     except (OSError, MemoryError, *READ_ERRORS) as error:
         raise OutputError(f"{path}: is not a netCDF file that can be read ({error})") from error
-    if dataset.attrs.pop(_MARK[0], None) is not None and not sealed:
+    if dataset.attrs.pop(_MARK[0], None) is not None and not file_format:
         raise OutputError(
             f"{path}: is not what rollslip wrote, its checksum is gone: another program has changed it, or cut it off; "
             "run the scene again, or take a copy"
@@ -228,7 +235,8 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
         raise OutputError(
             f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene"
         )
-    dataset = with_present_names(dataset)
+    if file_format < FORMAT:
+        dataset = with_present_names(dataset)
     for name, value in dataset.attrs.items():
         if fault := _fault(str(name), value):
             raise OutputError(
@@ -238,22 +246,29 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
     return dataset
 
 
-def _present_key(names: Mapping[str, str], key: re.Match[str]) -> str:
-    return f'"{names[key[1]]}"'
-
-
 def with_present_names(dataset: "xr.Dataset") -> "xr.Dataset":
-    """Return a result with the present names of its variables, its attributes, and the keys in its JSON texts."""
+    """Return a result of format 1 with the present names of its variables, its attributes, and keys in its JSON texts.
+
+    A name stays where the present one is there already: the former names of two studies became one.
+    """
     attributes: dict[str, Any] = {}
     for name, value in dataset.attrs.items():
-        names = {**FORMER_NAMES, **(_KEYS_OF_SCENES if name == "scene_resolved" else {})}
-        if isinstance(value, str):
-            value = _QUOTED.sub(functools.partial(_present_key, names), value)
-        attributes[FORMER_NAMES.get(str(name), str(name))] = value
+        for former, present in _FORMER_KEYS.get(str(name), {}).items():
+            value = re.sub(rf'"{former}"(?=\s*:)', f'"{present}"', str(value))
+        if name == "output":
+            value = FORMER_NAMES.get(value, value)
+        attributes.setdefault(FORMER_NAMES.get(str(name), str(name)), value)
+    former_of = {
+        FORMER_NAMES[str(name)]: name for name in dataset.variables if name in FORMER_NAMES
+    }
     renamed = dataset.rename(
-        {name: FORMER_NAMES[str(name)] for name in dataset.variables if name in FORMER_NAMES}
+        {former: name for name, former in former_of.items() if name not in dataset.variables}
     )
     renamed.attrs = attributes
+    for variable in renamed.variables.values():
+        if STATUS_VARIABLE in variable.attrs:
+            status = variable.attrs[STATUS_VARIABLE]
+            variable.attrs[STATUS_VARIABLE] = FORMER_NAMES.get(status, status)
     return renamed
 
 
@@ -281,11 +296,11 @@ def shown_short(value: object) -> str:
     return shown if len(shown) <= _SHOWN else f"{shown[:_SHOWN]}... ({len(shown)} characters)"
 
 
-def _check_seal(content: bytes, path: Path) -> bool:
-    """Raise an error for a file that was changed; return whether it has a checksum, which older files do not have."""
+def _check_seal(content: bytes, path: Path) -> int:
+    """Raise an error for a file that was changed; return its format, 0 for older files, which have no checksum."""
     seal = _SEALED.search(content, max(0, len(content) - 200))
     if seal is None:
-        return False
+        return 0
     if int(seal[1]) > FORMAT:
         raise OutputError(
             f"{path}: was written by a newer version of rollslip (format {int(seal[1])}; this one reads up to "
@@ -296,7 +311,7 @@ def _check_seal(content: bytes, path: Path) -> bool:
             f"{path}: is not what rollslip wrote, its checksum is another: it was damaged or changed; run the scene "
             "again, or take a copy"
         )
-    return True
+    return int(seal[1])
 
 
 def citations_of(*datasets: "xr.Dataset") -> list[Citation]:
