@@ -31,6 +31,14 @@ every_form = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.parametrize("kind", sorted(name for name in kinds() if get_kind(name).template))
+def test_the_module_of_every_template_can_be_imported(kind):
+    texts = package("own-package", kind, False)
+    for path, text in texts.items():
+        if path.startswith("src/") and path.endswith(".py") and "__init__" not in path:
+            exec(compile(text, path, "exec"), {"__name__": "own_package"})
+
+
 @every_form
 def test_a_package_is_written_whole(kind: str, compiled: bool, tmp_path: Path) -> None:
     made = new("rollslip-my-law", kind, compiled, tmp_path)
