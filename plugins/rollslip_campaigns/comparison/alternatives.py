@@ -95,7 +95,7 @@ class Alternatives:
         Changed scenes by label.
     refused : mapping
         Reasons why other combinations cannot run, by label.
-    told : tuple of str
+    messages : tuple of str
         Lines that are printed before the runs.
     """
 

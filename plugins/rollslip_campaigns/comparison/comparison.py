@@ -525,7 +525,7 @@ def _origin(
     failed: Mapping[str, str],
     wall_time: float,
 ) -> dict[str, Any]:
-    """Return the attributes of the comparison: those of its runs combine_origins, and the scene as it was given."""
+    """Return the attributes of the comparison: those of its runs together, and the scene as it was given."""
     runs = {label: result.attrs for label, result in done.items()}
     scene = comparison.scene
     first = next(iter(runs.values()))

@@ -101,7 +101,7 @@ def run_explorer(
         errors = _errors(layout, interpolated, exact)
     write_page(requested.page, planned, grid, layout=layout, table=table, errors=errors)
     messages = [
-        f"{GROUPS[name]}: off by {100.0 * error['median']:.2g} % in the middle of the random places, by "
+        f"{GROUPS[name]}: off by {100.0 * error['median']:.2g} % in the median of the random points, by "
         f"{100.0 * error['largest']:.2g} % at most"
         for name, error in errors.items()
         if error["known"]

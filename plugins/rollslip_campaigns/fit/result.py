@@ -153,7 +153,7 @@ def dataset_of(
         "residual": (
             "row",
             c["friction"] - fitted_friction,
-            about("1", "measured less fit friction"),
+            about("1", "measured less fitted friction"),
         ),
         "uncertainty": (
             "row",

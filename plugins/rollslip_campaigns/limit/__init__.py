@@ -23,10 +23,10 @@ class LimitSettings(OfPoints):
 
     Returns
     -------
-    xarray.Dataset (point,), in ascending order: ``searched``, the values; ``result``, the result at each; ``keeps``, 1
-    where the limit is kept; ``status`` and ``message`` of each. (edge,): ``edge_kept`` and ``edge_passed``, the values
-    between
-        which the limit is passed, and ``edge_unknown``, 1 where a point between them failed.
+    xarray.Dataset
+        (point,), in ascending order: ``searched``, the values; ``result``, the result at each; ``keeps``, 1 where the
+        limit is kept; ``status`` and ``message`` of each. (edge,): ``edge_kept`` and ``edge_passed``, the values
+        between which the limit is passed, and ``edge_unknown``, 1 where a point between them failed.
 
     Raises
     ------

@@ -67,9 +67,6 @@ QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
         ),
         "minimum-load": Quantity("N", "minimum radial load for an acceptable slip"),
         "largest-cage-slip": Quantity("1", "cage slip of steady operation, the largest that lasts"),
-        "limit-drag-slip": Quantity(
-            "1", "cage slip of the limit drag torque, beyond which no slip lasts"
-        ),
         "friction": Quantity("1", "traction coefficient of a contact", "contact"),
         "film-thickness": Quantity("m", "film thickness of a contact", "contact"),
     }

@@ -48,9 +48,9 @@ _N_POSITIONS: Final = (1, 2, 4, 8, 16, 32, 64)
 _TABLE_FACTORS: Final = (10.0, 3.0, 0.3)
 #: Relative tolerances of a step.
 _INTEGRATOR_TOLERANCES: Final = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-#: Numbers of slices and of roller positions that are combined with each other.
+#: Numbers of slices that are combined with each of `_CROSSED_POSITIONS`.
 _CROSSED_SLICES: Final = (5, 11, 21, 41)
-#: Numbers of slices and of roller positions that are combined with each other.
+#: Numbers of roller positions that are combined with each of `_CROSSED_SLICES`.
 _CROSSED_POSITIONS: Final = (1, 2, 4)
 #: Relative tolerances that are combined with each integrator.
 _CROSSED_TOLERANCES: Final = (1e-3, 1e-5, 1e-7)

@@ -26,7 +26,7 @@ class SurrogateSettings(OfPoints):
     Returns
     -------
     xarray.Dataset
-        (ring, temperature, radial_load, centrifugal_force, rolling_speed, slide_roll): ``mean_friction``; without the
+        (ring, temperature, radial_load, cage_ratio, rolling_speed, slide_roll): ``mean_friction``; without the
         last ``largest_friction`` and ``ring_resistance``; ``ring_force``; ``drag_...`` over temperature. Where the
         bearing runs, over temperature, radial_load and inner_speed: ``steady_cage_slip``, ``friction_torque``,
         ``power_loss``, ``drag_reserve``, ``stiffness_...``. (operation,): ``operation_error`` at random temperatures
@@ -56,7 +56,7 @@ class SurrogateSettings(OfPoints):
     error: float | str = setting(
         "Largest error of friction, forces and resistances, relative to the largest friction, or to themselves.",
         default="1 %",
-        metavar="SHARE",
+        metavar="FRACTION",
         show_default=True,
     )
     checks: int = setting(

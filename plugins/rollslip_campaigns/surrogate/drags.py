@@ -38,7 +38,6 @@ OPERATION_KEYS: Final = (
     "operation.inner_speed",
     "operation.outer_speed",
 )
-#: SI units of these quantities.
 
 
 @attrs.frozen(eq=False)

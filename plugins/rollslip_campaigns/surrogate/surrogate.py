@@ -116,6 +116,7 @@ _SHAFT_NODES = 9
 #: Relative error of drags above which they are not a sum of terms in ring leads and the square of the cage speed, but
 #: depend on speeds otherwise, so that no finer table helps. Halving it would blame the form where nodes are too coarse.
 _MAX_FORM_ERROR: Final = 0.1
+#: SI units of the quantities in `OPERATION_KEYS`, in their order.
 _UNITS: Final = ("K", "N", "rad/s", "rad/s")
 #: Number of trailing axes of each table, of (cage ratio, rolling speed, slide-roll ratio).
 _TABLE_AXES: Final = {

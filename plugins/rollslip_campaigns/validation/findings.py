@@ -262,7 +262,7 @@ def _count_verdicts(dataset: "xr.Dataset", name: str) -> str:
 
 
 def chi_square_cells(dataset: "xr.Dataset") -> list[list[str]]:
-    """Return the cells of the table of chi-square, for each series of several rows that has row."""
+    """Return the cells of the table of chi-square, for each series of several rows that has a value of it."""
     return [
         [
             row["group_data_set"],

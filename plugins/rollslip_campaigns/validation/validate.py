@@ -156,7 +156,7 @@ def plan_validation(requested: "ValidationSettings | RankingSettings") -> Valida
         if prediction.data_set not in known:
             raise SceneError(
                 [
-                    f"{prediction.source}: predictions of data set {prediction.data_set!r}, which is not asked for"
+                    f"{prediction.source}: predictions of data set {prediction.data_set!r}, which is not requested"
                 ]
             )
     return Validation(

@@ -68,7 +68,7 @@ class SearchTolerances:
     grid_step: float = 0.25
     #: Width in logit(S) to which a gap at the end of a motion is bisected, nine times from a step of the grid. Half
     #: and twice the value change largest torques by up to 4e-5 and 8e-5; chosen, below `equal_drag`.
-    gap_width: float = 0.25 / 512.0  # of grid_step, which it follows by hand
+    gap_width: float = 0.25 / 512.0  # grid_step / 512: change both together
     #: Relative difference up to which torques count as equal, so that no interval is bisected for less. Twice the
     #: value does not resolve a step of the torque, which changes it by 4.6 % and its stated error from 1.3 % to 13 %;
     #: half the value costs 1 % and changes torques by up to 2e-4.
@@ -175,7 +175,6 @@ class LoadingBranch:
 
     _search: "_Search" = attrs.field(repr=False)
     motions: list[Motion]  # by increasing slip, from a small one to the end of the range
-    other_motions: list[Motion]  # on other branches, which only a cage from larger slips reaches
     torque_without_slip: float  # of the rollers on a cage that does not slip [N m]
     refusal: str = ""  # why the range ends early, empty if it does not
 
@@ -340,21 +339,13 @@ class _Search:
 
     # The branch -------------------------------------------------------------------------------------------------------
 
-    def follow(self, slips: Sequence[float]) -> tuple[list[Motion], list[Motion]]:
-        """Return the motions of the loading branch at some slips, and those of other branches (steps 1 to 3)."""
+    def follow(self, slips: Sequence[float]) -> list[Motion]:
+        """Return the motions of the loading branch at some slips (steps 1 to 3)."""
         candidates = self.motions.find(np.array(slips))
-        others = [
-            motion for pair in candidates if len(pair) > 1 for motion in pair if motion.converged
-        ]
         branch = self._take_nearest(slips, candidates)
         while self._correct(slips, candidates, branch):  # what follows is chosen anew
             branch = self._take_nearest(slips, candidates)
-        own = {motion.slip: motion.fraction for motion in branch}
-        distance = self.motions.distance
-        others = [
-            other for other in others if distance(other.fraction, own[other.slip]) >= DISTINCT
-        ]
-        return branch, others
+        return branch
 
     def _take_nearest(self, slips: Sequence[float], candidates: list[list[Motion]]) -> list[Motion]:
         """At each slip, the candidate nearest to the motion at the previous slip."""
@@ -725,7 +716,7 @@ def find_loading_branch(
     search = _Search(motions, full_motions)
     while True:
         try:
-            branch, others = search.follow(slips)
+            branch = search.follow(slips)
             branch = _drop_doubtful(branch)
             if branch:
                 branch = _drop_doubtful(search.refine(branch))
@@ -746,4 +737,4 @@ def find_loading_branch(
     torque_without_slip = 0.0
     if motions.resists:
         torque_without_slip = full_motions.find(np.zeros(1), np.zeros(1))[0][0].torque
-    return LoadingBranch(search, branch, others, torque_without_slip, refusal)
+    return LoadingBranch(search, branch, torque_without_slip, refusal)

@@ -22,7 +22,6 @@ times as large.
 """
 
 import itertools
-import logging
 import math
 from collections.abc import Callable, Mapping
 
@@ -36,8 +35,6 @@ from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
 from rollslip_studies.motion.spins import check_repeats
-
-_log = logging.getLogger(__name__)
 
 #: Number of positions within a pitch at first. Doubling it saves the first comparison of most maps, and makes maps of
 #: loose tolerances larger. Chosen.

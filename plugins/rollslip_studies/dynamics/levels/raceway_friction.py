@@ -14,11 +14,10 @@ All other cases evaluate the chain of laws for every slice: tilted rollers, laws
 tolerance, contacts outside a table, and film parameters. `RacewayFriction.evaluation_method` states the reason.
 """
 
-import logging
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import Final, TypeVar
+from typing import Final
 
 import attrs
 import numpy as np
@@ -30,10 +29,6 @@ from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.slices import Slices
 from rollslip_studies.dynamics.levels.load_map import LoadMap, build_load_map
 from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
-
-_log = logging.getLogger(__name__)
-
-T = TypeVar("T")
 
 #: Friction by name -> what it is.
 FRICTION: Final = {
