@@ -243,7 +243,7 @@ def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
         row = one.sel(probability=p)
         assert row.quantile_low < exact < row.quantile_high
         assert float(row.quantile_value) == pytest.approx(exact, rel=0.06 if p == 0.01 else 0.02)
-    assert "the rollers carry at least" in findings.reserve(found)
+    assert "the rollers carry at least" in findings.describe_reserve(found)
     assert float(found.skidding) == 0.0
     assert float(found.rank_correlation.sel(acted="drag reserve")[0]) == pytest.approx(-1.0)
     assert float(found.rank_correlation.sel(acted="steady slip")[0]) == pytest.approx(1.0)
@@ -273,7 +273,7 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     reserves = found.value.sel(quantity="drag reserve").to_numpy()
     assert np.array_equal(np.isinf(slips), reserves < 1.0)
     assert np.isfinite(reserves).all()
-    assert "of the samples the cage skids" in findings.reserve(found)
+    assert "of the samples the cage skids" in findings.describe_reserve(found)
     json.dumps(findings.UncertaintyAccount.record(found), allow_nan=False)
 
 
@@ -282,7 +282,7 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     [
         ((0.4, 4.0, "found"), (0.01, 0.5, "found"), 8.0, "found"),
         (
-            (math.nan, math.nan, "the cage was not found to run away"),
+            (math.nan, math.nan, "no skidding up to a slip of 0.95"),
             (0.0, 0.0, "found"),
             math.inf,
             "at least",
@@ -341,7 +341,7 @@ def points(statuses):
                 "the cage runs at no slip up to 0.95" if "skids" in text else "what acts on the cage drives it: fast"
                 for text in statuses
             ])),
-            "skidding_status": ("sample", np.full(n, "the cage was not found to run away")),
+            "skidding_status": ("sample", np.full(n, "no skidding up to a slip of 0.95")),
             "status": ("sample", np.full(n, "ok")),
         }
     )  # fmt: skip

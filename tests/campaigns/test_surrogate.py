@@ -227,8 +227,7 @@ def test_a_table_of_operations_says_where_the_bearing_runs(operations, error, st
         assert row["drag_reserve [1]"] == pytest.approx(largest / abs(drag), rel=error)
 
 
-#: What one spin of all rollers leaves out, as the page says: least share of the slip, error of the torque, and share of
-#: the cage's largest speed.
+#: What one spin of all rollers leaves out, as the page says: smallest ratio of the slips, error of the torque.
 ONE_SPIN = (0.85, 0.02)
 #: Deviation of the cage's speed, as a fraction of its largest one.
 OF_SPEED = 0.004

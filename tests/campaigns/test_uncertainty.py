@@ -199,7 +199,7 @@ def _points(status, slips):
             "limit_drag": ("sample", np.where(np.isnan(slips), np.nan, 4.0)),
             "skidding_status": (
                 "sample",
-                np.where(np.isnan(slips), "the cage was not found to run away", "found"),
+                np.where(np.isnan(slips), "no skidding up to a slip of 0.95", "found"),
             ),
             "critical_cage_slip": (
                 ("sample", "ring"),

@@ -410,7 +410,7 @@ SEEN = {
         100_064,
         "film_parameter",
     ),  # rollers all but stand, by a slip that is off by 1e-3 and less
-    "largest drag": (100_086, "limit_drag"),
+    "limit drag torque": (100_086, "limit_drag"),
     "reserve to slipping": (
         100_140,
         "acceptable_reserve",

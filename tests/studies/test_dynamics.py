@@ -353,7 +353,7 @@ def test_film_is_known_to_conventional_friction_alone():
     status = unknown.film_parameter.attrs["film_status"]
     assert (
         status
-        == "friction is effective, which has no film; set it with --set study.dynamics.friction=conventional"
+        == "friction is effective, which has no film parameter; --set study.dynamics.friction=conventional has one"
     )
     with pytest.raises(
         FieldError, match="film_limit: only known to friction = 'conventional', not to 'effective'"

@@ -426,7 +426,7 @@ def test_a_wrong_thermal_model_is_refused_by_every_study():
             run(evolve(SCENE, {"models.thermal": raw}), "friction-curve")
 
 
-def test_skiddings_of_film_and_of_bulk_are_told_apart():
+def test_skidding_and_a_runaway_of_the_bulk_are_told_apart():
     film = balanced({"cage.drag": [{"model": "constant-torque", "size": "9 N m"}]})
     assert film.status.item().startswith("no balance: the drag is larger than the cage can carry")
     (row,) = account_of(film).answer(film).rows
