@@ -2,7 +2,7 @@
 
 The bearings differ in size from 26 to 323 mm, in speed from 10 to 10,000 rpm, and in regime from a boundary film under
 heavy load to a thick film under nearly none. Each is run, in study ``effective-friction`` with a tolerance of 1e-3, by
-``rollslip pareto`` with all choices of slices, points and instants: its front, what the plan chose, and the cheapest
+``rollslip pareto`` with all choices of slices, points and positions: its front, what the plan chose, and the cheapest
 choice that would have kept the tolerance in friction and in both critical slips.
 
 Numbers of rollers and raceways are from makers' catalogues, where lengths and numbers are not printed estimated from
@@ -257,7 +257,7 @@ def resolution(one):
     planned = one.sel(choice="as planned")
     kind = {"equal": "slices", "gauss": "Gauss points"}[planned["quadrature"].item()]
     n_positions = planned["n_positions"].item()
-    return f"{planned['slices'].item()} {kind}, {n_positions} instant{'s' * (n_positions != 1)}"
+    return f"{planned['slices'].item()} {kind}, {n_positions} position{'s' * (n_positions != 1)}"
 
 
 def cells(point):

@@ -20,7 +20,7 @@ ONE_LINE = 240
 
 def short(words):
     """Words of an outcome in one line."""
-    words = re.sub(r"\d+ of \d+ instants", "... instants", words)
+    words = re.sub(r"\d+ of \d+ positions", "... positions", words)
     return words if len(words) <= ONE_LINE else words[: ONE_LINE - 3] + "..."
 
 

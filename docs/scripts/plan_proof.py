@@ -76,7 +76,7 @@ def main():
     ]
     header = [
         "scene", "what", "tolerance", "friction, estimated", "friction, actual", "critical slip, estimated",
-        "critical slip, actual", "slices", "n_positions", "boundary friction", "taken back", "planning [s]",
+        "critical slip, actual", "slices", "positions", "boundary friction", "taken back", "planning [s]",
         "whole run [s]", "finest [s]", "kept",
     ]  # fmt: skip
     write_table("plan_proof", header, rows)

@@ -27,7 +27,7 @@ COUNT = 1000
 SCENE_SECONDS = 8.0
 HEADER = [
     "scene", "what", "tolerance", "friction, found by the run", "friction, actual", "critical slip, found by the run",
-    "critical slip, actual", "slices", "n_positions", "verdict",
+    "critical slip, actual", "slices", "positions", "verdict",
 ]  # fmt: skip
 VERDICTS = ("kept", "kept, but told", "told", "silent")
 

@@ -28,8 +28,8 @@ Floats = NDArray[np.float64]
 #: Highest number of waves of a form that is taken into account in the choice of a lattice. Doubling it takes four times
 #: as long and distinguishes lattices by waves which hardly change loads. Chosen.
 _HIGHEST = 60
-#: Number of lattice steps k that are tried. Doubling it takes twice as long, once for each number of positions; it
-#: matters for more than 257 positions only. Chosen.
+#: Limit of the lattice steps k that are tried, the odd numbers below it. Doubling it takes twice as long, once for each
+#: number of positions; it matters for more than 257 positions only. Chosen.
 _STEPS = 257
 
 

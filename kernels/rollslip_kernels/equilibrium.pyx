@@ -123,12 +123,12 @@ def solve(
     ``stages`` and ``tables`` are the contact laws of both rings and the slices they work in, with room for all of one
     instant; ``direction`` holds cos psi, sin psi and -B of the shapes (M, Z, u), ``form`` those of both raceways
     (M, Z), ``given`` and ``ring_stiffness`` load and stiffness of each unknown of the rings (u,), those from ``outer``
-    on of the outer ring; ``stops`` (s, u + 2) one-sided springs: shapes, stiffness, gap. ``centrifugal`` is
-    the force of each
-    instant (M,): where rollers stand as in the one before, it goes on from there; ``pull`` what else acts on each
-    roller outwards (M, Z), with which it never does. Of the slices carried along, all of a
-    roller or its half that mirrors the other, ``xi`` are the places over half the roller's length, ``weights`` (3, h)
-    those of the moments. ``rise`` is that of the roller's end by the ring's tilt, ``reach`` the longest move due to
+    on of the outer ring; ``stops`` (s, u + 2) one-sided springs: shapes, stiffness, gap. ``centrifugal`` is the
+    force of each instant (M,): where rollers stand as in the one before, it goes on from
+    there; ``pull`` what else acts on each roller outwards (M, Z), with which it never does. Of the slices carried
+    along, all of a roller or its half that mirrors the other, ``xi`` are the places over half the roller's length,
+    ``weights`` (3, h) those of the moments. ``rise`` is that of the roller's end by the ring's tilt, ``reach``
+    the longest move due to
     clearance, profile and tilt. The arrays of ``found`` are load (2, M, Z, n), force (2, M, Z), ring (M, u), residual
     (M, 2), shift, tip (M, Z), moment, passes (M,).
     """

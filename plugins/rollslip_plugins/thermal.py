@@ -189,7 +189,7 @@ class Network(ThermalModel):
     - Rings to surroundings, through seats, shaft and housing in series: the heat that ISO 15312 takes at its reference
       conditions, 16 kW/m2 of seat at 50 K above 20 degC, up to 0.05 m2, then less with the power -0.34 of the area
       (exponent recalled, C). Shaft and housing take what the areas of their seats are; a seat conducts 2 kW/(m2 K) (D).
-    - Oil to rings and rollers: a slicer plate, Nu = 0.332 Re^0.5 Pr^(1/3), at the pitch diameter and a third of the
+    - Oil to rings and rollers: a laminar plate, Nu = 0.332 Re^0.5 Pr^(1/3), at the pitch diameter and a third of the
       cage's surface speed, as Harris and Kotzalas take it, over the wetted surfaces.
     - Rings to rollers: the film over the Hertz width of a mean contact in series with the flash of two half-spaces,
       K = Z l 2 b/(h/K_f + sqrt(pi 2 b/u)/e).

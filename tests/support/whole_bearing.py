@@ -41,10 +41,9 @@ NINE = {
         ],
     },
 }
-LOADS = 1e-4  # of them may be at the wrong place at level pocket
-# s between instants, and rollers of the reference
-SAMPLE = 1e-5
-#: They are evenly spaced among those of the bearing.
+LOADS = 1e-4  # fraction of the loads that may be at the wrong place at level pocket
+SAMPLE = 1e-5  # s between stored times
+#: Rollers of the reference, evenly spaced among those of the bearing.
 SHOWN = 9
 
 

@@ -15,22 +15,19 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface
 
-# m
-INNER = 0.0825
-OUTER = 0.0975
-ROLLER = 0.0075
-# rad/s, N, kg
-SPEED = 6371 * math.pi / 30
-LOAD = 1037.0
-RING_MASS = 3.0
+INNER = 0.0825  # m
+OUTER = 0.0975  # m
+ROLLER = 0.0075  # m
+SPEED = 6371 * math.pi / 30  # rad/s
+LOAD = 1037.0  # N
+RING_MASS = 3.0  # kg
 MASS = 7800.0 * math.pi * ROLLER**2 * 0.015
 # Palmgren: delta = 3.84e-5 Q^0.9/l^0.8, in mm and N
 # N/m^(10/9)
 STIFFNESS = (15.0**0.8 / 3.84e-5) ** (1 / 0.9) * 1e3 ** (1 / 0.9)
 EXPONENT = 1 / 0.9
-# Coulomb, with a ramp of this speed [m/s]
-FRICTION = 0.05
-ZONE = 1e-3
+FRICTION = 0.05  # Coulomb
+ZONE = 1e-3  # m/s, ramp of the friction
 START = math.radians(0.5)
 END = 1.2e-3
 STEP = 5e-8

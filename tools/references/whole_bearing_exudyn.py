@@ -26,19 +26,16 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface
 
-# s, rows of the file, and s between what the mean squares are of
-END = 20e-3
-ROWS = 20
-SAMPLE = 1e-5
+END = 20e-3  # s
+ROWS = 20  # of the file
+SAMPLE = 1e-5  # s between the values whose mean squares are taken
 DENSITY = 7800.0
 MODULUS = 208e9
 POISSON = 0.3
-# m/s2, along the load; s/m
-GRAVITY = 9.80665
-DAMPING = 0.3
-# of pockets: N/m, N over which the first touch is rounded
-STIFFNESS = 5e7
-TOUCH = 0.02
+GRAVITY = 9.80665  # m/s2, along the load
+DAMPING = 0.3  # s/m
+STIFFNESS = 5e7  # N/m, of pockets
+TOUCH = 0.02  # N over which the first touch is rounded
 POCKET_SLIDING = 1e-2  # m/s over which friction in the pockets changes its sign
 FILE = Path(__file__).with_suffix(".csv")
 

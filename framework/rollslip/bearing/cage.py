@@ -27,7 +27,8 @@ from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene
 from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity
 
-#: Largest number of resistances, and of torques, that are added: the size of their arrays in the compiled kernels.
+#: Largest number of resistances, and of torques, that are added. Kernels have room for 8 resistances (stages/drag.pyx)
+#: and 16 torques (motion/bearing.h); both have the same limit. Chosen.
 MAX_TERMS: Final = 8
 #: Keys of the land of a ring, which a cage that is guided by a ring has.
 _LAND_KEYS: Final = ("land_radius", "land_width", "land_clearance")

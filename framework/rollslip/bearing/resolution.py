@@ -192,7 +192,7 @@ class BoundBrokenError(RollslipError):
     """A simplification is not allowed after all; ``bound`` is the one that was exceeded."""
 
     def __init__(self, bound: "LeftOut", found: str) -> None:
-        super().__init__(f"{bound.what} was left out, but {found}; it was reinstated in")
+        super().__init__(f"{bound.what} was left out, but {found}; it was reinstated")
         self.bound = bound
 
 

@@ -123,7 +123,7 @@ def find(kind: str, name: str) -> Offer:
 
 
 def _similar_names(kind: str, name: str) -> list[str]:
-    """Return the three names of a kind that are most similar to another one; of data also those with equal numbers."""
+    """Return up to three names similar to another one; of data, where none is similar, names with an equal number."""
     names = [*available(kind), *(known for _, family in families(kind) for known in family.names)]
     if not get_kind(kind).data:
         return difflib.get_close_matches(name, names, n=3, cutoff=0.4)

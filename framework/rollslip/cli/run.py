@@ -154,7 +154,7 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
 @click.option(
     "--verify",
     is_flag=True,
-    help="Run at the finest too, and report whether the error of the plan was as predicted.",
+    help="Run at a finer resolution too, and report whether the error of the plan was as predicted.",
 )
 @click.option(
     "--fail-on",
@@ -261,7 +261,7 @@ def _run_studies(
             failures[name] = error
             continue
         if verify and datasets[name].attrs.get("outcome", "finished") == "finished":
-            with progress(f"{name} at the finest"):
+            with progress(f"{name} at a finer resolution"):
                 datasets[name] = verified(planned, name, datasets[name])
         if datasets[name].attrs.get("outcome") == "interrupted":
             break

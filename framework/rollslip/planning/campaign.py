@@ -115,8 +115,7 @@ class Campaign(abc.ABC):
             default=None,
             metadata=setting(
                 "",
-                details="Is called meanwhile with how far it is in words, the share that is done, and the "
-                "time left [s].",
+                details="Is called during the run with a text, the fraction that is done, and the time left [s].",
             ).metadata,
         )
     )

@@ -26,10 +26,10 @@ def load_distribution(scene: Scene | str, n_positions: int = 1) -> "xr.Dataset":
     Returns
     -------
     xarray.Dataset
-        Dimensions (ring, instant, roller): normal_force; (ring, instant, roller, slice): load_per_length;
-        (instant, direction): displacement; (ring, instant, orbit_angle): raceway_shape, from its form, at the
-        first position, and the bending of the ring; (instant,): moment; attributes force_residual and moment_residual,
-        relative.
+        Dimensions (ring, instant, roller), where "instant" is the roller position: normal_force;
+        (ring, instant, roller, slice): load_per_length; (instant, direction): displacement;
+        (ring, instant, orbit_angle): raceway_shape, from its form, at the first position, and the bending of the ring;
+        (instant,): moment; attributes force_residual and moment_residual, relative.
 
     Raises
     ------

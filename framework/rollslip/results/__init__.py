@@ -1,1 +1,1 @@
-"""What a result is, how any is stored, drawn and told."""
+"""Results: datasets and their files, answers, figures, tables and reports."""

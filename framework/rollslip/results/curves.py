@@ -164,7 +164,9 @@ def curve_names(dataset: "xr.Dataset", curves: "Curves | None" = None) -> list[s
     over = dataset[curves.over]
     if over.dtype.kind not in "fi":
         return [f"{value} {curves.over}" for value in over.to_numpy()]
-    return [format_quantity(float(value), over.attrs["units"]) for value in over.to_numpy()]
+    return [
+        format_quantity(float(value), over.attrs.get("units", "1")) for value in over.to_numpy()
+    ]
 
 
 def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:

@@ -223,8 +223,9 @@ def _findings(datasets: "Datasets") -> str:
     body = ""
     for name, dataset in datasets.items():
         parts = [*account_of(dataset).story(dataset), describe_law_outputs(dataset)]
-        if any(parts):
-            body += _tag("h3", name) + "".join(_finding(part) for part in parts if part)
+        text = "".join(_finding(part) for part in parts if part)
+        if text:
+            body += _tag("h3", name) + text
     level = confidence(datasets.values())
     if level and body:
         body += _tag("p", f"Confidence: {level}.")

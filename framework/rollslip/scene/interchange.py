@@ -218,6 +218,7 @@ class Json(SceneFormat):
         return Written(json.dumps(document, indent=2, allow_nan=False) + "\n", notes)
 
 
+#: The built-in format, which the catalogue finds in this module.
 JSON_FORMAT: Final = Json("json")
 
 

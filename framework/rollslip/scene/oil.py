@@ -126,6 +126,6 @@ def _remedy(member: str, conditions: Conditions, lubricant: Lubricant) -> str:
     """Return what to type so that the oil has a property; some laws of viscosity under pressure take no coefficient."""
     law = lubricant.pressure_viscosity_law
     if member.startswith("pressure_") and not math.isnan(law.coefficient(conditions.temperature)):
-        return f"{law.name!r} accepts none: choose another lubricant.pressure_viscosity_law"
+        return f"{law.name!r} accepts none: take another lubricant.pressure_viscosity_law"
     typical = f" = {_TYPICAL[member]}" if member in _TYPICAL else ""
     return f"give lubricant.{member}{typical},"

@@ -73,7 +73,7 @@ SUPPLIES: Final[Mapping[str, Supply]] = MappingProxyType(
         ),
         "splash": Supply(
             "oil that gears throw", 0.25, 1.0, 0.0, _LOW, 1.0,
-            f"half of that of a bath (D); {_SKF} of a low bath",
+            f"half the level of a bath (D); {_SKF} of a low bath",
         ),
         "circulating": Supply(
             "oil that is pumped through", 0.5, 2.0, 0.0, _LOW, 1.0,

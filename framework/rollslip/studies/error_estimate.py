@@ -175,9 +175,12 @@ _SIMPLIFICATIONS: Final = {
 #: Number from which a needed number of points counts as infinite; a float beyond it may not fit into an integer.
 _UNLIMITED: Final = 1e9
 
+# Orders --------------------------------------------------------------------------------------------------------------
+
 #: Order of the mean over positions of a curve with jumps, at the worst, whatever two numbers of positions show: each
 #: roller jumps somewhere between two positions.
 _JUMP_ORDER: Final = 1.0
+
 # Runs that are made again --------------------------------------------------------------------------------------------
 
 #: Name of the part of an error that comes from models left out, which the probe did not show to be needed.

@@ -19,11 +19,15 @@ def resolution_reason(assembly: Assembly, estimated: ResolutionChoice) -> str:
         return f"there are no estimates: {estimated.failed}"
     if estimated.refinement_reason:
         return f"{estimated.refinement_reason}, so it was run again"
-    fraction = " and ".join(
+    tolerances = " and ".join(
         f"{assembly.scene.accuracy.of(result):g} ({result.replace('_', ' ')})"
         for result in estimated.total
     )
-    return f"the fewest whose estimated error keeps {fraction}" if fraction else "the finest of all"
+    return (
+        f"the fewest whose estimated error keeps {tolerances}"
+        if tolerances
+        else "the finest of all"
+    )
 
 
 def slices(assembly: Assembly, errors: Errors, why: str) -> Part:

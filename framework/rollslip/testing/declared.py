@@ -20,7 +20,7 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 
 __all__ = ["not_run"]
 
-#: Value of columns before they are written [any unit]: a denormal-like number that no law returns.
+#: Value of columns before they are written [any unit]: an arbitrary number, which no law returns to the last bit.
 _UNWRITTEN: Final = 0.123456789e-77
 
 

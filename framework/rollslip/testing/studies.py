@@ -160,7 +160,7 @@ def check_compared_quantity_is_an_output(study: Study) -> None:
         none = np.all(values == 0.0) and not study.outputs[name].floor
         refuse_unless(
             not none,
-            f"{name} is 0, of which no error is a share; give the size that is none, Output(floor=)",
+            f"{name} is 0, so that it has no relative error; give the size that counts as none, Output(floor=)",
         )
     unknown = ", ".join(sorted(study.affected_by - set(AXES)))
     refuse_unless(not unknown, f"affected_by names {unknown}, which nobody can choose")
@@ -189,7 +189,7 @@ def check_its_curves_can_be_compared(study: Study) -> None:
     count = {part.curve for part in parts}
     refuse_unless(
         count == set(range(result.sizes[curves.over])),
-        f"evaluated() gives slices of the curves {count}",
+        f"loaded_slices() gives slices of the curves {count}",
     )
 
 

@@ -169,7 +169,7 @@ typedef struct {
     double *turning;             /* torque by these slopes [N m] */
     double *passing[2];          /* rate at which a form that turns opens a gap [m/s] */
     double *driven;              /* power of that rate [W] */
-    double *behind;              /* end of the columns */
+    double *behind;              /* never set: all members from unknown to here are columns, pointers only */
 } rs_bearing;
 
 #define RS_COLUMNS ((offsetof(rs_bearing, behind) - offsetof(rs_bearing, unknown)) / sizeof(double *))

@@ -10,9 +10,10 @@
   there in steps of its own, halved until the cubic leads or the step is nothing. So the balance that a roller is in
   depends on the slip, not on the slips that were asked for before it.
 - Where torques rise through zero is where the rollers hold their spin, so brackets end there.
-- Many rows of one orbit each, at cage slips of their own, are sent round at once: implicit Euler along the positions,
-  at each of which a roller goes in the sense of its torque to the first balance of torque and change of its spin. Such
-  motions are ordered, so what is sent round from both ends of a bracket encloses all that repeat, and where both have
+- Many rows of one orbit each, at cage slips of their own, are marched round the orbit at once: implicit Euler along the
+  positions, at each of which a roller goes in the sense of its torque to the first balance of torque and change
+  of its spin. Such
+  motions are ordered, so what is marched from both ends of a bracket encloses all that repeat, and where both have
   met there is one. Rows are not evaluated any more as soon as they have come to what they were an orbit before.
 - How torques are made of forces stands in the Python module `torque_balance` of the studies.
 """

@@ -104,7 +104,7 @@ class PetroffLand(DragModel):
     - w_ring: speed of the guiding ring (``ring``) [rad/s]
     - w_c: speed of the cage [rad/s]
 
-    Range: slicer flow in a full, concentric gap, c << R; an oil at the temperature of the scene, while the gap of a
+    Range: laminar flow in a full, concentric gap, c << R; an oil at the temperature of the scene, while the gap of a
     fast bearing is hotter, and the torque less. A starved land has a smaller width.
 
     Raises

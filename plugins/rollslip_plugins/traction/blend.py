@@ -40,7 +40,7 @@ from rollslip_plugins.traction.eyring import MaxwellEyring
 
 @attrs.frozen(kw_only=True)
 class _Blend(TractionModel, abc.ABC):
-    """Two traction models and the share of the first."""
+    """Two traction models and the fraction of the first."""
 
     #: What the share reads.
     fraction_domain: ClassVar[Domain] = MappingProxyType(
@@ -62,7 +62,7 @@ class _Blend(TractionModel, abc.ABC):
 
     @property
     def domain(self) -> Domain:  # type: ignore[override]
-        """Where both children and the share are defined."""
+        """Where both children and the fraction are defined."""
         both = dict(self.fraction_domain)
         for limits in (self.boundary.domain, self.hydrodynamic.domain):
             for member, (low, high) in limits.items():
@@ -86,7 +86,7 @@ class _Blend(TractionModel, abc.ABC):
 
     @abc.abstractmethod
     def fractions(self, slices: Slices) -> tuple[Array, Array]:
-        """Return the shares of boundary and of film friction in each slice, from 0 to 1, which add to 1."""
+        """Return the fractions of boundary and of film friction in each slice, from 0 to 1, which add to 1."""
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient; each child sees only the slices that need it."""
@@ -98,7 +98,7 @@ class _Blend(TractionModel, abc.ABC):
 
 @attrs.frozen(kw_only=True)
 class _BetweenLimits(_Blend):
-    """A share that falls from 1 to 0 between two film parameters, by a power of the distance to the second."""
+    """A fraction that falls from 1 to 0 between two film parameters, by a power of the distance to the second."""
 
     boundary_limit: float = parameter(
         default=0.01,

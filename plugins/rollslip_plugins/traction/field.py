@@ -516,7 +516,7 @@ def _refuse_inaccurate(name: str, error: Array, accuracy: float, first: int = 0)
     if np.isfinite(estimate):
         raise DomainError(
             f"{name}: slice {first + k} did not settle: the error of its friction is {estimate:.1e} at "
-            f"{GRIDS[-1][0]} cells, {accuracy:g} is asked; ask for less accuracy, or take maxwell-eyring"
+            f"{GRIDS[-1][0]} cells, {accuracy:g} is requested; request less accuracy, or take maxwell-eyring"
         )
     raise DomainError(
         f"{name}: slice {first + k} has no solution: its film runs away thermally, its oil thickens with heat, or a "

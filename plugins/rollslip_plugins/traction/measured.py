@@ -244,11 +244,9 @@ class Tabulated(TractionModel):
 
     @cached_property
     def _table(self) -> tuple[dict[str, Array], Any]:
-        # takes longer than a module of models may
         """Axes of the table, and the interpolator of its friction."""
-        from scipy.interpolate import (
-            RegularGridInterpolator,
-        )
+        # imported here, because this takes longer than the import of a module of models may
+        from scipy.interpolate import RegularGridInterpolator
 
         axes, friction = read_table(self.file)
         short = [name for name, axis in axes.items() if len(axis) < 4]

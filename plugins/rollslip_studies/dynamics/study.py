@@ -726,8 +726,8 @@ class Dynamics(Study):
         film_status = "of the loaded slices"
         if self.friction != "conventional":
             film_status = (
-                f"friction is {self.friction}, which has no film; set it with "
-                f"--set {self.table}.friction=conventional"
+                f"friction is {self.friction}, which has no film parameter; "
+                f"--set {self.table}.friction=conventional has one"
             )
         variables["film_parameter"][2]["film_status"] = film_status
         history, history_attributes = over_time.history_variables(

@@ -123,7 +123,6 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "1",
             "cage slip at which skidding begins",
             status="skidding_status",
-            aliases=("skidding_slip",),
         ),
         "limit_drag": Output(
             "",

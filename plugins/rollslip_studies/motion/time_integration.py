@@ -35,7 +35,8 @@ Outcome = Literal["finished", "stopped", "interrupted", "failed"]
 #: Number of steps without progress after which a solver counts as stalled. SciPy's LSODA stalls before a
 #: singularity; doubling it takes as many useless steps more. Chosen.
 _MAX_STALLED_STEPS: Final = 100
-#: Relative progress of a step, of the time that is left, below which the solver stalls. Doubling it has no effect
+#: Progress of a step, relative to the larger of the time reached and the time left, below which the solver stalls.
+#: Doubling it has no effect
 #: on steps that resolve anything; chosen, above the rounding of time.
 _MIN_PROGRESS: Final = 1e-12
 #: Number of steps of the first call of a compiled solver, between two checks of the clock. Later calls take up to
@@ -451,8 +452,8 @@ class _Run:
                 return (
                     f"the solver gave up at t = {self.t:.6g} s: {message or 'it does not say why'}"
                 )
-            remaining = max(abs(self.t), solver.t_bound - solver.t)
-            stalled = stalled + 1 if solver.t - self.t <= _MIN_PROGRESS * remaining else 0
+            reference = max(abs(self.t), solver.t_bound - solver.t)
+            stalled = stalled + 1 if solver.t - self.t <= _MIN_PROGRESS * reference else 0
             if stalled > _MAX_STALLED_STEPS:
                 return f"the solver stands still at t = {self.t:.6g} s: its steps are lost in the rounding of time"
             if not np.all(np.isfinite(solver.y)):

@@ -86,7 +86,7 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         if name in dataset:
             caption = (
                 f"Steady cage slip against {name.replace('_', ' ')}, {friction}; dashed "
-                "is what the cage does not hold."
+                "are unstable slips."
             )
             yield f"steady-slip-{name.replace('_', '-')}", caption, _branches(dataset, name)
 

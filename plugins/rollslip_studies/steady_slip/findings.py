@@ -110,7 +110,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     yield slip_row(dataset, slip, status, known=_KNOWN, within=0.02)
     preload = max(0.0, -(clearance or 0.0))
     if "minimum_load" in dataset:
-        if slip < -acceptable or Status.of(status) is Status.DRIVEN:
+        if slip < -acceptable or Status.DRIVEN in status:
             yield Row(
                 key="minimum_load",
                 label="minimum load",

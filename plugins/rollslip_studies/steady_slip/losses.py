@@ -217,14 +217,14 @@ def _limit_drag_errors(
     )
     torques = balance.torques(slips)
     yield (
-        "largest drag",
+        "limit drag torque",
         _JUMP_ERROR_FACTOR * _relative_error(float(dataset["limit_drag"]), torques[1]),
     )
     if not low < slip < high:
         return
     curvature, slope, _ = np.polyfit((slips - slip) / (high - low), torques, 2)
     vertex = slip - 0.5 * slope / curvature * (high - low) if curvature < 0.0 else math.inf
-    yield "slip of the largest drag", 0.0 if low <= vertex <= high else abs(vertex / slip - 1.0)
+    yield "skidding slip", 0.0 if low <= vertex <= high else abs(vertex / slip - 1.0)
 
 
 def _relative_error(value: float, finer: float) -> float:

@@ -52,7 +52,7 @@ def followed_outputs(name: str) -> dict[str, Output]:
     return {
         name: Output(points, unit, what),
         f"{name}_slip": Output(points, "1", "steady cage slip"),
-        f"{name}_stable": Output(points, "1", "whether the cage holds it"),
+        f"{name}_stable": Output(points, "1", "whether the steady slip is stable"),
         f"{name}_fold": Output(points, "1", "whether stable and unstable slips meet"),
         f"{name}_branch": Output(points, "1", "number of the branch"),
         f"{name}_limit": Output(
@@ -91,7 +91,6 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "1",
             "cage slip at which skidding begins",
             status="skidding_status",
-            aliases=("skidding_slip",),
         ),
         "skidding_status": Output("", "1", "what was found of the limit drag torque"),
         "limit_drag_error": Output("", "1", "relative error left of it", status="skidding_status"),
@@ -137,7 +136,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             status="status",
             aliases=("steady_drag",),
         ),
-        "stable": Output("steady", "1", "held"),
+        "stable": Output("steady", "1", "whether the steady slip is stable"),
         "stability": Output("steady", "1", "stability in words"),
         "multiplier": Output(
             "steady",
@@ -202,6 +201,6 @@ MEASURED: Final[Mapping[str, Measurable]] = MappingProxyType(
         "cage-speed": Measurable(variable="cage_speed", steady_index=0),
         "friction-torque": Measurable(variable="friction_torque", steady_index=0),
         "minimum-load": Measurable(variable="minimum_load"),
-        "limit-drag-slip": Measurable(variable="skidding_slip", missing_is_above=True),
+        "skidding-slip": Measurable(variable="skidding_slip", missing_is_above=True),
     }
 )

@@ -83,7 +83,7 @@ class State:
     slip: float  # smallest stable steady cage slip; NaN if there is none
     power: PowerBalance | None = None  # losses at that slip
     refusal: str = ""  # why there is no slip or no film, in words; empty if there are
-    #: Whether the refusal is that the cage skids, and not that an oil has no data.
+    #: Whether the cage skids or, with `not_converged`, may do so; False where a law or the oil has no data.
     cage_skids: bool = False
     #: Whether a search did not converge, so that the bearing may have a slip.
     not_converged: bool = False
@@ -200,7 +200,9 @@ class Heated:
             stable = next((motion for motion in steady if motion.slope > 0.0), None)
             if stable is None:
                 return State(
-                    np.nan, refusal="no slip is held" if steady else status, cage_skids=True
+                    np.nan,
+                    refusal="no steady slip is stable" if steady else status,
+                    cage_skids=True,
                 )
             state = State(
                 stable.slip,

@@ -57,8 +57,8 @@ def _excess(dataset: "xr.Dataset") -> "Figure":
     )
     axes.axhline(0.0, color="black", linewidth=0.6)
     for stable, style, label in (
-        (1, MARKER, "balance that lasts"),
-        (0, _OPEN, "balance that does not last"),
+        (1, MARKER, "stable balance"),
+        (0, _OPEN, "unstable balance"),
     ):
         chosen = (dataset["stable"].to_numpy() == stable) & np.isfinite(
             dataset["steady_slip"].to_numpy()

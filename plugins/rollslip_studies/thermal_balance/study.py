@@ -459,7 +459,7 @@ class ThermalBalance(Study):
         end = curve.refusals[last + 1]
         cause = "the data of the scene end"
         if end.cage_skids:
-            cause = "a runaway of the film before one of the bulk"
+            cause = "the cage skids before the bulk runs away"
         return (
             f"no balance up to {celsius[last]:.4g} degC of the {node}, where {cause}: {end.refusal}"
         )

@@ -23,9 +23,9 @@ Array = NDArray[np.float64]
 
 @attrs.frozen(kw_only=True)
 class SlidingPower(Study):
-    """Power lost by sliding in the contacts of each ring, mean over the instants of a pitch, against cage slip.
+    """Power lost by sliding in the contacts of each ring, mean over the roller positions of a pitch, against cage slip.
 
-    P(S_c) = (1/M) sum(|mu_s V| Q_s) over the loaded slices s of all rollers at M instants [-], rollers at their
+    P(S_c) = (1/M) sum(|mu_s V| Q_s) over the loaded slices s of all rollers at M positions [-], rollers at their
     epicyclic spin, with
 
     - mu_s friction coefficient of a slice [-], after the models of the scene,
