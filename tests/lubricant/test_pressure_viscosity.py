@@ -299,7 +299,7 @@ def test_an_oil_without_the_data_of_its_law_is_refused_in_words(monkeypatch):
     with pytest.raises(SceneError) as refused:
         assemble(evolve(scene, {"models.traction": "reads-gamma"}))
     assert "gives no pressure_thermoviscosity" in str(refused.value)
-    advice = "'yasutomi' accepts none: choose another lubricant.pressure_viscosity_law or choose another model"
+    advice = "'yasutomi' accepts none: take another lubricant.pressure_viscosity_law or choose another model"
     assert advice in str(refused.value)
     assert "give lubricant.pressure_thermoviscosity" not in str(refused.value)
     bare = Lubricant(
