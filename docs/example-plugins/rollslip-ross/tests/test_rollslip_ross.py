@@ -42,7 +42,7 @@ def test_elements_go_over_speeds_forwards_and_tell_what_they_leave_out() -> None
 def test_rings_that_yield_and_results_without_tables_are_refused() -> None:
     with pytest.raises(SceneError, match="rings that yield have no stiffness"):
         Ross("ross").render(TABLES.assign(stiffness_along=TABLES["stiffness_along"] * math.nan))
-    with pytest.raises(SceneError, match="format ross: is written of tables"):
+    with pytest.raises(SceneError, match="format ross: is written from tables"):
         Ross("ross").write({}, None)
 
 
