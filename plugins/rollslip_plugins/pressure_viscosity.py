@@ -102,6 +102,10 @@ class Barus(PressureViscosity):
         """Return the compiled form."""
         return compiled.barus(self.factor)
 
+    def log_kernel(self) -> object:
+        """Return the compiled form of the logarithm."""
+        return compiled.barus(self.factor, True)
+
 
 def _gamma(s: Array, k: Array) -> tuple[Array, Array]:
     """Return G(s, k) = exp(k) k^-s Gamma(s, k), with the incomplete gamma function, and its slope over s.
@@ -218,6 +222,11 @@ class Roelands(PressureViscosity):
         """Return the compiled form."""
         return compiled.roelands(POLE_VISCOSITY, POLE_PRESSURE, self.factor, self.alpha == "film")
 
+    def log_kernel(self) -> object:
+        """Return the compiled form of the logarithm."""
+        film = self.alpha == "film"
+        return compiled.roelands(POLE_VISCOSITY, POLE_PRESSURE, self.factor, film, True)
+
 
 @attrs.frozen(kw_only=True)
 class Yasutomi(PressureViscosity):
@@ -316,6 +325,13 @@ class Yasutomi(PressureViscosity):
 
     def kernel(self) -> object:
         """Return the compiled form."""
+        return self._compiled(logarithm=False)
+
+    def log_kernel(self) -> object:
+        """Return the compiled form of the logarithm."""
+        return self._compiled(logarithm=True)
+
+    def _compiled(self, *, logarithm: bool) -> object:
         return compiled.yasutomi(
             self.glass_temperature,
             self.a1,
@@ -325,4 +341,5 @@ class Yasutomi(PressureViscosity):
             self.c1,
             self.c2,
             self.factor,
+            logarithm,
         )

@@ -9,6 +9,7 @@ from broken_models import SOURCE, listing
 from rollslip.fields import parameter, positive
 from rollslip.lubricant.pressure import PressureViscosity, factor_of_oil
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, PressureModel
+from rollslip_kernels.chain import python_stage
 
 BROKEN = []
 breaks = listing(BROKEN)
@@ -96,6 +97,18 @@ class Apart(Power):
     def evaluate(self, slices):
         super().evaluate(slices)
         slices.film_viscosity[...] *= 1.0 + 1e-6
+
+
+@breaks("check_log_kernel_gives_the_logarithm")
+class Decimal(Power):
+    """A law whose logarithm is the decimal one."""
+
+    def log_kernel(self):
+        return python_stage(self.decimal, self.writes)
+
+    def decimal(self, slices):
+        self.evaluate(slices)
+        slices.film_viscosity[...] = np.log10(slices.film_viscosity)
 
 
 @breaks("check_uses_the_pressure_factor_of_an_oil")

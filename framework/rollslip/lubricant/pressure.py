@@ -45,6 +45,14 @@ class PressureViscosity(SliceModel):
         It raises `DomainError` for a pressure at which the law is not defined.
         """
 
+    def log_kernel(self) -> object | None:
+        """Return a compiled form that fills ``film_viscosity`` with ln(eta/(Pa s)), or None: then `kernel` is called.
+
+        A traction law that takes several pressures of a contact asks for it. It needs no exponential and overflows at
+        no pressure.
+        """
+        return None
+
     def coefficient(self, temperature: float) -> float:
         """Return dln(eta)/dp at ambient pressure [1/Pa] if the law determines it; nan if it is the alpha of the oil."""
         return math.nan

@@ -55,6 +55,7 @@ from rollslip.testing.samples import (
     signed,
     table,
 )
+from rollslip_kernels.chain import Chain
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag as compiled
 
@@ -332,6 +333,22 @@ def check_values_at_pressures_are_those_of_the_stage(
         f"{form} form, at() against it",
         ["film_viscosity"],
     )
+
+
+@rule(PressureViscosity)
+@on_drawn_slices
+def check_log_kernel_gives_the_logarithm(
+    filled: Slices, form: str, shaped: PressureViscosity
+) -> None:
+    """``log_kernel``, which laws at several pressures of a contact call, gives ln(eta) in place of eta."""
+    capsule = shaped.log_kernel()
+    if capsule is None:
+        raise Inapplicable("it has no log_kernel")
+    found = copy_of(filled)
+    Chain([(capsule, {}, shaped.writes)]).run(found)
+    found.film_viscosity[:] = np.exp(found.film_viscosity)
+    tolerance = max(1e-9, shaped.tolerance)
+    same(found, filled, shaped, tolerance, f"exp of log_kernel() against the {form} form")
 
 
 @rule(PressureViscosity)

@@ -17,9 +17,9 @@ enum { NO_FACTOR, MURCH_WILSON, GUPTA };
 #define HEATED_INLET(power) (3.94 / (3.94 + (power)))
 typedef struct { rs_model film; int thermal; double starvation, layer, exponent; } inlet_params;
 typedef struct { double rigid, elastic, factor; int heated, whole; } rolling_params;
-typedef struct { double factor; } barus_params;   /* on ln(eta/eta0) */
-typedef struct { double pole_viscosity, pole_pressure, factor; int film; } roelands_params;   /* film: alpha is alpha* */
-typedef struct { double glass_temperature, a1, a2, b1, b2, c1, c2, factor; } yasutomi_params;
+typedef struct { double factor; int logarithm; } barus_params;   /* factor on ln(eta/eta0); ln(eta) in place of eta */
+typedef struct { double pole_viscosity, pole_pressure, factor; int film, logarithm; } roelands_params;   /* film: alpha is alpha* */
+typedef struct { double glass_temperature, a1, a2, b1, b2, c1, c2, factor; int logarithm; } yasutomi_params;
 typedef struct { double limit, rise, decay; } kragelsky_params;
 typedef struct { double a, b, c, d, transition; } gupta_params;
 typedef struct { double flash, critical_stress, exponent; } carreau_params;

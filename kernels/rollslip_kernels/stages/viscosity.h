@@ -1,16 +1,26 @@
 /* Viscosity of the oil at the pressure of a slice, and its fall with temperature there. */
 
-/* Each takes a factor c on ln(eta/eta0), 1 unless the oil says otherwise. */
+/* Each takes a factor c on ln(eta/eta0), 1 unless the oil says otherwise. With `logarithm` it gives ln(eta) in place of
+ * eta, for laws that take several pressures of a contact: it costs less and overflows at no pressure. */
 
 /* eta = eta0 exp(c alpha p), -dln(eta)/dT = beta0 + c gamma p      [Barus 1893] */
 STAGE(barus, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     const double *pressure = s->pressure;
-    double factor = ((const barus_params *)params)->factor;
+    const barus_params *q = (const barus_params *)params;
+    double factor = q->factor;
     double *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity;
     double ambient = s->viscosity, alpha = factor * s->pressure_viscosity, beta = s->thermoviscosity;
     double gamma = factor * s->pressure_thermoviscosity;
     uint64_t far = 0;
     size_t n = WHOLE(s->n);
+    if (q->logarithm) {
+        double log_ambient = rs_log(ambient);
+        EACH(i, n) {
+            viscosity[i] = RS_FMA(alpha, pressure[i], log_ambient);
+            fall[i] = RS_FMA(gamma, pressure[i], beta);
+        }
+        return 0;
+    }
     for (size_t i = 0; i < n; i++) far |= rs_bits(700.0 - fabs(alpha * pressure[i]));
     EACH(i, n) {
         viscosity[i] = ambient * rs_exp_normal(alpha * pressure[i]);
@@ -69,6 +79,7 @@ STAGE(roelands, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     double ambient = s->viscosity, pole = q->pole_pressure, k = rs_log(ambient / q->pole_viscosity);
     double z = s->pressure_viscosity * pole / k, beta = s->thermoviscosity, rise = q->factor * k;
     double bend = pole * (s->pressure_thermoviscosity - s->pressure_viscosity * s->thermoviscosity / k);
+    uint64_t far = 0;
     size_t n = WHOLE(s->n);
     if (!(k > 0.0)) return 1;
     if (q->film && s->pressure_viscosity > 0.0) {
@@ -77,12 +88,27 @@ STAGE(roelands, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
         if (!(z > 0.0)) return 1;
         bend = k * (over_a * s->pressure_thermoviscosity * pole + over_k * beta);
     }
+    if (q->logarithm) {   /* absolute errors count here, so that neither log1p nor expm1 is needed */
+        double log_ambient = rs_log(ambient), per_pole = 1.0 / pole;
+        EACH(i, n) {
+            double power, m = rs_split_normal(RS_FMA(pressure[i], per_pole, 1.0), &power);
+            x[i] = RS_FMA(power, RS_LN2, rs_log_near_one(m - 1.0));
+        }
+        EACH(i, n) y[i] = rs_exp_normal(rs_clamped(z * x[i], -700.0, 700.0));
+        EACH(i, n) {
+            viscosity[i] = log_ambient + rise * (y[i] - 1.0);
+            fall[i] = (1.0 - q->factor) * beta + q->factor * (y[i] * (beta + bend * x[i]));
+        }
+        return 0;
+    }
     EACH(i, n) x[i] = rs_log1p(pressure[i] / pole);
     EACH(i, n) y[i] = rs_expm1(z * x[i]);
+    for (size_t i = 0; i < n; i++) far |= rs_bits(700.0 - fabs(rise * y[i]));
     EACH(i, n) {
-        viscosity[i] = ambient * rs_exp(rise * y[i]);
+        viscosity[i] = ambient * rs_exp_normal(rise * y[i]);
         fall[i] = (1.0 - q->factor) * beta + q->factor * ((1.0 + y[i]) * (beta + bend * x[i]));
     }
+    if (far >> 63) EACH(i, n) viscosity[i] = ambient * rs_exp(rise * y[i]);
     return 0;
 }
 
@@ -105,8 +131,14 @@ STAGE(yasutomi, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     EACH(i, n) {
         /* -C1 x/(C2 + x) less its value at no pressure, with the difference taken by hand */
         double here = c2 + x[i], there = c2 + x0;
-        viscosity[i] = ambient * rs_exp(slope * (x0 - x[i]) / (there * here));
+        viscosity[i] = slope * (x0 - x[i]) / (there * here);
         fall[i] = beta + slope * (f[i] / (here * here) - 1.0 / (there * there));
+    }
+    if (q->logarithm) {
+        double log_ambient = rs_log(ambient);
+        EACH(i, n) viscosity[i] += log_ambient;
+    } else {
+        EACH(i, n) viscosity[i] = ambient * rs_exp(viscosity[i]);
     }
     return 0;
 }
