@@ -241,7 +241,19 @@ class Chain:
             return PluginError(
                 f"the kernel of {model.name!r} returned a status that rollslip.h does not define; {origin(type(model))}"
             )
-        return DomainError(refusal_text(model.name, model.domain, what, member, index, slices))
+        reason = _reason(model, slices, index) if what == "status" else ""
+        return DomainError(
+            reason or refusal_text(model.name, model.domain, what, member, index, slices)
+        )
+
+
+def _reason(model: SliceModel, slices: Slices, index: int) -> str:
+    """Return what the NumPy form of a model says about a slice that its kernel refuses; empty if it says nothing."""
+    try:
+        model.evaluate(slices.taken(slice(index, index + 1)))
+    except DomainError as error:
+        return str(error).replace("slice 0 ", f"slice {index} ")
+    return ""
 
 
 class Guarded:
