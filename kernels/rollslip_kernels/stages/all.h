@@ -9,6 +9,7 @@
 #include "stages/layer_stress.h"
 #include "stages/stress.h"
 #include "stages/traction.h"
+#include "stages/local_stress.h"
 #include "stages/heated_film.h"
 #include "stages/shear_thinning.h"
 #include "stages/thermal_couette.h"

@@ -27,6 +27,7 @@ typedef struct { double flash, limit; } limiting_params;
 typedef struct { double coefficient, transition; } constant_params;
 typedef struct { double stress, modulus; } rise_params;   /* dtau0/dp and dGamma/dp [1] */
 typedef struct { double flash; rise_params rise; } eyring_params;
+typedef struct { rs_model oil; int logarithm; double flash, heat_capacity; rise_params rise; } local_params;
 enum { TERMS = 26, NO_SUCH_STATUS = -2 };   /* of Greenwood and Tripp's integral; more than its number of slices */
 typedef struct {
     rs_model boundary, hydrodynamic;
@@ -39,7 +40,7 @@ typedef struct {
     X(hertz_line) X(light_contact) X(power_deflection) X(lundberg_deflection) \
     X(power_film) X(moes_film) X(regime_film) X(inlet_film) \
     X(barus) X(roelands) X(yasutomi) X(rolling_resistance) X(hysteresis) \
-    X(muraki) X(maxwell_eyring) X(eyring) X(kragelsky) X(constant) X(gupta) \
+    X(muraki) X(maxwell_eyring) X(maxwell_eyring_local) X(eyring) X(kragelsky) X(constant) X(gupta) \
     X(carreau) X(limiting_shear) X(newtonian_thermal) X(eyring_thermal) \
     X(power_share) X(exponential_share) X(greenwood_tripp_share) X(blend)
 #define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2_plus_one) \

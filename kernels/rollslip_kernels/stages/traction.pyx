@@ -1,10 +1,14 @@
 """Traction coefficient of a slice: hydrodynamic laws and boundary laws; the formulas are in stages/traction.h."""
 
+from cpython.pycapsule cimport PyCapsule_GetPointer
+
+from rollslip_abi cimport ROLLSLIP_MODEL, rs_model
 from rollslip_blocks cimport (
     constant_params,
     eyring_params,
     gupta_params,
     kragelsky_params,
+    local_params,
     rise_params,
     rs_active_blocks,
 )
@@ -24,6 +28,20 @@ def maxwell_eyring(double flash, double stress_slope=0.0, double modulus_slope=0
     """Return the stage of the exact Maxwell-Eyring stress."""
     cdef eyring_params q = eyring_params(flash, rise_params(stress_slope, modulus_slope))
     return rs_new_model(rs_active_blocks().maxwell_eyring, &q, sizeof(q), None)
+
+
+def maxwell_eyring_local(oil, bint logarithm, double flash, double heat_capacity, double stress_slope=0.0,
+                         double modulus_slope=0.0):
+    """Return the stage of the Maxwell-Eyring stress at three pressures of the contact.
+
+    ``oil`` is the capsule of the oil's law of viscosity and pressure, which lives as long as the stage does, and
+    ``logarithm`` says that it gives ln(eta) in place of eta; ``heat_capacity`` is that of the oil by volume [J/(m3 K)].
+    """
+    cdef local_params q
+    q.oil = (<rs_model *>PyCapsule_GetPointer(oil, ROLLSLIP_MODEL))[0]
+    q.logarithm, q.flash, q.heat_capacity = logarithm, flash, heat_capacity
+    q.rise = rise_params(stress_slope, modulus_slope)
+    return rs_new_model(rs_active_blocks().maxwell_eyring_local, &q, sizeof(q), oil)
 
 
 def eyring(double flash, double stress_slope=0.0):

@@ -35,9 +35,9 @@ from rollslip_plugins.traction.stress import eyring_stress, maxwell_eyring_stres
 #: Remedy for a law that approximates the exact one.
 EXACT = "traction 'maxwell-eyring', the exact law"
 #: Description of the parameter for the rise of the Eyring stress with pressure.
-_RISE_OF_STRESS = "dtau0/dp of the oil"
+RISE_OF_STRESS = "dtau0/dp of the oil"
 #: Description of the parameter for the rise of the shear modulus with pressure.
-_RISE_OF_MODULUS = "dGamma/dp of the oil"
+RISE_OF_MODULUS = "dGamma/dp of the oil"
 
 
 def _risen(value: float, slope: float, slices: Slices) -> Array:
@@ -45,20 +45,14 @@ def _risen(value: float, slope: float, slices: Slices) -> Array:
     return np.asarray(value + slope * slices.pressure if slope else value)
 
 
-class _EyringFluid(TractionModel, abc.ABC):
-    """Traction mu = tau0 S/p of a stress law S(sigma, D, Phi).
+class EyringGroups(TractionModel, abc.ABC):
+    """Traction of an Eyring oil, with the groups that say what it depends on: sigma, D and Phi at the mean pressure.
 
     sigma = eta V/(tau0 h), D = eta u/(Gamma b), Phi = beta zeta tau0^2 h/eta, with eta and beta = -dln(eta)/dT at the
     mean pressure after the oil's law, zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f). tau0 and Gamma are those
     at the mean pressure, where the oil has slopes of them.
     """
 
-    domain: Domain = MappingProxyType(
-        {**HEATED, "eyring_stress": POSITIVE, "shear_modulus": POSITIVE}
-    )
-    reads = frozenset(domain)
-    shapes = MappingProxyType({"cold": "rises", "heated": "one maximum"})
-    validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, MEAN_PRESSURE, SLOW_SLIDING)
     regimes: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
         {
             "strain rate": ("strain_rate", "sigma"),
@@ -66,6 +60,7 @@ class _EyringFluid(TractionModel, abc.ABC):
             "elasticity": ("deborah", "D"),
         }
     )
+    shapes = MappingProxyType({"cold": "rises", "heated": "one maximum"})
     flash: float
     eyring_stress_slope: float = 0.0
     shear_modulus_slope: float = 0.0
@@ -74,28 +69,29 @@ class _EyringFluid(TractionModel, abc.ABC):
         """Return tau0 of slices [Pa], that at ambient pressure and its rise to the mean pressure."""
         return _risen(slices.conditions.eyring_stress, self.eyring_stress_slope, slices)
 
-    @abc.abstractmethod
-    def dimensionless_stress(
-        self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
-    ) -> Array:
-        """Return the mean shear stress over tau0, S(sigma, D, Phi); arguments broadcast."""
+    def shear_modulus(self, slices: Slices) -> Array:
+        """Return Gamma of slices [Pa], that at ambient pressure and its rise to the mean pressure."""
+        return _risen(slices.conditions.shear_modulus, self.shear_modulus_slope, slices)
+
+    def oil(self, slices: Slices) -> tuple[Array, Array]:
+        """Return viscosity [Pa s] and its fall with temperature [1/K] at the mean pressure."""
+        return slices.film_viscosity, slices.film_thermoviscosity
 
     def groups(self, slices: Slices) -> Mapping[str, Array]:
         """Return sigma, D and Phi of slices, by the names that `dimensionless_stress` has for them."""
         c = slices.conditions
         s = slices
-        eta = s.film_viscosity
+        eta, beta = self.oil(s)
         tau0 = self.eyring_stress(s)
-        modulus = _risen(c.shear_modulus, self.shear_modulus_slope, s)
         zeta = (
             self.flash / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
         )
         zeta = zeta + s.film_thickness / (12 * c.conductivity)
         # a product, since a power of Python's floats raises where it overflows
-        phi = s.film_thermoviscosity * zeta * (tau0 * tau0) * s.film_thickness / eta
+        phi = beta * zeta * (tau0 * tau0) * s.film_thickness / eta
         return {
             "strain_rate": eta * s.sliding_speed / (tau0 * s.film_thickness),
-            "deborah": eta * s.rolling_speed / (modulus * s.half_width),
+            "deborah": eta * s.rolling_speed / (self.shear_modulus(s) * s.half_width),
             "heating": phi,
         }
 
@@ -104,6 +100,22 @@ class _EyringFluid(TractionModel, abc.ABC):
         found = self.groups(slices)
         stress = slices.friction * slices.pressure / self.eyring_stress(slices)
         return {**found, "softening": np.abs(found["heating"] * found["strain_rate"] * stress)}
+
+
+class _EyringFluid(EyringGroups):
+    """Traction mu = tau0 S/p of a stress law S(sigma, D, Phi) at the mean pressure."""
+
+    domain: Domain = MappingProxyType(
+        {**HEATED, "eyring_stress": POSITIVE, "shear_modulus": POSITIVE}
+    )
+    reads = frozenset(domain)
+    validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, MEAN_PRESSURE, SLOW_SLIDING)
+
+    @abc.abstractmethod
+    def dimensionless_stress(
+        self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
+    ) -> Array:
+        """Return the mean shear stress over tau0, S(sigma, D, Phi); arguments broadcast."""
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient."""
@@ -211,8 +223,8 @@ class Muraki(_EyringFluid):
         ),
     )
     flash: float = flash_factor()
-    eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
-    shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)
+    eyring_stress_slope: float = slope_of_oil(RISE_OF_STRESS)
+    shear_modulus_slope: float = slope_of_oil(RISE_OF_MODULUS)
 
     def quantities(self, slices: Slices) -> Mapping[str, Array]:
         """Return those of its fluid, and film_heating = Phi sigma, by which the stress of a Newtonian film falls."""
@@ -268,8 +280,8 @@ class MaxwellEyring(_EyringFluid):
     references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, KLEBANOV)
     closed_form: ClassVar[str | None] = "muraki"
     flash: float = flash_factor()
-    eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
-    shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)
+    eyring_stress_slope: float = slope_of_oil(RISE_OF_STRESS)
+    shear_modulus_slope: float = slope_of_oil(RISE_OF_MODULUS)
 
     def dimensionless_stress(
         self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
@@ -336,7 +348,7 @@ class Eyring(_EyringFluid):
         {k: v for k, v in _EyringFluid.domain.items() if k != "shear_modulus"}
     )
     flash: float = flash_factor()
-    eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
+    eyring_stress_slope: float = slope_of_oil(RISE_OF_STRESS)
 
     def dimensionless_stress(
         self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike

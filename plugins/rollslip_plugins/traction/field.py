@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rollslip.errors import DomainError
-from rollslip.fields import parameter, positive
+from rollslip.fields import parameter
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
@@ -51,7 +51,13 @@ from rollslip_plugins.traction.conduction import (
     conduction_modes,
     even_cells,
 )
-from rollslip_plugins.traction.heating import FLASH, NO_ASPERITIES, SLOW_SLIDING
+from rollslip_plugins.traction.heating import (
+    FLASH,
+    NO_ASPERITIES,
+    OIL_HEAT_CAPACITY,
+    SLOW_SLIDING,
+    heat_capacity,
+)
 from rollslip_plugins.traction.relaxation import carried
 from rollslip_plugins.traction.stress import LINEAR
 
@@ -61,8 +67,6 @@ Pressure: TypeAlias = Literal["hertz", "mean"] | tuple[ArrayLike, ArrayLike]
 #: closed forms; none.
 Heating: TypeAlias = Literal["field", "local-stress", "mean-stress", "none"]
 
-#: Heat capacity of an oil by volume [J/(m3 K)], 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K) (C).
-OIL_HEAT_CAPACITY: Final = 1.8e6
 #: Cells along the contact and modes across half the film, from one refinement to the next.
 GRIDS: Final = ((8, 3), (16, 4), (32, 6), (64, 10), (128, 16), (256, 24), (512, 32))
 #: Maximum number of Newton steps in a cell; three or four are usual.
@@ -607,14 +611,7 @@ class MaxwellEyringField(TractionModel):
         usual=(1e-6, 0.01),
         possible=(1e-8, 0.1),
     )
-    heat_capacity: float = parameter(
-        default=OIL_HEAT_CAPACITY,
-        unit="J/(m3 K)",
-        validator=positive,
-        doc="heat capacity rho_f c_f of the oil by volume",
-        usual=(1e6, 3e6),
-        possible=(1e3, 1e9),
-    )
+    heat_capacity: float = heat_capacity()
     law: PressureViscosity = from_oil()
 
     @property

@@ -27,6 +27,8 @@ MAX_STEPS: Final = 60
 NO_EFFECT: Final = 1e-17
 #: Factor of the flash temperature for the elliptic heat flux of Hertz's contact.
 FLASH: Final = 0.97
+#: Heat capacity of an oil by volume [J/(m3 K)], 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K) (C).
+OIL_HEAT_CAPACITY: Final = 1.8e6
 
 #: Members that heated films read, and their domain.
 HEATED: Final[Domain] = MappingProxyType(
@@ -69,8 +71,8 @@ MEAN_PRESSURE: Final = Validity(
     error=Tabled(
         ((1.0, 3.5), (2.0, 12.2), (3.0, 23.1), (4.0, 34.5), (6.0, 54.9), (8.0, 70.3), (12.0, 88.0))
     ),
-    remedy="traction 'maxwell-eyring-field', which takes the local pressure",
-    replacement="maxwell-eyring-field",
+    remedy="traction 'maxwell-eyring-local', which takes the pressures of the contact",
+    replacement="maxwell-eyring-local",
     source="mean of exp(alpha p) over Hertz's ellipse; at large sigma the field (docs/scripts/traction_field_error.py)",
 )
 SLOW_SLIDING: Final = Validity(
@@ -95,6 +97,19 @@ def flash_factor() -> float:
         possible=(0, 1e3),
     )
     return factor
+
+
+def heat_capacity() -> float:
+    """Declare the heat capacity of the oil by volume."""
+    capacity: float = parameter(
+        default=OIL_HEAT_CAPACITY,
+        unit="J/(m3 K)",
+        validator=positive,
+        doc="heat capacity rho_f c_f of the oil by volume",
+        usual=(1e6, 3e6),
+        possible=(1e3, 1e9),
+    )
+    return capacity
 
 
 class HeatedFilm(TractionModel, abc.ABC):
