@@ -554,7 +554,7 @@ def test_what_another_law_does_to_the_answer_is_what_a_run_with_it_gives():
         assert [slip[0], reserve[0], torque[0]] == [
             found[key].value for key in ("cage_slip", "acceptable_reserve", "friction_torque")
         ]
-    assert notes["W11"].alternative == "maxwell-eyring-field"
+    assert notes["W11"].alternative == "maxwell-eyring-local"
     assert notes["W02"].changes is None
     assert found.notes[0].code == "W20"
     assert found.as_dict()["notes"][0]["changes"]["slip"] == list(notes["W20"].changes["slip"])

@@ -167,7 +167,7 @@ class Note:
 
     @property
     def summary(self) -> str:
-        """What the alternative makes of the quantity that changes most: "W11: slip 5.8 % with maxwell-eyring-field"."""
+        """What the alternative makes of the quantity that changes most: "W11: slip 5.8 % with maxwell-eyring-local"."""
         name, _ = self.largest_change
         _, after = (self.changes or {})[name]
         return f"{self.code}: {_quantity_text(name, after)} with {self.alternative}"
