@@ -355,7 +355,15 @@ def outcome(dataset: "xr.Dataset") -> str:
 
 def _is_steady(dataset: "xr.Dataset") -> bool:
     """Return whether the slip of a motion is steady at its end."""
-    return bool(dataset.attrs["steady_status"] == "steady")
+    return str(dataset.attrs["steady_status"]).startswith("steady")
+
+
+def _mean_of(dataset: "xr.Dataset") -> str:
+    """Return what the steady slip of a motion is the mean of, with its error where it fluctuates."""
+    over, _, errors = str(dataset.attrs["steady_status"]).partition(": ")
+    return (
+        f"mean {over.rpartition('average ')[2]}; {errors}" if errors else "mean of the last orbit"
+    )
 
 
 def row(dataset: "xr.Dataset") -> Row:
@@ -368,7 +376,7 @@ def row(dataset: "xr.Dataset") -> Row:
             text="not steady",
             note=_describe_steady_slip(dataset),
         )
-    return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), note="mean of the last orbit",
+    return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), note=_mean_of(dataset),
                rank=1, tolerance=0.1)  # fmt: skip
 
 
@@ -376,9 +384,7 @@ def _describe_steady_slip(dataset: "xr.Dataset") -> str:
     """Describe the steady slip, or why the slip is not steady."""
     a = dataset.attrs
     if _is_steady(dataset):
-        return (
-            f"steady cage slip {_percent(float(a['steady_cage_slip']))}, the mean of the last orbit"
-        )
+        return f"steady cage slip {_percent(float(a['steady_cage_slip']))}, the {_mean_of(dataset)}"
     status = str(a["steady_status"])
     text = (
         f"cage slip is {status}" if status.startswith("not ") else f"no steady cage slip: {status}"
