@@ -20,11 +20,15 @@ from rollslip.studies.answers import Part
 from rollslip.studies.bounds import (
     ErrorEstimate,
     LightContacts,
-    observed_order,
-    richardson_factor,
     with_observed_slice_order,
 )
 from rollslip.studies.error_estimate import _ReferenceComparison, refine_resolution
+from rollslip.studies.reference_solutions import (
+    joint_references,
+    observed_order,
+    reference_slips,
+    richardson_factor,
+)
 from rollslip.studies.study import settings
 
 pytestmark = pytest.mark.quick
@@ -68,20 +72,64 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
     assert (4**-p - 9**-p) / richardson_factor(4, 9, p) == pytest.approx(4**-p)
 
 
-def test_the_order_of_slices_is_that_seen_from_run_to_run():
-    """Errors of 25 and 100 slices against four times as many, half as large: of order 1/2, not 2."""
+@pytest.mark.parametrize("p", [0.5, 1.0, 1.5, 2.0])
+def test_the_error_of_slices_that_are_refined_is_exact_at_any_order(p, monkeypatch):
+    """Friction that is off by n^-p/1e6 on n slices, of a first run with 25 and a second with 100 slices."""
+
+    def estimate(slices):
+        assembly = SimpleNamespace(resolution=Resolution(slices=slices, n_positions=2))
+        assembly.at = lambda resolution: SimpleNamespace(resolution=resolution)
+        run = _ReferenceComparison(
+            study=None,
+            curve_study=None,
+            assembly=assembly,
+            coarse=None,
+            dataset=None,
+            accuracy=SCENE.accuracy,
+            complete_parts={},
+        )
+        return ErrorEstimate(errors={"slices": run.slice_errors(2)}, slices=slices)
+
+    def curve(_, at, n_positions):
+        return np.array([[1.0 + 1e-6 * at.resolution.slices**-p]]), np.zeros(0)
+
+    monkeypatch.setattr(_ReferenceComparison, "solution", curve)
+    probe = SimpleNamespace(sample=lambda at, n_positions: [curve(None, at, n_positions)])
+    monkeypatch.setattr(_ReferenceComparison, "probe", probe)
+    first, second = estimate(25), estimate(100)
+    found = with_observed_slice_order(second, first).errors["slices"]["friction"]
+    assert found == pytest.approx(1e-6 * 100**-p, rel=1e-5)
+    assert first.errors["slices"]["friction"] == pytest.approx(
+        1e-6 * (25**-p - 100**-p) / (1.0 - 4.0**-1.5), rel=1e-5
+    )
+
+
+def test_the_order_of_slices_is_seen_from_run_to_run_alone():
     few, many = (
         ErrorEstimate(errors={"slices": {"friction": error}, "n_positions": {}}, slices=slices)
         for error, slices in ((4e-4, 25), (2e-4, 100))
     )
     found = with_observed_slice_order(many, few).errors["slices"]["friction"]
-    assert found == pytest.approx(2e-4 * (1 - 1 / 16) / (1 - 1 / 2))
-    assert (
-        with_observed_slice_order(many, attrs.evolve(few, errors={"slices": {"friction": 3.2e-3}}))
-        == many
-    )  # of order 2
+    assert found == pytest.approx(2e-4 * (1 - 1 / 8) / (1 - 1 / 2))  # order 1/2, not 3/2
     assert with_observed_slice_order(many, attrs.evolve(few, slices=100)) is many
     assert with_observed_slice_order(many, None) is many
+
+
+def test_a_joint_reference_is_twice_as_fine_and_a_second_one_shares_no_numbers_with_it():
+    """Of 30 equal slices: 30 pi = 94.2 Gauss points; few slices get nine positions, many do not."""
+    for rule, slices, first, second in (
+        ("equal", 30, (95, 9), (61, 10)),
+        ("gauss", 30, (60, 9), (61, 10)),
+        ("equal", 8, (40, 9), (17, 10)),
+        ("equal", 100, (315, 7), (201, 8)),
+    ):
+        assert joint_references(slices, 3, rule) == (first, second)
+
+
+def test_slips_of_a_reference_have_those_of_the_run_among_them():
+    for points in (2, 25):
+        fine = np.linspace(0.0, 1.0, reference_slips(points))
+        assert fine[::3] == pytest.approx(np.linspace(0.0, 1.0, points))
 
 
 def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan):

@@ -9,8 +9,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import reference_resolution
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT, Accuracy
-from rollslip.studies.bounds import MAX_ORDER, MIN_ORDER, ErrorEstimate, errors_between, exceeding
-from rollslip.studies.error_estimate import REFERENCE_SLIP_FACTOR, resolution_numbers
+from rollslip.studies.bounds import ErrorEstimate, errors_between, exceeding
+from rollslip.studies.error_estimate import resolution_numbers
+from rollslip.studies.reference_solutions import MAX_ORDER, MIN_ORDER, reference_slips
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -103,7 +104,9 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
         and running.uses_continuation
         and (points := getattr(running, "points", 0))
     ):
-        remedy += f", or go along more slips by --set {running.table}.points={REFERENCE_SLIP_FACTOR * points - 2}"
+        remedy += (
+            f", or go along more slips by --set {running.table}.points={reference_slips(points)}"
+        )
     return remedy
 
 

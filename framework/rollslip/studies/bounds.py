@@ -13,7 +13,7 @@ import abc
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import attrs
 import numpy as np
@@ -29,28 +29,16 @@ from rollslip.bearing.resolution import (
 )
 from rollslip.models import TractionModel
 from rollslip.scene.values import Accuracy
+from rollslip.studies.reference_solutions import (
+    observed_order,
+    richardson_factor,
+    slice_fraction,
+)
 from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Order with which errors fall where slices and positions are doubled together: the second on the whole, less by kinks
-#: from some numbers to twice as many. With 2 the joint error would be 14 % smaller, with 1 it would be 29 % larger.
-JOINT_ORDER: Final = 1.5
-#: Factor on a joint error of the minimum over some points, for example the smallest film parameter. The minimum may
-#: fall with the order of a half: with twice as many points its error is this many times (2.2) that by `JOINT_ORDER`.
-MINIMUM_ERROR_FACTOR: Final = (1.0 - 2.0**-JOINT_ORDER) / (1.0 - 2.0**-0.5)
-#: Lowest order that is taken for an error; one that falls more slowly does not converge. At a half, 2 m + 1 positions
-#: show 0.3 of the error of m.
-MIN_ORDER: Final = 0.5
-#: Highest order that is taken for an error: past the kinks of the loads it falls like n^-2, and more is chance.
-MAX_ORDER: Final = 2.0
-#: Order that is assumed where two errors do not give one. Chosen, between both limits; with 2 errors would be smaller.
-ASSUMED_ORDER: Final = 1.0
-
-#: How many times as many slices a reference solution has. With twice as many a contact that ends between two slices may
-#: err alike.
-SLICE_FACTOR: Final = 4
 #: Curves at the slips of a probe, (curves, n), and the slips of their maxima, (peaks,).
 Sample: TypeAlias = tuple[Array, Array]
 
@@ -131,28 +119,6 @@ def errors_between(
                 np.nanmax(np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0))
             )
     return errors
-
-
-def richardson_factor(n: float, fine: float, order: float = MAX_ORDER) -> float:
-    """Return the fraction 1 - (n/N)^p of the error of n points by which they differ from N finer ones.
-
-    Richardson extrapolation: the finer ones err, too, so that a difference divided by this factor is the error.
-
-    Parameters
-    ----------
-    n, fine : float
-        Numbers of points.
-    order : float
-        Order of convergence p, limited to `MIN_ORDER` and `MAX_ORDER`.
-    """
-    return 1.0 - math.pow(n / fine, min(max(order, MIN_ORDER), MAX_ORDER))
-
-
-def observed_order(coarse: int, fine: int, coarse_error: float, fine_error: float) -> float:
-    """Return the order with which an error falls between two numbers; `ASSUMED_ORDER` where they do not give one."""
-    if coarse == fine or not (0.0 < coarse_error < math.inf and 0.0 < fine_error < math.inf):
-        return ASSUMED_ORDER
-    return math.log(coarse_error / fine_error) / math.log(fine / coarse)
 
 
 @attrs.frozen(kw_only=True)
@@ -264,7 +230,7 @@ def with_observed_slice_order(
     Parameters
     ----------
     estimate : ErrorEstimate
-        Estimate of the present run.
+        Estimate of the present run, by the order `JOINT_ORDER`.
     first : ErrorEstimate or None
         Estimate of the first run; None if this is the first.
     """
@@ -275,9 +241,7 @@ def with_observed_slice_order(
     errors = {}
     for name, error in slices.items():
         order = observed_order(first.slices, estimate.slices, before.get(name, 0.0), error)
-        errors[name] = (
-            error * richardson_factor(1, SLICE_FACTOR) / richardson_factor(1, SLICE_FACTOR, order)
-        )
+        errors[name] = error * slice_fraction() / slice_fraction(order)
     return attrs.evolve(estimate, errors={**estimate.errors, "slices": errors})
 
 

@@ -20,6 +20,7 @@ A study without curves doubles both numbers until its results change by less tha
 After a run (`estimate_error`): an a posteriori estimate by reference solutions, which share none of the above.
 
 1. Compare with four times as many slices, and with 2 m + 1 positions instead of m. They have one position in common.
+   `rollslip.studies.reference_solutions` has how much finer each reference solution is.
 2. Divide the difference by 1 - (n/N)^p, the fraction of the error of n points which it shows (Richardson
    extrapolation).
 3. Where that is not clearly below the tolerance, repeat with m/2 positions for the observed order p.
@@ -58,11 +59,6 @@ from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
 from rollslip.studies.answers import PartialResult, ResolutionChoice
 from rollslip.studies.bounds import (
-    ASSUMED_ORDER,
-    JOINT_ORDER,
-    MAX_ORDER,
-    MIN_ORDER,
-    SLICE_FACTOR,
     BoundaryFriction,
     ErrorBound,
     ErrorEstimate,
@@ -73,11 +69,24 @@ from rollslip.studies.bounds import (
     Sample,
     errors_between,
     exceeding,
-    observed_order,
     pointwise_errors,
-    richardson_factor,
     sample_errors,
     with_observed_slice_order,
+)
+from rollslip.studies.reference_solutions import (
+    ASSUMED_ORDER,
+    JOINT_ORDER,
+    MAX_ORDER,
+    MIN_ORDER,
+    SLICE_FACTOR,
+    SLIP_FACTOR,
+    joint_fraction,
+    joint_references,
+    observed_order,
+    position_fraction,
+    reference_positions,
+    reference_slips,
+    slice_fraction,
 )
 
 if TYPE_CHECKING:
@@ -127,20 +136,11 @@ _CHANCE_FRACTION: Final = 0.15
 #: some room for an order that is lower than the observed one.
 _REFINED_FRACTION: Final = 0.35
 
-# Reference solutions: how much finer they are ------------------------------------------------------------------------
+# Reference solutions; `reference_solutions` has how much finer they are ----------------------------------------------
 
-#: Slices of a joint reference at least. Chosen: contacts that end between a few slices may err alike in both runs.
-#: Doubled, a check of a coarse run takes twice as long.
-_MIN_REFERENCE_SLICES: Final = 40
-#: Roller positions of a joint reference at least, where a run has fewer slices than `_MIN_REFERENCE_SLICES`.
-#: Chosen; with few of both they may err alike, and nine cost little on few slices.
-_MIN_REFERENCE_POSITIONS: Final = 9
 #: Slips of the curves of another study, where the result has none. Chosen; twice as many take twice as long
 #: and show a maximum between the slips more exactly.
 _SAMPLED_SLIPS: Final = 25
-#: How many times as many slips a reference solution has where a curve is continued from slip to slip, so that it may
-#: depend on the steps. Chosen; with 2 the way through a jump differs less, with 6 a check takes twice as long.
-REFERENCE_SLIP_FACTOR: Final = 3
 
 # Ladders of a run that is planned ------------------------------------------------------------------------------------
 
@@ -690,8 +690,8 @@ class _ReferenceComparison:
         if study is not self.study:
             study = study.with_settings(points=_SAMPLED_SLIPS)
         if dense and (points := getattr(study, "points", 0)):
-            study = study.with_settings(points=REFERENCE_SLIP_FACTOR * (points - 1) + 1)
-            stride = REFERENCE_SLIP_FACTOR
+            study = study.with_settings(points=reference_slips(points))
+            stride = SLIP_FACTOR
         results = type(study).run_batch(
             [(study, at.at(attrs.evolve(at.resolution, n_positions=n_positions)))],
             frozenset(study.controlled_outputs.values()),
@@ -720,10 +720,7 @@ class _ReferenceComparison:
         changes = self.errors_of(*(self.probe.sample(at, n_positions)[0] for at in pair))
         if exceeding(changes, self.accuracy, _CLEAR_FRACTION):
             changes = self.errors_of(*(self.solution(at, n_positions) for at in pair))
-        return {
-            name: change / richardson_factor(1, SLICE_FACTOR, JOINT_ORDER)
-            for name, change in changes.items()
-        }
+        return {name: change / slice_fraction() for name, change in changes.items()}
 
     def position_errors(self, at: Assembly, orders: dict[str, float]) -> Errors:
         """Return the errors of the positions by 2 m + 1 others, and put their observed orders into a mapping.
@@ -738,7 +735,9 @@ class _ReferenceComparison:
         m = self.assembly.resolution.n_positions or 1
         half = (m + 1) // 2
         lowest = _min_order(self.curve_study)
-        reference = self.solution(at, 2 * m + 1, dense=self.curve_study.uses_continuation)
+        reference = self.solution(
+            at, reference_positions(m), dense=self.curve_study.uses_continuation
+        )
         is_known = (
             at is self.assembly
             and self.curve_study is self.study
@@ -749,10 +748,7 @@ class _ReferenceComparison:
             changes = combine_errors(
                 (changes, self.errors_of(self.solution(at, m + 1), reference)), max
             )
-        errors = {
-            name: change / richardson_factor(m, 2 * m + 1, lowest)
-            for name, change in changes.items()
-        }
+        errors = {name: change / position_fraction(m, lowest) for name, change in changes.items()}
         if not exceeding(errors, self.accuracy, _CLEAR_FRACTION):
             return errors
         coarser = self.errors_of(self.solution(at, half), reference)
@@ -761,7 +757,7 @@ class _ReferenceComparison:
             for name, change in changes.items()
         }
         return {
-            name: change / richardson_factor(m, 2 * m + 1, max(orders[name], lowest))
+            name: change / position_fraction(m, max(orders[name], lowest))
             for name, change in changes.items()
         }
 
@@ -793,10 +789,8 @@ class _ReferenceComparison:
     def with_joint_errors(self, estimate: ErrorEstimate) -> ErrorEstimate:
         """Return an estimate with the errors by refining slices and positions together, and each alone.
 
-        The reference has points of Gauss's rule, pi times as many as equal slices: it is twice as fine, and light loads
-        reach only the middle of a roller, where Gauss points are pi/2 times as far apart. Where both runs agree,
-        a second reference follows for single values, by the rule of the run and on other positions. Each part alone is
-        refined where both together exceed the tolerance.
+        Where both runs agree, a second reference follows for single values. Each part alone is refined where both
+        together exceed the tolerance.
         """
         resolution = self.assembly.resolution
         orders = {
@@ -808,33 +802,25 @@ class _ReferenceComparison:
             and "n_positions" in estimate.errors
             and not self.curve_study.uses_continuation
         )
-        n_positions = 2 * (resolution.n_positions or 1) + 1
-        if resolution.slices < _MIN_REFERENCE_SLICES:
-            n_positions = max(n_positions, _MIN_REFERENCE_POSITIONS)
-        density = 2.0 if resolution.quadrature == "gauss" else math.pi
-        more_slices = attrs.evolve(
-            resolution,
-            slices=max(math.ceil(density * resolution.slices), _MIN_REFERENCE_SLICES),
-            quadrature="gauss",
+        first, second = joint_references(
+            resolution.slices, resolution.n_positions or 1, resolution.quadrature
         )
-        both = attrs.evolve(more_slices, n_positions=n_positions, **self.complete_parts)
+        more_slices = attrs.evolve(resolution, slices=first[0], quadrature="gauss")
+        both = attrs.evolve(more_slices, n_positions=first[1], **self.complete_parts)
         joint: Errors = self._refined_errors(both, orders, has_curves)
         # run and reference may err alike by chance; a second reference hardly does as well
         if not exceeding(joint, self.accuracy) and exceeding(
             joint, self.accuracy, _CHANCE_FRACTION
         ):
-            second = attrs.evolve(
-                resolution,
-                slices=2 * resolution.slices + 1,
-                n_positions=n_positions + 1,
-                **self.complete_parts,
+            other = attrs.evolve(
+                resolution, slices=second[0], n_positions=second[1], **self.complete_parts
             )
-            joint = combine_errors((joint, self._refined_errors(second, orders, False)), max)
+            joint = combine_errors((joint, self._refined_errors(other, orders, False)), max)
         separate: Mapping[str, Errors] = {}
         if exceeding(_reducible(joint, self.study), self.accuracy):
             finer = {
                 "slices": more_slices,
-                "n_positions": attrs.evolve(resolution, n_positions=n_positions),
+                "n_positions": attrs.evolve(resolution, n_positions=first[1]),
                 LEFT_OUT: attrs.evolve(resolution, **self.complete_parts),
             }
             separate = {
@@ -857,7 +843,7 @@ class _ReferenceComparison:
             )
             changes = {**self.errors_of(*samples), **changes}
         return {
-            name: change / richardson_factor(1, 2, orders.get(name, JOINT_ORDER))
+            name: change / joint_fraction(orders.get(name, JOINT_ORDER))
             for name, change in changes.items()
         }
 
