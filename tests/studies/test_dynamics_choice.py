@@ -4,6 +4,7 @@ import functools
 import json
 import math
 import re
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
@@ -21,7 +22,7 @@ from rollslip.planning.plan import plan
 from rollslip_studies.dynamics import choice as estimates
 from rollslip_studies.dynamics import cost as costs
 from rollslip_studies.dynamics.choice import choose_motion, error_accumulation
-from rollslip_studies.dynamics.findings import DynamicsAccount
+from rollslip_studies.dynamics.findings import DynamicsAccount, _describe_step_error
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 
@@ -326,6 +327,41 @@ def test_what_cannot_be_estimated_is_taken_as_finely_as_there_is(monkeypatch):
     for name in ("friction", "level"):
         assert found.reasons[name].endswith("estimated: the steps became too small")
     assert found.errors == {}
+
+
+@pytest.mark.parametrize("samples", [0, 5])
+@pytest.mark.parametrize("level", ["cage-set", "pocket"])
+def test_a_trial_that_fails_does_not_agree_with_one_that_does_not(level, samples, monkeypatch):
+    """The motion with small steps has but a few of its samples, or none: what it would have come to is not known."""
+    whole = Dynamics.trial_motion
+
+    def fails(self, moving, times, tolerance, before=None):
+        found = whole(self, moving, times, max(tolerance, 1e-6), before)
+        if tolerance >= 1e-7 or times.size == 1:
+            return found
+        return attrs.evolve(
+            found, t=found.t[:samples], y=found.y[:samples], outcome="failed", message="no step"
+        )
+
+    study = Dynamics(level=level, duration=2e-3, points=3, integrator="rk45")
+    reached, _ = estimates.step_tolerance(study, bearing(), False)
+    monkeypatch.setattr(Dynamics, "trial_motion", fails)
+    tolerance, error = estimates.step_tolerance(study, bearing(), False)
+    assert error == math.inf
+    assert tolerance == 1e-9 < reached
+
+
+@pytest.mark.parametrize(
+    ("estimated", "found", "says"),
+    [(None, None, "is not known, as a"), (2e-3, None, "off by 2.0e-03"), (1e-4, None, ""), (None, 1.0, "")],
+)  # fmt: skip
+def test_an_error_of_steps_that_is_not_known_is_said(estimated, found, says):
+    row = {"result": "cage_speed", "tolerance": 1e-3, "estimated": estimated, "found": found}
+    other = row | {"result": "friction", "estimated": 1.0}
+    dataset = SimpleNamespace(attrs={"accuracy": json.dumps([other, row])})
+    sentences = _describe_step_error(dataset)
+    assert len(sentences) == bool(says)
+    assert all(says in sentence for sentence in sentences)
 
 
 def test_what_the_scene_names_stays():

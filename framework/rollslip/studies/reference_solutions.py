@@ -66,7 +66,7 @@ def observed_order(coarse: int, fine: int, coarse_error: float, fine_error: floa
 
 
 def slice_fraction(order: float = JOINT_ORDER) -> float:
-    """Return the fraction of the error of slices by which they differ from `SLICE_FACTOR` times as many, by an order."""
+    """Return the fraction of the error of slices which `SLICE_FACTOR` times as many show, by an order."""
     return richardson_factor(1, SLICE_FACTOR, order)
 
 

@@ -25,7 +25,8 @@ slices (a hundredth of the time of many), or a rule:
    tolerances within an orbit of the cage is reported as error, too; no tolerance removes it.
 9. Along a history, later times are sampled as well, from states without slip: a motion that is smooth at one speed may
    have impacts, or be stiff, at another. Contacts are damped most while the rings rest.
-10. What cannot be estimated, because a trial motion fails, is taken with all detail (`FALLBACKS`).
+10. What cannot be estimated, because a trial motion fails, is taken with all detail (`FALLBACKS`), and with the step
+   tolerance of the reference resolution; its error is then infinite.
 
 Only explicit methods that resolve contacts are taken at levels with contacts: others get the cage speed right and may
 miss a third of the impact force (docs/trust/dynamics.rst).
@@ -505,6 +506,8 @@ def step_tolerance(
 ) -> tuple[float, float]:
     """Return the step tolerance, and the error of the speeds with it, relative to the largest speeds without slip.
 
+    If a trial motion fails, the tolerance is that of the reference resolution, and the error is infinite.
+
     Parameters
     ----------
     study : MotionStudy
@@ -524,7 +527,7 @@ def step_tolerance(
     cage = _divergence(
         study, moving, (_USUAL_TOLERANCE, _REFERENCE_RATIO * _USUAL_TOLERANCE), [span]
     )[0]
-    error = float(cage[~np.isnan(cage)][-1:].sum()) * factor
+    error = float(np.nan_to_num(cage[-1], nan=np.inf, posinf=np.inf)) * factor
     allowed = _STEPS_FRACTION * assembly.scene.accuracy.of("cage_speed")
     lower = reference_resolution(assembly.scene).integrator_tolerance or 0.0
     tolerance = min(max(_USUAL_TOLERANCE * allowed / max(error, 1e-300), lower), _USUAL_TOLERANCE)
@@ -557,7 +560,8 @@ def _divergence(
     -------
     ndarray
         Differences of speeds of cage and rollers, relative to the largest without slip, (2, samples of all pieces); NaN
-        at times that were not reached.
+        at times that were left out, infinite at those before which a motion failed: two that were not compared do not
+        agree.
     """
     max_speeds = np.array(_max_speeds(moving))[:, None]
     differences = np.full((2, len(ends), _DIVERGENCE_SAMPLES), np.nan)
@@ -579,7 +583,11 @@ def _divergence(
                 )
                 piece = differences[:, k, :count]
                 piece[:] = np.fmax(piece, np.stack((cage, spin.max(axis=-1))) / max_speeds)
-            if evaluations > _MAX_EVALUATIONS or count < _DIVERGENCE_SAMPLES:
+            if count < _DIVERGENCE_SAMPLES:
+                differences[:, k, count:] = np.inf
+                differences[:, k + 1 :] = np.inf
+                break
+            if evaluations > _MAX_EVALUATIONS:
                 break
     return differences.reshape(2, -1)
 
