@@ -13,6 +13,7 @@ import rollslip
 from rollslip import uncertainty
 from rollslip.cli.main import cli
 from rollslip.results.accounts import account_of
+from rollslip.results.answer import collect_notes
 from rollslip.scene.reading import load_scene
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.band import Band, QuantityEffect, bands, with_bands
@@ -126,6 +127,51 @@ def test_without_a_steady_slip_or_without_scatter_there_is_no_band(monkeypatch):
     monkeypatch.setattr("rollslip_studies.variation.scatter.scattering", lambda assembly: {})
     assert with_bands(SCENE, dataset).attrs.get("band") is None
     assert Band(0.5, math.inf, "x").high == math.inf
+
+
+@pytest.fixture(scope="module")
+def steady():
+    return rollslip.run(SCENE, "steady-slip")
+
+
+@pytest.mark.parametrize(
+    ("log_before", "log_after", "rows", "slip", "has_torque"),
+    [
+        (-4.0, -3.0, 6, pytest.approx(0.0077 * math.e), True),
+        (-4.0, math.inf, 6, None, False),  # it skids by the other law
+        (-4.0, math.nan, 6, "not known", False),
+        (math.inf, -3.0, 0, "", False),  # few slices skid, all of them do not
+        (math.inf, math.inf, 0, "", False),
+        (math.nan, -3.0, 0, "", False),
+    ],
+)
+def test_what_another_law_makes_of_a_slip_is_a_number_or_not_said(
+    log_before, log_after, rows, slip, has_torque, steady, monkeypatch
+):
+    """A slip of few slices that is infinite or not known has no ratio; none of "0 %", "skids", "none N m" follows."""
+    start = math.log(0.0077)
+    monkeypatch.setattr(
+        band,
+        "_log_steady_slip",
+        lambda balance, near, slope: (log_before if near == start else log_after, None),
+    )
+    found = band.consequences(SCENE, band._coarse_assembly(SCENE), steady, 0.0077)
+    assert len(found) == rows
+    for row in (row for row in found if row["instead"]):
+        assert row["changes"].get("slip", [0.0077, "not known"]) == [0.0077, slip]
+        assert ("friction torque" in row["changes"]) == has_torque
+        assert "reserve to slipping" in row["changes"]
+    notes = collect_notes([steady.assign_attrs(consequences=json.dumps(found))])
+    said = " ".join(note.consequence for note in notes)
+    assert "none" not in said
+    assert ("it skids" in said) == (rows > 0 and slip is None)
+    assert "not evaluated" in said
+    assert len(notes) >= 5
+
+
+@pytest.mark.parametrize("slip", [0.0, math.nan, math.inf, -1e-3])
+def test_what_other_laws_make_of_no_slip_is_not_evaluated(slip, steady):
+    assert band.consequences(SCENE, band._coarse_assembly(SCENE), steady, slip) == []
 
 
 def test_the_command_tells_bands_beside_its_numbers(tmp_path):

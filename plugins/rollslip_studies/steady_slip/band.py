@@ -383,8 +383,10 @@ def consequences(
     """Return the effect of each validity range that a result exceeds, as rows of values for JSON.
 
     A row has the "code" of the range and as "instead" the name of the other law, empty if the range names none.
-    "changes" has by `SLIP`, `RESERVE` and `TORQUE` the value and the value by the other law, None where the cage skids;
-    it is missing where nothing was evaluated. "refused" says why the other law could not be evaluated.
+    "changes" has by `SLIP`, `RESERVE` and `TORQUE` the value and the value by the other law, a slip of None where the
+    cage skids. A value that is not known before or after has no change: the result is scaled by the ratio of both. It
+    is missing where nothing was evaluated. "refused" says why the other law could not be evaluated. There are no rows
+    where the cage skids on the coarse model, whose slip is then no number to scale.
 
     Parameters
     ----------
@@ -395,15 +397,17 @@ def consequences(
     dataset : Dataset
         The result.
     slip : float
-        Its steady cage slip [-].
+        Its steady cage slip [-], positive; there are no rows without one.
     """
+    if not 0.0 < slip < math.inf:
+        return []
     exceeded = json.loads(dataset.attrs.get("validity", "{}")).get("messages", ())
     codes = {bound["code"]: bound["made_for"] for bound in exceeded if bound.get("code")}
     acceptable = float(dataset.attrs.get("acceptable_slip", math.nan))
     try:
         balance = torque_balance(coarse, n_positions=1, inertia=False)
         before = _compared_values(balance, slip, acceptable)
-        if math.isnan(before[SLIP]):
+        if not math.isfinite(before[SLIP]):
             return []
     except RollslipError:
         return []
@@ -427,16 +431,21 @@ def consequences(
             except RollslipError as refusal:
                 row["refused"] = str(refusal)
                 continue
-            row["changes"] = {
-                name: [
-                    _json_value(name, value),
-                    _json_value(name, value * after[name] / before[name]),
-                ]
+            changes = {
+                name: [value, _json_value(name, value * after[name] / before[name])]
                 for name, value in values.items()
-                if before[name] and not math.isnan(value)
+                if _is_known(name, value, before[name], after[name])
             }
+            if changes:
+                row["changes"] = changes
         rows.append(row)
     return rows
+
+
+def _is_known(name: str, value: float, before: float, after: float) -> bool:
+    """Whether the change of a value is known: all are numbers, or the cage skids by the other law alone."""
+    is_scaled = math.isfinite(value) and math.isfinite(before) and before != 0.0
+    return is_scaled and (math.isfinite(after) or (name == SLIP and after > 0.0))
 
 
 def _compared_values(balance: TorqueBalance, near: float, acceptable: float) -> dict[str, float]:
