@@ -20,7 +20,7 @@ from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.accounts import account_of
 from rollslip.results.table import sheet
-from rollslip.studies.reference_solutions import JOINT_ORDER
+from rollslip.studies.bounds import JOINT_ORDER
 from rollslip_campaigns.limit import LimitSettings, findings
 from rollslip_campaigns.limit.limit import RESULT, run_limit, status_of_worst
 from rollslip_campaigns.limit.search import Requirement, brackets, next_indices, read_requirement

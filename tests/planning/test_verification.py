@@ -20,15 +20,13 @@ from rollslip.studies.answers import Part
 from rollslip.studies.bounds import (
     ErrorEstimate,
     LightContacts,
-    with_observed_slice_order,
-)
-from rollslip.studies.error_estimate import _ReferenceComparison, refine_resolution
-from rollslip.studies.reference_solutions import (
     joint_references,
     observed_order,
     reference_slips,
     richardson_factor,
+    with_observed_slice_order,
 )
+from rollslip.studies.error_estimate import _ReferenceComparison, refine_resolution
 from rollslip.studies.study import settings
 
 pytestmark = pytest.mark.quick

@@ -19,7 +19,7 @@ from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.results.text import LOWER_BOUNDS
 from rollslip.scene.interchange import read_foreign, write_foreign
-from rollslip.studies.reference_solutions import JOINT_ORDER
+from rollslip.studies.bounds import JOINT_ORDER
 from rollslip.studies.surface_damage.model import Contacts
 from rollslip_plugins.damage.sliding import PassEnergy
 from rollslip_studies.motion.losses import power_balance

@@ -9,9 +9,15 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import reference_resolution
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT, Accuracy
-from rollslip.studies.bounds import ErrorEstimate, errors_between, exceeding
+from rollslip.studies.bounds import (
+    MAX_ORDER,
+    MIN_ORDER,
+    ErrorEstimate,
+    errors_between,
+    exceeding,
+    reference_slips,
+)
 from rollslip.studies.error_estimate import resolution_numbers
-from rollslip.studies.reference_solutions import MAX_ORDER, MIN_ORDER, reference_slips
 
 if TYPE_CHECKING:
     import xarray as xr

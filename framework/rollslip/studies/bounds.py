@@ -1,7 +1,11 @@
 """Bounds of a plan: on the discretisation error of a result, and on models that are left out.
 
 - The error of n points is found from its difference to a finer solution by Richardson extrapolation, with the observed
-  order of convergence. It is bounded by C n^-2 with the largest C of several numbers of points.
+  order of convergence: both differ by 1 - (n/N)^p of it (`richardson_factor`). How much finer the solution is, and
+  which fraction of the error it shows, stands here alone: of slices (`SLICE_FACTOR`, `slice_fraction`), of roller
+  positions (`reference_positions`, `position_fraction`), of both together (`joint_references`, `joint_fraction`) and
+  of the slips of a continued curve (`reference_slips`).
+- Before a run the error is bounded by C n^-2 with the largest C of several numbers of points.
 - Some parts of a model change nothing where they are left out (unloaded contacts, one slice under an even load): they
   need no bound. Others change nothing, or little, as long as a quantity stays within a limit, and the quantity is only
   known once it has been computed. For these the chains of a bearing check the limit at every evaluation.
@@ -13,7 +17,7 @@ import abc
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -29,11 +33,6 @@ from rollslip.bearing.resolution import (
 )
 from rollslip.models import TractionModel
 from rollslip.scene.values import Accuracy
-from rollslip.studies.reference_solutions import (
-    observed_order,
-    richardson_factor,
-    slice_fraction,
-)
 from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:
@@ -41,6 +40,38 @@ if TYPE_CHECKING:
 
 #: Curves at the slips of a probe, (curves, n), and the slips of their maxima, (peaks,).
 Sample: TypeAlias = tuple[Array, Array]
+
+# Orders, and reference solutions: how much finer they are ------------------------------------------------------------
+
+#: Lowest order that is taken for an error; one that falls more slowly does not converge. At a half, 2 m + 1 positions
+#: show 0.3 of the error of m.
+MIN_ORDER: Final = 0.5
+#: Highest order that is taken for an error: past the kinks of the loads it falls like n^-2, and more is chance.
+MAX_ORDER: Final = 2.0
+#: Order that is assumed where two errors do not give one. Chosen, between both limits; with 2 errors would be smaller.
+ASSUMED_ORDER: Final = 1.0
+#: How many times as many slices a reference solution has where slices alone are refined. With twice as many a contact
+#: that ends between two slices may err alike; with 8 the comparison takes twice as long. Chosen.
+SLICE_FACTOR: Final = 4
+#: How many times as fine a reference solution is where slices and positions are refined together. With 4 the
+#: comparison takes four times as long; with less than 2 it shows less than half of an error of order 1. Chosen.
+JOINT_FACTOR: Final = 2
+#: Order with which errors of slices, and joint errors, fall unless another one is observed: the second on the whole,
+#: less by kinks from some numbers to twice as many. With 2 the joint error would be 14 % smaller, with 1 it would be
+#: 29 % larger.
+JOINT_ORDER: Final = 1.5
+#: Factor on a joint error of the minimum over some points, for example the smallest film parameter. The minimum may
+#: fall with the order of a half: with twice as many points its error is this many times (2.2) that by `JOINT_ORDER`.
+MINIMUM_ERROR_FACTOR: Final = (1.0 - JOINT_FACTOR**-JOINT_ORDER) / (1.0 - JOINT_FACTOR**-MIN_ORDER)
+#: Slices of a joint reference at least. Chosen: contacts that end between a few slices may err alike in both runs.
+#: Doubled, a check of a coarse run takes twice as long.
+_MIN_REFERENCE_SLICES: Final = 40
+#: Roller positions of a joint reference at least, where a run has fewer slices than `_MIN_REFERENCE_SLICES`.
+#: Chosen; with few of both they may err alike, and nine cost little on few slices.
+_MIN_REFERENCE_POSITIONS: Final = 9
+#: How many times as many slips a reference solution has where a curve is continued from slip to slip, so that it may
+#: depend on the steps. Chosen; with 2 the way through a jump differs less, with 6 a check takes twice as long.
+SLIP_FACTOR: Final = 3
 
 
 def exceeding(errors: Errors, accuracy: Accuracy, fraction: float = 1.0) -> Errors:
@@ -119,6 +150,77 @@ def errors_between(
                 np.nanmax(np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0))
             )
     return errors
+
+
+def richardson_factor(n: float, fine: float, order: float = MAX_ORDER) -> float:
+    """Return the fraction 1 - (n/N)^p of the error of n points by which they differ from N finer ones.
+
+    Richardson extrapolation: the finer ones err, too, so that a difference divided by this factor is the error.
+
+    Parameters
+    ----------
+    n, fine : float
+        Numbers of points.
+    order : float
+        Order of convergence p, limited to `MIN_ORDER` and `MAX_ORDER`.
+    """
+    return 1.0 - math.pow(n / fine, min(max(order, MIN_ORDER), MAX_ORDER))
+
+
+def observed_order(coarse: int, fine: int, coarse_error: float, fine_error: float) -> float:
+    """Return the order with which an error falls between two numbers; `ASSUMED_ORDER` where they do not give one."""
+    if coarse == fine or not (0.0 < coarse_error < math.inf and 0.0 < fine_error < math.inf):
+        return ASSUMED_ORDER
+    return math.log(coarse_error / fine_error) / math.log(fine / coarse)
+
+
+def slice_fraction(order: float = JOINT_ORDER) -> float:
+    """Return the fraction of the error of slices which `SLICE_FACTOR` times as many show, by an order."""
+    return richardson_factor(1, SLICE_FACTOR, order)
+
+
+def reference_positions(n_positions: int) -> int:
+    """Return the number of roller positions of a reference: only that in the line of load is common to both."""
+    return 2 * n_positions + 1
+
+
+def position_fraction(n_positions: int, order: float) -> float:
+    """Return the fraction of the error of some positions by which they differ from `reference_positions`."""
+    return richardson_factor(n_positions, reference_positions(n_positions), order)
+
+
+def joint_references(
+    slices: int, n_positions: int, quadrature: str
+) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Return slices and positions of two references: at Gauss points, and by the quadrature rule of the run.
+
+    The first has pi times as many Gauss points as equal slices: it is twice as fine, and light loads reach only the
+    middle of a roller, where Gauss points are pi/2 times as far apart. The second has other slices and positions than
+    the first, so that it hardly errs like the run as well.
+
+    Parameters
+    ----------
+    slices, n_positions : int
+        Numbers of the run.
+    quadrature : str
+        Its quadrature rule, "equal" or "gauss".
+    """
+    more_positions = reference_positions(n_positions)
+    if slices < _MIN_REFERENCE_SLICES:
+        more_positions = max(more_positions, _MIN_REFERENCE_POSITIONS)
+    density = JOINT_FACTOR * (1.0 if quadrature == "gauss" else 0.5 * math.pi)
+    gauss_points = max(math.ceil(density * slices), _MIN_REFERENCE_SLICES)
+    return (gauss_points, more_positions), (JOINT_FACTOR * slices + 1, more_positions + 1)
+
+
+def joint_fraction(order: float = JOINT_ORDER) -> float:
+    """Return the fraction of an error by which a run differs from its `joint_references`, by an order."""
+    return richardson_factor(1, JOINT_FACTOR, order)
+
+
+def reference_slips(points: int) -> int:
+    """Return the number of slips of a reference, among which are those of a run: every `SLIP_FACTOR`-th."""
+    return SLIP_FACTOR * (points - 1) + 1
 
 
 @attrs.frozen(kw_only=True)

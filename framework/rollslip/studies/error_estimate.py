@@ -20,7 +20,7 @@ A study without curves doubles both numbers until its results change by less tha
 After a run (`estimate_error`): an a posteriori estimate by reference solutions, which share none of the above.
 
 1. Compare with four times as many slices, and with 2 m + 1 positions instead of m. They have one position in common.
-   `rollslip.studies.reference_solutions` has how much finer each reference solution is.
+   `rollslip.studies.bounds` has how much finer each reference solution is.
 2. Divide the difference by 1 - (n/N)^p, the fraction of the error of n points which it shows (Richardson
    extrapolation).
 3. Where that is not clearly below the tolerance, repeat with m/2 positions for the observed order p.
@@ -59,6 +59,12 @@ from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
 from rollslip.studies.answers import PartialResult, ResolutionChoice
 from rollslip.studies.bounds import (
+    ASSUMED_ORDER,
+    JOINT_ORDER,
+    MAX_ORDER,
+    MIN_ORDER,
+    SLICE_FACTOR,
+    SLIP_FACTOR,
     BoundaryFriction,
     ErrorBound,
     ErrorEstimate,
@@ -69,24 +75,16 @@ from rollslip.studies.bounds import (
     Sample,
     errors_between,
     exceeding,
-    pointwise_errors,
-    sample_errors,
-    with_observed_slice_order,
-)
-from rollslip.studies.reference_solutions import (
-    ASSUMED_ORDER,
-    JOINT_ORDER,
-    MAX_ORDER,
-    MIN_ORDER,
-    SLICE_FACTOR,
-    SLIP_FACTOR,
     joint_fraction,
     joint_references,
     observed_order,
+    pointwise_errors,
     position_fraction,
     reference_positions,
     reference_slips,
+    sample_errors,
     slice_fraction,
+    with_observed_slice_order,
 )
 
 if TYPE_CHECKING:
@@ -136,7 +134,7 @@ _CHANCE_FRACTION: Final = 0.15
 #: some room for an order that is lower than the observed one.
 _REFINED_FRACTION: Final = 0.35
 
-# Reference solutions; `reference_solutions` has how much finer they are ----------------------------------------------
+# Reference solutions; `bounds` has how much finer they are -----------------------------------------------------------
 
 #: Slips of the curves of another study, where the result has none. Chosen; twice as many take twice as long
 #: and show a maximum between the slips more exactly.

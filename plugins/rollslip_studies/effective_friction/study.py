@@ -31,7 +31,7 @@ from rollslip.fields import at_least, choice_of, in_range, parameter
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import LoadedSlices, Measurable, Output, PartialResult, RunContext
-from rollslip.studies.reference_solutions import MINIMUM_ERROR_FACTOR
+from rollslip.studies.bounds import MINIMUM_ERROR_FACTOR
 from rollslip.studies.study import CONTACT_CHOICES, N_VALIDITY_SLIPS, Study
 from rollslip.studies.timing import N_POSITIONS, POINTS, extrapolate_line, processor_time
 from rollslip_studies.effective_friction.raceways import (

@@ -18,7 +18,7 @@ from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
-from rollslip.studies.reference_solutions import MINIMUM_ERROR_FACTOR, joint_fraction
+from rollslip.studies.bounds import MINIMUM_ERROR_FACTOR, joint_fraction
 from rollslip.studies.steady_slip.torque import Duty, formula_variables
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
