@@ -347,6 +347,37 @@ def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
     )
 
 
+@pytest.mark.parametrize(
+    ("outside", "subject"),
+    [
+        (10_000, "all loaded contacts are"),
+        (9_996, "over 99 % of the contact force is"),  # rounds to 100 %
+        (9_950, "over 99 % of the contact force is"),
+        (9_949, "99 % of the contact force is"),
+        (51, "1 % of the contact force is"),
+        (50, "under 1 % of the contact force is"),
+    ],
+)
+def test_all_contacts_are_said_to_be_outside_where_none_is_inside(outside, subject):
+    speeds = np.where(np.arange(10_000) < outside, 1.0, 0.1)
+    own = tables(sliding_speed=speeds, force=np.ones(10_000))
+    (said,) = warning_texts(validity_messages(range_excesses([made_for(0.5)], own), None))
+    assert f"; {subject} outside, where" in said
+
+
+def test_all_contacts_of_a_ring_are_not_all_of_both():
+    """Of the other ring 0.4 % lie inside, which is below what is reported; a slice without load is no contact."""
+    whole = tables(sliding_speed=[1.0, 0.1], force=[1.0, 0.0])
+    rest = tables(sliding_speed=[1.0, 0.1], force=[0.996, 0.004])
+    other = [RingSlices("outer", rest[0].slices, rest[0].force)]
+    (excess,) = range_excesses([made_for(0.5)], [*whole, *other])
+    assert (excess.fraction, excess.ring) == (1.0, whole[0].ring)
+    (said,) = warning_texts(validity_messages([excess], None))
+    assert "; all loaded contacts of the inner ring are outside" in said
+    (excess,) = range_excesses([made_for(0.5)], [*other, *other])
+    assert (excess.fraction, excess.ring) == (pytest.approx(0.996), "")
+
+
 def test_nothing_is_said_within_the_bounds_and_of_what_is_not_known():
     quiet = tables(
         film_thickness=1e-5,

@@ -83,13 +83,13 @@ class RangeExcess:
     #: Kind and name of the law.
     law: str
     validity: Validity
-    #: Fraction of the force outside, 0 to 1.
+    #: Fraction of the force outside, 0 to 1; 1 only where no loaded contact lies inside.
     fraction: float
     #: Quantiles of the bounded quantity outside, weighted by force, 5 % and 95 %; empty where nothing is outside.
     values: tuple[float, ...] = ()
     #: Median of the same; NaN where nothing is outside.
     median: float = math.nan
-    #: Ring with the larger fraction; empty where both have about the same.
+    #: Ring with the larger fraction, or with all of it; empty where both have about the same.
     ring: str = ""
     #: Fractions of the regimes of the film, in words.
     detail: str = ""
@@ -302,18 +302,22 @@ def range_excesses(models: Sequence[SliceModel], tables: Sequence[RingSlices]) -
         fractions = {ring: _fraction_outside(validity, values[ring], force[ring]) for ring in rings}
         ring = max(fractions, key=lambda name: fractions[name])
         excess = _range_excess(label, validity, fractions[ring], values[ring], force[ring])
-        if fractions[ring] - min(fractions.values()) >= REPORTED_FROM:
+        smallest = min(fractions.values())
+        if fractions[ring] - smallest >= REPORTED_FROM or fractions[ring] == 1.0 > smallest:
             excess = attrs.evolve(excess, ring=ring)
         excesses.append(excess)
     return excesses
 
 
 def _fraction_outside(validity: Validity, values: Array, force: Array) -> float:
-    """Return the fraction of the force outside a bound; values that are not known lie inside."""
+    """Return the fraction of the force outside a bound, 1 only for all of it; values that are not known lie inside."""
     total = float(force.sum())
     if total <= 0.0:
         return 0.0
-    return min(float(force[validity.excess(values) > 0.0].sum()) / total, 1.0)
+    is_outside = validity.excess(values) > 0.0
+    if not force[~is_outside].any():
+        return 1.0
+    return min(float(force[is_outside].sum()) / total, math.nextafter(1.0, 0.0))
 
 
 def _range_excess(
@@ -483,9 +487,8 @@ def _describe_excess(excess: RangeExcess, bound: str, where: str, what: str) -> 
     state = f" {where}" if where else ""
     if excess.detail:
         state += f" ({excess.detail})"
-    fraction = _percent(excess.fraction)
-    subject = f"{fraction} {what}{ring} is"
-    if fraction == _percent(1.0) and what == _OF_FORCE:
+    subject = f"{_percent(excess.fraction)} {what}{ring} is"
+    if excess.fraction == 1.0 and what == _OF_FORCE:
         subject = f"all loaded contacts{ring} are"
     validity = excess.validity
     return (
@@ -516,7 +519,11 @@ def warning_texts(messages: Sequence[ValidityMessage], tolerance: float = 0.0) -
 
 
 def _percent(fraction: float) -> str:
-    return f"{100.0 * fraction:.0f} %"
+    """Return a fraction in whole per cent; "100 %" is all and "0 %" nothing, without rounding."""
+    whole = f"{100.0 * fraction:.0f} %"
+    if whole == "100 %" and fraction < 1.0:
+        return "over 99 %"
+    return "under 1 %" if whole == "0 %" and fraction > 0.0 else whole
 
 
 def describe_bound(validity: Validity) -> str:
