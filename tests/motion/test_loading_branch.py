@@ -16,7 +16,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion import loading_branch
+from rollslip_studies.motion import loading_branch, spins
 from rollslip_studies.motion.loading_branch import (
     SEARCH,
     _drop_doubtful,
@@ -192,6 +192,22 @@ def test_rollers_are_sent_round_as_by_a_plain_march(drags, slip):
             march.roller_slips[0, walker], want, atol=2e-3 * float(motions.unit(slips)[0])
         )
     assert march.changes.max() < 1e-3, "of rolling on either ring, which are 1.8 units apart"
+
+
+def test_a_march_ends_at_the_tolerance_by_which_it_counts_as_periodic(monkeypatch):
+    """The kernel is given that one number: a march that may leave a tenth takes fewer evaluations, and leaves more."""
+    motions = balance().motions
+    slips = np.array([0.02])
+    starts = motions._march_starts(motions.spins(slips), slips)[:, :1].repeat(2, axis=1)
+    found = []
+    for tolerance in (0.1, 1e-3):
+        monkeypatch.setattr(spins, "_PERIODIC_TOLERANCE", tolerance)
+        own = motions.spins(slips, motions._march_loads)
+        change = motions._march(slips, starts, own).changes.max()
+        found.append((sum(own.kernel.evaluated), change))
+    (few, large), (many, small) = found
+    assert few < 0.8 * many
+    assert small < 0.5 * large < 0.05
 
 
 def test_rows_are_sent_round_as_each_by_itself():

@@ -82,8 +82,7 @@ cdef double OVER = 1.2          # by how much a step goes beyond where the slope
 cdef double ALIKE = 1.5         # factor by which slopes of a balance differ from one position to the next, at most
 cdef double CURVES = 5.0        # by how much a slope may change over the width, relative to it
 cdef double MET = 10.0          # exactness of balances within which two motions are one
-cdef double KEPT = 1e-3         # share of what is left of a row's way after an orbit within which it repeats
-cdef double FORESEEN = 0.02     # and within which two will be one
+cdef double FORESEEN = 0.02     # share of a row's way that is left after an orbit within which two will be one
 cdef double GOES_ON = 0.05      # mean change from row to row up to which what second order adds is about the same
 cdef double SLOWLY = 1e-2       # surface speed over which the friction of a pocket changes its sign [m/s]
 
@@ -390,14 +389,15 @@ cdef class Spin:
     def march_orbits(
         self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
         const double[:, ::1] bracket, const double[::1] wide, const double[:, ::1] starts,
-        Py_ssize_t orbits, double exact, known: Array | None = None,
+        Py_ssize_t orbits, double exact, double periodic, known: Array | None = None,
     ) -> tuple[Array, NDArray[np.bool_], Array, str]:
         """March rollers round the orbit, row by row: return their slips, whether two agree, and the change per orbit.
 
         Positions are rows of ``around`` ones, an orbit each; ``rows`` (n,) are those to march. Of each ``inertia``
         is as in `periodic`, ``bracket`` (n, 2) holds the roller slips of rolling on either ring, ``wide`` is what steps
         and tolerances refer to, and ``starts`` (n, 2) are slips at its first position: two for two rollers, the same
-        twice for one. ``exact`` is how exactly balances are found, relative to ``wide``.
+        twice for one. ``exact`` is how exactly balances are found, relative to ``wide``; a row ends its march as soon
+        as what further orbits would change is no more than ``periodic``, relative likewise.
 
         By implicit Euler, at most so many orbits; from ``known`` whole orbits, (n, 2, K), by backward differences of
         second order. Returned are roller slips (n, 2, K), whether both have met (n,), how far a row is from repeating
@@ -426,7 +426,7 @@ cdef class Spin:
         cdef Py_ssize_t[:, ::1] who = np.empty((4, 2 * n + 1), dtype=np.intp)
         if n:
             with nogil:
-                ended = self._march_orbits(K, n, &rows[0], &inertia[0], &bracket[0, 0], &wide[0], orbits, exact, second,
+                ended = self._march_orbits(K, n, &rows[0], &inertia[0], &bracket[0, 0], &wide[0], orbits, exact, periodic, second,
                                            &out[0, 0, 0], &one[0], &rest[0, 0], way, who)
         how = self._ended(ended)
         return slips, met.view(bool), left, how
@@ -443,8 +443,8 @@ cdef class Spin:
         return 0
 
     cdef int _march_orbits(self, Py_ssize_t K, Py_ssize_t n, const Py_ssize_t *rows, const double *inertia,
-                           const double *bracket, const double *wide, Py_ssize_t orbits, double exact, bint second,
-                           double *out, unsigned char *met, double *left, double[:, ::1] way,
+                           const double *bracket, const double *wide, Py_ssize_t orbits, double exact, double periodic,
+                           bint second, double *out, unsigned char *met, double *left, double[:, ::1] way,
                            Py_ssize_t[:, ::1] who) noexcept nogil:
         """Walkers 2 r and 2 r + 1 are those of row r; the second goes where the first does as soon as they have met."""
         cdef Py_ssize_t *walks = &who[0, 0]      # those that are still on their way round
@@ -493,7 +493,7 @@ cdef class Spin:
                     decay = min(moved[w] / max(was[w], 1e-300), 0.999)
                     left[w] = moved[w] * decay / (1.0 - decay)
                     was[w], moved[w] = max(moved[w], 1e-300), 0.0
-                    if t > K and left[w] <= (exact if second else KEPT):
+                    if t > K and left[w] <= periodic:
                         continue
                 walks[some] = w
                 some += 1

@@ -96,9 +96,9 @@ _BALANCE_WITHOUT_INERTIA: Final = 1e-12
 #: value makes it fail near rounding, and changes a torque by 1.6e-3, where a march then replaces it; twice the
 #: value changes torques by less than 2e-7, because the convergence is quadratic; chosen.
 _NEWTON_TOLERANCE: Final = 1e-7
-#: What a march would still change, extrapolated and relative as `_BALANCE_TOLERANCE`, below which it counts as
-#: periodic. Half and twice the value change torques by less than 1e-11; chosen, below `DISTINCT`. The compiled march
-#: ends at a tolerance of its own, KEPT in spin.pyx.
+#: What a march by implicit Euler would still change, extrapolated and relative as `_BALANCE_TOLERANCE`, at which it
+#: ends and counts as periodic. Half and twice the value change torques of 36 random bearings by up to 1e-10; chosen,
+#: below `DISTINCT`.
 _PERIODIC_TOLERANCE: Final = 1e-3
 #: Relative discretisation error of implicit Euler up to which a motion counts as converged. Neither
 #: half nor twice the value changes a result of 55 random bearings; chosen.
@@ -539,6 +539,7 @@ class Motions:
             starts,
             _EULER_ORBITS,
             _BALANCE_TOLERANCE if self._inertia else _BALANCE_WITHOUT_INERTIA,
+            _PERIODIC_TOLERANCE,
         )
         if spins.check(status) == _NO_BALANCE:
             raise ConvergenceError(
@@ -596,7 +597,7 @@ class Motions:
         doubled = []
         for row in np.flatnonzero(~march.agree).tolist():
             first, second = march.roller_slips[row] / unit[row]
-            is_periodic = march.changes[row].max() < _PERIODIC_TOLERANCE
+            is_periodic = march.changes[row].max() <= _PERIODIC_TOLERANCE
             if self.distance(first, second) >= (DISTINCT if is_periodic else 0.0):
                 doubled.append(row)
         return doubled
@@ -618,7 +619,7 @@ class Motions:
             spins.check(status)
             torque = self._rollers * torque
             change = np.abs(found - marched) @ self._weight / unit
-            is_other = (changes < _PERIODIC_TOLERANCE) & (change > CONTINUES)
+            is_other = (changes <= _PERIODIC_TOLERANCE) & (change > CONTINUES)
             converged = is_found & (np.abs(multiplier) < 1.0) & ~is_other
             failed = np.flatnonzero(~converged)
             if failed.size:
@@ -671,6 +672,7 @@ class Motions:
             self._march_widths(slips)[rows],
             np.repeat(marched[:, :1], 2, axis=1),
             _SECOND_ORDER_ORBITS,
+            _NEWTON_TOLERANCE,
             _NEWTON_TOLERANCE,
             np.repeat(marched[:, None], 2, axis=1),
         )
