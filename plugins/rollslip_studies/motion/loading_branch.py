@@ -22,7 +22,7 @@ The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque 
 8. Repeat step 7 with four times as many positions of the orbit. The change, added to the error of the interpolation,
    is the stated error: what still more positions would change decreases irregularly. A maximum that finer positions
    do not have is dropped.
-9. Find where the torque regains the maximum: the slip to which the cage jumps.
+9. Find where the torque regains the maximum, both on the coarse positions: the slip to which the cage jumps.
 10. Skidding starts at the first jump which at least doubles the slip, or after which no slip carries the drag.
 
 The slips are chosen by the bearing and the range alone, so that the result does not depend on earlier calls.
@@ -108,7 +108,7 @@ class SearchTolerances:
     #: 0.006. The stated error is proportional to the step: one pass states 0.4 % instead of 0.1 %; chosen.
     end_passes: int = 2
     #: Tolerance in logit(S) of the slip after a jump. Twice the value changes that slip by up to 6e-4, half the
-    #: value by 4e-7; chosen, because three digits are reported.
+    #: value by 4e-7; chosen, below the 0.2 % (median) by which finer positions change that slip.
     regain: float = 1e-3
     #: Tolerance of a steady slip, relative to it, and of its excess torque, relative to the torque. Half and twice
     #: the value change steady slips by up to 6e-11; chosen, near the rounding of the torques.
@@ -136,7 +136,14 @@ SKIDDING_RATIO: Final = 2.0
 
 @attrs.frozen
 class Jump:
-    """A maximum of the torque on the loading branch, from which the slip jumps."""
+    """A maximum of the torque on the loading branch, from which the slip jumps.
+
+    Slip and drag are those of finer positions of the orbit, which are computed around the maximum alone. The slip after
+    the jump is where the torque on the positions of the search regains the maximum on the same positions: a torque of
+    one number of positions is compared with the same number's, so that what they have in common cancels. With four
+    times as many positions in all of the search it changes by 0.2 % in the median of 29 random bearings, by up to 1 %
+    in 26 of them, and by 17 % in one whose torque hardly rises there.
+    """
 
     slip: float  # cage slip of the maximum
     drag: float  # torque of the maximum [N m]: with more drag the slip jumps
