@@ -30,6 +30,62 @@ forces come from the energy, and no force is written down twice::
     land            D = journal's centre - bush's;  V_s = D' - (w_j + w_b)/2 k x D;  film force against V_s, shear
                     torque against w_j - w_b; metal beyond the clearance, with Coulomb friction
 
+Map
+---
+
+State vector y. Enumerations and the order of all indices stand in planar_columns.h::
+
+    head      HEAD = 10 numbers, RING_X to CAGE_ANGLE; then q of all shapes of the inner and of the outer ring, their
+              rates q' in the same order, and the angle of each form that turns. p.head_size is their number; a ring has
+              its indices in rs_bent_ring: at (of q), speeds (of q'), angle.
+    rollers   Z blocks of BLOCK = 5 numbers, POSITION (x), ORBIT (w), SPIN (s), RADIAL (rho), RISE (v)
+    ledger    LEDGER numbers by the names of `LEDGER_UNITS`: works, lost energies, impulses of moment
+    shares    with ``each``, 4 numbers of each roller: work and distance of sliding at the inner and at the outer ring
+
+- A *row* is head and ledger without shapes, (ROW,). What rollers add to a row is summed in the order of TO_RING_X to
+  TO_IMPULSE_GRAVITY, (ADDED,).
+- A *column* is an array over the rollers, (Z,), in p.c; bearing.h lists all columns with their units. Of two the first
+  is that of the inner ring: p.c.force[INNER][j]. unknown[k] and rate_of[k] are y and y' of all rollers for k from
+  POSITION to RISE.
+- A *shape* (mode) of a ring is B(psi) = Re sum c_n exp(i n psi). Its row of ``re`` and ``im``, (shapes, max_order + 1),
+  holds c_n. wave_cos and wave_sin, (max_order, Z), are cos and sin of n psi_j from n = 1 on, of both rings.
+
+Order of an evaluation, `all_rates`:
+
+1. `ring_contacts`: angles, gaps and speeds (loops.places, loops.bent), normal forces, resistances, friction.
+2. `bar_forces`: positions in the pockets, and what the bars do to the rollers.
+3. `rates_from_columns`: `head_and_ledger_rates` without rollers; rates of the rollers, and what these add
+   (loops.rates); their sums (loops.totals), which `add_roller_sums` adds; `shape_rates`, and the rollers' forces on
+   shapes.
+
+`roller_rates` and `head_rates` are the two halves of it for Jacobians. A step of leapfrog takes `renew_held_friction`
+now and then, `rates_with_held_friction` in its middle, and `drift`; or, if contacts of the cage have smaller steps,
+`drift_with_contacts`, in which `kick_contacts` has the forces of bars and metal.
+
+Where a force is computed; its work or loss goes into the ledger at the same place:
+
+=========================================  ===========================================================================
+force                                      function
+=========================================  ===========================================================================
+normal force, by the table of the gap      loops.forces (planar_loops.h)
+normal force, by slices                    `normal_forces_by_slices`
+damping of the contacts                    loops.damped (planar_loops.h), rs_damping (rollslip_pocket.pxd)
+traction and rolling resistance            rs_by_table, rs_ring_friction (rollslip_bearing.pxd), `tabulated_resistance`
+the same, held between evaluations         loops.tractions, loops.implicit (planar_loops.h), held.h
+bars of the pockets, and their friction    `bar_forces_on_roller`, rs_pocket_bars (rollslip_pocket.pxd)
+land                                       `add_land_forces`, rs_land_force (rollslip_land.pxd)
+drag on the cage                           rs_drag_on_cage (rollslip_bearing.pxd), in `head_and_ledger_rates`
+load; weight of ring and cage              `head_and_ledger_rates`
+weight of rollers, inertia forces          loops.rates (planar_loops.h)
+unbalance of the cage                      `head_and_ledger_rates`, `add_cage_acceleration`
+stiffness, damping and push of shapes      `shape_rates`
+rollers on shapes                          rs_ring_forces (planar_columns.h)
+torque of sloped raceways                  loops.turning (planar_loops.h)
+=========================================  ===========================================================================
+
+Notes
+-----
+
 - Small displacements: x_i, x_c and rho are small against R_m; terms of first order are exact, which is what makes
   angular momentum close.  The radial motion enters the sliding speeds through x_i and v_i only; approaches, smaller
   than clearances, are left out of the rolling radii.  Beyond FAR of the roller's radius x_i and x_c are refused where
@@ -71,14 +127,13 @@ from rollslip_kernels.stages.simd import active
 
 cdef enum:   # who refused an evaluation
     DEFLECTION_REFUSED = LEVEL_REFUSED   # + ring
-    DISPLACED = DEFLECTION_REFUSED + 2   # + 1 for the cage, 2 for a shape
+    DISPLACEMENT_REFUSED = DEFLECTION_REFUSED + 2   # + 1 for the cage, 2 for a shape
 
 #: Recorded unknowns, in order, with their unit; the work that elastic forces did is what is stored, negative.
 LEDGER_UNITS: Mapping[str, str] = {
-    "work_rings": "J", "work_load": "J", "work_gravity": "J", "work_drag": "J",
-    "work_raceway_elastic": "J", "work_cage_elastic": "J",
-    "lost_inner": "J", "lost_outer": "J", "lost_rolling": "J", "lost_damping": "J", "lost_pockets": "J",
-    "lost_land": "J",
+    "work_rings": "J", "work_load": "J", "work_gravity": "J", "work_drag": "J", "work_raceway_elastic": "J",
+    "work_cage_elastic": "J", "lost_inner": "J", "lost_outer": "J", "lost_rolling": "J", "lost_damping": "J",
+    "lost_pockets": "J", "lost_land": "J",
     "impulse_rings": "N m s", "impulse_load": "N m s", "impulse_gravity": "N m s", "impulse_drag": "N m s",
 }
 
@@ -89,39 +144,42 @@ NUMBERS: tuple[str, ...] = (
     "outer_speed", "roller_mass", "roller_inertia", "ring_mass", "cage_mass", "cage_inertia", "unbalance", "gravity_x",
     "gravity_y", "damping", "load", "direction", "epicyclic_speed", "pocket_half_clearance",
     "pocket_radial_half_clearance", "pocket_stiffness", "pocket_damping", "pocket_friction", "pocket_film",
-    "pocket_roughness",
-    "land_radius", "land_clearance", "land_film", "land_shear", "land_floor", "land_stiffness",
+    "pocket_roughness", "land_radius", "land_clearance", "land_film", "land_shear", "land_floor", "land_stiffness",
     "land_damping", "land_friction",
 )
 
 ctypedef struct planar_t:
-    rs_bearing c
-    const rs_plane_loops *loops
-    size_t heads           # unknowns before the rollers: HEAD, amplitudes of all shapes, their rates, angles of forms
-    double *on_shapes      # forces on them
+    rs_bearing c                   # what all levels share: numbers, pocket, drags, columns over the rollers (bearing.h)
+    const rs_plane_loops *loops    # over the rollers, for the instruction set at hand (planar_loops.h)
+    size_t head_size               # unknowns before the rollers
+    double *shape_forces           # generalised forces of the rollers on all shapes [N]
     double ring_mass
     double cage_mass
     double unbalance
-    rs_pocket guide        # along the radius; its play is infinite where a land holds the cage
+    rs_pocket guide                # the pocket along the radius; its play is infinite where a land holds the cage
     rs_land land
-    const double *drop
+    const double *drop             # profile at the slices of a roller
     const double *widths
-    rs_model deflection[2]
-    rs_slices contact[2]   # room for Z n slices each
-    size_t evaluated       # slices of the deflection law
+    rs_model deflection[2]         # contact law of either ring
+    rs_slices contact_slices[2]    # room for Z n slices each
+    size_t slices_evaluated        # by the deflection laws, so far
     # rolling resistance at equal steps of sqrt(Q), where friction is not conventional
     size_t resistance_cells[2]
     double resistance_step[2]
     const double *resistance_nodes[2]
-    double displaced       # by how much, where that was refused
-    size_t *first[2]       # where the slices of a roller begin among those in contact
-    int *touch             # whether a bar may touch the roller
-    size_t *near           # those it may
-    int apart              # what touches is left out where friction is held
-    double head[HEAD]      # where held was asked last, while what touches is apart
+    double displacement            # that was refused [m]
+    size_t *first_slice[2]         # of each roller among the slices in contact, (Z + 1,)
+    int *may_touch                 # whether a bar may touch the roller, (Z,)
+    size_t *touching               # rollers that a bar may touch, in order
+    int contact_apart              # forces of bars and metal are left out where friction is held: they have own steps
+    double last_head[HEAD]         # of the last evaluation while `contact_apart` is set
 
-cdef double SOON = 2.0    # times a part of a step in which a bar may be touched: forces change speeds in it
-cdef double FAR = 0.1     # displacement over the roller's radius, beyond which it is not small
+# Multiple of a part of a step in which a bar may be touched: forces change speeds in it. With 1 touches are missed,
+# with 4 more rollers are evaluated. Chosen.
+cdef double CONTACT_MARGIN = 2.0
+# Displacement of ring, cage or shape over the radius of a roller, beyond which it is not small. Chosen: with 0.2 terms
+# of second order, which the equations leave out, are up to four times as large, with 0.05 a quarter.
+cdef double MAX_DISPLACEMENT = 0.1
 
 
 cdef inline double tabulated_resistance(const planar_t *p, size_t ring, double force) noexcept nogil:
@@ -132,7 +190,7 @@ cdef inline double tabulated_resistance(const planar_t *p, size_t ring, double f
     return node[0] + (node[1] - node[0]) * (place - <double>k)
 
 
-cdef inline void cage_acceleration(
+cdef inline void add_cage_acceleration(
     const planar_t *p, double c, double s, double fx, double fy, double torque, double *rates
 ) noexcept nogil:
     """M^-1 of the cage whose unbalance stands at (c, s): adds to the rates of its speeds, row of a head."""
@@ -144,43 +202,45 @@ cdef inline void cage_acceleration(
     rates[CAGE_SPEED] += (p.cage_mass * torque - p.unbalance * across) / det
 
 
-cdef inline size_t half_of(const planar_t *p) noexcept nogil:
+cdef inline size_t first_shape_rate(const planar_t *p) noexcept nogil:
     """Where the amplitudes of shapes end in the head, and their rates begin."""
     return p.c.ring[INNER].speeds
 
 
-cdef inline int displacement(const double *head, planar_t *p) noexcept nogil:
+cdef inline int check_displacements(const double *head, planar_t *p) noexcept nogil:
     """Refuse a ring, a cage or a shape that is too far out."""
     cdef size_t body, k
     cdef const double *x
     for body in range(2):
         x = head + (CAGE_X if body else RING_X)
-        if x[0] * x[0] + x[1] * x[1] > FAR * FAR * p.c.roller_radius * p.c.roller_radius:
-            p.c.refused, p.displaced = DISPLACED + <int>body, sqrt(x[0] * x[0] + x[1] * x[1])
+        if x[0] * x[0] + x[1] * x[1] > MAX_DISPLACEMENT * MAX_DISPLACEMENT * p.c.roller_radius * p.c.roller_radius:
+            p.c.refused = DISPLACEMENT_REFUSED + <int>body
+            p.displacement = sqrt(x[0] * x[0] + x[1] * x[1])
             return 1
-    for k in range(HEAD, half_of(p)):
-        if fabs(head[k]) > FAR * p.c.roller_radius:
-            p.c.refused, p.displaced = DISPLACED + 2, fabs(head[k])
+    for k in range(HEAD, first_shape_rate(p)):
+        if fabs(head[k]) > MAX_DISPLACEMENT * p.c.roller_radius:
+            p.c.refused = DISPLACEMENT_REFUSED + 2
+            p.displacement = fabs(head[k])
             return 1
     return 0
 
 
-cdef int forces_by_slices(planar_t *p, int ring) noexcept nogil:
-    """Forces of a ring, and loads per length, by the deflection law on every slice; 0, -1 or k > 0 as a stage."""
+cdef int normal_forces_by_slices(planar_t *p, int ring) noexcept nogil:
+    """Normal forces and loads per length of a ring by the deflection law on every slice; 0, -1 or k > 0 as a stage."""
     cdef size_t j, k, n = 0
     cdef double factor, total
     cdef const double *gap = p.c.gap[ring]
-    cdef rs_slices *slices = &p.contact[ring]
+    cdef rs_slices *slices = &p.contact_slices[ring]
     cdef int status
     for j in range(p.c.rollers):
-        p.first[ring][j] = n
+        p.first_slice[ring][j] = n
         if gap[j] > p.c.lowest_drop:
             for k in range(p.c.slices):
                 slices.approach[n] = gap[j] - p.drop[k]
                 n += slices.approach[n] > 0.0   # the next one overwrites a slice out of contact
-    p.first[ring][p.c.rollers] = n
+    p.first_slice[ring][p.c.rollers] = n
     slices.n = n
-    p.evaluated += n
+    p.slices_evaluated += n
     status = p.deflection[ring].evaluate(slices, p.deflection[ring].params) if n else 0
     if status != 0:
         p.c.refused = DEFLECTION_REFUSED + ring
@@ -188,9 +248,9 @@ cdef int forces_by_slices(planar_t *p, int ring) noexcept nogil:
     for j in range(p.c.rollers):
         factor = 1.0 + rs_damping(p.c.damping * p.c.rate[ring][j])
         total = 0.0
-        n = p.first[ring][j]
+        n = p.first_slice[ring][j]
         for k in range(p.c.slices):
-            if n < p.first[ring][j + 1] and gap[j] - p.drop[k] > 0.0:
+            if n < p.first_slice[ring][j + 1] and gap[j] - p.drop[k] > 0.0:
                 total += slices.load[n] * p.widths[k]
                 p.c.load_of[ring][j * p.c.slices + k] = slices.load[n] * factor
                 n += 1
@@ -201,10 +261,11 @@ cdef int forces_by_slices(planar_t *p, int ring) noexcept nogil:
     return 0
 
 
-cdef int contacts(const double *head, const double *rollers, planar_t *p, bint film, int friction) noexcept nogil:
+cdef int ring_contacts(const double *head, const double *rollers, planar_t *p, bint film, int friction) noexcept nogil:
     """Loads, speeds and friction of both contacts of every roller; 0, -1 or k > 0 as a stage of a chain.
 
-    With ``film`` conventional friction is that of the slices.
+    With ``film`` conventional friction is that of the slices. ``friction`` is EVALUATED as of now, RENEWED to be held,
+    or KEPT as it is held.
     """
     cdef size_t j, Z = p.c.rollers
     cdef double *resistance
@@ -220,7 +281,7 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p, bint f
             p.loops.damped(&p.c, ring)
         else:
             sliced = True
-            status = forces_by_slices(p, ring)
+            status = normal_forces_by_slices(p, ring)
             if status != 0:
                 return status
         if not conventional and p.resistance_cells[ring]:
@@ -235,7 +296,7 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p, bint f
         if rs_by_table(&p.c, ring, friction, film):
             continue
         if conventional and not sliced:
-            status = forces_by_slices(p, ring)
+            status = normal_forces_by_slices(p, ring)
             if status != 0:
                 return status
         status = rs_ring_friction(&p.c, ring, friction, conventional or p.resistance_cells[ring] > 0)
@@ -246,75 +307,79 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p, bint f
     return 0
 
 
-cdef int renew(double t, const double *y, int compared, double *told, void *state) noexcept nogil:
+cdef int renew_held_friction(double t, const double *y, int compared, double *measured, void *state) noexcept nogil:
+    """Linearise friction anew; measured are its strongest damping and, if compared, by how much it had been off."""
     cdef planar_t *p = <planar_t *>state
     cdef size_t Z = p.c.rollers, ring
     cdef double *before = p.c.room + Z
     cdef int status
     if compared:
-        status = contacts(y, y + p.heads, p, False, KEPT)
+        status = ring_contacts(y, y + p.head_size, p, False, KEPT)
         if status != 0:
             return status
         memcpy(before, p.c.traction[INNER], 2 * Z * sizeof(double))   # and those behind
-    status = contacts(y, y + p.heads, p, False, RENEWED)
+    status = ring_contacts(y, y + p.head_size, p, False, RENEWED)
     if status != 0:
         return status
-    told[0] = rs_held_damping(&p.c)
+    measured[0] = rs_held_damping(&p.c)
     if compared:
         for ring in range(2):
             p.loops.tractions(&p.c, ring)
-        told[1] = rs_held_gone(&p.c, before)
+        measured[1] = rs_held_gone(&p.c, before)
     return 0
 
 
-cdef int held(
+cdef int rates_with_held_friction(
     double t, const double *y, double half, const double *before, double *rates, void *state
 ) noexcept nogil:
     """All rates with friction as it is held."""
     cdef planar_t *p = <planar_t *>state
-    cdef int status = contacts(y, y + p.heads, p, False, KEPT)
+    cdef int status = ring_contacts(y, y + p.head_size, p, False, KEPT)
     if status != 0:
         return status
-    if p.apart:
-        free_of_bars(y, p)
+    if p.contact_apart:
+        skip_bar_forces(y, p)
     else:
-        bars(y, p)
+        bar_forces(y, p)
     if half > 0.0:
-        p.loops.implicit(&p.c, y, half, before + p.heads)
-    return summed(t, y, rates, LAND_FILM if p.apart else ALL_OF_LAND, p)
+        p.loops.implicit(&p.c, y, half, before + p.head_size)
+    return rates_from_columns(t, y, rates, LAND_FILM if p.contact_apart else ALL_OF_LAND, p)
 
 
-cdef inline double rubbing(const planar_t *p, double force, double speed) noexcept nogil:
+cdef inline double bar_friction(const planar_t *p, double force, double speed) noexcept nogil:
+    """Friction of a bar that bears a force, against a sliding speed."""
     if force == 0.0:
         return 0.0
     return p.c.pocket.friction * force * speed / sqrt(speed * speed + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
 
 
-cdef inline void places_in_pockets(const double *head, double time, planar_t *p) noexcept nogil:
+cdef inline void positions_in_pockets(const double *head, double time, planar_t *p) noexcept nogil:
     """Places in the pockets, and whether a bar may touch within a time."""
-    p.loops.pockets(&p.c, head, time, rs_reach(&p.c.pocket), rs_reach(&p.guide), p.touch)
+    p.loops.pockets(&p.c, head, time, rs_reach(&p.c.pocket), rs_reach(&p.guide), p.may_touch)
 
 
-cdef inline void no_bars(planar_t *p) noexcept nogil:
+cdef inline void clear_bar_forces(planar_t *p) noexcept nogil:
+    """Set push, lift, moment, and stored and lost power of all rollers to zero."""
     memset(p.c.push, 0, 5 * p.c.rollers * sizeof(double))   # and the four columns behind it
 
 
-cdef void free_of_bars(const double *head, planar_t *p) noexcept nogil:
+cdef void skip_bar_forces(const double *head, planar_t *p) noexcept nogil:
     """Places in the pockets, without what the bars do."""
-    places_in_pockets(head, 0.0, p)
-    no_bars(p)
+    positions_in_pockets(head, 0.0, p)
+    clear_bar_forces(p)
     p.c.touched = False
-    memcpy(p.head, head, HEAD * sizeof(double))
+    memcpy(p.last_head, head, HEAD * sizeof(double))
 
 
-cdef inline void bars_of(planar_t *p, size_t j, double closing, double rising, double spin) noexcept nogil:
+cdef inline void bar_forces_on_roller(planar_t *p, size_t j, double closing, double rising, double spin) noexcept nogil:
     """What the bars do to a roller at its place, and its power; `spin` the speed of its rim against the cage."""
     cdef rs_bars pocket = rs_pocket_bars(&p.c.pocket, p.c.place[j], closing)
     cdef rs_bars guide = rs_pocket_bars(&p.guide, p.c.height[j], rising)
     cdef double pushed = pocket.spring_ahead - pocket.spring_behind, lifted = guide.spring_ahead - guide.spring_behind
     # every bar rubs on its own side of the roller, those opposite in opposite directions by the spin
-    cdef double fore = rubbing(p, pocket.ahead, rising + spin), aft = rubbing(p, pocket.behind, rising - spin)
-    cdef double top = rubbing(p, guide.ahead, closing - spin), bottom = rubbing(p, guide.behind, closing + spin)
+    cdef double fore = bar_friction(p, pocket.ahead, rising + spin), aft = bar_friction(p, pocket.behind, rising - spin)
+    cdef double top = bar_friction(p, guide.ahead, closing - spin)
+    cdef double bottom = bar_friction(p, guide.behind, closing + spin)
     p.c.push[j] = pocket.ahead - pocket.behind + top + bottom
     p.c.lift[j] = guide.ahead - guide.behind + fore + aft
     p.c.moment[j] = p.c.roller_radius * (fore - aft - top + bottom)
@@ -326,20 +391,20 @@ cdef inline void bars_of(planar_t *p, size_t j, double closing, double rising, d
     )
 
 
-cdef void bars(const double *head, planar_t *p) noexcept nogil:
+cdef void bar_forces(const double *head, planar_t *p) noexcept nogil:
     """What the bars of the cage do to the rollers, and its power."""
     cdef size_t j
-    places_in_pockets(head, 0.0, p)
-    no_bars(p)
+    positions_in_pockets(head, 0.0, p)
+    clear_bar_forces(p)
     if not p.c.touched:
         return
     for j in range(p.c.rollers):
-        if p.touch[j]:
-            bars_of(p, j, p.c.closing[j], p.c.rising[j],
-                    p.c.roller_radius * (p.c.unknown[SPIN][j] + head[CAGE_SPEED]))
+        if p.may_touch[j]:
+            bar_forces_on_roller(p, j, p.c.closing[j], p.c.rising[j],
+                                 p.c.roller_radius * (p.c.unknown[SPIN][j] + head[CAGE_SPEED]))
 
 
-cdef inline bint land_is_touched(const planar_t *p, const double *head, double time) noexcept nogil:
+cdef inline bint may_touch_land(const planar_t *p, const double *head, double time) noexcept nogil:
     """Whether the cage may meet the metal of its land within a time, at most at the present speeds."""
     cdef double dx = head[CAGE_X], dy = head[CAGE_Y], vx = head[CAGE_VX], vy = head[CAGE_VY]
     if p.land.guidance == ROLLERS:
@@ -349,14 +414,15 @@ cdef inline bint land_is_touched(const planar_t *p, const double *head, double t
     return not sqrt(dx * dx + dy * dy) + time * sqrt(vx * vx + vy * vy) <= p.land.clearance
 
 
-cdef int clear(double h, void *state) noexcept nogil:
+cdef int is_clear(double h, void *state) noexcept nogil:
+    """Whether neither bars nor the metal of the land may be touched within h of the last evaluation."""
     cdef planar_t *p = <planar_t *>state
     return (p.loops.clear(&p.c, h, rs_reach(&p.c.pocket), rs_reach(&p.guide))
-            and not land_is_touched(p, p.head, h))
+            and not may_touch_land(p, p.last_head, h))
 
 
-cdef void drift_near(const planar_t *p, double h, double *y, const size_t *near, size_t count) noexcept nogil:
-    """As `drift`, of the head and of some rollers; of all if it is not said which."""
+cdef void drift_rollers(const planar_t *p, double h, double *y, const size_t *indices, size_t count) noexcept nogil:
+    """Move places of the head and of some rollers by their speeds over h; the first rollers if there are no indices."""
     cdef double *roller
     cdef size_t k
     y[RING_X] += h * y[RING_VX]
@@ -364,123 +430,128 @@ cdef void drift_near(const planar_t *p, double h, double *y, const size_t *near,
     y[CAGE_X] += h * y[CAGE_VX]
     y[CAGE_Y] += h * y[CAGE_VY]
     y[CAGE_ANGLE] += h * y[CAGE_SPEED]
-    for k in range(HEAD, half_of(p)):
-        y[k] += h * y[k + half_of(p) - HEAD]
+    for k in range(HEAD, first_shape_rate(p)):
+        y[k] += h * y[k + first_shape_rate(p) - HEAD]
     for k in range(count):
-        roller = y + p.heads + (near[k] if near != NULL else k) * BLOCK
+        roller = y + p.head_size + (indices[k] if indices != NULL else k) * BLOCK
         roller[POSITION] += h * p.c.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
         roller[RADIAL] += h * roller[RISE]
 
 
-cdef void touched(planar_t *p, double h, double *y, size_t near, double turned, bint metal) noexcept nogil:
-    """Add h times what bars and the metal of the land do at the speeds in its middle that they bring about.
+cdef void kick_contacts(planar_t *p, double h, double *y, size_t n_touching, double turned, bint metal) noexcept nogil:
+    """Kick the speeds by bars and by the metal of the land over h, at places that stand.
 
-    The cage has turned since the columns of angles were made.
+    Forces are those of the speeds in the middle of h which they bring about: the second of two stages takes the rates
+    of the first. ``turned`` is the angle of the cage since the columns of angles were made; of each touching roller
+    ``kicks`` has the rates of orbit, spin and rise, cos and sin of its angle.
     """
-    cdef double *ledger = y + p.heads + p.c.rollers * BLOCK
-    cdef double *pulled = p.c.room   # rates of orbit, spin and rise, cos and sin of the angle [5 Z]
-    cdef double *roller
-    cdef double *mine
-    cdef double head[HEAD]
-    cdef double rates[ROW]   # of head and ledger, by speeds alone
+    cdef double *ledger = y + p.head_size + p.c.rollers * BLOCK
+    cdef double *kicks = p.c.room   # (5 Z,)
+    cdef double *roller, *kick
+    cdef double head[HEAD], rates[ROW]   # of head and ledger, by speeds alone
     cdef double R = p.c.orbit_radius, r = p.c.roller_radius, m = p.c.roller_mass, per_J = 1.0 / p.c.roller_inertia
     cdef double within = rs_reach(&p.c.pocket), radially_within = rs_reach(&p.guide)
     cdef double c, s, w, v, radius, fx, fy, torque, along, across, part, cage_cos, cage_sin
-    cdef size_t j, k, time
-    for k in range(near):
-        j, mine = p.near[k], pulled + 5 * k
-        roller = y + p.heads + j * BLOCK
-        mine[0] = mine[1] = mine[2] = 0.0
-        rs_turned(turned + (roller[POSITION] - p.c.unknown[POSITION][j]) / R, p.c.cosine[j], p.c.sine[j], mine + 3,
-                  mine + 4)
-        p.c.place[j] = roller[POSITION] - (y[CAGE_Y] * mine[3] - y[CAGE_X] * mine[4])
-        p.c.height[j] = roller[RADIAL] - (y[CAGE_X] * mine[3] + y[CAGE_Y] * mine[4])
+    cdef size_t j, k, stage
+    for k in range(n_touching):
+        j, kick = p.touching[k], kicks + 5 * k
+        roller = y + p.head_size + j * BLOCK
+        kick[0] = kick[1] = kick[2] = 0.0
+        rs_turned(turned + (roller[POSITION] - p.c.unknown[POSITION][j]) / R, p.c.cosine[j], p.c.sine[j], kick + 3,
+                  kick + 4)
+        p.c.place[j] = roller[POSITION] - (y[CAGE_Y] * kick[3] - y[CAGE_X] * kick[4])
+        p.c.height[j] = roller[RADIAL] - (y[CAGE_X] * kick[3] + y[CAGE_Y] * kick[4])
     memset(rates, 0, ROW * sizeof(double))
     rs_turned(turned, p.c.cage_cos, p.c.cage_sin, &cage_cos, &cage_sin)
-    for time in range(2):
-        part = 0.5 * h * <double>time
+    for stage in range(2):
+        part = 0.5 * h * <double>stage
         for k in range(HEAD):
             head[k] = y[k] + part * rates[k]
         memset(rates, 0, ROW * sizeof(double))
-        fx = fy = torque = 0.0
+        fx = fy = torque = 0.0   # on the cage
         if metal:
-            of_land(p, head, LAND_METAL, rates, &fx, &fy, &torque)
-        for k in range(near):
-            j, mine = p.near[k], pulled + 5 * k
+            add_land_forces(p, head, LAND_METAL, rates, &fx, &fy, &torque)
+        for k in range(n_touching):
+            j, kick = p.touching[k], kicks + 5 * k
             if fabs(p.c.place[j]) <= within and fabs(p.c.height[j]) <= radially_within:
                 continue   # not yet, or no longer
-            roller, c, s = y + p.heads + j * BLOCK, mine[3], mine[4]
-            w, v, radius = roller[ORBIT] + part * mine[0], roller[RISE] + part * mine[2], R + roller[RADIAL]
-            along, across = head[CAGE_X] * c + head[CAGE_Y] * s, head[CAGE_Y] * c - head[CAGE_X] * s
-            bars_of(p, j, R * (w - head[CAGE_SPEED]) + along * w - (head[CAGE_VY] * c - head[CAGE_VX] * s),
-                    v - (head[CAGE_VX] * c + head[CAGE_VY] * s) - across * w,
-                    r * (roller[SPIN] + part * mine[1] + head[CAGE_SPEED]))
-            mine[0] = (p.c.lift[j] * across - p.c.push[j] * (R + along)) / (m * radius * radius)
-            mine[1], mine[2] = -p.c.moment[j] * per_J, -p.c.lift[j] / m
+            roller, c, s = y + p.head_size + j * BLOCK, kick[3], kick[4]
+            w = roller[ORBIT] + part * kick[0]
+            v = roller[RISE] + part * kick[2]
+            radius = R + roller[RADIAL]
+            along = head[CAGE_X] * c + head[CAGE_Y] * s
+            across = head[CAGE_Y] * c - head[CAGE_X] * s
+            bar_forces_on_roller(p, j, R * (w - head[CAGE_SPEED]) + along * w - (head[CAGE_VY] * c - head[CAGE_VX] * s),
+                                 v - (head[CAGE_VX] * c + head[CAGE_VY] * s) - across * w,
+                                 r * (roller[SPIN] + part * kick[1] + head[CAGE_SPEED]))
+            kick[0] = (p.c.lift[j] * across - p.c.push[j] * (R + along)) / (m * radius * radius)
+            kick[1] = -p.c.moment[j] * per_J
+            kick[2] = -p.c.lift[j] / m
             fx += p.c.lift[j] * c - p.c.push[j] * s
             fy += p.c.lift[j] * s + p.c.push[j] * c
             torque += p.c.push[j] * R - p.c.moment[j]
             rates[WORK_CAGE] -= p.c.stored[j]
             rates[LOST_POCKETS] += p.c.lost[j]
-        cage_acceleration(p, cage_cos, cage_sin, fx, fy, torque, rates)
+        add_cage_acceleration(p, cage_cos, cage_sin, fx, fy, torque, rates)
     for k in range(HEAD):
         y[k] += h * rates[k]
     for k in range(LEDGER):
         ledger[k] += h * rates[HEAD + k]
-    for k in range(near):
-        roller = y + p.heads + p.near[k] * BLOCK
-        roller[ORBIT] += h * pulled[5 * k]
-        roller[SPIN] += h * pulled[5 * k + 1]
-        roller[RISE] += h * pulled[5 * k + 2]
+    for k in range(n_touching):
+        roller = y + p.head_size + p.touching[k] * BLOCK
+        roller[ORBIT] += h * kicks[5 * k]
+        roller[SPIN] += h * kicks[5 * k + 1]
+        roller[RISE] += h * kicks[5 * k + 2]
 
 
-cdef int go(double t, double h, size_t parts, double *y, void *state) noexcept nogil:
+cdef int drift_with_contacts(double t, double h, size_t parts, double *y, void *state) noexcept nogil:
+    """Drift over h in which contacts of the cage are resolved: in each part drift by a half, kick, drift by a half."""
     cdef planar_t *p = <planar_t *>state
     cdef double *roller
     cdef double part = h / <double>parts, turned = 0.0
-    cdef bint metal = land_is_touched(p, y, SOON * h)
-    cdef size_t near = 0, j, k
-    p.loops.angles(&p.c, y, y + p.heads)
-    places_in_pockets(y, SOON * h, p)
+    cdef bint metal = may_touch_land(p, y, CONTACT_MARGIN * h)
+    cdef size_t n_touching = 0, j, k
+    p.loops.angles(&p.c, y, y + p.head_size)
+    positions_in_pockets(y, CONTACT_MARGIN * h, p)
     if not p.c.touched and not metal:
         return drift(h, y, state)
     for j in range(p.c.rollers):
-        if p.touch[j]:
-            p.near[near] = j
-            near += 1
+        if p.may_touch[j]:
+            p.touching[n_touching] = j
+            n_touching += 1
     for k in range(parts):
-        drift_near(p, part if k else 0.5 * part, y, p.near, near)
+        drift_rollers(p, part if k else 0.5 * part, y, p.touching, n_touching)
         turned += (part if k else 0.5 * part) * y[CAGE_SPEED]
-        touched(p, part, y, near, turned, metal)
-    drift_near(p, 0.5 * part, y, p.near, near)
+        kick_contacts(p, part, y, n_touching, turned, metal)
+    drift_rollers(p, 0.5 * part, y, p.touching, n_touching)
     turned += 0.5 * part * y[CAGE_SPEED]
     for j in range(p.c.rollers):   # the others, of constant speeds
-        if not p.touch[j]:
-            roller = y + p.heads + j * BLOCK
+        if not p.may_touch[j]:
+            roller = y + p.head_size + j * BLOCK
             roller[POSITION] += p.c.orbit_radius * (h * roller[ORBIT] - turned)
             roller[RADIAL] += h * roller[RISE]
     return 0
 
 
-cdef inline void receive(const planar_t *p, double c, double s, const double *sums, double *row) noexcept nogil:
+cdef inline void add_roller_sums(const planar_t *p, double c, double s, const double *sums, double *row) noexcept nogil:
     """Add what rollers add to a row of rates of head and ledger; the cage's unbalance stands at (c, s)."""
     row[RING_VX] += sums[TO_RING_X] / p.ring_mass
     row[RING_VY] += sums[TO_RING_Y] / p.ring_mass
-    cage_acceleration(p, c, s, sums[TO_CAGE_X], sums[TO_CAGE_Y], sums[TO_CAGE_TORQUE], row)
+    add_cage_acceleration(p, c, s, sums[TO_CAGE_X], sums[TO_CAGE_Y], sums[TO_CAGE_TORQUE], row)
     rs_plane_ledger(sums, row)
 
 
-cdef inline void spread(const planar_t *p, const double *row, double *rates) noexcept nogil:
+cdef inline void copy_head_and_ledger(const planar_t *p, const double *row, double *rates) noexcept nogil:
     """Lay a row of head and ledger out with room for the shapes between them, which is left as it is."""
     memcpy(rates, row, HEAD * sizeof(double))
-    memcpy(rates + p.heads, row + HEAD, LEDGER * sizeof(double))
+    memcpy(rates + p.head_size, row + HEAD, LEDGER * sizeof(double))
 
 
-cdef int roller_columns(const double *head, const double *rollers, planar_t *p) noexcept nogil:
+cdef int evaluate_rollers(const double *head, const double *rollers, planar_t *p) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
-    cdef int status = contacts(head, rollers, p, False, KEPT if p.c.still else EVALUATED)
+    cdef int status = ring_contacts(head, rollers, p, False, KEPT if p.c.still else EVALUATED)
     if status == 0:
-        bars(head, p)
+        bar_forces(head, p)
         p.loops.rates(&p.c, head)
     return status
 
@@ -488,14 +559,14 @@ cdef int roller_columns(const double *head, const double *rollers, planar_t *p) 
 cdef int roller_rates(
     double t, const double *head, const double *rollers, double *rates, double *added, void *state
 ) noexcept nogil:
+    """Rates of the rollers' unknowns, and what each roller adds to the rates of the head and of the ledger."""
     cdef planar_t *p = <planar_t *>state
     cdef double c = cos(head[CAGE_ANGLE]), s = sin(head[CAGE_ANGLE])
-    cdef double one[ADDED]
-    cdef double row[ROW]
+    cdef double one[ADDED], row[ROW]
     cdef double *to
     cdef const rs_bent_ring *bent
-    cdef size_t j, k, width = p.heads + LEDGER + p.c.shares
-    cdef int ring, status = roller_columns(head, rollers, p)
+    cdef size_t j, k, width = p.head_size + LEDGER + p.c.shares
+    cdef int ring, status = evaluate_rollers(head, rollers, p)
     if status != 0:
         return status
     rs_scatter(&p.c, rates)
@@ -504,9 +575,9 @@ cdef int roller_rates(
         to = added + j * width
         memset(row, 0, ROW * sizeof(double))
         rs_plane_one(&p.c, j, one)
-        receive(p, c, s, one, row)
-        spread(p, row, to)
-        rs_shares(&p.c, TO_LOST_INNER, j, to + p.heads + LEDGER)
+        add_roller_sums(p, c, s, one, row)
+        copy_head_and_ledger(p, row, to)
+        rs_shares(&p.c, TO_LOST_INNER, j, to + p.head_size + LEDGER)
         for ring in range(2):
             bent = &p.c.ring[ring]
             if bent.shapes:
@@ -519,44 +590,41 @@ cdef int roller_rates(
 cdef int all_rates(double t, const double *y, double *rates, void *state) noexcept nogil:
     """All rates, the sums over the rollers without what each adds."""
     cdef planar_t *p = <planar_t *>state
-    cdef int status = contacts(y, y + p.heads, p, False, EVALUATED)
+    cdef int status = ring_contacts(y, y + p.head_size, p, False, EVALUATED)
     if status != 0:
         return status
-    bars(y, p)
-    return summed(t, y, rates, ALL_OF_LAND, p)
+    bar_forces(y, p)
+    return rates_from_columns(t, y, rates, ALL_OF_LAND, p)
 
 
-cdef int summed(double t, const double *y, double *rates, int land, planar_t *p) noexcept nogil:
-    """All rates by the forces of the columns."""
-    cdef double row[ROW]
-    cdef double sums[ADDED]
+cdef int rates_from_columns(double t, const double *y, double *rates, int land, planar_t *p) noexcept nogil:
+    """All rates by the forces that stand in the columns, and by those parts of the land's that are asked for."""
+    cdef double row[ROW], sums[ADDED]
     cdef const rs_bent_ring *bent
-    cdef size_t k, behind = p.heads + p.c.rollers * BLOCK
-    cdef int ring, status = own_rates(t, y, p.c.cage_cos, p.c.cage_sin, row, land, p)
+    cdef size_t k, behind = p.head_size + p.c.rollers * BLOCK
+    cdef int ring, status = head_and_ledger_rates(t, y, p.c.cage_cos, p.c.cage_sin, row, land, p)
     if status != 0:
         return status
     p.loops.rates(&p.c, y)
     p.loops.totals(&p.c, sums)
-    receive(p, p.c.cage_cos, p.c.cage_sin, sums, row)
+    add_roller_sums(p, p.c.cage_cos, p.c.cage_sin, sums, row)
     if p.c.bent:
-        own_shapes(y, rates, row, p)
+        shape_rates(y, rates, row, p)
     for ring in range(2):
         bent = &p.c.ring[ring]
         if bent.shapes:
-            rs_ring_forces(&p.c, ring, p.on_shapes)
+            rs_ring_forces(&p.c, ring, p.shape_forces)
         for k in range(bent.shapes):
-            rates[bent.speeds + k] += p.on_shapes[k] / bent.mass[k]
-    for k in range(HEAD):
-        rates[k] = row[k]
-    rs_scatter(&p.c, rates + p.heads)
-    for k in range(LEDGER):
-        rates[behind + k] = row[HEAD + k]
+            rates[bent.speeds + k] += p.shape_forces[k] / bent.mass[k]
+    memcpy(rates, row, HEAD * sizeof(double))
+    rs_scatter(&p.c, rates + p.head_size)
+    memcpy(rates + behind, row + HEAD, LEDGER * sizeof(double))
     for k in range(p.c.rollers):
         rs_shares(&p.c, TO_LOST_INNER, k, rates + behind + LEDGER + k * p.c.shares)
     return 0
 
 
-cdef inline void of_land(
+cdef inline void add_land_forces(
     const planar_t *p, const double *head, int what, double *rates, double *fx, double *fy, double *torque
 ) noexcept nogil:
     """Add what a land does to rates of the ring and of the ledger, and to force and torque on the cage."""
@@ -585,7 +653,7 @@ cdef inline void of_land(
     rates[LOST_LAND] += f.lost
 
 
-cdef void own_shapes(const double *head, double *rates, double *row, const planar_t *p) noexcept nogil:
+cdef void shape_rates(const double *head, double *rates, double *row, const planar_t *p) noexcept nogil:
     """Rates of shapes without rollers and of angles, and what damping of shapes takes, by row of head and ledger."""
     cdef const rs_bent_ring *bent
     cdef size_t k
@@ -596,38 +664,42 @@ cdef void own_shapes(const double *head, double *rates, double *row, const plana
         if bent.angle:
             rates[bent.angle] = p.c.outer_speed if ring else p.c.inner_speed
         for k in range(bent.shapes):
-            q, v = head[bent.at + k], head[bent.speeds + k]
+            q = head[bent.at + k]
+            v = head[bent.speeds + k]
             rates[bent.at + k] = v
             rates[bent.speeds + k] = (bent.push[k] - bent.stiffness[k] * q - bent.damping[k] * v) / bent.mass[k]
             row[LOST_DAMPING] += bent.damping[k] * v * v
 
 
 cdef int head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
+    """Rates of the head and of the ledger without rollers."""
     cdef planar_t *p = <planar_t *>state
     cdef double row[ROW]
-    cdef int status = own_rates(t, head, cos(head[CAGE_ANGLE]), sin(head[CAGE_ANGLE]), row, ALL_OF_LAND, p)
-    own_shapes(head, rates, row, p)
-    spread(p, row, rates)
+    cdef int status = head_and_ledger_rates(t, head, cos(head[CAGE_ANGLE]), sin(head[CAGE_ANGLE]), row, ALL_OF_LAND, p)
+    shape_rates(head, rates, row, p)
+    copy_head_and_ledger(p, row, rates)
     return status
 
 
-cdef int own_rates(
+cdef int head_and_ledger_rates(
     double t, const double *head, double c, double s, double *rates, int land, planar_t *p
 ) noexcept nogil:
     """Rates of head and ledger without rollers; (c, s) of the cage's angle, what of the land acts."""
-    cdef size_t k
-    cdef double w = head[CAGE_SPEED]
-    cdef double load = p.c.load, drag = rs_drag_on_cage(&p.c, w, t), load_x = load, load_y = 0.0
+    cdef double w = head[CAGE_SPEED], drag = rs_drag_on_cage(&p.c, w, t)
+    cdef double load = p.c.load, load_x = load, load_y = 0.0
     # the cage's weight acts at its centre of mass
     cdef double fx = p.cage_mass * p.c.gravity_x, fy = p.cage_mass * p.c.gravity_y
     cdef double weight = p.unbalance * (p.c.gravity_y * c - p.c.gravity_x * s), torque = weight
     if p.c.load_direction != 0.0:
         load_x, load_y = load * cos(p.c.load_direction), load * sin(p.c.load_direction)
-    for k in range(ROW):
-        rates[k] = 0.0
-    rates[RING_X], rates[RING_Y] = head[RING_VX], head[RING_VY]
-    rates[CAGE_X], rates[CAGE_Y], rates[CAGE_ANGLE] = head[CAGE_VX], head[CAGE_VY], w
-    rates[RING_VX], rates[RING_VY] = load_x / p.ring_mass + p.c.gravity_x, load_y / p.ring_mass + p.c.gravity_y
+    memset(rates, 0, ROW * sizeof(double))
+    rates[RING_X] = head[RING_VX]
+    rates[RING_Y] = head[RING_VY]
+    rates[CAGE_X] = head[CAGE_VX]
+    rates[CAGE_Y] = head[CAGE_VY]
+    rates[CAGE_ANGLE] = w
+    rates[RING_VX] = load_x / p.ring_mass + p.c.gravity_x
+    rates[RING_VY] = load_y / p.ring_mass + p.c.gravity_y
     rates[WORK_LOAD] = load_x * head[RING_VX] + load_y * head[RING_VY]
     rates[IMPULSE_LOAD] = load_y * head[RING_X] - load_x * head[RING_Y]
     rates[WORK_GRAVITY] = (p.ring_mass * (p.c.gravity_x * head[RING_VX] + p.c.gravity_y * head[RING_VY])
@@ -640,24 +712,24 @@ cdef int own_rates(
     rates[WORK_DRAG] = drag * w
     rates[IMPULSE_DRAG] = drag
     if p.land.guidance != ROLLERS:
-        of_land(p, head, land, rates, &fx, &fy, &torque)
+        add_land_forces(p, head, land, rates, &fx, &fy, &torque)
     fx += p.unbalance * w * w * c
     fy += p.unbalance * w * w * s
-    cage_acceleration(p, c, s, fx, fy, torque, rates)
+    add_cage_acceleration(p, c, s, fx, fy, torque, rates)
     return 0
 
 
-cdef int watch(double t, const double *y, double *values, void *state) noexcept nogil:
+cdef int watched_values(double t, const double *y, double *values, void *state) noexcept nogil:
     """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, NaN where it is
     not watched; an approach at the inner ring, below zero the largest."""
     cdef planar_t *p = <planar_t *>state
-    cdef int status = displacement(y, p)
+    cdef int status = check_displacements(y, p)
     if status != 0:
         return status
     values[0], values[1] = rs_slip_above(&p.c, y[CAGE_SPEED]), NAN
-    values[2] = rs_plane_deepest(&p.c, p.loops, y, y + p.heads)
+    values[2] = rs_plane_deepest(&p.c, p.loops, y, y + p.head_size)
     if p.c.film_limit == p.c.film_limit:
-        status = contacts(y, y + p.heads, p, True, EVALUATED)
+        status = ring_contacts(y, y + p.head_size, p, True, EVALUATED)
         if status != 0:
             return status
         values[1] = rs_film_above(&p.c)
@@ -670,8 +742,8 @@ cdef double until_contact(double t, const double *y, void *state) noexcept nogil
     cdef double soonest = INFINITY, place
     cdef double dx = y[CAGE_X], dy = y[CAGE_Y], vx = y[CAGE_VX], vy = y[CAGE_VY]
     cdef size_t j
-    p.loops.places(&p.c, y, y + p.heads)
-    places_in_pockets(y, 0.0, p)
+    p.loops.places(&p.c, y, y + p.head_size)
+    positions_in_pockets(y, 0.0, p)
     for j in range(p.c.rollers):
         soonest = fmin(soonest, rs_until_bar(&p.c.pocket, p.c.place[j], p.c.closing[j]))
         if p.land.guidance == ROLLERS:
@@ -687,7 +759,7 @@ cdef double until_contact(double t, const double *y, void *state) noexcept nogil
 
 cdef int drift(double h, double *y, void *state) noexcept nogil:
     cdef planar_t *p = <planar_t *>state
-    drift_near(p, h, y, NULL, p.c.rollers)
+    drift_rollers(p, h, y, NULL, p.c.rollers)
     return 0
 
 
@@ -696,9 +768,9 @@ cdef int outputs_of(const double *y, double *pockets, size_t step, void *state) 
     cdef planar_t *p = <planar_t *>state
     cdef rs_bars f
     cdef size_t j
-    cdef int status = contacts(y, y + p.heads, p, True, EVALUATED)
+    cdef int status = ring_contacts(y, y + p.head_size, p, True, EVALUATED)
     if status == 0:
-        places_in_pockets(y, 0.0, p)
+        positions_in_pockets(y, 0.0, p)
         for j in range(p.c.rollers):
             f = rs_pocket_bars(&p.c.pocket, p.c.place[j], p.c.closing[j])
             pockets[j] = f.ahead - f.behind
@@ -746,10 +818,10 @@ cdef class Planar:
     cdef planar_t p
     cdef readonly size_t n
     cdef double[::1] scale, drop, widths, memory, kicked
-    cdef size_t[::1] begins
-    cdef int[::1] touches
+    cdef size_t[::1] indices       # first slices of both rings, then touching rollers
+    cdef int[::1] may_touch
     cdef tuple kept, deflections, forces, resistances
-    cdef list of_rings
+    cdef list ring_arrays         # keeps what pointers of rings point to
 
     def __init__(
         self, raceways: Sequence[object], deflections: Sequence[Chain], contacts: Sequence[Slices], drop: ArrayLike,
@@ -797,42 +869,42 @@ cdef class Planar:
             nodes = self.resistances[ring]
             p.resistance_nodes[ring], p.resistance_cells[ring] = &nodes[0], nodes.shape[0] - 1
             p.resistance_step[ring] = resistances[ring][0]
-        self._bend(rings or (), Z)
+        self._set_rings(rings or (), Z)
         stages = [chain.as_stage() for chain in self.deflections]
         tables = [bound(slices) for slices in contacts]
         self.kept = tuple(raceways), tuple(stages), tuple(tables), tuple(drags)
         self.memory = np.zeros(rs_memory_of(&p.c))
         rs_place_columns(&p.c, &self.memory[0])
-        self.begins = np.zeros(2 * (Z + 1) + Z, dtype=np.uintp)
-        self.touches = np.zeros(Z, dtype=np.intc)
-        p.touch, p.near = &self.touches[0], &self.begins[2 * (Z + 1)]
+        self.indices = np.zeros(2 * (Z + 1) + Z, dtype=np.uintp)
+        self.may_touch = np.zeros(Z, dtype=np.intc)
+        p.may_touch, p.touching = &self.may_touch[0], &self.indices[2 * (Z + 1)]
         for k in range(Z):
             p.c.pitch_cos[k], p.c.pitch_sin[k] = cos(2.0 * M_PI * k / Z), sin(2.0 * M_PI * k / Z)
         for ring in range(2):
             if p.c.raceway[ring].rollers != Z or p.c.raceway[ring].slices not in (1, n):
                 raise ValueError("friction is made for another number of rollers or slices")
             p.deflection[ring] = (<const rs_model *>PyCapsule_GetPointer(stages[ring], ROLLSLIP_MODEL))[0]
-            p.contact[ring] = (<const rs_slices *>PyCapsule_GetPointer(tables[ring], "rollslip.slices"))[0]
-            p.first[ring] = &self.begins[ring * (Z + 1)]
-        self.n = p.heads + Z * (BLOCK + p.c.shares) + LEDGER
+            p.contact_slices[ring] = (<const rs_slices *>PyCapsule_GetPointer(tables[ring], "rollslip.slices"))[0]
+            p.first_slice[ring] = &self.indices[ring * (Z + 1)]
+        self.n = p.head_size + Z * (BLOCK + p.c.shares) + LEDGER
         self.scale = np.array(scale, dtype=float)
         if self.scale.shape[0] != <Py_ssize_t>self.n:
             raise ValueError(f"{self.scale.shape[0]} magnitudes for {self.n} unknowns")
         self.kicked = np.ones(self.n)
         for place in (RING_X, RING_Y, CAGE_X, CAGE_Y, CAGE_ANGLE):
             self.kicked[place] = 0.0
-        self.kicked[HEAD:half_of(p)] = 0.0
+        self.kicked[HEAD:first_shape_rate(p)] = 0.0
         for place in (POSITION, RADIAL):
-            self.kicked[p.heads + place:p.heads + Z * BLOCK:BLOCK] = 0.0
+            self.kicked[p.head_size + place:p.head_size + Z * BLOCK:BLOCK] = 0.0
 
-    cdef _bend(self, rings, size_t Z):
-        """Take what rings yield and how they are out of round."""
+    cdef _set_rings(self, rings, size_t Z):
+        """Lay out shapes and forms of the rings: their arrays, indices in the head, and waves over the rollers."""
         cdef planar_t *p = &self.p
         cdef rs_bent_ring *bent
         cdef size_t ring, m, waves, shapes = 0, most = 0
         cdef double[::1] numbers, form
         cdef double *room
-        self.of_rings, p.heads = [], HEAD
+        self.ring_arrays, p.head_size = [], HEAD
         for ring, (given, coefficients, _) in enumerate(rings):
             bent = &p.c.ring[ring]
             harmonics = np.array(given[0], dtype=complex, ndmin=2)
@@ -858,20 +930,20 @@ cdef class Planar:
                     raise ValueError("a form of a raceway is (cells, 4) coefficients")
                 form = values.ravel()
                 bent.form, bent.cells, bent.per_angle = &form[0], values.shape[0], values.shape[0] / (2.0 * M_PI)
-                self.of_rings.append(form)
-            self.of_rings.append(numbers)
+                self.ring_arrays.append(form)
+            self.ring_arrays.append(numbers)
             p.c.bent = p.c.bent or m > 0 or bent.cells > 0
         for ring in range(2):
             p.c.ring[ring].speeds = p.c.ring[ring].at + shapes
-        p.heads, p.c.max_order = HEAD + 2 * shapes, most
+        p.head_size, p.c.max_order = HEAD + 2 * shapes, most
         for ring, (_, _, turns) in enumerate(rings):
             if turns:   # kicked, as its rate may follow time
-                p.c.ring[ring].angle = p.heads
-                p.heads += 1
+                p.c.ring[ring].angle = p.head_size
+                p.head_size += 1
         numbers = np.zeros(2 * most * Z + shapes)
-        self.of_rings.append(numbers)
+        self.ring_arrays.append(numbers)
         room = &numbers[0] if numbers.shape[0] else NULL
-        p.c.wave_cos, p.c.wave_sin, p.on_shapes = room, room + most * Z, room + 2 * most * Z
+        p.c.wave_cos, p.c.wave_sin, p.shape_forces = room, room + most * Z, room + 2 * most * Z
 
     def system(self, double swing_frequency=0.0):
         """Return the capsule "rollslip.system.v1"; with how fast rollers swing between the rings [rad/s], if known."""
@@ -879,14 +951,14 @@ cdef class Planar:
         cdef const planar_t *p = &self.p
         cdef double cage = 1.0 / p.cage_mass
         memset(&s, 0, sizeof(s))
-        s.head, s.rollers, s.block, s.ledger, s.shares = p.heads, p.c.rollers, BLOCK, LEDGER, p.c.shares
+        s.head, s.rollers, s.block, s.ledger, s.shares = p.head_size, p.c.rollers, BLOCK, LEDGER, p.c.shares
         s.roller_rates, s.head_rates, s.rates, s.drift = roller_rates, head_rates, all_rates, drift
-        s.watched, s.watch = 3, watch
+        s.watched, s.watch = 3, watched_values
         s.scale, s.kicked, s.autonomous = &self.scale[0], &self.kicked[0], not p.c.in_time
         s.state = s.speeds_state = &self.p
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
-        s.renew, s.held, s.still = renew, held, &self.p.c.still
-        s.apart, s.go, s.clear = &self.p.apart, go, clear
+        s.renew, s.held, s.still = renew_held_friction, rates_with_held_friction, &self.p.c.still
+        s.apart, s.go, s.clear = &self.p.contact_apart, drift_with_contacts, is_clear
         # one roller against the cage, which moves and turns; the cage against a ring
         s.contact_frequency = sqrt(p.c.pocket.stiffness * (
             1.0 / p.c.roller_mass + cage + p.c.orbit_radius * p.c.orbit_radius / p.c.cage_inertia))
@@ -912,9 +984,9 @@ cdef class Planar:
         limit [m].
         """
         cdef int who = self.p.c.refused
-        if who >= DISPLACED:
-            body = ("inner ring", "cage", "shape of a ring")[who - DISPLACED]
-            return body, (self.p.displaced, FAR * self.p.c.roller_radius)
+        if who >= DISPLACEMENT_REFUSED:
+            body = ("inner ring", "cage", "shape of a ring")[who - DISPLACEMENT_REFUSED]
+            return body, (self.p.displacement, MAX_DISPLACEMENT * self.p.c.roller_radius)
         if who >= DEFLECTION_REFUSED:
             ring = who - DEFLECTION_REFUSED
             return ("inner deflection", "outer deflection")[ring], self.deflections[ring].refusal(self.kept[1][ring])
@@ -938,7 +1010,7 @@ cdef class Planar:
     @property
     def deflections_evaluated(self) -> int:
         """Slices whose deflection was evaluated."""
-        return self.p.evaluated
+        return self.p.slices_evaluated
 
 
 def land(
@@ -950,8 +1022,7 @@ def land(
     """
     cdef rs_land l
     l.guidance = INNER_LAND
-    l.radius, l.clearance, l.film, l.shear = (
-        numbers["radius"], numbers["clearance"], numbers["film"], numbers["shear"])
+    l.radius, l.clearance, l.film, l.shear = numbers["radius"], numbers["clearance"], numbers["film"], numbers["shear"]
     l.floor, l.stiffness, l.damping, l.friction = (
         numbers["floor"], numbers["stiffness"], numbers["damping"], numbers["friction"])
     cdef rs_land_forces f = rs_land_force(&l, x, y, vx, vy, journal_speed, bush_speed, ALL_OF_LAND)

@@ -426,8 +426,8 @@ cdef class Spin:
         cdef Py_ssize_t[:, ::1] who = np.empty((4, 2 * n + 1), dtype=np.intp)
         if n:
             with nogil:
-                ended = self._march_orbits(K, n, &rows[0], &inertia[0], &bracket[0, 0], &wide[0], orbits, exact, periodic, second,
-                                           &out[0, 0, 0], &one[0], &rest[0, 0], way, who)
+                ended = self._march_orbits(K, n, &rows[0], &inertia[0], &bracket[0, 0], &wide[0], orbits, exact,
+                                           periodic, second, &out[0, 0, 0], &one[0], &rest[0, 0], way, who)
         how = self._ended(ended)
         return slips, met.view(bool), left, how
 
