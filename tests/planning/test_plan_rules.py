@@ -310,7 +310,9 @@ def test_what_cannot_be_estimated_is_left_to_the_run():
 
 
 def test_a_bound_is_that_of_the_largest_error():
-    bound = ErrorBound.from_errors((2, 4), [{"friction": 1e-2}, {"friction": 5e-3}], 8)
+    bound = ErrorBound.from_samples(
+        (2, 4, 8), [(np.array([[size]]), np.zeros(0)) for size in (1.01, 1.005, 1.0)]
+    )
     assert bound.constants["friction"] == pytest.approx(
         max(4e-2 / (1 - 1 / 16), 8e-2 / (1 - 1 / 4))
     )

@@ -2,9 +2,9 @@
 
 - The error of n points is found from its difference to a finer solution by Richardson extrapolation, with the observed
   order of convergence: both differ by 1 - (n/N)^p of it (`richardson_factor`). How much finer the solution is, and
-  which fraction of the error it shows, stands here alone: of slices (`SLICE_FACTOR`, `slice_fraction`), of roller
-  positions (`reference_positions`, `position_fraction`), of both together (`joint_references`, `joint_fraction`) and
-  of the slips of a continued curve (`reference_slips`).
+  with which order its error falls if none was observed (`JOINT_ORDER`), stands here alone: of slices (`SLICE_FACTOR`),
+  of roller positions (`reference_positions`), of both together (`joint_references`, `JOINT_FACTOR`) and of the slips of
+  a continued curve (`reference_slips`).
 - Before a run the error is bounded by C n^-2 with the largest C of several numbers of points.
 - Some parts of a model change nothing where they are left out (unloaded contacts, one slice under an even load): they
   need no bound. Others change nothing, or little, as long as a quantity stays within a limit, and the quantity is only
@@ -152,7 +152,7 @@ def errors_between(
     return errors
 
 
-def richardson_factor(n: float, fine: float, order: float = MAX_ORDER) -> float:
+def richardson_factor(n: float, fine: float, order: float = JOINT_ORDER) -> float:
     """Return the fraction 1 - (n/N)^p of the error of n points by which they differ from N finer ones.
 
     Richardson extrapolation: the finer ones err, too, so that a difference divided by this factor is the error.
@@ -172,11 +172,6 @@ def observed_order(coarse: int, fine: int, coarse_error: float, fine_error: floa
     if coarse == fine or not (0.0 < coarse_error < math.inf and 0.0 < fine_error < math.inf):
         return ASSUMED_ORDER
     return math.log(coarse_error / fine_error) / math.log(fine / coarse)
-
-
-def slice_fraction(order: float = JOINT_ORDER) -> float:
-    """Return the fraction of the error of slices which `SLICE_FACTOR` times as many show, by an order."""
-    return richardson_factor(1, SLICE_FACTOR, order)
 
 
 def reference_positions(n_positions: int) -> int:
@@ -213,11 +208,6 @@ def joint_references(
     return (gauss_points, more_positions), (JOINT_FACTOR * slices + 1, more_positions + 1)
 
 
-def joint_fraction(order: float = JOINT_ORDER) -> float:
-    """Return the fraction of an error by which a run differs from its `joint_references`, by an order."""
-    return richardson_factor(1, JOINT_FACTOR, order)
-
-
 def reference_slips(points: int) -> int:
     """Return the number of slips of a reference, among which are those of a run: every `SLIP_FACTOR`-th."""
     return SLIP_FACTOR * (points - 1) + 1
@@ -231,30 +221,25 @@ class ErrorBound:
 
     @classmethod
     def from_samples(cls, numbers: Sequence[int], samples: Sequence[Sample]) -> "ErrorBound":
-        """Return the bound by samples of a ladder, compared with its last; maxima that the last lacks are artefacts."""
-        is_known = ~np.isnan(samples[-1][1])
-        *ladder, fine = ((curves, maxima[is_known]) for curves, maxima in samples)
-        errors = [sample_errors(sample, fine) for sample in ladder]
-        return cls.from_errors(numbers[:-1], errors, numbers[-1])
+        """Return the smallest bound on the errors by which samples of a ladder differ from the last.
 
-    @classmethod
-    def from_errors(
-        cls, numbers: Sequence[int], errors: Sequence[Errors], fine: int
-    ) -> "ErrorBound":
-        """Return the smallest bound on the errors by which some numbers of points differ from `fine` points.
+        Maxima that the last lacks are artefacts.
 
         Parameters
         ----------
         numbers : sequence of int
             Numbers of points.
-        errors : sequence of mappings
-            Relative errors of each number against the finer points, by result.
-        fine : int
-            Number of the finer points.
+        samples : sequence of Sample
+            Curves and maxima with these numbers.
         """
+        is_known = ~np.isnan(samples[-1][1])
+        *ladder, fine = ((curves, maxima[is_known]) for curves, maxima in samples)
         scaled = [
-            {name: n * n / richardson_factor(n, fine) * error for name, error in found.items()}
-            for n, found in zip(numbers, errors, strict=True)
+            {
+                name: n * n / richardson_factor(n, numbers[-1], MAX_ORDER) * error
+                for name, error in sample_errors(sample, fine).items()
+            }
+            for n, sample in zip(numbers[:-1], ladder, strict=True)
         ]
         return cls(constants=combine_errors(scaled, max))
 
@@ -343,7 +328,9 @@ def with_observed_slice_order(
     errors = {}
     for name, error in slices.items():
         order = observed_order(first.slices, estimate.slices, before.get(name, 0.0), error)
-        errors[name] = error * slice_fraction() / slice_fraction(order)
+        errors[name] = (
+            error * richardson_factor(1, SLICE_FACTOR) / richardson_factor(1, SLICE_FACTOR, order)
+        )
     return attrs.evolve(estimate, errors={**estimate.errors, "slices": errors})
 
 

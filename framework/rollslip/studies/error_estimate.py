@@ -60,6 +60,7 @@ from rollslip.scene.values import Accuracy
 from rollslip.studies.answers import PartialResult, ResolutionChoice
 from rollslip.studies.bounds import (
     ASSUMED_ORDER,
+    JOINT_FACTOR,
     JOINT_ORDER,
     MAX_ORDER,
     MIN_ORDER,
@@ -75,15 +76,14 @@ from rollslip.studies.bounds import (
     Sample,
     errors_between,
     exceeding,
-    joint_fraction,
     joint_references,
     observed_order,
     pointwise_errors,
     position_fraction,
     reference_positions,
     reference_slips,
+    richardson_factor,
     sample_errors,
-    slice_fraction,
     with_observed_slice_order,
 )
 
@@ -718,7 +718,9 @@ class _ReferenceComparison:
         changes = self.errors_of(*(self.probe.sample(at, n_positions)[0] for at in pair))
         if exceeding(changes, self.accuracy, _CLEAR_FRACTION):
             changes = self.errors_of(*(self.solution(at, n_positions) for at in pair))
-        return {name: change / slice_fraction() for name, change in changes.items()}
+        return {
+            name: change / richardson_factor(1, SLICE_FACTOR) for name, change in changes.items()
+        }
 
     def position_errors(self, at: Assembly, orders: dict[str, float]) -> Errors:
         """Return the errors of the positions by 2 m + 1 others, and put their observed orders into a mapping.
@@ -841,7 +843,7 @@ class _ReferenceComparison:
             )
             changes = {**self.errors_of(*samples), **changes}
         return {
-            name: change / joint_fraction(orders.get(name, JOINT_ORDER))
+            name: change / richardson_factor(1, JOINT_FACTOR, orders.get(name, JOINT_ORDER))
             for name, change in changes.items()
         }
 

@@ -560,8 +560,7 @@ def _divergence(
     -------
     ndarray
         Differences of speeds of cage and rollers, relative to the largest without slip, (2, samples of all pieces); NaN
-        at times that were left out, infinite at those before which a motion failed: two that were not compared do not
-        agree.
+        at times that were left out, infinite after a motion failed: two that were not compared do not agree.
     """
     max_speeds = np.array(_max_speeds(moving))[:, None]
     differences = np.full((2, len(ends), _DIVERGENCE_SAMPLES), np.nan)
@@ -585,9 +584,7 @@ def _divergence(
                 piece[:] = np.fmax(piece, np.stack((cage, spin.max(axis=-1))) / max_speeds)
             if count < _DIVERGENCE_SAMPLES:
                 differences[:, k, count:] = np.inf
-                differences[:, k + 1 :] = np.inf
-                break
-            if evaluations > _MAX_EVALUATIONS:
+            if evaluations > _MAX_EVALUATIONS or count < _DIVERGENCE_SAMPLES:
                 break
     return differences.reshape(2, -1)
 

@@ -517,21 +517,19 @@ def _describe_cage(dataset: "xr.Dataset") -> list[str]:
 
 def _describe_step_error(dataset: "xr.Dataset") -> list[str]:
     """Describe an error of the steps that exceeds the tolerance, or that no trial motion shows."""
-    sentences = []
-    for row in json.loads(dataset.attrs.get("accuracy", "[]")):
-        if row["result"] != "cage_speed":
-            continue
-        if row["estimated"] is None and row["found"] is None:
-            sentences.append(
-                "how far the steps put the cage speed off is not known, as a trial motion failed; they keep the "
-                "smallest tolerance that a plan chooses"
-            )
-        elif (row["estimated"] or 0.0) > row["tolerance"]:
-            sentences.append(
-                f"the cage speed may be off by {row['estimated']:.1e} of its largest at an instant, more than the "
-                f"tolerance of {row['tolerance']:g}, as motions with other steps diverge; raise accuracy.cage_speed"
-            )
-    return sentences
+    rows = json.loads(dataset.attrs.get("accuracy", "[]"))
+    rows = [row for row in rows if row["result"] == "cage_speed"]
+    if any(row["estimated"] is None and row["found"] is None for row in rows):
+        return [
+            "how far the steps put the cage speed off is not known, as a trial motion failed; they keep the "
+            "smallest tolerance that a plan chooses"
+        ]
+    return [
+        f"the cage speed may be off by {row['estimated']:.1e} of its largest at an instant, more than the tolerance of "
+        f"{row['tolerance']:g}, as motions with other steps diverge; raise accuracy.cage_speed"
+        for row in rows
+        if (row["estimated"] or 0.0) > row["tolerance"]
+    ]
 
 
 def _describe_ledger(dataset: "xr.Dataset") -> str:

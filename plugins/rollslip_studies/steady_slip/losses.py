@@ -18,7 +18,7 @@ from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
-from rollslip.studies.bounds import MINIMUM_ERROR_FACTOR, joint_fraction
+from rollslip.studies.bounds import JOINT_FACTOR, MINIMUM_ERROR_FACTOR, richardson_factor
 from rollslip.studies.steady_slip.torque import Duty, formula_variables
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
@@ -36,7 +36,9 @@ _MAX_ESTIMATED_RESERVE: Final = 1e3
 #: Factor from the deviation of the limit drag torque, on a bearing of twice the resolution, to its error. Where rollers
 #: jump between motions the torque converges with the first order, its error is twice the deviation; the joint order of
 #: the other numbers is in their own factor, and is taken out here.
-_JUMP_ERROR_FACTOR: Final = joint_fraction() / joint_fraction(1.0)
+_JUMP_ERROR_FACTOR: Final = richardson_factor(1, JOINT_FACTOR) / richardson_factor(
+    1, JOINT_FACTOR, 1.0
+)
 
 
 def loss_variables(

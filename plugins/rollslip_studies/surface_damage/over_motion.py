@@ -26,6 +26,7 @@ from rollslip.errors import DomainError, RollslipError
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
 from rollslip.studies.answers import Output
+from rollslip.studies.bounds import SLICE_FACTOR
 from rollslip.studies.surface_damage.model import (
     DESCRIBED,
     OWN,
@@ -49,9 +50,6 @@ __all__ = ["OVER_MOTION", "over_motion"]
 #: Largest number of evenly spread stored times that are measured. Doubled, measures take twice as long and miss less
 #: between them. Chosen; step 1 adds the times that matter.
 _MAX_POINTS = 101
-#: Factor of the slices with which the worst contacts are measured once more. Doubled, the estimated error is closer to
-#: the true one: the error of the finer value is about a sixteenth at order 2. Chosen.
-_REFINEMENT = 4
 #: Relative difference of the profile of a roller from its mirror image that is rounding.
 _ROUNDING = 1e-9
 #: The same, absolute [m]: far below the radius of an atom.
@@ -222,7 +220,7 @@ def _slice_error(
     assembly: Assembly, state: "xr.Dataset", i: int, model: DamageModel, worst: float
 ) -> float:
     """Return the relative difference of the worst value of a measure on a ring from that with more slices."""
-    slices = _REFINEMENT * assembly.slices if assembly.slices > 1 else 1
+    slices = SLICE_FACTOR * assembly.slices if assembly.slices > 1 else 1
     fine_bearing = assembly.at(attrs.evolve(assembly.resolution, slices=slices))
     loaded = _contacts(fine_bearing, state.isel(ring=i), i, _tilted_loads(fine_bearing, state))
     values = np.zeros(0) if loaded is None else values_of(model, loaded[0])
