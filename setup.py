@@ -101,6 +101,7 @@ KERNELS = (
     "motion/carried",
     "motion/raceway",
     "motion/varying",
+    "motion/pocket",
     "equilibrium",
     "gauss",
     "layout",

@@ -110,6 +110,9 @@ class FrictionSettings:
         Cage slip and film parameter that are watched; NaN for none. Only conventional friction has a film parameter.
     between_nodes : float
         Target of the error of tables of effective friction between their nodes, as a fraction of the allowed error.
+    min_slices : int
+        Number of slices from which on conventional friction comes from a table. By default that where a table is faster
+        than the chain of laws.
     fully_loaded : Assembly, optional
         The bearing under its largest load. Tables of conventional friction and of plane motion are built for its forces
         and cached with it, so that bearings that differ by their load alone share them. By default the bearing itself.
@@ -123,6 +126,7 @@ class FrictionSettings:
     critical_slip: float = math.nan
     film_limit: float = math.nan
     between_nodes: float = 1.0
+    min_slices: int = _MIN_SLICES
     fully_loaded: Assembly | None = None
 
     @property
@@ -347,11 +351,11 @@ def _effective_table(
     )
 
 
-def _reason_against_table(assembly: Assembly) -> str:
+def _reason_against_table(assembly: Assembly, min_slices: int) -> str:
     """Return why conventional friction of a bearing is not tabulated; empty if it may be."""
     if tilts(assembly):
         return "rollers tilt, so that the loads along one do not follow from its force"
-    if assembly.slices < _MIN_SLICES:
+    if assembly.slices < min_slices:
         return f"{assembly.slices} slices cost no more than a table of them"
     if assembly.inner.chain.placed:
         return "a law reads where slices are"
@@ -364,7 +368,7 @@ def _friction_tables(
     assembly: Assembly, settings: FrictionSettings
 ) -> tuple[tuple[FrictionTable, ...], str]:
     """Return the tables of both raceways, or none, and how friction is evaluated in words; cached for a bearing."""
-    if reason := _reason_against_table(assembly):
+    if reason := _reason_against_table(assembly, settings.min_slices):
         return (), f"{_AT_EVERY_STEP}: {reason}"
     tolerance = settings.table_tolerance(assembly)
     tables = list[FrictionTable]()

@@ -1,0 +1,281 @@
+"""March of a roller through the play of its pocket, round the orbit of a cage that runs at a constant speed.
+
+The states of a roller are its spin s, its orbital speed w and its position x, at most half of the play c from the
+middle of the pocket.  Signs and torques are those of ``carried.pyx``::
+
+    J s' = G - M,  m R_m^2 w' = H - R_m P,  x' = R_m (w - w_c),  psi = w_c t + x/R_m
+
+P = 0 between the bars.  A roller at a bar has w = w_c and R_m P = H while H presses it there.  A bar that a roller
+meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the pocket.
+
+- The steps are those of the linearly implicit Euler method, in s and w between the bars, in s alone at a bar.  They are
+  stable where a contact is stiff.  Slopes of traction below zero are left to the explicit part.
+- A step in which a roller meets a bar is divided there.
+- The mean of H is that of the change of momentum which it causes, so that it equals the mean of R_m P of a closed orbit
+  whatever the step.
+- Loads are linear between equal steps of the angle.  The outer contact carries what its table says of the speed of the
+  cage, and the difference of the centrifugal force.
+"""
+
+import numpy as np
+
+from cpython.pycapsule cimport PyCapsule_GetPointer
+from libc.math cimport M_PI, NAN, copysign, fabs, floor, fmax
+
+from bearing_h cimport *
+from rollslip_raceway cimport rs_box_reaches, rs_film_speed
+
+cdef enum:
+    N_RINGS = 2
+    N_COLUMNS = 7   # of `rs_held`
+
+cdef enum:   # sums over the last turn
+    DRIVE
+    FRICTION
+    PUSH
+    DRIVING
+    CROSSING
+    PUSHED
+    N_SUMS
+
+#: Means over the last turn of the cage, in order: the torque H of a roller along its orbit, the friction in its pocket
+#: and its torque R_m P on the bars [N m]; fractions of the turn in which it drives the cage, crosses the play and is
+#: pushed by the cage.
+MEANS: tuple[str, ...] = ("drive", "friction", "push", "driving", "crossing", "pushed")
+
+cdef struct geometry_t:
+    double inner_radius       # R_i [m]
+    double outer_radius       # R_o [m]
+    double roller_radius      # r [m]
+    double orbit_radius       # R_m [m]
+    double inner_speed        # w_i [rad/s]
+    double outer_speed        # w_o [rad/s]
+    double spin_inertia       # J [kg m2]
+    double orbital_inertia    # m R_m^2 [kg m2]
+    double pocket_friction    # mu_p [1]
+
+cdef struct loads_t:
+    size_t n             # steps of the angle
+    double speed         # of the cage, at which the loads are those of the table [rad/s]
+    const double *inner  # force [N], [n + 1]
+    const double *outer  # force [N], [n + 1]
+
+cdef struct contact_t:
+    double traction      # F [N], with the sign of V
+    double slope         # dF/dV [N s/m], at least 0
+    double resistance    # F_R [N], with the sign of u
+
+cdef struct torques_t:
+    double spin          # G [N m]
+    double orbit         # H [N m]
+    double spin_spin     # dG/ds [N m s]
+    double mixed         # dG/dw = dH/ds [N m s]
+    double orbit_orbit   # dH/dw [N m s]
+
+cdef struct roller_t:
+    double spin          # s [rad/s]
+    double speed         # w [rad/s]
+    double position      # x [m]
+    int bar              # -1 and 1 at the bar behind and ahead in the sense of positive speeds, 0 between them
+
+
+cdef int _contact(rs_raceway *raceway, double force, double sliding, double rolling, contact_t *contact) noexcept nogil:
+    """Find the friction of a contact by the table of its raceway; 1 where the contact lies outside."""
+    cdef double[N_COLUMNS] column
+    cdef rs_held held
+    cdef double resistance = 0.0
+    held.by_force = &column[0]
+    held.by_root = &column[1]
+    held.force_slope = &column[2]
+    held.root_slope = &column[3]
+    held.sliding = &column[4]
+    held.resistance = &column[5]
+    held.resistance_slope = &column[6]
+    if not rs_box_reaches(raceway, &held, &force, &sliding, &rolling, &contact.traction, &resistance):
+        return 1
+    contact.slope = fmax(rs_held_slope(&held, force, 0), 0.0)
+    contact.resistance = resistance * rolling / rs_film_speed(rolling)
+    return 0
+
+
+cdef int _torques(
+    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double turn, const roller_t *roller,
+    torques_t *torques
+) noexcept nogil:
+    """Find the torques on a roller, and their slopes, at a turn from the line of load; 1 outside the tables."""
+    cdef contact_t inner, outer
+    cdef double place = (turn - floor(turn)) * <double>loads.n
+    cdef size_t k = min(<size_t>place, loads.n - 1)
+    cdef double part = place - <double>k
+    cdef double inner_force = loads.inner[k] + part * (loads.inner[k + 1] - loads.inner[k])
+    cdef double outer_force = loads.outer[k] + part * (loads.outer[k + 1] - loads.outer[k])
+    cdef double surface = g.roller_radius * (roller.spin + roller.speed)
+    cdef double inner_surface = g.inner_radius * (g.inner_speed - roller.speed)
+    cdef double outer_surface = g.outer_radius * (roller.speed - g.outer_speed)
+    cdef double r = g.roller_radius
+    cdef double inner_arm = g.inner_radius + r
+    cdef double outer_arm = g.outer_radius - r
+    outer_force += g.orbital_inertia / g.orbit_radius * (roller.speed * roller.speed - loads.speed * loads.speed)
+    if _contact(&raceways[0], inner_force, inner_surface - surface, 0.5 * (inner_surface + surface), &inner):
+        return 1
+    if _contact(
+            &raceways[1], fmax(outer_force, 0.0), surface - outer_surface, 0.5 * (surface + outer_surface), &outer):
+        return 1
+    torques.spin = r * (inner.traction - inner.resistance - outer.traction - outer.resistance)
+    torques.orbit = (
+        torques.spin
+        + g.inner_radius * (inner.traction + inner.resistance)
+        + g.outer_radius * (outer.traction - outer.resistance)
+    )
+    torques.spin_spin = -r * r * (inner.slope + outer.slope)
+    torques.mixed = r * (outer_arm * outer.slope - inner_arm * inner.slope)
+    torques.orbit_orbit = -inner_arm * inner_arm * inner.slope - outer_arm * outer_arm * outer.slope
+    return 0
+
+
+cdef double _moment(const geometry_t *g, double cage_speed, double torque, const roller_t *roller) noexcept nogil:
+    """Moment of the friction in the pocket under a torque R_m P, against the spin relative to the cage."""
+    cdef double size = g.pocket_friction * g.roller_radius / g.orbit_radius * fabs(torque)
+    return copysign(size, roller.spin + cage_speed)
+
+
+cdef void _step_at_bar(
+    const geometry_t *g, double cage_speed, double dt, const torques_t *t, roller_t *roller, double *sums
+) noexcept nogil:
+    """Advance the spin of a roller at a bar."""
+    cdef double moment = _moment(g, cage_speed, t.orbit, roller)
+    cdef double change = dt * (t.spin - moment) / (g.spin_inertia - dt * t.spin_spin)
+    cdef double torque = t.orbit + t.mixed * change
+    roller.spin += change
+    sums[DRIVE] += dt * torque
+    sums[PUSH] += dt * torque
+    sums[FRICTION] += dt * moment
+
+
+cdef roller_t _free_step(
+    const geometry_t *g, double cage_speed, double dt, const torques_t *t, const roller_t *roller
+) noexcept nogil:
+    """Return a roller after a step without bars."""
+    cdef roller_t end
+    cdef double spin_spin = g.spin_inertia - dt * t.spin_spin
+    cdef double orbit_orbit = g.orbital_inertia - dt * t.orbit_orbit
+    cdef double mixed = -dt * t.mixed
+    cdef double determinant = spin_spin * orbit_orbit - mixed * mixed
+    end.spin = roller.spin + dt * (orbit_orbit * t.spin - mixed * t.orbit) / determinant
+    end.speed = roller.speed + dt * (spin_spin * t.orbit - mixed * t.spin) / determinant
+    end.position = roller.position + dt * g.orbit_radius * (end.speed - cage_speed)
+    end.bar = 0
+    return end
+
+
+cdef double _step_between_bars(
+    const geometry_t *g, double half_play, double cage_speed, double dt, bint shortened, const torques_t *t,
+    roller_t *roller, double *sums
+) noexcept nogil:
+    """Advance a roller between the bars; the time of the step, shortened to that of the bar which the roller meets."""
+    cdef roller_t end = _free_step(g, cage_speed, dt, t, roller)
+    # the side is that of the speed and not of the position, which is zero without play
+    cdef double side = copysign(1.0, end.speed - cage_speed)
+    cdef double way = end.position - roller.position
+    cdef double impulse, moment
+    cdef bint meets = side * end.position >= half_play
+    if meets and shortened:
+        dt = dt * (side * half_play - roller.position) / way if way != 0.0 else 0.0
+        end = _free_step(g, cage_speed, dt, t, roller)
+    sums[DRIVE] += g.orbital_inertia * (end.speed - roller.speed)
+    if meets:
+        impulse = g.orbital_inertia * (end.speed - cage_speed)
+        moment = _moment(g, cage_speed, impulse, &end)
+        end.spin -= moment / g.spin_inertia
+        end.speed = cage_speed
+        end.position = side * half_play
+        end.bar = <int>side
+        sums[PUSH] += impulse
+        sums[FRICTION] += moment
+    roller[0] = end
+    return dt
+
+
+cdef int _march(
+    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double half_play, int steps, int turns,
+    double *sums
+) noexcept nogil:
+    """March a roller from the bar behind it, rolling on the outer ring, over turns of the cage; 1 as `_torques`."""
+    cdef roller_t roller
+    cdef torques_t torques
+    cdef double sense = copysign(1.0, loads.speed)
+    cdef double step = 2.0 * M_PI / fabs(loads.speed) / <double>steps
+    cdef double rest, dt, turn
+    cdef int k, n, part
+    roller.spin = g.outer_radius * (loads.speed - g.outer_speed) / g.roller_radius - loads.speed
+    roller.speed = loads.speed
+    roller.bar = -<int>sense
+    roller.position = roller.bar * half_play
+    for k in range(steps * turns):
+        if k == steps * (turns - 1):   # the last turn alone counts
+            for n in range(N_SUMS):
+                sums[n] = 0.0
+        rest = step
+        for part in range(2):   # the second one after a bar that the roller meets
+            turn = sense * (<double>(k % steps + 1) - 0.5 * rest / step) / <double>steps
+            turn += 0.5 * roller.position / (M_PI * g.orbit_radius)
+            if _torques(g, raceways, loads, turn, &roller, &torques):
+                return 1
+            dt = rest
+            n = CROSSING
+            if roller.bar * torques.orbit > 0.0:
+                _step_at_bar(g, loads.speed, dt, &torques, &roller, sums)
+                n = DRIVING if roller.bar * sense > 0.0 else PUSHED
+            else:
+                dt = _step_between_bars(g, half_play, loads.speed, dt, part == 0, &torques, &roller, sums)
+            sums[n] += dt
+            rest -= dt
+            if rest <= 0.0:
+                break
+    for n in range(N_SUMS):
+        sums[n] /= step * steps
+    return 0
+
+
+def march(
+    bearing: Mapping[str, float], inner, outer, const double[::1] cage_speeds, const double[:, :, ::1] forces,
+    double play, int steps, int turns,
+) -> Array:
+    """Return the `MEANS` of a roller over the last turn at each cage speed, (n, 6); NaN where it leaves the tables.
+
+    ``bearing`` has the values that `geometry_t` names.  ``inner`` and ``outer`` are conventional raceways
+    with a table (``raceway.pyx``).  ``forces`` are those of both rings at each of the speeds, at equal steps of the
+    angle over the orbit, both ends included, (n, 2, m + 1).  ``play`` is the full play c [m]; a turn of the cage takes
+    ``steps`` steps.  Torques have the sign of the speeds.
+    """
+    cdef geometry_t g
+    cdef loads_t loads
+    cdef rs_raceway[N_RINGS] raceways
+    cdef Py_ssize_t n, ring
+    if forces.shape[0] != cage_speeds.shape[0] or forces.shape[1] != N_RINGS or forces.shape[2] < 2:
+        raise ValueError(f"forces of {cage_speeds.shape[0]} cage speeds are of shape (n, 2, m + 1)")
+    if min(steps, turns) < 1:
+        raise ValueError(f"{turns} turns of {steps} steps: there must be at least one of each")
+    g.inner_radius = bearing["inner_radius"]
+    g.outer_radius = bearing["outer_radius"]
+    g.roller_radius = bearing["roller_radius"]
+    g.orbit_radius = bearing["orbit_radius"]
+    g.inner_speed = bearing["inner_speed"]
+    g.outer_speed = bearing["outer_speed"]
+    g.spin_inertia = bearing["spin_inertia"]
+    g.orbital_inertia = bearing["orbital_inertia"]
+    g.pocket_friction = bearing["pocket_friction"]
+    for ring, raceway in enumerate((inner, outer)):
+        raceways[ring] = (<rs_raceway *>PyCapsule_GetPointer(raceway, RS_RACEWAY))[0]
+        raceways[ring].rollers = 1
+    means = np.zeros((cage_speeds.shape[0], N_SUMS))
+    cdef double[:, ::1] sums = means
+    loads.n = forces.shape[2] - 1
+    for n in range(cage_speeds.shape[0]):
+        loads.speed = cage_speeds[n]
+        loads.inner = &forces[n, 0, 0]
+        loads.outer = &forces[n, 1, 0]
+        with nogil:
+            if _march(&g, raceways, &loads, 0.5 * play, steps, turns, &sums[n, 0]):
+                sums[n, :] = NAN
+    return means

@@ -1,0 +1,245 @@
+"""Steady slip of a cage whose rollers have play in their pockets.
+
+In a torque balance every roller orbits at the speed of the cage. A real roller leaves the unloaded zone at the bar
+behind it and crosses the play c of its pocket before it drives the cage. At a constant cage speed w_c every roller
+repeats the same motion in every turn of the cage::
+
+    J s' = G,  m R_m^2 w' = H - R_m P,  x' = R_m (w - w_c),  psi = w_c t + x/R_m,  |x| <= c/2
+
+with the spin s, the orbital speed w, the position x in the pocket, the torques G and H of `motion.torque_balance`, and
+the force P of the roller on its pocket. Over a turn the momentum of a roller does not change, so that the mean of R_m P
+is that of H. The drags T and the rollers balance where T + Z <H - M> = 0, with the friction M in the pocket.
+
+1. Tabulate loads over the angle, and friction over force and speeds, as motions in time do.
+2. March a roller round the orbit, at many slips at once, until its motion repeats. Bars do not rebound: a film of oil
+   damps them.
+3. Search the smallest slip, from above zero, at which the balance changes its sign.
+
+Without play the result is that of rollers that are set in the cage.
+"""
+
+import math
+from typing import Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import Array
+from rollslip.errors import ConvergenceError
+from rollslip.results.text import SWITCHED_OFF, Status
+from rollslip_kernels.motion import pocket as compiled
+from rollslip_studies.dynamics.levels.load_map import build_load_map
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
+from rollslip_studies.motion.torque_balance import TorqueBalance
+
+#: Number of steps of a turn of the cage.
+STEPS: Final = 2000
+#: Number of turns of the cage, of which the last counts.
+TURNS: Final = 3
+#: Error of the table of friction, relative to the largest friction.
+FRICTION_TOLERANCE: Final = 1e-2
+#: Part of the load of a ring that its table may have at the wrong angle.
+_LOAD_TOLERANCE: Final = 1e-3
+#: Number of steps of the angle between which loads are linear.
+_ANGLES: Final = 720
+#: Number of slips that are marched together in the search.
+_BATCH: Final = 8
+#: Ratio of a slip of the search to the one before.
+_RATIO: Final = 1.5
+#: First slip of the search, relative to that of rollers set in the cage.
+_FIRST_SLIP: Final = 0.5
+#: Number of refinements of the bracket of the slip, each by the number of slips of a batch.
+_REFINEMENTS: Final = 2
+
+
+@attrs.frozen(eq=False)
+class PocketMotions:
+    """Steady motions of a roller through the play of its pocket at n cage slips; NaN where they leave the tables."""
+
+    torque: Array  #: Mean torque of all rollers on the cage [N m], positive where it drives, (n,): Z <H - M>.
+    push: Array  #: The same by the forces on the bars [N m], (n,): Z <R_m P - M>.
+    driving: Array  #: Fraction of the turn in which a roller drives the cage, (n,).
+    crossing: Array  #: Fraction in which it crosses the play, (n,).
+    pushed: Array  #: Fraction in which the cage pushes it, (n,).
+
+
+class Pockets:
+    """Rollers of a bearing with play in their pockets.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing, with its resistance to rolling.
+    play : float, optional
+        Full play along the orbit [m]; by default that of the cage.
+    tolerance : float
+        Error of the table of friction.
+    steps, turns : int
+        Steps of a turn of the cage, and turns, of which the last counts.
+
+    Attributes
+    ----------
+    reason : str
+        Why friction has no tables, without which there is no march; empty if it has.
+    """
+
+    def __init__(
+        self,
+        assembly: Assembly,
+        play: float | None = None,
+        *,
+        tolerance: float = FRICTION_TOLERANCE,
+        steps: int = STEPS,
+        turns: int = TURNS,
+    ) -> None:
+        settings = FrictionSettings(name="conventional", tolerance=tolerance, min_slices=1)
+        friction = raceway_friction(assembly, settings)
+        self.assembly = assembly
+        self.play = assembly.cage.pocket_clearance if play is None else play
+        self.reason = "" if friction.friction_tables else friction.evaluation_method
+        self._raceways = friction.capsules
+        self._loads = build_load_map(assembly, _LOAD_TOLERANCE).forces()
+        self._steps = steps, turns
+
+    def march(self, slips: Array) -> PocketMotions:
+        """Return the steady motions of a roller at cage slips, (n,)."""
+        k = self.assembly.kinematics
+        speeds = k.epicyclic_cage_speed * (1.0 - slips)
+        angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES + 1)
+        forces = [
+            self._loads.at(angles, self.assembly.centrifugal_force_at(speed))[..., 0]
+            for speed in speeds.tolist()
+        ]
+        means = compiled.march(
+            self._bearing, *self._raceways, speeds, np.array(forces), self.play, *self._steps
+        )
+        drive, friction, push, driving, crossing, pushed = means.T
+        sense = math.copysign(self.assembly.scene.bearing.rollers, k.epicyclic_cage_speed)
+        return PocketMotions(
+            torque=sense * (drive - friction),
+            push=sense * (push - friction),
+            driving=driving,
+            crossing=crossing,
+            pushed=pushed,
+        )
+
+    def mean_drive(self, slips: Array) -> Array:
+        """Return the mean torque of all rollers on the cage at cage slips [N m], (n,)."""
+        return self.march(slips).torque
+
+    @property
+    def _bearing(self) -> dict[str, float]:
+        """Geometry, speeds and inertias as compiled code takes them."""
+        k = self.assembly.kinematics
+        mass = self.assembly.roller_mass
+        friction = self.assembly.cage.drags.pocket_friction
+        return {
+            "inner_radius": k.inner_radius,
+            "outer_radius": k.outer_radius,
+            "roller_radius": k.roller_radius,
+            "orbit_radius": k.orbit_radius,
+            "inner_speed": k.direction * k.inner_speed,
+            "outer_speed": k.direction * k.outer_speed,
+            "spin_inertia": 0.5 * mass * k.roller_radius**2,
+            "orbital_inertia": mass * k.orbit_radius**2,
+            "pocket_friction": 0.0 if friction is None else friction.coefficient,
+        }
+
+
+@attrs.frozen
+class SlipWithPlay:
+    """The smallest steady slip of a cage whose rollers have play, and what a roller does in a turn of the cage."""
+
+    status: str  #: `Status.FOUND`, or why there is no slip.
+    slip: float = math.nan  #: Cage slip.
+    driving: float = math.nan  #: Fraction of the turn in which a roller drives the cage.
+    crossing: float = math.nan  #: Fraction in which it crosses the play of its pocket.
+    pushed: float = math.nan  #: Fraction in which the cage pushes it.
+
+
+def reason_without_play(balance: TorqueBalance) -> str:
+    """Return why the play of the pockets has no meaning for a torque balance, or is not computed; empty if it is.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the bearing.
+    """
+    scene = balance.assembly.scene
+    if scene.models.neighbour_friction is not None:
+        return "a full complement has no cage and no pockets"
+    if balance.assembly.cage.pocket_clearance == 0.0:
+        return "the pockets have no play, cage.pocket_clearance is 0"
+    if not balance.inertia:
+        return "rollers without inertia do not run ahead of the cage, inertia is false"
+    if balance.rolls_freely:
+        return f"{SWITCHED_OFF}, so no roller needs to drive the cage"
+    if any(balance.assembly.body_force):
+        return "forces of gravity or of a carrier on rollers in their pockets are left out"
+    return ""
+
+
+def steady_slip_with_play(
+    balance: TorqueBalance, slip: float, max_slip: float, pockets: Pockets | None = None
+) -> SlipWithPlay:
+    """Return the smallest steady slip of a cage whose rollers have play in their pockets.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the bearing.
+    slip : float
+        Smallest steady slip with rollers that are set in the cage; NaN without one.
+    max_slip : float
+        Largest cage slip of the search.
+    pockets : Pockets, optional
+        Rollers with another play, or other steps; by default those of the bearing.
+    """
+    if reason := reason_without_play(balance):
+        return SlipWithPlay(reason)
+    if not slip > 0.0:
+        return SlipWithPlay("rollers that are set in the cage have no steady slip above zero")
+    try:
+        pockets = Pockets(balance.assembly) if pockets is None else pockets
+    except ConvergenceError as error:
+        return SlipWithPlay(f"{Status.NOT_KNOWN}: {error}")
+    if pockets.reason:
+        return SlipWithPlay(f"{Status.NOT_KNOWN}: friction has no table, but is {pockets.reason}")
+    return _search(balance, pockets, _FIRST_SLIP * slip, max_slip)
+
+
+def _search(
+    balance: TorqueBalance, pockets: Pockets, first_slip: float, max_slip: float
+) -> SlipWithPlay:
+    """Return the first slip, from a small one on, at which the excess torque changes from negative to positive."""
+
+    def excess(slips: Array) -> Array:
+        drag = [balance.drag(slip) for slip in slips.tolist()]
+        return pockets.mean_drive(slips) + np.array(drag)
+
+    slips = first_slip * _RATIO ** np.arange(_BATCH)
+    torques = excess(slips)
+    if torques[0] >= 0.0:
+        return SlipWithPlay(f"{Status.NOT_KNOWN}: it is less than {100.0 * first_slip:.3g} %")
+    while not (torques >= 0.0).any():
+        if np.isnan(torques[-1]) or slips[-1] > max_slip:
+            return SlipWithPlay(f"{Status.NO_STEADY_SLIP} up to {min(max_slip, slips[-1]):.3g}")
+        slips = slips[-1] * _RATIO ** np.arange(_BATCH)
+        slips = slips[slips < 1.0]
+        torques = excess(slips)
+    for _ in range(_REFINEMENTS):
+        upper = int(np.argmax(torques >= 0.0))
+        slips = np.geomspace(slips[upper - 1], slips[upper], _BATCH)
+        torques = excess(slips)
+    upper = int(np.argmax(torques >= 0.0))
+    low, high = torques[upper - 1 : upper + 1]
+    root = slips[upper - 1] * (slips[upper] / slips[upper - 1]) ** (low / (low - high))
+    motion = pockets.march(np.array([root]))
+    return SlipWithPlay(
+        Status.FOUND,
+        float(root),
+        float(motion.driving[0]),
+        float(motion.crossing[0]),
+        float(motion.pushed[0]),
+    )
