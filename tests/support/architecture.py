@@ -36,6 +36,8 @@ CAMPAIGNS = {
 }  # fmt: skip
 #: Modules of studies that other studies and campaigns may import.
 SHARED = {
+    "rollslip_studies.dynamics.levels.load_map",
+    "rollslip_studies.dynamics.levels.raceway_friction",
     "rollslip_studies.effective_friction.raceways", "rollslip_studies.effective_friction.study",
     "rollslip_studies.effective_friction.ring_figures",
     "rollslip_studies.friction_curve.study", "rollslip_studies.raceway_friction.film_figures",

@@ -215,17 +215,18 @@ def _search(
     """Return the first slip, from a small one on, at which the excess torque changes from negative to positive."""
 
     def excess(slips: Array) -> Array:
-        drag = [balance.drag(slip) for slip in slips.tolist()]
-        return pockets.mean_drive(slips) + np.array(drag)
+        drags = [balance.drag(slip) for slip in slips.tolist()]
+        return np.asarray(pockets.mean_drive(slips) + np.array(drags))
 
-    slips = first_slip * _RATIO ** np.arange(_BATCH)
+    ratios = np.array([_RATIO**n for n in range(_BATCH)])
+    slips = first_slip * ratios
     torques = excess(slips)
     if torques[0] >= 0.0:
         return SlipWithPlay(f"{Status.NOT_KNOWN}: it is less than {100.0 * first_slip:.3g} %")
     while not (torques >= 0.0).any():
         if np.isnan(torques[-1]) or slips[-1] > max_slip:
             return SlipWithPlay(f"{Status.NO_STEADY_SLIP} up to {min(max_slip, slips[-1]):.3g}")
-        slips = slips[-1] * _RATIO ** np.arange(_BATCH)
+        slips = slips[-1] * ratios
         slips = slips[slips < 1.0]
         torques = excess(slips)
     for _ in range(_REFINEMENTS):

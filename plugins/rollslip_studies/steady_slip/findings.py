@@ -429,6 +429,20 @@ def _describe_play(dataset: "xr.Dataset") -> list[str]:
     ]
 
 
+def _describe_pockets(dataset: "xr.Dataset") -> list[str]:
+    """Return the slip with play in the pockets beside that without, or why there is none; empty if not requested."""
+    if "slip_with_play" not in dataset:
+        return []
+    slip = float(dataset["slip_with_play"])
+    if math.isnan(slip):
+        return [f"no slip with play in the pockets: {dataset['play_status'].item()}"]
+    return [
+        f"with play in the pockets the cage slip is {_percent(slip)}, with rollers set in the cage "
+        f"{_percent(float(dataset['steady_slip'][0]))}: a roller drives the cage for "
+        f"{_percent(float(dataset['driving_fraction']))} of a turn only"
+    ]
+
+
 def _describe_drag(drag: float) -> str:
     """Return the drag that a cage carries, or the torque by which its drags drive it."""
     size = format_quantity(abs(drag), "N m", 3)
@@ -699,7 +713,9 @@ class SteadySlipAccount(Account):
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return sentences by topic, the most important first, without full stops."""
         return {
-            "steady slip": _describe_steady_slips(dataset) + _describe_play(dataset),
+            "steady slip": _describe_steady_slips(dataset)
+            + _describe_play(dataset)
+            + _describe_pockets(dataset),
             "limit drag torque": [_describe_limit_drag(dataset)],
             **(
                 {"losses": _describe_losses(dataset)}

@@ -34,6 +34,27 @@ LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
         ),
     }
 )
+#: Slip with play in the pockets, and what a roller does in a turn of the cage.
+PLAY_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "slip_with_play": Output(
+            "", "1", "smallest steady cage slip with play in the pockets", status="play_status"
+        ),
+        "driving_fraction": Output(
+            "",
+            "1",
+            "fraction of a turn in which a roller with play drives the cage",
+            status="play_status",
+        ),
+        "crossing_fraction": Output(
+            "", "1", "fraction of a turn in which it crosses the play", status="play_status"
+        ),
+        "pushed_fraction": Output(
+            "", "1", "fraction of a turn in which the cage pushes it", status="play_status"
+        ),
+        "play_status": Output("", "1", "what was found of the slip with play in the pockets"),
+    }
+)
 #: Viscosity ratio kappa.
 RATIO: Final[Mapping[str, Output]] = MappingProxyType(
     {
@@ -178,6 +199,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
         **{name: output for varied in VARIED for name, output in followed_outputs(varied).items()},
         **LOSSES,
+        **PLAY_OUTPUTS,
         **RATIO,
         **FORMULA_OUTPUTS,
         **REGIMES,

@@ -28,7 +28,7 @@ from rollslip.bearing.cage import train_play
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.fields import FieldError, at_least, in_range, parameter
+from rollslip.fields import FieldError, at_least, choice_of, in_range, parameter
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
 from rollslip.scene.changes import evolve
@@ -71,7 +71,13 @@ from rollslip_studies.steady_slip.minimum_load import (
     minimum_loads_of_makers,
     rollers_weight,
 )
-from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
+from rollslip_studies.steady_slip.outputs import (
+    MEASURED,
+    OUTPUTS,
+    PLAY_OUTPUTS,
+    VARIED,
+    followed_outputs,
+)
 from rollslip_studies.steady_slip.slip_drag import slip_drag_variables
 from rollslip_studies.steady_slip.statuses import (
     describe_no_fold,
@@ -154,6 +160,12 @@ class SteadySlip(Study):
     )
     inertia: bool = parameter(
         default=True, doc="whether the spin of a roller has inertia along the orbit"
+    )
+    pockets: str = parameter(
+        default="set",
+        doc="rollers in their pockets: set in the cage, or with the play of cage.pocket_clearance, too, of which only "
+        "slip_with_play and what belongs to it know",
+        validator=choice_of("set", "play"),
     )
     acceptable_slip: float | None = parameter(
         default=0.05,
@@ -240,6 +252,8 @@ class SteadySlip(Study):
         }
         if outputs >= _MINIMUM_LOAD_OUTPUTS:
             dropped["acceptable_slip"] = None
+        if outputs >= PLAY_OUTPUTS.keys():
+            dropped["pockets"] = "set"
         return self.with_settings(**dropped) if dropped else self
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
@@ -296,9 +310,10 @@ class SteadySlip(Study):
             ring_power; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle): normal_force, all
             of these one NaN where there is no steady slip and ``status`` says why; scalars: status, limit_drag,
             skidding_slip, skidding_status, limit_drag_error, _low and _high, jump_slip, largest_torque,
-            largest_torque_slip, largest_torque_error, first_maximum_torque, first_maximum_slip. For each followed
-            condition X, if a branch was found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit,
-            X_limit_slip, X_limit_status.
+            largest_torque_slip, largest_torque_error, first_maximum_torque, first_maximum_slip; with
+            play in the pockets slip_with_play, driving_fraction, crossing_fraction, pushed_fraction, play_status. For
+            each followed condition X, if a branch was found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars
+            X_limit, X_limit_slip, X_limit_status.
 
         Raises
         ------
@@ -338,6 +353,8 @@ class SteadySlip(Study):
         variables |= losses
         variables |= self.variables(status=describe_steady_status(balance, branch, slips))
         variables |= self._reserve(balance)
+        if self.pockets == "play":
+            variables |= self._with_play(balance, slips[0] if slips else np.nan)
         for name, limits in self._followed_ranges.items():
             branches = self._followed(assembly, n_positions, name, limits, slips)
             no_fold = describe_no_fold(
@@ -425,6 +442,20 @@ class SteadySlip(Study):
         onset = skidding_onset(balance, largest, f"{self.table}.max_cage_slip")
         to_skidding = reserve(balance, onset, running(balance, largest), largest)
         return self.variables(drag_reserve=to_skidding.factor, reserve_status=to_skidding.status)
+
+    def _with_play(self, balance: TorqueBalance, slip: float) -> dict[str, Any]:
+        """Return the variables of the play of the pockets, by the smallest steady slip without it."""
+        # tables of motions in time, which no other run needs
+        from rollslip_studies.motion.pockets import steady_slip_with_play
+
+        found = steady_slip_with_play(balance, slip, max(RANGE, self.max_cage_slip))
+        return self.variables(
+            slip_with_play=found.slip,
+            driving_fraction=found.driving,
+            crossing_fraction=found.crossing,
+            pushed_fraction=found.pushed,
+            play_status=found.status,
+        )
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
         """Return the balance at the positions of the resolution, or at enough of them and its discretisation error."""
