@@ -202,6 +202,19 @@ def test_the_slip_with_play_is_that_of_motions_in_time(bearing):
     assert slip != pytest.approx(IN_TIME[name], rel=2.0 * TIME_TOLERANCE)
 
 
+@pytest.mark.parametrize(("load", "low", "high"), [("5 kN", 0.005, 0.01), ("200 N", 0.1, 0.9)])
+def test_small_and_large_slips_are_found(load, low, high):
+    """At 5 kN the slip is 38 times that without play, at 200 N the first slips of the search reach a cage at rest."""
+    balance, slip = balanced(evolve(SCENES["b"], {"operation.radial_load": load}))
+    found = with_play(balance, slip)
+    assert low < found < high
+    assert found > slip
+    step = 1e-3 * found
+    torques = Pockets(balance.assembly).mean_drive(np.array([found - step, found + step]))
+    drags = np.array([balance.drag(found - step), balance.drag(found + step)])
+    assert np.sign(torques + drags).tolist() == [-1.0, 1.0]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["a", "b"])
 def test_motions_in_time_have_the_slips_of_the_table(name):
