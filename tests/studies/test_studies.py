@@ -35,6 +35,7 @@ SHORT = {
     "study.dynamics.relative_tolerance": 1e-4,
     "study.dynamics.planar.inner_ring_mass": "5 kg",
     "study.steady-slip.points": 6,
+    "study.steady-slip.pockets": "play",
 }
 #: Outputs that need other settings than those above; those of a history stand in test_dynamics_history.py.
 ELSEWHERE = {
