@@ -92,7 +92,8 @@ def test_every_compiled_kernel_was_looked_at():
     assert found == {
         "chain", "equilibrium", "gauss", "layout",
         *(f"motion/{name}"
-          for name in ("carried", "leapfrog", "planar", "pocket", "raceway", "rosenbrock", "spin", "system", "varying")),
+          for name in ("carried", "leapfrog", "planar", "pocket", "raceway", "rosenbrock", "spin", "system",
+                       "varying")),
         *(f"stages/{name}" for name in ("blend", "contact", "drag", "film", "shear_thinning", "simd", "stress",
                                         "thermal_couette", "traction", "vector_math", "viscosity")),
     }  # fmt: skip
