@@ -29,7 +29,7 @@ cdef enum:
     N_RINGS = 2
     N_COLUMNS = 7   # of `rs_held`
 
-cdef enum:   # sums over the last turn
+cdef enum:   # sums over a turn
     DRIVE
     FRICTION
     PUSH
@@ -38,7 +38,7 @@ cdef enum:   # sums over the last turn
     PUSHED
     N_SUMS
 
-#: Means over the last turn of the cage, in order: the torque H of a roller along its orbit, the friction in its pocket
+#: Means over a turn of the cage, in order: the torque H of a roller along its orbit, the friction in its pocket
 #: and its torque R_m P on the bars [N m]; fractions of the turn in which it drives the cage, crosses the play and is
 #: pushed by the cage.
 MEANS: tuple[str, ...] = ("drive", "friction", "push", "driving", "crossing", "pushed")
@@ -196,57 +196,73 @@ cdef double _step_between_bars(
     return dt
 
 
-cdef int _march(
-    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double half_play, int steps, int turns,
+cdef int _turn(
+    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double half_play, int steps, roller_t *roller,
     double *sums
 ) noexcept nogil:
-    """March a roller from the bar behind it, rolling on the outer ring, over turns of the cage; 1 as `_torques`."""
-    cdef roller_t roller
+    """March a roller over a turn of the cage, and find the `MEANS`; 1 as `_torques`."""
     cdef torques_t torques
     cdef double sense = copysign(1.0, loads.speed)
     cdef double step = 2.0 * M_PI / fabs(loads.speed) / <double>steps
     cdef double rest, dt, turn
     cdef int k, n, part
-    roller.spin = g.outer_radius * (loads.speed - g.outer_speed) / g.roller_radius - loads.speed
-    roller.speed = loads.speed
-    roller.bar = -<int>sense
-    roller.position = roller.bar * half_play
-    for k in range(steps * turns):
-        if k == steps * (turns - 1):   # the last turn alone counts
-            for n in range(N_SUMS):
-                sums[n] = 0.0
+    for n in range(N_SUMS):
+        sums[n] = 0.0
+    for k in range(steps):
         rest = step
         for part in range(2):   # the second one after a bar that the roller meets
-            turn = sense * (<double>(k % steps + 1) - 0.5 * rest / step) / <double>steps
+            turn = sense * (<double>(k + 1) - 0.5 * rest / step) / <double>steps
             turn += 0.5 * roller.position / (M_PI * g.orbit_radius)
-            if _torques(g, raceways, loads, turn, &roller, &torques):
+            if _torques(g, raceways, loads, turn, roller, &torques):
                 return 1
             dt = rest
             n = CROSSING
             if roller.bar * torques.orbit > 0.0:
-                _step_at_bar(g, loads.speed, dt, &torques, &roller, sums)
+                _step_at_bar(g, loads.speed, dt, &torques, roller, sums)
                 n = DRIVING if roller.bar * sense > 0.0 else PUSHED
             else:
-                dt = _step_between_bars(g, half_play, loads.speed, dt, part == 0, &torques, &roller, sums)
+                dt = _step_between_bars(g, half_play, loads.speed, dt, part == 0, &torques, roller, sums)
             sums[n] += dt
             rest -= dt
             if rest <= 0.0:
                 break
     for n in range(N_SUMS):
-        sums[n] /= step * steps
+        sums[n] /= step * <double>steps
+    return 0
+
+
+cdef int _march(
+    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double half_play, int steps, int max_turns,
+    double tolerance, double *sums
+) noexcept nogil:
+    """March a roller from the bar behind it, rolling on the outer ring, until a turn repeats; 1 as `_torques`."""
+    cdef roller_t roller
+    cdef double before = NAN
+    cdef int _
+    roller.spin = g.outer_radius * (loads.speed - g.outer_speed) / g.roller_radius - loads.speed
+    roller.speed = loads.speed
+    roller.bar = -1 if loads.speed > 0.0 else 1
+    roller.position = roller.bar * half_play
+    for _ in range(max_turns):
+        if _turn(g, raceways, loads, half_play, steps, &roller, sums):
+            return 1
+        if fabs(sums[DRIVE] - before) <= tolerance * fabs(sums[DRIVE]):
+            break
+        before = sums[DRIVE]
     return 0
 
 
 def march(
     bearing: Mapping[str, float], inner, outer, const double[::1] cage_speeds, const double[:, :, ::1] forces,
-    double play, int steps, int turns,
+    double play, int steps, int max_turns, double tolerance,
 ) -> Array:
-    """Return the `MEANS` of a roller over the last turn at each cage speed, (n, 6); NaN where it leaves the tables.
+    """Return the `MEANS` of a roller at each cage speed, (n, 6); NaN where it leaves the tables.
 
     ``bearing`` has the values that `geometry_t` names.  ``inner`` and ``outer`` are conventional raceways
     with a table (``raceway.pyx``).  ``forces`` are those of both rings at each of the speeds, at equal steps of the
     angle over the orbit, both ends included, (n, 2, m + 1).  ``play`` is the full play c [m]; a turn of the cage takes
-    ``steps`` steps.  Torques have the sign of the speeds.
+    ``steps`` steps.  The march ends when the mean torque changes by less than ``tolerance`` of itself from one turn to
+    the next, or after ``max_turns``.  Torques have the sign of the speeds.
     """
     cdef geometry_t g
     cdef loads_t loads
@@ -254,8 +270,8 @@ def march(
     cdef Py_ssize_t n, ring
     if forces.shape[0] != cage_speeds.shape[0] or forces.shape[1] != N_RINGS or forces.shape[2] < 2:
         raise ValueError(f"forces of {cage_speeds.shape[0]} cage speeds are of shape (n, 2, m + 1)")
-    if min(steps, turns) < 1:
-        raise ValueError(f"{turns} turns of {steps} steps: there must be at least one of each")
+    if min(steps, max_turns) < 1:
+        raise ValueError(f"{max_turns} turns of {steps} steps: there must be at least one of each")
     g.inner_radius = bearing["inner_radius"]
     g.outer_radius = bearing["outer_radius"]
     g.roller_radius = bearing["roller_radius"]
@@ -276,6 +292,6 @@ def march(
         loads.inner = &forces[n, 0, 0]
         loads.outer = &forces[n, 1, 0]
         with nogil:
-            if _march(&g, raceways, &loads, 0.5 * play, steps, turns, &sums[n, 0]):
+            if _march(&g, raceways, &loads, 0.5 * play, steps, max_turns, tolerance, &sums[n, 0]):
                 sums[n, :] = NAN
     return means

@@ -33,13 +33,17 @@ from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_studies.motion.torque_balance import TorqueBalance
 
-# Effects of half and twice a value were measured on the slips of five bearings, tests/studies/test_pockets.py.
+# Effects of other values were measured on the slips of the bearings in tests/studies/test_pockets.py.
 
 #: Number of steps of a turn of the cage. Half as many change slips by up to 2.2e-3, twice as many by up to 1.0e-3, the
 #: order of the method, for twice the time; chosen, below the tolerance of results.
 STEPS: Final = 2000
-#: Number of turns of the cage, of which the last counts. Two change slips by up to 6e-3, six by up to 1e-8.
-TURNS: Final = 3
+#: Change of the mean torque from one turn of the cage to the next, relative to it, at which a motion is periodic. Ten
+#: times the value changes slips by up to 2.1e-5, a tenth of it by up to 2.3e-6; chosen.
+PERIODIC: Final = 1e-6
+#: Largest number of turns of the cage. Half and twice as many change nothing, ten a slip by 1.7 %: fast rollers without
+#: rolling resistance need many, most others two or three.
+_MAX_TURNS: Final = 200
 #: Error of the table of friction, relative to the largest friction. Half of it changes slips by up to 7e-4, and cannot
 #: be reached in one bearing, twice as much by up to 2.2e-3; chosen.
 FRICTION_TOLERANCE: Final = 1e-2
@@ -84,8 +88,10 @@ class Pockets:
         Full play along the orbit [m]; by default that of the cage.
     tolerance : float
         Error of the table of friction.
-    steps, turns : int
-        Steps of a turn of the cage, and turns, of which the last counts.
+    steps : int
+        Steps of a turn of the cage.
+    periodic : float
+        Change of the mean torque from one turn to the next, relative to it, at which a motion is periodic.
 
     Attributes
     ----------
@@ -100,7 +106,7 @@ class Pockets:
         *,
         tolerance: float = FRICTION_TOLERANCE,
         steps: int = STEPS,
-        turns: int = TURNS,
+        periodic: float = PERIODIC,
     ) -> None:
         settings = FrictionSettings(name="conventional", tolerance=tolerance, min_slices=1)
         friction = raceway_friction(assembly, settings)
@@ -109,7 +115,8 @@ class Pockets:
         self.reason = "" if friction.friction_tables else friction.evaluation_method
         self._raceways = friction.capsules
         self._loads = build_load_map(assembly, _LOAD_TOLERANCE).forces()
-        self._steps = steps, turns
+        self._steps = steps
+        self._periodic = periodic
 
     def march(self, slips: Array) -> PocketMotions:
         """Return the steady motions of a roller at cage slips, (n,)."""
@@ -121,7 +128,14 @@ class Pockets:
             for speed in speeds.tolist()
         ]
         means = compiled.march(
-            self._bearing, *self._raceways, speeds, np.array(forces), self.play, *self._steps
+            self._bearing,
+            *self._raceways,
+            speeds,
+            np.array(forces),
+            self.play,
+            self._steps,
+            _MAX_TURNS,
+            self._periodic,
         )
         drive, friction, push, driving, crossing, pushed = means.T
         sense = math.copysign(self.assembly.scene.bearing.rollers, k.epicyclic_cage_speed)
@@ -233,9 +247,12 @@ def _search(
     if torques[0] >= 0.0:
         return SlipWithPlay(f"{Status.NOT_KNOWN}: it is less than {100.0 * first_slip:.3g} %")
     while not (torques >= 0.0).any():
-        if np.isnan(torques[-1]) or slips[-1] == max_slip:
-            end = np.max(slips, initial=0.0, where=np.isfinite(torques))
-            return SlipWithPlay(f"{Status.NO_STEADY_SLIP} up to {end:.3g}")
+        if np.isnan(torques[-1]):
+            return SlipWithPlay(
+                f"{Status.NOT_KNOWN}: contacts leave the tables of friction below a slip of {slips[-1]:.3g}"
+            )
+        if slips[-1] == max_slip:
+            return SlipWithPlay(f"{Status.NO_STEADY_SLIP} up to {max_slip:.3g}")
         slips = np.minimum(slips[-1] * ratios, max_slip)
         torques = excess(slips)
     for _ in range(_REFINEMENTS):
