@@ -1,7 +1,7 @@
 """March of a roller through the play of its pocket, round the orbit of a cage that runs at a constant speed.
 
 The states of a roller are its spin s, its orbital speed w and its position x, at most half of the play c from the
-middle of the pocket.  Signs and torques are those of ``carried.pyx``::
+middle of the pocket.  Signs and torques are those of ``carried.pyx``, but G without M and H without R_m P::
 
     J s' = G - M,  m R_m^2 w' = H - R_m P,  x' = R_m (w - w_c),  psi = w_c t + x/R_m
 

@@ -4,11 +4,11 @@ In a torque balance every roller orbits at the speed of the cage. A real roller 
 behind it and crosses the play c of its pocket before it drives the cage. At a constant cage speed w_c every roller
 repeats the same motion in every turn of the cage::
 
-    J s' = G,  m R_m^2 w' = H - R_m P,  x' = R_m (w - w_c),  psi = w_c t + x/R_m,  |x| <= c/2
+    J s' = G - M,  m R_m^2 w' = H - R_m P,  x' = R_m (w - w_c),  psi = w_c t + x/R_m,  |x| <= c/2
 
-with the spin s, the orbital speed w, the position x in the pocket, the torques G and H of `motion.torque_balance`, and
-the force P of the roller on its pocket. Over a turn the momentum of a roller does not change, so that the mean of R_m P
-is that of H. The drags T and the rollers balance where T + Z <H - M> = 0, with the friction M in the pocket.
+with the spin s, the orbital speed w, the position x in the pocket, the torques G and H of the raceways on the spin and
+along the orbit, the force P of the roller on its pocket and its friction M there. Over a turn the momentum of a roller
+does not change, so that the mean of R_m P is that of H. The drags T and the rollers balance where T + Z <H - M> = 0.
 
 1. Tabulate loads over the angle, and friction over force and speeds, as motions in time do.
 2. March a roller round the orbit, at many slips at once, until its motion repeats. Bars do not rebound: a film of oil
