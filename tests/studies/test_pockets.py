@@ -12,6 +12,7 @@ from rollslip.results.text import Status
 from rollslip_kernels.motion import pocket
 from rollslip_kernels.motion.raceway import table_friction
 from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.motion import pockets
 from rollslip_studies.motion.pockets import Pockets, steady_slip_with_play
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -310,3 +311,11 @@ def test_the_march_refuses_other_shapes_and_no_steps(shape, steps, words):
         pocket.march(
             pockets._bearing, *pockets._raceways, np.ones(1), np.ones(shape), 1e-4, steps, 3, 1e-6
         )
+
+
+def test_a_motion_that_does_not_repeat_has_no_slip(monkeypatch):
+    """Of one turn nobody knows whether the next one repeats it."""
+    monkeypatch.setattr(pockets, "_MAX_TURNS", 1)
+    found = steady_slip_with_play(*balanced(SCENES["b"]), 0.9)
+    assert found.status.startswith(f"{Status.NOT_KNOWN}: the motion of a roller does not repeat")
+    assert np.isnan(found.slip)

@@ -235,7 +235,10 @@ cdef int _march(
     const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double half_play, int steps, int max_turns,
     double tolerance, double *sums
 ) noexcept nogil:
-    """March a roller from the bar behind it, rolling on the outer ring, until a turn repeats; 1 as `_torques`."""
+    """March a roller from the bar behind it, rolling on the outer ring, until a turn repeats; -1 if none does.
+
+    1 as `_torques`.
+    """
     cdef roller_t roller
     cdef double before = NAN
     cdef int _
@@ -247,16 +250,18 @@ cdef int _march(
         if _turn(g, raceways, loads, half_play, steps, &roller, sums):
             return 1
         if fabs(sums[DRIVE] - before) <= tolerance * fabs(sums[DRIVE]):
-            break
+            return 0
         before = sums[DRIVE]
-    return 0
+    return -1
 
 
 def march(
     bearing: Mapping[str, float], inner, outer, const double[::1] cage_speeds, const double[:, :, ::1] forces,
     double play, int steps, int max_turns, double tolerance,
-) -> Array:
-    """Return the `MEANS` of a roller at each cage speed, (n, 6); NaN where it leaves the tables.
+) -> tuple[Array, Array]:
+    """Return the `MEANS` of a roller at each cage speed, (n, 6), and whether its motion repeats, 1 or 0, (n,).
+
+    Means are NaN where it leaves the tables.
 
     ``bearing`` has the values that `geometry_t` names.  ``inner`` and ``outer`` are conventional raceways
     with a table (``raceway.pyx``).  ``forces`` are those of both rings at each of the speeds, at equal steps of the
@@ -285,13 +290,19 @@ def march(
         raceways[ring] = (<rs_raceway *>PyCapsule_GetPointer(raceway, RS_RACEWAY))[0]
         raceways[ring].rollers = 1
     means = np.zeros((cage_speeds.shape[0], N_SUMS))
+    repeats = np.ones(cage_speeds.shape[0])
     cdef double[:, ::1] sums = means
+    cdef double[::1] is_periodic = repeats
+    cdef int status
     loads.n = forces.shape[2] - 1
     for n in range(cage_speeds.shape[0]):
         loads.speed = cage_speeds[n]
         loads.inner = &forces[n, 0, 0]
         loads.outer = &forces[n, 1, 0]
         with nogil:
-            if _march(&g, raceways, &loads, 0.5 * play, steps, max_turns, tolerance, &sums[n, 0]):
-                sums[n, :] = NAN
-    return means
+            status = _march(&g, raceways, &loads, 0.5 * play, steps, max_turns, tolerance, &sums[n, 0])
+        if status > 0:
+            sums[n, :] = NAN
+        if status < 0:
+            is_periodic[n] = 0.0
+    return means, repeats

@@ -75,6 +75,9 @@ class PocketMotions:
     driving: Array  #: Fraction of the turn in which a roller drives the cage, (n,).
     crossing: Array  #: Fraction in which it crosses the play, (n,).
     pushed: Array  #: Fraction in which the cage pushes it, (n,).
+    is_periodic: (
+        Array  #: Whether the motion repeats within the largest number of turns, 1 or 0, (n,).
+    )
 
 
 class Pockets:
@@ -127,7 +130,7 @@ class Pockets:
             self._loads.at(angles, self.assembly.centrifugal_force_at(speed))[..., 0]
             for speed in speeds.tolist()
         ]
-        means = compiled.march(
+        means, is_periodic = compiled.march(
             self._bearing,
             *self._raceways,
             speeds,
@@ -145,6 +148,7 @@ class Pockets:
             driving=driving,
             crossing=crossing,
             pushed=pushed,
+            is_periodic=is_periodic,
         )
 
     def mean_drive(self, slips: Array) -> Array:
@@ -263,6 +267,10 @@ def _search(
     low, high = torques[upper - 1 : upper + 1]
     root = slips[upper - 1] * (slips[upper] / slips[upper - 1]) ** (low / (low - high))
     motion = pockets.march(np.array([root]))
+    if not motion.is_periodic[0]:
+        return SlipWithPlay(
+            f"{Status.NOT_KNOWN}: the motion of a roller does not repeat within {_MAX_TURNS} turns of the cage"
+        )
     return SlipWithPlay(
         Status.FOUND,
         float(root),
