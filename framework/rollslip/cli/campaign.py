@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import click
@@ -31,9 +31,7 @@ from rollslip.cli.app import (
     warn,
 )
 from rollslip.planning.campaign import Campaign, OfPoints, OfScene, help_of, options_of, own_command
-
-if TYPE_CHECKING:
-    import xarray as xr
+from rollslip.results.dataset import xr
 
 __all__ = ["command_of", "with_settings"]
 

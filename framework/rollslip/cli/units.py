@@ -1,12 +1,10 @@
 """Add the units of numbers to the JSON output of commands."""
 
 from collections.abc import Mapping, MutableMapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from rollslip.results.accounts import account_of
-
-if TYPE_CHECKING:
-    import xarray as xr
+from rollslip.results.dataset import xr
 
 #: Units of keys in records of several commands: times, and plain numbers.
 _COMMON: Final[Mapping[str, str]] = {

@@ -1,16 +1,11 @@
 """The quasi-static loads of all rollers of a scene, as a dataset."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.scene.reading import as_scene
 from rollslip.scene.values import Scene
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def load_distribution(scene: Scene | str, n_positions: int = 1) -> "xr.Dataset":
@@ -38,8 +33,6 @@ def load_distribution(scene: Scene | str, n_positions: int = 1) -> "xr.Dataset":
     ConvergenceError
         If forces and moments do not balance to 1e-10.
     """
-    import xarray as xr
-
     assembly = assemble(as_scene(scene))
     loads = assembly.load_distribution(n_positions)
 

@@ -13,14 +13,16 @@ from collections.abc import Collection, Iterable, Mapping
 from functools import cache, reduce
 from numbers import Number
 from operator import getitem
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
+from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.discovery import load, named_data
 from rollslip.catalogue.registry import Offer, find, get_class
 from rollslip.datasets import SURFACES
 from rollslip.fields import submodels
+from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
 from rollslip.planning.lines import describe_own_cage
 from rollslip.planning.plan import Plan
@@ -30,10 +32,6 @@ from rollslip.scene.changes import CHANGES, NOTED
 from rollslip.scene.named import surface_name
 from rollslip.scene.values import Scene
 from rollslip.structure import resolved, scene_hash
-
-if TYPE_CHECKING:
-    from rollslip.bearing.assembly import Assembly
-    from rollslip.lubricant.oil import Lubricant
 
 __all__ = [
     "citations",

@@ -3,11 +3,12 @@
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import reference_resolution
 from rollslip.planning.plan import Plan
+from rollslip.results.dataset import xr
 from rollslip.scene.values import EXACT, Accuracy
 from rollslip.studies.bounds import (
     MAX_ORDER,
@@ -18,9 +19,6 @@ from rollslip.studies.bounds import (
     reference_slips,
 )
 from rollslip.studies.error_estimate import resolution_numbers
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Ratio of error and tolerance that is taken at least when a smaller tolerance is proposed: a smaller one may change no
 #: number of the plan. Chosen.

@@ -9,7 +9,7 @@ import math
 import os
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
@@ -18,13 +18,10 @@ from rollslip.errors import OutputError, SceneError
 from rollslip.results.account import Account, Contact, Figures
 from rollslip.results.answer import Answer, Row, collect_notes, describe_case, merge_answers
 from rollslip.results.curves import Curve, critical_rows, curves
-from rollslip.results.dataset import READ_ERRORS, shown_short
+from rollslip.results.dataset import READ_ERRORS, shown_short, xr
 from rollslip.results.text import LOWER_BOUNDS, percent, single_value_indices, single_values
 from rollslip.scene.reading import shipped_scenes
 from rollslip.units import expect_results
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["PlainAccount", "account_of", "answer", "refuse_unreadable", "scene_file"]
 

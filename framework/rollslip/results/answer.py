@@ -16,16 +16,14 @@ import shutil
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 
 from rollslip.results.curves import or_none
+from rollslip.results.dataset import xr
 from rollslip.results.text import force_unit, format_plain, percent, python_call, two_digits
 from rollslip.units import converted, shown_unit
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = [
     "ACCEPTABLE",

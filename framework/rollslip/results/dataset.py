@@ -7,6 +7,7 @@
   leaves a file that cannot be closed and ends the process.
 """
 
+import importlib
 import io
 import json
 import math
@@ -16,14 +17,29 @@ from collections.abc import Mapping
 from hashlib import sha256
 from numbers import Real
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.errors import OutputError
 from rollslip.files import readable, whole_file
 from rollslip.references import Citation, from_dict, unique_works
 
+
+class _Library(ModuleType):
+    """Stands for a library that takes long to import, and imports it when a name in it is looked up."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(importlib.import_module(self.__name__), name)
+
+
 if TYPE_CHECKING:
-    import xarray as xr
+    import xarray
+
+    xr = xarray
+else:
+    xr = _Library(
+        "xarray"
+    )  # modules that take it from here name datasets, and cost nothing where none is made
 
 #: Attributes that may differ between two runs of the same scene.
 VOLATILE = (
@@ -204,7 +220,6 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
         an attribute has a wrong type.
     """
     import h5py
-    import xarray as xr
 
     path = Path(path)
     if not path.is_file():

@@ -5,7 +5,6 @@ the validity of its laws is checked.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,14 +12,11 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.fields import submodels
 from rollslip.models import SliceModel
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.results.text import LAW
 from rollslip.studies.answers import LoadedSlices, Variables
 from rollslip.studies.study import Study
 from rollslip.studies.validity import evaluate_rings, quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Variables:

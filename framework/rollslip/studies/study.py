@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
+from typing import Any, ClassVar, Final, Self
 
 import attrs
 import numpy as np
@@ -24,6 +24,7 @@ from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import SceneError, UnknownNameError
 from rollslip.references import Citation
 from rollslip.results.curves import curve_labels
+from rollslip.results.dataset import xr
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import Location, structure
 from rollslip.studies import parts
@@ -46,9 +47,6 @@ from rollslip.studies.error_estimate import (
 from rollslip.studies.timing import processor_time
 from rollslip.studies.validity import rolling_slices
 from rollslip.units import as_written
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["AXES", "CONTACT_CHOICES", "N_VALIDITY_SLIPS", "Study", "settings", "study_class"]
 

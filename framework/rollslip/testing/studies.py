@@ -7,7 +7,7 @@ import json
 import math
 import re
 from functools import cache
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -21,15 +21,13 @@ from rollslip.planning.campaign import Campaign, function_of, help_of, own_comma
 from rollslip.planning.plan import estimate
 from rollslip.results.accounts import account_of
 from rollslip.results.curves import Curves
+from rollslip.results.dataset import xr
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.values import Scene
 from rollslip.studies.answers import Part
 from rollslip.studies.outputs import evaluate
 from rollslip.studies.study import AXES, Study, settings
 from rollslip.testing.rules import Inapplicable, Nonconformance, refuse_unless, rule
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: A bearing on which studies are fast: few slices, and a cage with a drag that does not make it skid.
 SCENE: Final = """

@@ -13,7 +13,7 @@ import math
 import time
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -22,20 +22,16 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
 from rollslip.planning.execution import run
+from rollslip.planning.progress import ProgressReporter
 from rollslip.planning.provenance import combine_origins, origin
 from rollslip.results.accounts import answer
 from rollslip.results.answer import Answer
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.structure import resolved, scene_hash
+from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_studies.steady_slip.study import SteadySlip
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip.planning.progress import ProgressReporter
-    from rollslip_campaigns.comparison import ComparisonSettings
 
 __all__ = ["KEYS", "STUDY", "Alternatives", "plan_alternatives", "ratio_band", "run_alternatives"]
 
@@ -170,7 +166,6 @@ def run_alternatives(plan: Alternatives, show: "ProgressReporter") -> "xr.Datase
             failed[label] = str(error).removeprefix("changes: ")
     if not done:
         raise SceneError([f"{label}: {reason}" for label, reason in failed.items()])
-    import xarray as xr
 
     answers = {label: answer(result, scene=label) for label, result in done.items()}
     order = sorted(done, key=lambda label: _rank(answers[label]))

@@ -15,7 +15,7 @@
 import itertools
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -24,13 +24,10 @@ from rollslip.bearing.raceway import Array
 from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
 from rollslip.models import TractionModel
 from rollslip.planning.plan import Plan
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.studies.answers import LoadedSlices
 from rollslip.studies.validity import quantity
 from rollslip_kernels.slices import Slices
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Function that extracts columns from an evaluated table.
 Extract = Callable[[Slices], Mapping[str, Array]]

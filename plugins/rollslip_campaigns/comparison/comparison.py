@@ -12,7 +12,7 @@
 import itertools
 import time
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 import attrs
 import numpy as np
@@ -34,12 +34,13 @@ from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import combine_origins, origin
 from rollslip.results.curves import Curves
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.results.text import collect_warnings, describe_more_bounds, duration_range
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import resolved, scene_hash
 from rollslip.studies.study import study_class
+from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.attribution import (
     Bins,
     EvaluatedSlices,
@@ -58,11 +59,6 @@ from rollslip_campaigns.comparison.choices import (
     read_choice,
     refuse,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip_campaigns.comparison import ComparisonSettings
 
 
 @attrs.frozen(eq=False)
@@ -396,8 +392,6 @@ def _merged(
     comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Mapping[str, str]
 ) -> "xr.Dataset":
     """Return the curves of all combinations in one dataset, NaN where a combination failed."""
-    import xarray as xr
-
     labels = list(comparison.combinations)
     results = list(done.values())
     texts = {

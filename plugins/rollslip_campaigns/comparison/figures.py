@@ -5,11 +5,13 @@ Dashes distinguish models here, besides colours; elsewhere a dashed line is the 
 
 from collections.abc import Iterator
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from rollslip.results.curves import curve_names, curves
+from rollslip.results.dataset import xr
 from rollslip.results.style import (
     DASHES,
     MARKER,
@@ -21,10 +23,6 @@ from rollslip.results.style import (
     axis_label,
 )
 from rollslip_campaigns.comparison.findings import captioned, curves_of, members
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["figures", "side_by_side"]
 

@@ -3,19 +3,16 @@
 import json
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
 from rollslip.results.account import Account, Story, Table
 from rollslip.results.accounts import account_of
 from rollslip.results.curves import Curves, curve_names, or_none
-from rollslip.results.dataset import rows_along
+from rollslip.results.dataset import rows_along, xr
 from rollslip.results.text import two_digits
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Fraction of the variance of a difference that a grouping has to explain to be reported. Halving it reports groupings
 #: that hardly explain anything; chosen.

@@ -1,7 +1,7 @@
 """Plan an explorer: the quantities with sliders, the models to choose from, and the number of points."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import attrs
 
@@ -12,13 +12,11 @@ from rollslip.results.text import short_label
 from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, shown_unit
+from rollslip_campaigns.explorer import ExplorerSettings
 from rollslip_campaigns.explorer.grid import Dial, Explorer
 from rollslip_campaigns.sweep.sampling import read_overs
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.variation.quantities import quantities
-
-if TYPE_CHECKING:
-    from rollslip_campaigns.explorer import ExplorerSettings
 
 __all__ = ["plan_explorer"]
 

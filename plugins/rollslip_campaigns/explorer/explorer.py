@@ -2,23 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from rollslip.errors import ConvergenceError
+from rollslip.planning.progress import ProgressReporter
+from rollslip.results.dataset import xr
 from rollslip.search import Array
+from rollslip_campaigns.explorer import ExplorerSettings
 from rollslip_campaigns.explorer.grid import Explorer, interpolate
 from rollslip_campaigns.explorer.page import GROUPS, library, write_page
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.effective_friction.study import EffectiveFriction
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip.planning.progress import ProgressReporter
-    from rollslip_campaigns.explorer import ExplorerSettings
 
 __all__ = ["run_explorer"]
 

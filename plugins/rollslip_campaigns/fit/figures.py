@@ -3,10 +3,12 @@
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from rollslip.results.dataset import xr
 from rollslip.results.style import (
     MARKER,
     MM,
@@ -20,10 +22,6 @@ from rollslip.results.style import (
     unit_label,
 )
 from rollslip.units import converted, format_quantity, shown_unit
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["figures"]
 

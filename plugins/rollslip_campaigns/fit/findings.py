@@ -6,19 +6,16 @@ A value that the data do not determine is None, with a status that says so.
 import json
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
-from rollslip.results.dataset import rows_along
+from rollslip.results.dataset import rows_along, xr
 from rollslip.results.text import first_line
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["FitAccount", "headline", "parameter_rows"]
 

@@ -12,13 +12,15 @@ import time
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
+from rollslip.results.dataset import xr
 from rollslip.search import Array
+from rollslip_campaigns.fit import FitSettings
 from rollslip_campaigns.fit.least_squares import Report, estimate
 from rollslip_campaigns.fit.problem import (
     Parameter,
@@ -30,11 +32,6 @@ from rollslip_campaigns.fit.problem import (
 )
 from rollslip_campaigns.fit.result import Fit, dataset_of
 from rollslip_campaigns.measurement.rig import Rig, RigData, load_rig, read_data
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip_campaigns.fit import FitSettings
 
 __all__ = ["plan_fit", "run_fit"]
 

@@ -4,13 +4,11 @@ import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rollslip.files import whole_file
+from rollslip.results.dataset import xr
 from rollslip_campaigns.fit.findings import parameter_rows
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["write_oil"]
 

@@ -10,7 +10,7 @@ import importlib.metadata
 import json
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -27,7 +27,7 @@ from rollslip.planning.provenance import (
     origin,
     packages_of,
 )
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.search import Array
 from rollslip.structure import resolved
 from rollslip.studies import validity
@@ -43,9 +43,6 @@ from rollslip_campaigns.fit.problem import (
     with_values,
 )
 from rollslip_kernels.slices import Slices
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["Fit", "dataset_of"]
 
@@ -128,8 +125,6 @@ def dataset_of(
         See `rollslip.fit`. Standard errors and limits that the data do not determine are NaN; ``status`` and
         ``limit_status`` say why.
     """
-    import xarray as xr
-
     # this evaluation also stores the film in the tables of the problem
     fitted_friction = fit.friction(fit.estimate.best.x)
     film = np.empty(len(problem.data))

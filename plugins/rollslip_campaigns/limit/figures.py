@@ -4,19 +4,17 @@ Style, sizes and files are those of `rollslip.results.style`.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from rollslip.results.dataset import xr
 from rollslip.results.style import DASHES, MODEL_COLOURS, Sheet, plain_decades, unit_label
 from rollslip.results.text import in_percent, short_label
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.limit.findings import describe_limit, satisfied_spans
 from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["draw_limit", "limit_figures"]
 

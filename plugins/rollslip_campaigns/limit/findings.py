@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +10,11 @@ from numpy.typing import NDArray
 from rollslip.results.account import Account, SpreadsheetRows, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
-from rollslip.results.dataset import rows_along
+from rollslip.results.dataset import rows_along, xr
 from rollslip.results.table import point_rows
 from rollslip.results.text import Status, in_percent
 from rollslip.units import format_quantity
 from rollslip_campaigns.sweep.findings import point_table
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["LimitAccount", "describe_limit", "satisfied_spans"]
 

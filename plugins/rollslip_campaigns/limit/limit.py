@@ -23,7 +23,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -33,7 +33,7 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.execution import compute
 from rollslip.planning.plan import estimate, plan
-from rollslip.results.dataset import about, save
+from rollslip.results.dataset import about, save, xr
 from rollslip.results.text import duration_range
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.scene.values import EXACT, Scene
@@ -42,6 +42,7 @@ from rollslip.studies.bounds import exceeding
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
+from rollslip_campaigns.limit import LimitSettings
 from rollslip_campaigns.limit.search import (
     Requirement,
     brackets,
@@ -64,11 +65,6 @@ from rollslip_campaigns.sweep.sampling import (
 )
 from rollslip_campaigns.sweep.sweep import assemble_varied, plan_sweep, study_with_outputs
 from rollslip_studies.variation.quantities import quantities
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip_campaigns.limit import LimitSettings
 
 __all__ = ["RESULT", "Limit", "plan_limit", "run_limit"]
 
@@ -445,8 +441,6 @@ def _dataset(
     search: Limit, points: Points, slacks: Mapping[int, float], failed: set[int]
 ) -> "xr.Dataset":
     """Dataset of the points in ascending order and of the brackets."""
-    import xarray as xr
-
     numbers = sorted({*slacks, *failed})
     grid = points.collect(numbers)
     computed = grid.isel({search.sweep.names[search.axis.key]: numbers})

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 
@@ -33,10 +33,8 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies.study import AXES, Study
 from rollslip_campaigns.comparison.choices import choice_of, loadable
+from rollslip_campaigns.pareto import ParetoSettings
 from rollslip_campaigns.pareto.findings import PLANNED, REFERENCE
-
-if TYPE_CHECKING:
-    from rollslip_campaigns.pareto import ParetoSettings
 
 #: Numbers of equal slices; odd, so that one slice is at the centre.
 _SLICES: Final = (5, 11, 21, 41, 101, 201, 401)

@@ -10,20 +10,18 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from rollslip.results.dataset import xr
 from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, Sheet, lay_out
 from rollslip.search import Array
 from rollslip_campaigns.pareto.findings import NUMBERS, PLANNED, REFERENCE, rows_of_kinds, studies
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 __all__ = ["front_figures"]
 

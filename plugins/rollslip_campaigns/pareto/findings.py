@@ -4,17 +4,14 @@ import json
 import math
 import re
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import Account, Table
-from rollslip.results.dataset import rows_along
+from rollslip.results.dataset import rows_along, xr
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Label of the choice of the plan.
 PLANNED: Final = "as planned"

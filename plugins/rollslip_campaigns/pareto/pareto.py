@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -31,17 +31,13 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError, describe_error
 from rollslip.planning.plan import Plan
 from rollslip.planning.plausibility import implausible
+from rollslip.planning.progress import ProgressReporter
 from rollslip.planning.provenance import combine_origins, models_origin, origin, run_origin
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.structure import scene_hash
 from rollslip_campaigns.pareto.candidates import EXACT, HALF, Choice, Family
 from rollslip_campaigns.pareto.findings import PLANNED, REFERENCE, ROUNDING
 from rollslip_campaigns.sweep.journal import StoredValues
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip.planning.progress import ProgressReporter
 
 #: Processor time [s] of a turn at least: the clock of some systems has steps of 16 ms. Doubling it halves the error of
 #: the clock, and doubles the time of short studies.
@@ -181,8 +177,6 @@ def _dataset(
     family: Family, records: Sequence[Record], wall_time: float, resumed: bool
 ) -> "xr.Dataset":
     """Return errors, costs and fronts of all choices."""
-    import xarray as xr
-
     several = len(family.studies) > 1
 
     def full_name(study: str, text: str) -> str:

@@ -6,19 +6,17 @@ square of the cage speed, and a remainder over the cage speed. Whether drags hav
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.scene.changes import evolve
+from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, weights
 from rollslip_studies.raceway_friction.study import at_rolling_speed
-
-if TYPE_CHECKING:
-    from rollslip.scene.values import Scene
 
 __all__ = ["CAGE_NODES", "OPERATION_KEYS", "DragTerms", "tabulate_drags"]
 

@@ -22,17 +22,15 @@ from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
 
 from rollslip.errors import OutputError, SceneError
+from rollslip.results.dataset import xr
 from rollslip.scene.formats import Read, SceneFormat, Written
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = [
     "CSV_FORMAT",

@@ -1,16 +1,14 @@
 """Report on a surrogate: errors of its tables at random operations, their ranges, and where the bearing skids."""
 
 import json
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
+from rollslip.results.dataset import xr
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Quantities that tables range over, and their SI units.
 _RANGES = {"temperature": "K", "radial_load": "N", "inner_speed": "rad/s", "outer_speed": "rad/s"}

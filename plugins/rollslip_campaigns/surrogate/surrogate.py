@@ -26,18 +26,20 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.errors import ConvergenceError, SceneError
-from rollslip.results.dataset import about, save
+from rollslip.results.dataset import about, save, xr
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
+from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
+from rollslip_campaigns.surrogate import SurrogateSettings
 from rollslip_campaigns.surrogate.drags import CAGE_NODES, OPERATION_KEYS, tabulate_drags
 from rollslip_campaigns.surrogate.stiffness import stiffness
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables, weights
@@ -55,12 +57,6 @@ from rollslip_studies.raceway_friction.study import (
     RacewayFriction,
 )
 from rollslip_studies.variation.quantities import quantities
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip.scene.values import Scene
-    from rollslip_campaigns.surrogate import SurrogateSettings
 
 __all__ = ["RESULT", "SurrogatePlan", "plan_surrogate", "run_surrogate"]
 
@@ -616,8 +612,6 @@ def _dataset(
     errors: Array,
 ) -> "xr.Dataset":
     """Return the result: tables, numbers of the bearing, ranges, errors at random operations, and steady states."""
-    import xarray as xr
-
     scene = plan.sweep.scene
     T, W = (axes[name].nodes[row] for name, row in zip(axes, rows, strict=True))
     nodes = {

@@ -19,15 +19,13 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import attrs
 import numpy as np
 
+from rollslip.results.dataset import xr
 from rollslip.search import Array
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["CAGE_SMALL", "REST", "Axis", "OperationTables", "SteadyState", "Tables", "weights"]
 

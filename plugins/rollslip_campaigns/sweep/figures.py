@@ -10,10 +10,12 @@ import json
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from rollslip.results.dataset import xr
 from rollslip.results.style import (
     DASHES,
     MARKER,
@@ -37,10 +39,6 @@ from rollslip_campaigns.sweep.findings import (
     split_by_name,
 )
 from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["describe_models", "sweep_figures"]
 

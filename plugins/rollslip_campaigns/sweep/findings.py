@@ -2,18 +2,15 @@
 
 import json
 from collections.abc import Collection
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import Account, SpreadsheetRows, Table
-from rollslip.results.dataset import STATUS_VARIABLE, UNITS
+from rollslip.results.dataset import STATUS_VARIABLE, UNITS, xr
 from rollslip.results.table import sheet
 from rollslip.results.text import format_plain, in_percent, two_digits, with_unit
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = [
     "SweepAccount",

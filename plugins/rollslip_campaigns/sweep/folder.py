@@ -5,13 +5,14 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
 from rollslip.errors import OutputError
 from rollslip.files import blamed
-from rollslip.results.dataset import save
+from rollslip.results.dataset import save, xr
+from rollslip_campaigns.sweep import SweepSettings
 from rollslip_campaigns.sweep.definition import Sweep, SweepTable
 from rollslip_campaigns.sweep.journal import (
     FAILED,
@@ -28,11 +29,6 @@ from rollslip_campaigns.sweep.journal import (
 from rollslip_campaigns.sweep.result import collect, deviations_from_run
 from rollslip_campaigns.sweep.run import Report, requested_engine, run_sweep
 from rollslip_campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_sweep
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip_campaigns.sweep import SweepSettings
 
 __all__ = [
     "RESULT",

@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from rollslip.planning.execution import compute
 from rollslip.planning.plan import plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import describe_citations, describe_scene, origin
-from rollslip.results.dataset import STATUS_VARIABLE, about
+from rollslip.results.dataset import STATUS_VARIABLE, about, xr
 from rollslip.results.text import describe_more_bounds
 from rollslip.scene.changes import evolve, full_key
 from rollslip.studies import validity
@@ -39,9 +39,6 @@ from rollslip_campaigns.sweep.definition import POINT_VARIABLES, Sweep
 from rollslip_campaigns.sweep.journal import STATUSES, check_owner, layouts, records
 from rollslip_campaigns.sweep.point import unpack_values
 from rollslip_campaigns.sweep.sampling import Axis, Design, farthest_points
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["collect", "deviations_from_run", "origin_of_points"]
 
@@ -72,8 +69,6 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
         Outputs of the study, NaN or "" for points without a result; ``status``, one of "ok", "pending" and the statuses
         of failures; ``message``; ``seconds`` [s].
     """
-    import xarray as xr
-
     check_owner(folder, sweep.hash)
     design = sweep.design
     size = design.size

@@ -7,10 +7,12 @@ there is no margin.
 
 import textwrap
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from rollslip.results.dataset import xr
 from rollslip.results.style import DASHES, MM, MODEL_COLOURS, SINGLE_COLUMN, Sheet, plain_decades
 from rollslip.results.text import short_label
 from rollslip_campaigns.uncertainty.findings import (
@@ -21,10 +23,6 @@ from rollslip_campaigns.uncertainty.findings import (
     describe_margin,
     describe_reserve,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["uncertainty_figures"]
 

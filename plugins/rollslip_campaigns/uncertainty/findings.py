@@ -3,20 +3,17 @@
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
 from rollslip.results.account import Account, SpreadsheetRows, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
-from rollslip.results.dataset import UNITS, rows_along
+from rollslip.results.dataset import UNITS, rows_along, xr
 from rollslip.results.table import in_shown_unit
 from rollslip.results.text import format_force, format_plain, format_slip_band, percent, two_digits
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["UncertaintyAccount", "describe_allowable_slip", "describe_margin", "describe_reserve"]
 

@@ -38,7 +38,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -46,7 +46,7 @@ import numpy as np
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
-from rollslip.results.dataset import UNITS, about
+from rollslip.results.dataset import UNITS, about, xr
 from rollslip.results.text import duration_range
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
@@ -55,6 +55,7 @@ from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
+from rollslip_campaigns.uncertainty import UncertaintySettings
 from rollslip_campaigns.uncertainty.estimators import (
     Estimate,
     fraction,
@@ -79,11 +80,6 @@ from rollslip_campaigns.uncertainty.samples import (
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.scatter import with_scatter
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip_campaigns.uncertainty import UncertaintySettings
 
 __all__ = ["RESULT", "Margin", "expected_seconds", "plan_margin", "run_margin"]
 
@@ -392,8 +388,6 @@ def _dataset(
     plan: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]
 ) -> "xr.Dataset":
     """Dataset of all estimates, from the batches (samples, allowable slip) and the points of each sweep."""
-    import xarray as xr
-
     critical = points["critical"]
     n = batches[-1][0]
     values = friction_samples(critical)

@@ -6,16 +6,14 @@
 - A drag reserve of which only a lower bound is known has this bound as its value, so that low quantiles are bounds too.
 """
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
+from rollslip.results.dataset import xr
 from rollslip.results.text import Status
 from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, SKIDDING, STEADY
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["CRITICAL_SLIP", "classify_reserves", "friction_samples", "minimum_loads"]
 

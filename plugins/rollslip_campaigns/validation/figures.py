@@ -3,18 +3,15 @@
 import math
 from collections.abc import Iterator, Mapping
 from itertools import cycle
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from rollslip.results.dataset import rows_along
+from rollslip.results.dataset import rows_along, xr
 from rollslip.results.style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS, Sheet, unit_label
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.validation.findings import UNDETERMINED, models_of, unique_texts
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["figures"]
 

@@ -3,17 +3,14 @@
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
-from rollslip.results.dataset import rows_along
+from rollslip.results.dataset import rows_along, xr
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = [
     "ROWS",

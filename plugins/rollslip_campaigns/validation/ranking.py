@@ -27,7 +27,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import attrs
 import numpy as np
@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.search import Array
 from rollslip_campaigns.fit.least_squares import Residuals, estimate, minimise
 from rollslip_campaigns.fit.problem import (
@@ -49,6 +49,7 @@ from rollslip_campaigns.fit.problem import (
 )
 from rollslip_campaigns.measurement import Measurement
 from rollslip_campaigns.measurement.values import ContactSeries, Series
+from rollslip_campaigns.validation import RankingSettings
 from rollslip_campaigns.validation.predictions import Predictions
 from rollslip_campaigns.validation.validate import (
     Combination,
@@ -56,11 +57,6 @@ from rollslip_campaigns.validation.validate import (
     nominal_values,
     plan_validation,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip_campaigns.validation import RankingSettings
 
 __all__ = ["MIN_CONDITIONS", "Significance", "estimate_significance", "plan_ranking", "run_ranking"]
 
@@ -391,8 +387,6 @@ def _dataset(
     seconds: float,
 ) -> "xr.Dataset":
     """Return the result, with the smallest error first."""
-    import xarray as xr
-
     mean = np.array(
         [float(np.exp(np.log(_grouped(score.errors[None], groups)).mean())) for score in scores]
     )

@@ -1,18 +1,14 @@
 """Draw the figure of a ranking: the error of each law with its interval, and on each condition."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from rollslip.results.dataset import rows_along
+from rollslip.results.dataset import rows_along, xr
 from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, Sheet
 from rollslip_campaigns.validation.figures import plain_log
 from rollslip_campaigns.validation.ranking_findings import better
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["figures"]
 

@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -29,7 +29,7 @@ from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
 from rollslip.planning.campaign import listed
 from rollslip.planning.provenance import collect_citations, describe_citations, origin, packages_of
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
@@ -41,6 +41,7 @@ from rollslip_campaigns.fit.problem import RigProblem, rig_problem
 from rollslip_campaigns.measurement import Measurement
 from rollslip_campaigns.measurement.values import ContactSeries, Series, Statement
 from rollslip_campaigns.sweep.sampling import probabilities
+from rollslip_campaigns.validation import RankingSettings, ValidationSettings
 from rollslip_campaigns.validation.findings import UNDETERMINED, format_value
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import Predictions, measurement_named, predictions_of
@@ -55,11 +56,6 @@ from rollslip_campaigns.validation.residuals import (
 from rollslip_studies.variation.distributions import DISTRIBUTIONS, read_uncertainty
 from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import with_scatter
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip_campaigns.validation import RankingSettings, ValidationSettings
 
 __all__ = [
     "AS_STATED",
@@ -531,8 +527,6 @@ def _dataset(
     seconds: float,
 ) -> "xr.Dataset":
     """Return the result: rows, series and statements, with data sets and citations."""
-    import xarray as xr
-
     dataset = xr.Dataset(
         {
             **_variables("row", RowResult, rows, _ROW_VARIABLES),

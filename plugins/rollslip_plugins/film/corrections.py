@@ -6,10 +6,11 @@ back, the more the faster it runs, and a starved inlet begins nearer to the cont
 
 import math
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import ClassVar, Final
 
 import attrs
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
@@ -38,10 +39,6 @@ from rollslip_plugins.bibliography import (
     ZHOU_1991,
 )
 from rollslip_plugins.film.formulas import Moes
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
 
 #: Factor of a starved inlet above which the starvation is not reported. Chosen: a tenth is below other errors of films.
 _REPORTED_STARVATION: Final = 0.9

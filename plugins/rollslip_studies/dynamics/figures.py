@@ -7,12 +7,15 @@ in dashes, maps in lightness.
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from rollslip.results.dataset import xr
 from rollslip.results.style import (
     DASHES,
     MARKER,
@@ -39,11 +42,6 @@ from rollslip_studies.dynamics.findings import (
 from rollslip_studies.dynamics.history.figures import phase, slip_along
 from rollslip_studies.surface_damage.figures import over_time
 from rollslip_studies.thermal_balance.figures import course
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 __all__ = ["motion_figures", "plot_together"]
 

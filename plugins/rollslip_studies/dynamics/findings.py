@@ -3,12 +3,13 @@
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
+from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
 
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer, Row
+from rollslip.results.dataset import xr
 from rollslip.results.text import EFFECTIVE_FRICTION_ERROR, describe_skidding, percent
 from rollslip.search import Array
 from rollslip.units import format_quantity
@@ -16,10 +17,6 @@ from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history_findings import format_energy
 from rollslip_studies.steady_slip.findings import next_of_others
 from rollslip_studies.surface_damage import findings as damage
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 #: Part of the names of events that are passages of the slip at which skidding begins.
 SKIDDING: Final = "skidding"

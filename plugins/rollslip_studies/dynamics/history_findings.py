@@ -8,18 +8,15 @@
 import json
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rollslip.results.answer import Row
+from rollslip.results.dataset import xr
 from rollslip.results.text import describe_estimated, percent
 from rollslip.search import Array
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 #: Values of the operation that are printed in another unit than their kind usually is -> that unit.
 _PRINTED_UNITS: Final = {"load_direction": "deg"}

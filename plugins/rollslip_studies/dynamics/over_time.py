@@ -11,7 +11,7 @@ import json
 import math
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -22,6 +22,7 @@ from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
+from rollslip.results.dataset import xr
 from rollslip.results.text import Status
 from rollslip.structure import Location
 from rollslip.studies.answers import Part, ResolutionChoice
@@ -41,9 +42,6 @@ from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.torque_balance import SkiddingOnset
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Number of varying conditions -> steady operations along the axis of each; 81 at most are computed. Doubled, the
 #: onset of skidding takes two times (one condition) to 16 times (four) as long. Chosen.

@@ -17,7 +17,7 @@ import math
 from collections.abc import Mapping
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -37,7 +37,7 @@ from rollslip.fields import (
     positive,
 )
 from rollslip.models import IntegratorModel
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.scene.values import Scene
 from rollslip.structure import Location, resolved
 from rollslip.studies.answers import LoadedSlices, Output, Part, ResolutionChoice, RunContext
@@ -69,9 +69,6 @@ from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFrictio
 from rollslip_studies.motion.checkpoints import Checkpoints
 from rollslip_studies.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip_studies.surface_damage.over_motion import over_motion
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Level of detail -> what moves.
 LEVELS: Final = {
@@ -719,8 +716,6 @@ class Dynamics(Study):
         integrator: IntegratorModel,
     ) -> "xr.Dataset":
         """Return a motion as dataset, without regimes, temperatures and the onset of skidding."""
-        import xarray as xr
-
         t = found.t
         variables = self.variables(**stored_variables(moving, found, outputs))
         film_status = "of the loaded slices"

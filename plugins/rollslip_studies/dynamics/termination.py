@@ -7,7 +7,7 @@ fluctuates without a trend it is the mean over half of the run, with its standar
 import contextlib
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -16,15 +16,12 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import NAMES
 from rollslip.errors import DomainError, PluginError
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.studies.answers import LoadedSlices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.friction_curve.study import balanced_load
 from rollslip_studies.motion.time_integration import Trajectory
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Number of a watched value, in the order of the systems, and whether it rises through zero -> meaning of the event.
 _EVENT_MEANINGS: Final = {

@@ -1,12 +1,15 @@
 """Figures of study effective-friction: curves of both raceways, of single rollers, and the map over both slips."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
 
 from rollslip.results.curve_figures import annotate_point, draw_curve, finish, new_figure
 from rollslip.results.curves import curves, percent
+from rollslip.results.dataset import xr
 from rollslip.results.style import (
     DASHES,
     MARKER,
@@ -19,11 +22,6 @@ from rollslip.results.style import (
 )
 from rollslip_studies.effective_friction.ring_figures import ring_figure
 from rollslip_studies.raceway_friction.film_figures import film_limits, film_text, shade_film
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.artist import Artist
-    from matplotlib.figure import Figure
 
 __all__ = ["figures"]
 

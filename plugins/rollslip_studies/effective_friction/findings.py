@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import ClassVar, Final
 
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, describe_assumptions
+from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_running, describe_skidding
 from rollslip_studies.steady_slip.findings import (
     UNCOMPUTED_MINIMUM_LOAD,
@@ -13,10 +14,6 @@ from rollslip_studies.steady_slip.findings import (
     reserve_row,
     slip_row,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 #: Slip, drag and status of the onset of skidding.
 _SKIDDING: Final = ("skidding_slip", "limit_drag", "skidding_status")

@@ -6,20 +6,18 @@ of the scene there is no figure.
 
 import json
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from rollslip.errors import RollslipError
 from rollslip.planning.loads import load_distribution
+from rollslip.results.dataset import xr
 from rollslip.results.style import RING_COLOURS, SINGLE_COLUMN, Sheet
 from rollslip.results.text import two_digits
 from rollslip.scene.reading import from_raw
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["ring_figure"]
 

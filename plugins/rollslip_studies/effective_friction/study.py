@@ -17,7 +17,7 @@ ring that is against the sense in which rolling speeds are positive, hence the s
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
+from typing import Any, ClassVar, Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -29,7 +29,8 @@ from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, choice_of, in_range, parameter
 from rollslip.results.curves import FIRST, Curves
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
+from rollslip.scene.values import Scene
 from rollslip.studies.answers import LoadedSlices, Measurable, Output, PartialResult, RunContext
 from rollslip.studies.bounds import MINIMUM_ERROR_FACTOR
 from rollslip.studies.study import CONTACT_CHOICES, N_VALIDITY_SLIPS, Study
@@ -53,11 +54,6 @@ from rollslip_studies.motion.torque_balance import (
     skidding_onset,
     torque_balance,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip.scene.values import Scene
 
 #: Roller positions within a pitch at which doubling starts. Any small number serves; chosen.
 _FIRST_POSITIONS: Final = 2
@@ -647,8 +643,6 @@ class EffectiveFriction(Study):
         critical: tuple[Critical, Critical],
     ) -> "xr.Dataset":
         """Return the result of curves, film parameters and critical slips, with map, regimes and torque balance."""
-        import xarray as xr
-
         speeds = raceways.speeds(slip)
         friction, film = curves
         loads = raceways.distribution

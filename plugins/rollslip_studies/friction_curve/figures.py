@@ -1,20 +1,17 @@
 """Figure of study friction-curve: friction of one contact over slip, a curve for each normal force."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
 
 from rollslip.results.curve_figures import draw_curve, finish, new_figure
 from rollslip.results.curves import curves
+from rollslip.results.dataset import xr
 from rollslip.results.style import axis_label, light_to_dark
 from rollslip.units import format_quantity
 from rollslip_studies.raceway_friction.film_figures import film_limits, film_text, shade_film
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.artist import Artist
-    from matplotlib.figure import Figure
 
 __all__ = ["figures"]
 

@@ -1,16 +1,14 @@
 """Account of study friction-curve."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import ClassVar, Final
 
 import attrs
 
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer
+from rollslip.results.dataset import xr
 from rollslip_studies.steady_slip.findings import next_of_others
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 class FrictionCurveAccount(PlainAccount):

@@ -8,7 +8,7 @@ continuous curve (`bearing.critical`).
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
+from typing import Any, ClassVar, Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -20,16 +20,13 @@ from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, choice_of, not_empty, parameter, positive
 from rollslip.results.curves import FIRST, Curves
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.scene.relations import impossible_pressure
 from rollslip.structure import Location
 from rollslip.studies.answers import LoadedSlices, Output, PartialResult, RunContext
 from rollslip.studies.study import N_VALIDITY_SLIPS, Study
 from rollslip.studies.timing import POINTS, extrapolate_line, processor_time
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Dimensions of curves.
 _OF_CURVE: Final = "normal_force slip"
@@ -214,8 +211,6 @@ class FrictionCurve(Study):
             half_width, pressure, critical_slip with critical_friction and critical_status, first_maximum_slip and
             first_maximum_friction.
         """
-        import xarray as xr
-
         slip = slip_grid(self.max_slip, self.points)
         u = self.rolling_speed(assembly)
         contacts = self.contacts(assembly)

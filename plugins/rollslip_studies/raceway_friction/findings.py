@@ -1,15 +1,13 @@
 """Account of study raceway-friction: largest friction and forces of both raceways over the grid of speeds."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
+from rollslip.results.dataset import xr
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.findings import next_of_others
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Name and unit of the axes of the grid.
 _SPANS: Final = {"rolling_speed": "m/s", "cage_ratio": "1", "slide_roll": "1"}

@@ -18,7 +18,7 @@ import math
 from collections.abc import Mapping
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -28,14 +28,11 @@ from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.quadrature import load_rule
 from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.fields import FieldError, parameter, positive
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.scene.changes import evolve
 from rollslip.studies.answers import Output, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.motion.spins import orbit_loads
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = [
     "MAX_SLIDE_ROLL",
@@ -174,8 +171,6 @@ class RacewayFriction(Study):
             Dimensions (ring, cage_node, rolling_node, sliding_node): mean_friction; without the last largest_friction,
             ring_force and ring_resistance; and the nodes cage_ratio, rolling_speed and slide_roll.
         """
-        import xarray as xr
-
         assembly = assembly.with_resistance()
         epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
         low, high = (

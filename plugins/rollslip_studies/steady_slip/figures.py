@@ -6,13 +6,15 @@ grey.
 
 import json
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from rollslip.errors import RollslipError
 from rollslip.results.accounts import account_of
+from rollslip.results.dataset import xr
 from rollslip.results.style import (
     DASHES,
     MARKER,
@@ -31,10 +33,6 @@ from rollslip.units import converted, shown_unit
 from rollslip_studies.effective_friction.ring_figures import ring_figure
 from rollslip_studies.steady_slip.findings import has_steady, varied
 from rollslip_studies.steady_slip.minimum_load import RULES, minimum_loads_of_makers
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["catalogue_loads", "mark_loads", "steady_figures"]
 

@@ -9,14 +9,14 @@ leads there; the deviation is the error estimate.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.results.text import Status
 from rollslip.studies.bounds import JOINT_FACTOR, MINIMUM_ERROR_FACTOR, richardson_factor
 from rollslip.studies.steady_slip.torque import Duty, formula_variables
@@ -25,9 +25,6 @@ from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_studies.steady_slip.evaluated import SECANT_STEP, estimate_by_secant
 from rollslip_studies.steady_slip.minimum_load import largest_excess
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Slip below which its error is not estimated, because an answer prints "below 0.1 %".
 _MIN_ESTIMATED_SLIP: Final = 1e-3

@@ -1,10 +1,13 @@
 """Figures of damage: each measure over the orbit of the rollers, and across the contacts where it is worst."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from rollslip.results.dataset import xr
 from rollslip.results.style import DASHES, RING_COLOURS, ROW, SINGLE_COLUMN, Sheet, unit_label
 from rollslip.units import converted, shown_unit
 from rollslip_studies.surface_damage.findings import (
@@ -13,11 +16,6 @@ from rollslip_studies.surface_damage.findings import (
     measures,
     rings_beyond_limit,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 __all__ = ["damage_figures", "over_time"]
 

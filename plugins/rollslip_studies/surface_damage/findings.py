@@ -1,18 +1,16 @@
 """Results of a study of damage as record, rows and sentences, from the dataset alone."""
 
 import math
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
+from rollslip.results.dataset import xr
 from rollslip.results.text import Status, percent
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.findings import next_of_others
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Unit of a measure that is a difference of temperatures, printed in K.
 RISE = "K, a difference"

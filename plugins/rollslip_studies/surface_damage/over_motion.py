@@ -13,7 +13,7 @@ Values between the selected times are not known: the true worst value is at leas
 
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -23,7 +23,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.equilibrium import solve_equilibrium
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, RollslipError
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.results.text import Status
 from rollslip.studies.answers import Output
 from rollslip.studies.bounds import SLICE_FACTOR
@@ -39,9 +39,6 @@ from rollslip.studies.surface_damage.model import (
     values_of,
 )
 from rollslip_studies.friction_curve.study import balanced_load
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Numbers = NDArray[np.int_]
 

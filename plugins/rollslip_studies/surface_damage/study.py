@@ -9,7 +9,7 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -18,7 +18,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, LoadedContacts
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, in_range, parameter
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.results.text import Status
 from rollslip.studies.answers import (
     ComparedValues,
@@ -50,9 +50,6 @@ from rollslip_studies.steady_slip.evaluated import (
     evaluated_slices,
 )
 from rollslip_studies.steady_slip.study import SteadySlip
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Fraction of the largest slip at which the time of an orbit is measured for the estimate of the cost. Doubled, the
 #: time hardly changes. Chosen.
@@ -331,8 +328,6 @@ class SurfaceDamage(Study):
         evaluated: tuple[LoadedContacts, LoadedContacts] | None,
     ) -> "xr.Dataset":
         """Return the measures at a slip as dataset; NaN with a status without evaluated contacts."""
-        import xarray as xr
-
         shape = len(measures), len(RINGS)
         places = np.linspace(-1.0, 1.0, self.places)
         positions = 0 if evaluated is None else evaluated[0].rollers

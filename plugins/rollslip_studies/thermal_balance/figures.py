@@ -1,16 +1,14 @@
 """Figures of a thermal balance: the excess heat over temperature with its zeros, and temperatures over time."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from rollslip.results.dataset import xr
 from rollslip.results.style import DASHES, MARKER, MODEL_COLOURS, Sheet
 from rollslip_studies.thermal_balance.findings import solved
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["course", "thermal_figures"]
 

@@ -3,18 +3,16 @@
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
+from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_estimated, format_power, percent
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.findings import next_of_others
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Status of a course over time that reached its duration.
 COURSE_COMPLETE: Final = "the time is over"

@@ -8,7 +8,7 @@ import json
 from collections.abc import Mapping
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -17,7 +17,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, in_range, non_negative, parameter, positive
-from rollslip.results.dataset import about
+from rollslip.results.dataset import about, xr
 from rollslip.results.text import Status
 from rollslip.studies.answers import ComparedValues, Output, ResolutionChoice, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
@@ -26,9 +26,6 @@ from rollslip_studies.steady_slip.evaluated import choose_by_torques
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 from rollslip_studies.thermal_balance.findings import COURSE_COMPLETE, NO_JUMPS
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Step of temperature [K] to the steady slip whose time an estimate of the cost measures. Chosen: a typical iteration.
 _TIMED_STEP: Final = 0.3
@@ -293,7 +290,6 @@ class ThermalBalance(Study):
             of_model, coords_of_model = self._balances(heated)
         else:
             of_model, coords_of_model = self._given_temperatures(given, np.array(temperatures))
-        import xarray as xr
 
         return xr.Dataset(
             self.variables(

@@ -2,10 +2,12 @@
 
 import json
 import math
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from rollslip.results.dataset import xr
 from rollslip.results.style import (
     DASHES,
     MARKER,
@@ -16,10 +18,6 @@ from rollslip.results.style import (
     Sheet,
 )
 from rollslip_studies.dynamics.history_findings import smallest_margin
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 #: Value that varies -> label of its axis, and factor and offset from its SI unit.
 _PANELS: Final[dict[str, tuple[str, float, float]]] = {
