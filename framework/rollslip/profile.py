@@ -1,15 +1,15 @@
 """Roller profiles: the drop of the surface below a straight cylinder along the roller (ISO/TS 16281)."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
+from rollslip.search import Array
 
-Floats = NDArray[np.float64]
 SHAPES = ("none", "iso16281", "circular", "table")
 
 
-def slice_positions(length: float, slices: int) -> Floats:
+def slice_positions(length: float, slices: int) -> Array:
     """Return the midpoints of equal slices of a roller, from its middle [m], (slices,), by its effective length [m]."""
     if not 0.0 < length < np.inf or slices < 1:
         raise ValueError(
@@ -26,7 +26,7 @@ def profile_drop(
     roller_diameter: float,
     radius: float | None = None,
     table: tuple[ArrayLike, ArrayLike] | None = None,
-) -> Floats:
+) -> Array:
     """Return the radial distance of the surface of a roller from a straight cylinder, P [m].
 
     - ``none``: a straight roller, P = 0.
@@ -86,17 +86,17 @@ def profile_drop(
     return -0.00035 * roller_diameter * np.log1p(-((x / half) ** 2))
 
 
-def _crown(x: Floats, half: float, radius: float) -> Floats:
+def _crown(x: Array, half: float, radius: float) -> Array:
     if not half <= radius < np.inf:
         raise ValueError(
             f"a crown of radius {radius} m does not span the roller: at least half its length, {half} m"
         )
     # R - sqrt(R^2 - x^2) without cancellation: R is a thousand times x.
-    crown: Floats = x**2 / (radius + np.sqrt((radius - x) * (radius + x)))
+    crown: Array = x**2 / (radius + np.sqrt((radius - x) * (radius + x)))
     return crown
 
 
-def _interpolated(x: Floats, half: float, position: Floats, drop: Floats) -> Floats:
+def _interpolated(x: Array, half: float, position: Array, drop: Array) -> Array:
     if position.ndim != 1 or position.shape != drop.shape or position.size < 2:
         raise ValueError("a profile table needs two positions or more and as many drops")
     if not np.all(np.isfinite([position, drop])):
@@ -113,7 +113,7 @@ def _interpolated(x: Floats, half: float, position: Floats, drop: Floats) -> Flo
 
     # the reciprocal of a slope overflows where drops are denormal
     with np.errstate(over="ignore", divide="ignore"):
-        interpolated: Floats = PchipInterpolator(position, drop)(
+        interpolated: Array = PchipInterpolator(position, drop)(
             np.clip(x, position[0], position[-1])
         )
     return interpolated

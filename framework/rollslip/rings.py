@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from rollslip.datasets import Bearing
 from rollslip.references import Citation
+from rollslip.search import Array
 
 __all__ = ["RingModel", "RingShapes", "Rings", "Stops"]
 
-Floats = NDArray[np.float64]
 #: Highest number of waves of a form that is taken into account in the choice of a lattice. Doubling it takes four times
 #: as long and distinguishes lattices by waves which hardly change loads. Chosen.
 _HIGHEST = 60
@@ -38,14 +38,14 @@ class Stops:
     """A seat with clearance: springs around a ring that act on it only where it has closed the gap."""
 
     #: Angles of the springs from the line of load [rad], (s,).
-    angles: Floats
+    angles: Array
     #: Stiffness of each spring [N/m].
     stiffness: float
     #: Deflection of the ring at which a spring starts to act [m].
     gap: float
 
 
-def _none(shapes: "RingShapes") -> Floats:
+def _none(shapes: "RingShapes") -> Array:
     return np.zeros(shapes.stiffness.size)
 
 
@@ -62,14 +62,14 @@ class RingShapes:
     #: Coefficients c of B(psi) = Re sum c_n exp(i n psi) of each shape, (m, N + 1): 1 is a cosine, -i a sine.
     harmonics: NDArray[np.complex128] = attrs.field(factory=lambda: np.zeros((0, 1), complex))
     #: Stiffness of each shape [N/m], (m,): K q = sum Q B(psi) in equilibrium. Zero where only stops resist it.
-    stiffness: Floats = attrs.field(factory=lambda: np.zeros(0))
+    stiffness: Array = attrs.field(factory=lambda: np.zeros(0))
     #: Forces on the shapes other than those of the rollers [N], (m,).
-    pushes: Floats = attrs.field(default=attrs.Factory(_none, takes_self=True))
+    pushes: Array = attrs.field(default=attrs.Factory(_none, takes_self=True))
     #: A seat with clearance.
     stops: Stops | None = None
     #: Mass of each shape [kg], (m,), in the kinetic energy sum M (dq/dt)^2/2. None where it is unknown; plane motion
     #: needs it.
-    mass: Floats | None = None
+    mass: Array | None = None
     #: Fraction of critical damping of all shapes [1].
     damping_ratio: float = 0.0
     #: Keys of the model that describe another seat than ``bearing.mounting``.
@@ -89,13 +89,13 @@ class RingShapes:
                 f"a ring has a shape of stiffness {self.stiffness.min():g} N/m: nothing holds it; it must be above 0"
             )
 
-    def at(self, psi: Floats) -> Floats:
+    def at(self, psi: Array) -> Array:
         """Return the values B of the shapes at angles [rad], (..., m)."""
         waves = np.exp(1j * np.multiply.outer(psi, np.arange(self.harmonics.shape[1])))
         return np.real(waves @ self.harmonics.T)
 
     @property
-    def parity(self) -> Floats:
+    def parity(self) -> Array:
         """1 for shapes that are even about the line of load, -1 for odd ones, 0 for others, (m,)."""
         is_even, is_odd = (
             np.all(part == 0.0, axis=1) for part in (self.harmonics.imag, self.harmonics.real)
@@ -143,7 +143,7 @@ class RingModel(abc.ABC):
         """
 
 
-def _lattice(n_positions: int, rollers: int, periods: int, ring: int) -> Floats:
+def _lattice(n_positions: int, rollers: int, periods: int, ring: int) -> Array:
     """Return the angle of a form with some periods per turn at M roller positions [rad], (M,)."""
     step = _step(n_positions, round(rollers / periods)) ** ring % n_positions
     return np.asarray(
@@ -180,7 +180,7 @@ class Rings:
     #: Waves of both forms: number of lobes, amplitude [m], angle [rad].
     waves: tuple[tuple[int, float, float], ...] = ()
     #: Tables of both forms: angles [rad] and heights [m], (n,) each.
-    tables: tuple[tuple[Floats, Floats], ...] = ()
+    tables: tuple[tuple[Array, Array], ...] = ()
     #: Estimated relative error of friction by the shapes that were left out [1].
     left: float = 0.0
     #: Periods per turn of each wave and table, 0 at rest, and 1 for the inner ring, 2 for the outer one; empty if all
@@ -197,17 +197,17 @@ class Rings:
         }
 
     @property
-    def parity(self) -> Floats:
+    def parity(self) -> Array:
         """Parity of all shapes, those of the inner ring first, (m,)."""
         return np.concatenate((self.inner.parity, self.outer.parity))
 
-    def form(self, psi: Floats) -> Floats:
+    def form(self, psi: Array) -> Array:
         """Return the sum of the heights of both raceways towards a roller [m] at angles [rad].
 
         Forms that turn do so from one roller position to the next, for angles of all positions of a pitch, (M, Z).
         """
         form = np.zeros(psi.shape)
-        turned: list[Floats] = [np.zeros(1)] * (len(self.waves) + len(self.tables))
+        turned: list[Array] = [np.zeros(1)] * (len(self.waves) + len(self.tables))
         if self.turning and psi.ndim == 2:
             M, Z = psi.shape
             turned = [
@@ -248,7 +248,7 @@ class Rings:
         """Whether a form turns relative to the load."""
         return any(periods for periods, _ in self.turns)
 
-    def mirrored(self, psi: Floats) -> bool:
+    def mirrored(self, psi: Array) -> bool:
         """Whether gaps and shapes at these angles [rad] are symmetric about the line of load."""
         if self.turning:
             return False
@@ -259,7 +259,7 @@ class Rings:
         )
         return is_even and self.inner.symmetric and self.outer.symmetric
 
-    def directions(self, psi: Floats) -> Floats:
+    def directions(self, psi: Array) -> Array:
         """Return the gap that each unknown of the rings closes at angles [rad]: cos, sin and -B, (..., 2 + m)."""
         along = np.cos(psi)[..., None], np.sin(psi)[..., None]
         return np.concatenate((*along, -self.inner.at(psi), -self.outer.at(psi)), axis=-1)
@@ -274,7 +274,7 @@ class Rings:
             deflection += 0.0 if ring.stops is None else abs(ring.stops.gap)
         return deflection
 
-    def stops(self) -> Floats:
+    def stops(self) -> Array:
         """Return the values of the shapes at all stops by unknown of the rings, stiffness and gap, (s, 2 + m + 2)."""
         m = self.parity.size
         rows = [np.zeros((0, self.parity.size + 4))]

@@ -12,16 +12,14 @@ from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.datasets import Bearing, Mounting
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, parameter, positive
 from rollslip.files import named_text
 from rollslip.references import Reference
 from rollslip.rings import RingModel, RingShapes, Stops
+from rollslip.search import Array
 from rollslip_plugins.bibliography import BARBER_1978, TIMOSHENKO_1956, TIMOSHENKO_GOODIER_1970
-
-Floats = NDArray[np.float64]
 
 #: Ratio of radii that stands for a solid shaft or an unbounded housing: the compliance changes by 1e-6 at most with a
 #: larger one.
@@ -65,7 +63,7 @@ def _rows(n: int, r: Any, modulus: float, nu: float) -> tuple[list[list[Any]], l
     ]
 
 
-def _annulus(n: int, layers: Layers) -> Floats:
+def _annulus(n: int, layers: Layers) -> Array:
     """Return the coefficients of the powers in each layer under a unit load, (layers, powers).
 
     Lengths are relative to the loaded radius, moduli to that of the first layer. The linear system has the boundary
@@ -117,7 +115,7 @@ def compliance_of_annulus(n: int, layers: Layers, width: float) -> float:
 
 
 @functools.cache
-def _gauss() -> tuple[Floats, Floats]:
+def _gauss() -> tuple[Array, Array]:
     """Return nodes and weights of Gauss-Legendre quadrature from -1 to 1."""
     return np.polynomial.legendre.leggauss(_GAUSS_NODES)
 
@@ -554,7 +552,7 @@ class Thin(RingModel):
         )
 
     @staticmethod
-    def _push(numbers: list[int], force: ToothForce, radius: float, ring: str) -> Floats:
+    def _push(numbers: list[int], force: ToothForce, radius: float, ring: str) -> Array:
         """Return the generalised force on each shape; v' = -w, and a section turns by (v - w')/R."""
         generalised = list[float]()
         W = force.radial * (1.0 if ring == "outer" else -1.0)
@@ -613,7 +611,7 @@ class Compliance(RingModel):
     )
     damping_ratio: float = _damping()
 
-    def matrix(self) -> Floats:
+    def matrix(self) -> Array:
         """Return the symmetric part of the matrix of the file [m/N], (N, N)."""
         rows = [
             line.split(",")

@@ -13,8 +13,9 @@ from rollslip.references import Reference
 from rollslip.scene.clearance import operating_clearance
 from rollslip.scene.supply import DENSITY
 from rollslip.scene.values import Scene
+from rollslip.search import Array
 from rollslip.structure import Location
-from rollslip.studies.thermal_balance.model import Array, ThermalModel
+from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip_plugins.bibliography import HARRIS_2007, ISO_15312, PALMGREN_1959
 
 if TYPE_CHECKING:

@@ -13,12 +13,10 @@ from typing import TypeAlias
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.errors import DomainError
+from rollslip.search import Array as Array  # other modules take it from here
 from rollslip.search import Rows, find_maxima
-
-Array = NDArray[np.float64]
 
 #: Relative difference of friction that is taken for rounding: a maximum that exceeds the end of the curve by less is
 #: not followed by a falling branch. Doubling it changes nothing on smooth curves. Chosen well above the rounding of a

@@ -6,24 +6,23 @@ from functools import cached_property
 import attrs
 import numpy as np
 from attrs.validators import and_, gt, lt
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
+from rollslip.search import Array
 from rollslip.units import format_quantity
-
-Floats = NDArray[np.float64]
 
 
 @attrs.frozen(eq=False)
 class SurfaceSpeeds:
     """Sliding and rolling speeds of both contacts; arrays of one shape, that of the slips they belong to."""
 
-    inner_sliding: Floats  #: Sliding speed [m/s], positive where the contact pushes the roller forward along its orbit.
-    inner_rolling: Floats  #: Entrainment speed, the mean of the two surfaces' speeds [m/s].
-    outer_sliding: Floats
-    outer_rolling: Floats
-    cage_speed: Floats  #: Angular speed of the cage [rad/s].
-    roller_speed: Floats  #: Spin of the roller relative to the cage [rad/s].
+    inner_sliding: Array  #: Sliding speed [m/s], positive where the contact pushes the roller forward along its orbit.
+    inner_rolling: Array  #: Entrainment speed, the mean of the two surfaces' speeds [m/s].
+    outer_sliding: Array
+    outer_rolling: Array
+    cage_speed: Array  #: Angular speed of the cage [rad/s].
+    roller_speed: Array  #: Spin of the roller relative to the cage [rad/s].
 
 
 _length = and_(gt(0.0), lt(math.inf))
@@ -144,16 +143,16 @@ class Kinematics:
             roller_speed=self.epicyclic_roller_speed * (1.0 - Sr),
         )
 
-    def leads(self, cage_slip: ArrayLike) -> tuple[Floats, Floats]:
+    def leads(self, cage_slip: ArrayLike) -> tuple[Array, Array]:
         """Sliding speeds V_i and V_o without roller slip [m/s], as `surface_speeds` has them."""
         lag = self._lag(np.asarray(cage_slip, dtype=float))
         return self.inner_radius * lag, self.outer_radius * lag
 
-    def _lag(self, cage_slip: Floats) -> Floats:
+    def _lag(self, cage_slip: Array) -> Array:
         """Return the difference of the epicyclic and the actual cage speed [rad/s]; 0 without slip at any speed."""
         return self._slip_reference() * cage_slip if np.any(cage_slip) else np.zeros_like(cage_slip)
 
-    def roller_slip_outer_rolling(self, cage_slip: ArrayLike) -> Floats:
+    def roller_slip_outer_rolling(self, cage_slip: ArrayLike) -> Array:
         """Roller slip at which the outer contact rolls without sliding, V_o = 0: S_r = R_o w_ce S_c / (r w_re)."""
         u = self.roller_radius * self.epicyclic_roller_speed
         return self.outer_radius * self._slip_reference() / u * np.asarray(cage_slip, dtype=float)

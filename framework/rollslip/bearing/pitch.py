@@ -10,16 +10,16 @@ from typing import Any, Protocol, TypeVar
 import attrs
 import numpy as np
 
-__all__ = ["over_pitch"]
+from rollslip.search import Array
 
-Floats = np.ndarray[Any, np.dtype[np.float64]]
+__all__ = ["over_pitch"]
 
 
 class Loads(Protocol):
     """Solution at several roller positions: a `rollslip.bearing.equilibrium.LoadDistribution`."""
 
     @property
-    def psi(self) -> Floats:
+    def psi(self) -> Array:
         """Angular positions of the rollers [rad], (n_positions, Z)."""
 
 
@@ -68,8 +68,8 @@ def over_pitch(case: Any, known: L | None, solve: Callable[[Any], L]) -> L:
         return solve(case)
     solution = solve(attrs.evolve(case, psi=case.psi[solved]))
 
-    def at_all_positions(name: str) -> Floats:
-        part: Floats = getattr(solution, name)
+    def at_all_positions(name: str) -> Array:
+        part: Array = getattr(solution, name)
         whole = np.empty((n_positions, *part.shape[1:]))
         if known is not None:
             whole[::2] = getattr(known, name)

@@ -11,13 +11,12 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rollslip.search import Array
 from rollslip_kernels.gauss import rules
 
 __all__ = ["gauss_rule", "load_rule"]
 
-Array = NDArray[np.float64]
 
 #: Nodes of the first rule that is tried. Halving it costs one more comparison, doubling it nodes that a smooth law does
 #: not need. Chosen: smooth laws of friction need 16.

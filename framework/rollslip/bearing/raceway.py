@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain, Guarded, Job, along
 from rollslip.bearing.quadrature import load_rule
+from rollslip.search import Array as Array  # other modules take it from here
 from rollslip_kernels.chain import Bound
 from rollslip_kernels.gauss import rules
 from rollslip_kernels.slices import PLACES, Conditions, Slices
 
-Array = NDArray[np.float64]
 Ring = Literal["inner", "outer"]
 RINGS: tuple[Ring, Ring] = ("inner", "outer")
 

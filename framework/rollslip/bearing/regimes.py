@@ -11,12 +11,11 @@ from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rollslip.models.validity import FILM_REGIMES
+from rollslip.search import Array
 from rollslip_kernels.slices import Slices
-
-Array = NDArray[np.float64]
 
 
 class PowerLaw(NamedTuple):

@@ -15,16 +15,15 @@ from typing import Final, TypeAlias
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.errors import RollslipError
 from rollslip.fields import at_least, choice_of, in_range, parameter
 from rollslip.profile import profile_drop, slice_positions
 from rollslip.scene.values import Scene
+from rollslip.search import Array
 from rollslip_kernels.gauss import legendre
 from rollslip_kernels.slices import Slices
 
-Array = NDArray[np.float64]
 #: Key of [accuracy], or name of a number -> relative error.
 Errors: TypeAlias = Mapping[str, float]
 

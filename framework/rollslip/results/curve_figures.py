@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.results.curves import Curve, Curves, curve_names, curves, percent
 from rollslip.results.style import (
@@ -21,6 +20,7 @@ from rollslip.results.style import (
     lay_out,
     light_to_dark,
 )
+from rollslip.search import Array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,7 +38,6 @@ __all__ = [
     "plain_curves",
 ]
 
-Array = NDArray[np.float64]
 
 #: Positions of a label, the best first: offset from its point [pt], alignment. Chosen: close ones first, above before
 #: below.

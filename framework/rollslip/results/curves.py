@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.bearing.regimes import LONG_NAMES, NAMES
+from rollslip.search import Array
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ __all__ = [
     "percent",
 ]
 
-Array = NDArray[np.float64]
 
 #: Difference of the last two points of a curve, relative to the largest friction, from which a rise at its end is
 #: reported. Chosen: above rounding and the tolerance of friction.

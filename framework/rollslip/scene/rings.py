@@ -20,11 +20,11 @@ from rollslip.datasets import Bearing, FormPart
 from rollslip.fields import FieldError, field
 from rollslip.files import named_text, read_columns
 from rollslip.rings import RingModel, Rings, RingShapes
+from rollslip.search import Array
 from rollslip.structure import Location
 
 __all__ = ["RingFlexibility", "ring_flexibility", "rings_of"]
 
-Floats = NDArray[np.float64]
 
 #: Model of a ring by which the effect of flexible rings is estimated where a scene has rigid rings.
 _REFERENCE_MODEL: Final = "annulus"
@@ -43,7 +43,7 @@ class _Row:
     height: float = field(unit="m", doc="height of the raceway, towards the rollers")
 
 
-def _form_table(part: FormPart) -> tuple[Floats, Floats]:
+def _form_table(part: FormPart) -> tuple[Array, Array]:
     """Return angles [rad] and heights [m] of a part of a form that is a table."""
     if part.file is not None:
         text = named_text(part.file)
@@ -117,7 +117,7 @@ class _Forms:
     #: Lobes, amplitude [m] and angle [rad] of each wave.
     waves: list[tuple[int, float, float]] = attrs.field(factory=list)
     #: Angles [rad] and heights [m] of each table.
-    tables: list[tuple[Floats, Floats]] = attrs.field(factory=list)
+    tables: list[tuple[Array, Array]] = attrs.field(factory=list)
     #: Periods per turn of the form, 0 where its ring is at rest, and number of the ring, of each wave.
     wave_turns: list[tuple[int, int]] = attrs.field(factory=list)
     #: The same of each table.
@@ -151,7 +151,7 @@ class RingFlexibility:
     """Estimated effect of flexible rings on the loads of the rollers."""
 
     #: Deflection of the rings over that of the rollers under a form of n waves [1], (N + 1,); n = 0 is a preload.
-    phi: Floats
+    phi: Array
     #: Ovality w_2 of the rings under the load over the deflection of the rollers [1].
     bending: float
 
@@ -178,7 +178,7 @@ def _contact(bearing: Bearing) -> tuple[float, float]:
     return c, 1e3 * 10 / 9 * c * 0.01 ** (1 / 9)
 
 
-def _relative_flexibility(bearing: Bearing, shapes: RingShapes) -> tuple[NDArray[np.intp], Floats]:
+def _relative_flexibility(bearing: Bearing, shapes: RingShapes) -> tuple[NDArray[np.intp], Array]:
     """Return waves and Phi of each shape: Z k a^2/K of the hoop, Z k a^2/(4 K) of others, a their largest amplitude."""
     size = np.abs(shapes.harmonics)
     waves = size.argmax(axis=1)

@@ -20,6 +20,7 @@ from rollslip.errors import DomainError
 from rollslip.rings import RingModel, Rings, RingShapes
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
+from rollslip.search import Array
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
 from rollslip.studies.surface_damage.model import Contacts, DamageModel, harm
 from rollslip.studies.thermal_balance.model import PLACES, ROLES, ThermalModel
@@ -34,7 +35,6 @@ from rollslip.testing.rules import (
 from rollslip.units import UnitError, check_unit
 from rollslip_kernels.slices import COLUMNS
 
-Array = np.ndarray[Any, np.dtype[np.float64]]
 #: Rounding error of a sum of heat flows, relative to the largest of them [1]. Doubling it accepts the same models: a
 #: missing flow is larger by orders of magnitude. Chosen far above the rounding of a sum of a few terms.
 _ROUNDING = 1e-10

@@ -8,7 +8,6 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import Any
 
 import attrs
 import numpy as np
@@ -58,9 +57,6 @@ from rollslip.testing.samples import (
 from rollslip_kernels.chain import Chain
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag as compiled
-
-Array = np.ndarray[Any, np.dtype[np.float64]]
-
 
 # Contact and deflection ----------------------------------------------------------------------------------------------
 

@@ -23,6 +23,7 @@ from rollslip.models import (
     SliceModel,
     TractionModel,
 )
+from rollslip.search import Array
 from rollslip.testing.rules import (
     Inapplicable,
     Nonconformance,
@@ -44,8 +45,6 @@ from rollslip.testing.samples import (
     table,
 )
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
-
-Array = np.ndarray[Any, np.dtype[np.float64]]
 
 #: Column -> member with which it is compared, smallest and largest plausible ratio. Bearings have about 1e-5 to 1e-3 of
 #: film, 1e-3 to 1e-1 of width, 0.1 to 1 of stiffness (20 with elastic foundations), 1e-5 to 1e-2 of resistance, or 0.

@@ -9,7 +9,8 @@ import numpy as np
 from rollslip.fields import FieldError, choice_of, parameter, positive
 from rollslip.models import submodel
 from rollslip.references import Reference
-from rollslip.studies.surface_damage.model import Array, Contacts, DamageModel
+from rollslip.search import Array
+from rollslip.studies.surface_damage.model import Contacts, DamageModel
 from rollslip_plugins.bibliography import BLOK_1937, CARSLAW_1959, JAEGER_1942
 from rollslip_plugins.damage.moving_source import FAST, largest_rise, rise
 

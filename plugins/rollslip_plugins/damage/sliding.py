@@ -9,7 +9,8 @@ import numpy as np
 from rollslip.errors import DomainError
 from rollslip.fields import choice_of, parameter, positive
 from rollslip.references import Reference
-from rollslip.studies.surface_damage.model import Array, Contacts, DamageModel
+from rollslip.search import Array
+from rollslip.studies.surface_damage.model import Contacts, DamageModel
 from rollslip_plugins.bibliography import HAMROCK_ANDERSON_1983, MATVEEVSKY_1965
 
 __all__ = ["FilmParameter", "PassEnergy", "PowerDensity", "allowed"]

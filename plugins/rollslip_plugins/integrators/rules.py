@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from rollslip.models import IntegratorModel
+from rollslip.search import Array
 from rollslip.testing.rules import Inapplicable, refuse_unless, rule
-
-Array = np.ndarray[Any, np.dtype[np.float64]]
 
 #: Matrix of a rotation that decays with exp(-t/2).
 _ROTATION = np.array([[-0.5, 1.0], [-1.0, -0.5]])

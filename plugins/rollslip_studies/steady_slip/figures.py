@@ -10,7 +10,6 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from rollslip.errors import RollslipError
 from rollslip.results.accounts import account_of
@@ -29,6 +28,7 @@ from rollslip.results.style import (
 )
 from rollslip.results.text import format_slip_band, percent, two_digits
 from rollslip.scene.reading import from_raw
+from rollslip.search import Array
 from rollslip.units import converted, shown_unit
 from rollslip_studies.effective_friction.ring_figures import ring_figure
 from rollslip_studies.steady_slip.findings import has_steady, varied
@@ -36,7 +36,6 @@ from rollslip_studies.steady_slip.minimum_load import RULES, minimum_loads_of_ma
 
 __all__ = ["catalogue_loads", "mark_loads", "steady_figures"]
 
-Array = NDArray[np.float64]
 
 #: Symbols of the operating conditions over which slips are followed.
 _SYMBOLS: Final = {

@@ -20,6 +20,7 @@ from rollslip.errors import DomainError
 from rollslip.fields import at_least, in_range, parameter
 from rollslip.results.dataset import about, xr
 from rollslip.results.text import Status
+from rollslip.search import Array
 from rollslip.studies.answers import (
     ComparedValues,
     LoadedSlices,
@@ -32,7 +33,6 @@ from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import (
     DESCRIBED,
     OWN,
-    Array,
     Contacts,
     DamageModel,
     damage_of,

@@ -23,6 +23,7 @@ from rollslip.errors import DomainError
 from rollslip.references import Citation
 from rollslip.results.dataset import UNITS, about
 from rollslip.scene.values import Scene
+from rollslip.search import Array
 from rollslip.structure import Location
 from rollslip.studies.answers import Output, Part
 from rollslip_kernels.slices import Slices
@@ -46,8 +47,6 @@ __all__ = [
     "texts",
     "values_of",
 ]
-
-Array = NDArray[np.float64]
 
 
 @attrs.frozen(eq=False, kw_only=True)

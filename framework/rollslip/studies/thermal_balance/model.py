@@ -13,14 +13,13 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, cast
 
 import attrs
-import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import SceneError
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
+from rollslip.search import Array
 from rollslip.structure import Location
 from rollslip.units import format_quantity
 
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["PLACES", "ROLES", "THERMAL", "ThermalModel", "from_bearing", "thermal_model"]
 
-Array = NDArray[np.float64]
 
 #: Places at which losses become heat: contacts, pockets, the lands that guide the cage, and the oil between the rings.
 PLACES: Final = ("inner contact", "outer contact", "pocket", "inner land", "outer land", "oil")
