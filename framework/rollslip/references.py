@@ -5,6 +5,7 @@ they are. Publications of the framework's own laws are in ``references.bib``; a 
 source is written twice. Data that could not be confirmed are named in the reference and printed with it.
 """
 
+import abc
 import re
 import unicodedata
 from collections.abc import Iterable, Mapping
@@ -13,7 +14,7 @@ from itertools import chain, count
 from pathlib import Path
 from string import ascii_lowercase
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 from urllib.parse import quote
 
 import attrs
@@ -234,6 +235,19 @@ class Reference:
 
 #: A source of a model, an oil or a bearing; a text is printed as it is.
 Citation = Reference | str
+
+
+class CitedModel(abc.ABC):
+    """What each model says of itself, of whatever kind it is."""
+
+    #: Name in scenes.
+    name: ClassVar[str]
+    #: The law in one line, in the symbols of its docstring.
+    equation: ClassVar[str]
+    #: Sources: values of `rollslip.references.Reference`, or texts, one citation each.
+    references: ClassVar[tuple[Citation, ...]]
+    #: Rule of the conformance kit that the model breaks for a reason -> that reason.
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
 
 def _short(author: str) -> str:

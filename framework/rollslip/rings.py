@@ -9,10 +9,8 @@
 """
 
 import abc
-from collections.abc import Mapping
 from functools import cache
 from itertools import compress
-from types import MappingProxyType
 from typing import ClassVar
 
 import attrs
@@ -20,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.datasets import Bearing
-from rollslip.references import Citation
+from rollslip.references import CitedModel
 from rollslip.search import Array
 
 __all__ = ["RingModel", "RingShapes", "Rings", "Stops"]
@@ -112,16 +110,11 @@ class RingShapes:
         return bool(np.all(parity != 0.0) and not np.any(self.pushes[parity < 0.0]) and has_images)
 
 
-class RingModel(abc.ABC):
+class RingModel(CitedModel):
     """Model of the flexibility of a ring in its seat; its parameters are its attrs fields."""
 
-    name: ClassVar[str]
-    equation: ClassVar[str]
-    references: ClassVar[tuple[Citation, ...]]
     #: Whether the ring deforms in the equilibrium; the widening of a rigid ring is part of the clearance of the scene.
     is_flexible: ClassVar[bool] = True
-    #: Rule of the conformance kit that the model breaks for a reason -> that reason.
-    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @abc.abstractmethod
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:

@@ -98,7 +98,8 @@ class Kind:
             return f"class {thing.__name__} does not define {', '.join(sorted(abstract))}"
         if not attrs.has(thing):
             return f"class {thing.__name__} is not decorated with @attrs.frozen"
-        ours = [cls for cls in thing.__mro__ if cls.__module__ == base.__module__]
+        *derived, root = [cls for cls in thing.__mro__ if cls.__module__ == base.__module__]
+        ours = (*derived, *root.__bases__, root)
         declared = [name for cls in ours for name in inspect.get_annotations(cls)]
         if missing := [name for name in declared if not hasattr(thing, name)]:
             return f"class {thing.__name__} does not define {', '.join(missing)}"

@@ -22,7 +22,7 @@ from rollslip.errors import DomainError
 from rollslip.models.domains import NON_NEGATIVE, POSITIVE, Domain, evaluate_arrays
 from rollslip.models.scene_values import left_to_scene
 from rollslip.models.validity import ISOTHERMAL, SMOOTH, Validity, in_regime
-from rollslip.references import Citation
+from rollslip.references import CitedModel
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -46,15 +46,9 @@ def submodel(
     return attrs.field(factory=make, metadata={"doc": doc, "unit": None, "kind": kind})
 
 
-class SliceModel(abc.ABC):
+class SliceModel(CitedModel):
     """A stage of a chain: it fills the columns in ``writes`` of all slices from the members in ``reads``."""
 
-    #: Name in scenes.
-    name: ClassVar[str]
-    #: The law in one line, in the symbols of its docstring.
-    equation: ClassVar[str]
-    #: Sources: values of `rollslip.references.Reference`, or texts, one citation each.
-    references: ClassVar[tuple[Citation, ...]]
     #: Members of the slices that the law reads.
     reads: frozenset[str]
     #: Columns of the slices that the law fills.
@@ -65,8 +59,6 @@ class SliceModel(abc.ABC):
     validity: ClassVar[tuple[Validity, ...]] = ()
     #: Quantities in the validity of its submodels that the law corrects, so that their warnings do not apply.
     covers: ClassVar[frozenset[str]] = frozenset()
-    #: Rule of the conformance kit that the law breaks for a reason -> that reason.
-    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Relative difference allowed between the compiled and the NumPy form.
     tolerance: ClassVar[float] = 1e-12
     #: Quantities of its own that results give beside its columns: name -> (SI unit, meaning), as `quantities` has them.
@@ -254,12 +246,8 @@ class TractionModel(SliceModel):
         return law
 
 
-class Drag(abc.ABC):
+class Drag(CitedModel):
     """A drag on the cage or the rollers other than the traction of the raceways: one of the three sorts below."""
-
-    name: ClassVar[str]
-    equation: ClassVar[str]
-    references: ClassVar[tuple[Citation, ...]]
 
     def check_given(self) -> None:
         """Raise a `DomainError` where a parameter has to be taken from a scene."""
@@ -278,8 +266,6 @@ class DragModel(Drag):
     #: Whether the torque varies over time; ``torque`` then has a fourth argument ``time`` with a default, the time
     #: since the start of the motion [s]. Such a torque is refused for steady motions.
     varies_in_time: bool = False
-    #: Rule of the conformance kit that the law breaks for a reason -> that reason.
-    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Relative difference allowed between the compiled and the Python form.
     tolerance: ClassVar[float] = 1e-12
 
@@ -309,18 +295,13 @@ class PocketFriction(Drag):
     coefficient: float
 
 
-class IntegratorModel(abc.ABC):
+class IntegratorModel(CitedModel):
     """A factory of ``scipy.integrate.OdeSolver``, so that SciPy's solvers can be used as they are."""
 
-    #: Rule of the conformance kit that the solver breaks for a reason -> that reason.
-    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Order of convergence of a method that has a fixed one.
     order: ClassVar[int | None] = None
     #: Whether the method is explicit; a plan then tries it where motions are not stiff.
     explicit: ClassVar[bool] = False
-    name: ClassVar[str]
-    equation: ClassVar[str]
-    references: ClassVar[tuple[Citation, ...]]
 
     @abc.abstractmethod
     def solver(self) -> type[Any]:

@@ -19,7 +19,7 @@ from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Catalogue
 from rollslip.errors import DomainError
-from rollslip.references import Citation
+from rollslip.references import CitedModel
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
 from rollslip.scene.values import Scene
@@ -137,16 +137,11 @@ class Duty:
         return self.speed * 30.0 / math.pi
 
 
-class TorqueFormula(abc.ABC):
+class TorqueFormula(CitedModel):
     """Friction torque of a bearing by a formula of its boundary dimensions; its parameters are its attrs fields."""
 
-    name: ClassVar[str]
-    equation: ClassVar[str]
-    references: ClassVar[tuple[Citation, ...]]
     #: Source of its numbers, in a few words: "tests of ...", "a regression of ...".
     basis: ClassVar[str] = ""
-    #: Rule of the conformance kit that the formula breaks for a reason -> that reason.
-    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @abc.abstractmethod
     def terms(self, duty: Duty) -> Mapping[str, float]:

@@ -20,7 +20,7 @@ from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Material
 from rollslip.errors import DomainError
-from rollslip.references import Citation
+from rollslip.references import CitedModel
 from rollslip.results.dataset import UNITS, about
 from rollslip.scene.values import Scene
 from rollslip.search import Array
@@ -124,12 +124,9 @@ DESCRIBED: Final[Mapping[str, Output]] = MappingProxyType(
 )
 
 
-class DamageModel(abc.ABC):
+class DamageModel(CitedModel):
     """One measure of the effect of slip on surfaces; its parameters are its attrs fields."""
 
-    name: ClassVar[str]
-    equation: ClassVar[str]
-    references: ClassVar[tuple[Citation, ...]]
     #: What it measures, for example "sliding power density".
     measure: ClassVar[str]
     #: SI unit of the measure.
@@ -140,8 +137,6 @@ class DamageModel(abc.ABC):
     difference: ClassVar[bool] = False
     #: Whether damage is more probable where the measure is large, or where it is small.
     worst: ClassVar[Literal["largest", "smallest"]] = "largest"
-    #: Rule of the conformance kit that the model violates -> the reason.
-    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     def of(self, assembly: "Assembly") -> Self:
         """Return the measure with the data of oil and bearing for its limit; SceneError if they are missing."""

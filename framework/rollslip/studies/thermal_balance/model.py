@@ -10,14 +10,14 @@
 import abc
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, cast
+from typing import TYPE_CHECKING, Any, Final, Self, cast
 
 import attrs
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import SceneError
-from rollslip.references import Citation
+from rollslip.references import CitedModel
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import Location
@@ -42,14 +42,8 @@ ROLES: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
-class ThermalModel(abc.ABC):
+class ThermalModel(CitedModel):
     """A model of the heat flow between the parts of a bearing and out of it; its parameters are its attrs fields."""
-
-    name: ClassVar[str]
-    equation: ClassVar[str]
-    references: ClassVar[tuple[Citation, ...]]
-    #: Rule of the conformance kit that the model violates -> the reason.
-    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @property
     @abc.abstractmethod
