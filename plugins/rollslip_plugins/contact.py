@@ -146,7 +146,7 @@ def _bracket(a: NDArray[np.float64]) -> NDArray[np.float64]:
     return g
 
 
-class _HertzLine(ContactModel):
+class HertzLine(ContactModel):
     """Half width and mean pressure of an elastic line contact (Hertz 1881)."""
 
     equation: ClassVar[str] = "b = sqrt(8 w R/(pi E')), p = w/(2 b)"
@@ -179,7 +179,7 @@ _OF_STEEL: Final = (
 
 @attrs.frozen
 @explained
-class Palmgren(_HertzLine):
+class Palmgren(HertzLine):
     """Hertz line contact with Palmgren's deflection delta[mm] = 3.84e-5 Q^0.9/l^0.8 of each steel contact.
 
     Symbols:
@@ -220,7 +220,7 @@ class Palmgren(_HertzLine):
 
 @attrs.frozen
 @explained
-class Iso16281(_HertzLine):
+class Iso16281(HertzLine):
     """Hertz line contact with the stiffness of ISO/TS 16281, c_L = 35948 l^(8/9) for both contacts in series.
 
     One contact is 2^(10/9) as stiff as the pair: Q = 35948 l^(8/9) (2 delta)^(10/9) in N and mm.
@@ -263,7 +263,7 @@ class Iso16281(_HertzLine):
 
 @attrs.frozen
 @explained
-class Lundberg(_HertzLine):
+class Lundberg(HertzLine):
     """Hertz line contact with Lundberg's deflection of a contact of finite length, any elastic material.
 
     Symbols:

@@ -18,6 +18,7 @@ from rollslip_plugins.bibliography import (
     MARTIN_1916,
     MOES_1992,
 )
+from rollslip_plugins.contact import HertzLine
 from rollslip_plugins.symbols import explained
 
 #: Coefficients of i = POWER[0] + POWER[1] L + POWER[2] L^2, fitted to numerical solutions up to L = MAX_FITTED_L.
@@ -95,15 +96,8 @@ class Hertz(PressureModel):
         ),
     )
 
-    def evaluate(self, slices: Slices) -> None:
-        """Fill half width and mean pressure."""
-        c = slices.conditions
-        slices.half_width[...] = np.sqrt(8 * c.radius / (np.pi * c.modulus) * slices.load)
-        slices.pressure[...] = slices.load / (2 * slices.half_width)
-
-    def kernel(self) -> object:
-        """Return the compiled form."""
-        return compiled.hertz_line()
+    evaluate = HertzLine.evaluate
+    kernel = HertzLine.kernel
 
 
 @attrs.frozen

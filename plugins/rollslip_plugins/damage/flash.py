@@ -13,6 +13,7 @@ from rollslip.search import Array
 from rollslip.studies.surface_damage.model import Contacts, DamageModel
 from rollslip_plugins.bibliography import BLOK_1937, CARSLAW_1959, JAEGER_1942
 from rollslip_plugins.damage.moving_source import FAST, largest_rise, rise
+from rollslip_plugins.damage.sliding import stated_limit
 
 __all__ = ["BulkAndFlash", "ContactTemperature", "FlashTemperature"]
 
@@ -167,6 +168,8 @@ class BulkAndFlash(DamageModel):
         If ``flash`` is no flash temperature.
     """
 
+    unit: ClassVar[str] = "K"
+
     flash: FlashTemperature = submodel(
         "damage", factory=FlashTemperature, doc="the flash temperature over the bulk"
     )
@@ -229,7 +232,6 @@ class ContactTemperature(BulkAndFlash):
     equation: ClassVar[str] = "T = (m_1 T_1 + m_2 T_2)/(m_1 + m_2) + dT, m_i = e_i sqrt(v_i)"
     references: ClassVar[tuple[Reference, ...]] = (BLOK_1937, CARSLAW_1959)
     measure: ClassVar[str] = "contact temperature"
-    unit: ClassVar[str] = "K"
     scope: ClassVar[str] = (
         "critical temperatures were measured on gears and discs, for one oil and finish each; none holds for bearings "
         "in general"
@@ -247,4 +249,4 @@ class ContactTemperature(BulkAndFlash):
     @property
     def limit(self) -> tuple[float, str] | None:
         """The contact temperature that is allowed."""
-        return None if self.allowed is None else (self.allowed, "given in the scene")
+        return stated_limit(self.allowed)

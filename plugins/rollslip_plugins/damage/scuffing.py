@@ -81,7 +81,6 @@ class ScuffingIso(BulkAndFlash):
     equation: ClassVar[str] = "T_S = 80 + (0.85 + 1.4 X_W) X_L S^2"
     references: ClassVar[tuple[Reference, ...]] = (ISO_13989, BLOK_1937)
     measure: ClassVar[str] = "contact temperature (ISO)"
-    unit: ClassVar[str] = "K"
     scope: ClassVar[str] = (
         "the limit is one of gears, from which the standard advises to stay some 50 K away; bearings also smear where "
         "a roller is accelerated, at contact temperatures far below it"
@@ -186,7 +185,6 @@ class ScuffingAgma(BulkAndFlash):
     equation: ClassVar[str] = "T_S = (63 + 33 ln nu_40) (1 + 0.15 z(P))"
     references: ClassVar[tuple[Reference, ...]] = (AGMA_925, BLOK_1937)
     measure: ClassVar[str] = "contact temperature (AGMA)"
-    unit: ClassVar[str] = "K"
     scope: ClassVar[str] = (
         "the limit is one of gears, for a whole kind of oils; bearings also smear where a roller is accelerated, at "
         "contact temperatures far below it"

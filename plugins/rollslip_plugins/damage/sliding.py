@@ -38,7 +38,7 @@ def allowed(unit: str, doc: str, default: float | None = None, **ranges: Any) ->
     )
 
 
-def _given(value: float | None) -> tuple[float, str] | None:
+def stated_limit(value: float | None) -> tuple[float, str] | None:
     """Return a limit of the scene with its source; None without one."""
     return None if value is None else (value, "given in the scene")
 
@@ -107,7 +107,7 @@ class PowerDensity(DamageModel):
     @property
     def limit(self) -> tuple[float, str] | None:
         """The power density that is allowed."""
-        return _given(self.allowed)
+        return stated_limit(self.allowed)
 
 
 @attrs.frozen(kw_only=True)
@@ -182,7 +182,7 @@ class PassEnergy(DamageModel):
     @property
     def limit(self) -> tuple[float, str] | None:
         """The energy that is allowed."""
-        return _given(self.allowed)
+        return stated_limit(self.allowed)
 
 
 @attrs.frozen(kw_only=True)
@@ -231,4 +231,4 @@ class FilmParameter(DamageModel):
                 _MIN_FILM_PARAMETER,
                 "Hamrock and Anderson (1983), smearing of rolling bearings below it (B)",
             )
-        return _given(self.allowed)
+        return stated_limit(self.allowed)

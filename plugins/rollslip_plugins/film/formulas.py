@@ -65,6 +65,7 @@ def _mapped(off: str) -> tuple[Validity, ...]:
 class _PowerLaw(FilmModel):
     """Film thickness h = R c U^u G^g W^w."""
 
+    location: ClassVar[str] = "minimum"
     law: PowerLaw
 
     def evaluate(self, slices: Slices) -> None:
@@ -100,7 +101,6 @@ class Martin(_PowerLaw):
     name: ClassVar[str] = "martin"
     equation: ClassVar[str] = "h/R = 4.89497 U/W"
     references: ClassVar[tuple[Reference, ...]] = (MARTIN_1916,)
-    location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "IR"
     other_regime_error: ClassVar[tuple[float, float] | None] = (-99.7, -31.2)
     law = MARTIN
@@ -130,7 +130,6 @@ class Blok(_PowerLaw):
     name: ClassVar[str] = "blok"
     equation: ClassVar[str] = "h/R = 1.66630 (G U)^(2/3)"
     references: ClassVar[tuple[Reference, ...]] = (WEBER_1954, BLOK_1963)
-    location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VR"
     other_regime_error: ClassVar[tuple[float, float] | None] = (-92.2, 62.4)
     domain = PIEZOVISCOUS
@@ -177,7 +176,6 @@ class Herrebrugh(_PowerLaw):
     name: ClassVar[str] = "herrebrugh"
     equation: ClassVar[str] = "h/R = 3.10 U^0.6 W^-0.2"
     references: ClassVar[tuple[Reference, ...]] = (HERREBRUGH_1968,)
-    location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "IE"
     other_regime_error: ClassVar[tuple[float, float] | None] = (-87.3, -33.2)
     law = HERREBRUGH
@@ -207,7 +205,6 @@ class DowsonHigginson(_PowerLaw):
     name: ClassVar[str] = "dowson-higginson"
     equation: ClassVar[str] = "h/R = 1.6 G^0.6 U^0.7 W^-0.13"
     references: ClassVar[tuple[Reference, ...]] = (DOWSON_HIGGINSON_1966,)
-    location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
     other_regime_error: ClassVar[tuple[float, float] | None] = (-85.9, 2.5)
     domain = PIEZOVISCOUS
@@ -239,7 +236,6 @@ class Dowson1968(_PowerLaw):
     on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "h/R = 2.65 U^0.7 G^0.54 W^-0.13"
     references: ClassVar[tuple[Reference, ...]] = (DOWSON_EHD_1968,)
-    location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
     other_regime_error: ClassVar[tuple[float, float] | None] = (-85.4, 6.3)
     domain = PIEZOVISCOUS
