@@ -151,13 +151,13 @@ class HertzLine(ContactModel):
 
     equation: ClassVar[str] = "b = sqrt(8 w R/(pi E')), p = w/(2 b)"
 
-    def evaluate(self, slices: Slices) -> None:
+    def evaluate(self: SliceModel, slices: Slices) -> None:
         """Fill half width and mean pressure."""
         c = slices.conditions
         slices.half_width[...] = np.sqrt(8 * c.radius / (np.pi * c.modulus) * slices.load)
         slices.pressure[...] = slices.load / (2 * slices.half_width)
 
-    def kernel(self) -> object:
+    def kernel(self: SliceModel) -> object:
         """Return the compiled form."""
         return compiled.hertz_line()
 

@@ -27,7 +27,7 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated, slicing
 from rollslip.catalogue.registry import get_class, structure_model
-from rollslip.errors import DomainError, PluginError, SceneError
+from rollslip.errors import DomainError, PluginError, SceneError, raise_problems
 from rollslip.lubricant.oil import Lubricant, OilState
 from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import lubricant_from_table
@@ -528,8 +528,7 @@ def _bind_models(
         kind: with_scene_values(model, values, where.at("models").at(kind), problems, kind)
         for kind, model in models.items()
     }
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     law = oil.pressure_viscosity_law
     return {kind: with_law(model, law, oil.slopes) for kind, model in bound.items()}
 

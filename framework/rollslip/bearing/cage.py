@@ -17,7 +17,7 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
-from rollslip.errors import DomainError, RollslipError, SceneError
+from rollslip.errors import DomainError, RollslipError, SceneError, raise_problems
 from rollslip.fields import FieldError, choice_of, field, non_negative, positive, submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
@@ -468,8 +468,7 @@ def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubr
         for k, model in enumerate(cage.named)
     ]
     drags = _sort_drags(models, where, problems, caged=scene.models.neighbour_friction is None)
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     return attrs.evolve(cage, drags=drags)
 
 

@@ -15,7 +15,7 @@ import attrs
 from rollslip.catalogue.discovery import catalogue, load
 from rollslip.catalogue.installed import THIS_PROCESS, Offer, is_disabled
 from rollslip.catalogue.kinds import kinds
-from rollslip.errors import PluginError, SceneError, nearest
+from rollslip.errors import PluginError, nearest, raise_problems
 from rollslip.structure import Location
 
 __all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "edited", "packages", "requirements",
@@ -216,8 +216,7 @@ def check_required(required: Iterable[str], where: Location) -> None:
             requirement.name, str(requirement.specifier), requirement.specifier.contains
         ):
             missing.append(where.at(index).message(fault))
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     if missing:
         raise PluginError("\n".join(missing))
 

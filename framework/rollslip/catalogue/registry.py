@@ -11,7 +11,7 @@ import attrs
 from rollslip.catalogue.discovery import available, catalogue, find, get_class, origin
 from rollslip.catalogue.installed import Offer
 from rollslip.catalogue.kinds import get_kind
-from rollslip.errors import PluginError, SceneError, describe_error
+from rollslip.errors import PluginError, describe_error, raise_problems
 from rollslip.fields import FieldError
 from rollslip.structure import Location, structure
 
@@ -63,8 +63,7 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
         return get_class(kind, name)
     problems: list[str] = []
     model = structure_model(kind, {"model": name, **parameters}, Location({}, (name,)), problems)
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     return model
 
 
@@ -97,8 +96,7 @@ def structure_models(
         problems.append(
             where.message(f"{' and '.join(map(repr, repeated))} stands there twice; name each once")
         )
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     return tuple(models)
 
 

@@ -23,7 +23,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
-from rollslip.errors import RollslipError, SceneError, UnknownNameError
+from rollslip.errors import RollslipError, SceneError, UnknownNameError, raise_problems
 from rollslip.planning.lines import (
     bearing_parts,
     check_parts,
@@ -426,8 +426,7 @@ def require_memory(
                 f"{study.table}.{setting} = {getattr(study, setting):g} asks for at least {_size(needed)} of memory, "
                 f"and this machine has {_size(memory)}; lower it"
             )
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
 
 
 def _size(number: float) -> str:

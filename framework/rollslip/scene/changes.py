@@ -7,7 +7,7 @@ from typing import Any, Final, get_args, get_origin
 
 import attrs
 
-from rollslip.errors import SceneError, did_you_mean, nearest
+from rollslip.errors import SceneError, did_you_mean, nearest, raise_problems
 from rollslip.fields import FieldError
 from rollslip.files import readable
 from rollslip.lubricant.table import OilTable
@@ -194,8 +194,7 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
             problems.append(f"{CHANGES}: {as_written(key)} {reason}")
             continue
         _mark_changed(origins, path, old_value)
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     if changed & NOTED and "note" not in changed:  # the note may not apply to the changed scene
         raw.pop("note", None)
         origins.pop(("note",), None)

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 
-from rollslip.errors import SceneError
+from rollslip.errors import SceneError, raise_problems
 from rollslip.files import content_of, decoded, readable, whole_file
 from rollslip.scene.formats import Read, SceneFormat, Written, endings, format_of
 from rollslip.scene.reading import from_raw
@@ -123,8 +123,7 @@ def from_parameters(document: object, source: str = "parameters") -> Scene:
         raise SceneError([f"{source}: parameters: a table is expected"])
     problems: list[str] = []
     raw = _read(parameters, "", source, problems)
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     text = json.dumps(document, indent=1, allow_nan=False)
     scene = from_raw(raw, source, text)
     if scene.bearing.mounting is None:

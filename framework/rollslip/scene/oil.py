@@ -8,7 +8,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.catalogue.registry import available
-from rollslip.errors import SceneError, nearest
+from rollslip.errors import nearest, raise_problems
 from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import without_slope
@@ -118,8 +118,7 @@ def check_given(
         for model in models
         for name in without_slope(model, slope.removesuffix("_slope"))
     ]
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
 
 
 def _remedy(member: str, conditions: Conditions, lubricant: Lubricant) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.discovery import available, get_class
-from rollslip.errors import SceneError, nearest
+from rollslip.errors import nearest, raise_problems
 from rollslip.studies.answers import PartialResult, Variables
 from rollslip.studies.study import Study
 
@@ -45,8 +45,7 @@ def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
     if not requested:
         requested = tuple(name for name, output in known.items() if output.default)
     problems = [_describe_unknown(study, name) for name in requested if name not in known]
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     statuses = [known[name].status for name in requested]
     return tuple(filter(None, dict.fromkeys((*requested, *statuses))))
 

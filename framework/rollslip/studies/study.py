@@ -21,7 +21,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.resolution import Resolution, reference_resolution
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.errors import SceneError, UnknownNameError
+from rollslip.errors import SceneError, UnknownNameError, raise_problems
 from rollslip.references import Citation
 from rollslip.results.curves import curve_labels
 from rollslip.results.dataset import xr
@@ -464,8 +464,7 @@ def settings(scene: Scene, study: str | None = None) -> dict[str, Study]:
             studies[name] = study_class(name, scene).from_scene(scene)
         except SceneError as error:
             problems += error.problems
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     return studies
 
 

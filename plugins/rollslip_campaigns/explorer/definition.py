@@ -7,7 +7,7 @@ import attrs
 
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_class
-from rollslip.errors import SceneError
+from rollslip.errors import raise_problems
 from rollslip.results.text import short_label
 from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.studies.study import settings
@@ -72,8 +72,7 @@ def plan_explorer(requested: "ExplorerSettings") -> Explorer:
         problems.append(
             f"{planned.size} points are more than {_MAX_POINTS}; take fewer quantities, nodes or models"
         )
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     return planned
 
 

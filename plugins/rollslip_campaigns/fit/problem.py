@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rollslip.bearing.assembly import read_oil
 from rollslip.bearing.chain import Chain
 from rollslip.catalogue.registry import structure_model
-from rollslip.errors import DomainError, SceneError, nearest
+from rollslip.errors import DomainError, SceneError, nearest, raise_problems
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
@@ -173,8 +173,7 @@ def rig_problem(
         else _model("film", rig.models.film, film, where, problems, constants),
         "traction": _model("traction", rig.models.traction, traction, where, problems, constants),
     }
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     problem = RigProblem(data=data, rig=rig, lubricant=lubricant, load=load, **models)
     _check(problem, where)
     return problem
@@ -203,8 +202,7 @@ def _check(problem: RigProblem, where: Location) -> None:
             conditions = problem.conditions(problem.lubricant, temperature)
         except DomainError as error:
             problems.append(problem.data.message(int(rows[0]), "temperature", str(error)))
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     for model in problem.chain.models:
         for member in sorted(model.reads & CONDITIONS.keys()):
             if math.isnan(getattr(conditions, member)):
@@ -212,8 +210,7 @@ def _check(problem: RigProblem, where: Location) -> None:
                 table = "rig" if member in ("roughness", "length") else "lubricant"
                 reason = f"missing, but model {model.name!r} needs it ({meaning}, {unit})"
                 problems.append(where.at(table).at(member).message(reason))
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     try:
         problem.friction(problem.lubricant, problem.chain)
     except DomainError as error:

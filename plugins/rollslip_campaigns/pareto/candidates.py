@@ -26,7 +26,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution, reference_resolution
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import PluginError, SceneError, nearest
+from rollslip.errors import PluginError, SceneError, nearest, raise_problems
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import Plan, plan
 from rollslip.scene.changes import evolve
@@ -216,8 +216,7 @@ def _check_settings(axes: Sequence[str], rounds: int) -> None:
             problems.append(f"choices: nothing to choose is called {name!r}; {hint}")
     if rounds < 1:
         problems.append(f"rounds: must be at least 1, not {rounds}")
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
 
 
 # One study ------------------------------------------------------------------------------------------------------------

@@ -32,7 +32,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.errors import ConvergenceError, SceneError
+from rollslip.errors import ConvergenceError, SceneError, raise_problems
 from rollslip.results.dataset import about, save, xr
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.scene.values import Scene
@@ -285,8 +285,7 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
             ranges[name] = _read_range(name, text, known[name])
         except (UnitError, ValueError) as error:
             problems.append(f"{name}: {error}")
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     return ranges
 
 

@@ -26,7 +26,7 @@ from rollslip.catalogue.discovery import named_data
 from rollslip.catalogue.installed import THIS_PROCESS
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
-from rollslip.errors import OutputError, RollslipError, SceneError
+from rollslip.errors import OutputError, RollslipError, SceneError, raise_problems
 from rollslip.fields import FieldError, submodels
 from rollslip.files import whole_file
 from rollslip.planning.campaign import listed
@@ -425,8 +425,7 @@ def _checked_assemblies(
                 [format_quantity(value, quantity.unit or "1", 4) for value in bounds],
                 "ends of the samples",
             )
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     return assemblies, tuple(unusual)
 
 

@@ -45,7 +45,7 @@ import numpy as np
 
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
-from rollslip.errors import SceneError
+from rollslip.errors import SceneError, raise_problems
 from rollslip.results.dataset import UNITS, about, xr
 from rollslip.results.text import duration_range
 from rollslip_campaigns.sweep.definition import Sweep
@@ -213,8 +213,7 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
         problems.append(
             f"study.{EffectiveFriction.name}.skidding_range: a range is needed, such as 0.95, not 0"
         )
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     scene, scatter = with_scatter(requested.base_scene)
     shared: dict[str, Any] = {
         "seed": requested.seed,

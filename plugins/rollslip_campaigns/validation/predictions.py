@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import OutputError, SceneError
+from rollslip.errors import OutputError, SceneError, raise_problems
 from rollslip.files import whole_file
 from rollslip.structure import FrozenTable
 from rollslip.units import as_written
@@ -237,8 +237,7 @@ def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> 
         )
     if not values and not problems:
         problems.append(f"{source}: no rows are predicted")
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     return Predictions(
         data_set=measurement.name,
         program=comments.get("program", Path(path).stem),

@@ -23,7 +23,7 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import available, find, get_class
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import DomainError, PluginError, RollslipError, SceneError
+from rollslip.errors import DomainError, PluginError, RollslipError, SceneError, raise_problems
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
@@ -324,8 +324,7 @@ def _sample_scene(scene: Scene, plan: Validation) -> list[dict[str, object]]:
         quantities(assemble(scene), settings(scene)),
         problems,
     )
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     keys = list(uncertain.distributions)
     drawn = uncertain.values(probabilities("sobol", plan.samples, len(keys), plan.seed))
     return [dict(zip(keys, row, strict=True)) for row in drawn.tolist()]

@@ -16,7 +16,7 @@ import attrs
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_model
-from rollslip.errors import SceneError
+from rollslip.errors import raise_problems
 from rollslip.references import CitedModel
 from rollslip.scene.values import Scene
 from rollslip.search import Array
@@ -112,8 +112,7 @@ def thermal_model(scene: Scene) -> ThermalModel | None:
     model: Any = structure_model(
         "thermal", {"model": choice.name, **choice.parameters}, where, problems
     )
-    if problems:
-        raise SceneError(problems)
+    raise_problems(problems)
     return model  # type: ignore[no-any-return]
 
 
