@@ -229,7 +229,7 @@ class _ChoiceOf:
 
     def __call__(self, instance: object, attribute: "attrs.Attribute[Any]", value: object) -> None:
         if value not in self.options:
-            options = ", ".join(as_written(option) for option in self.options)
+            options = ", ".join(map(as_written, self.options))
             raise FieldError(
                 attribute.name, f"must be one of {options}, not {_format(value, attribute)}"
             )

@@ -88,7 +88,7 @@ def thawed(value: object) -> Any:
         if not unit:
             return plain
         return [f"{x!r} {unit}" for x in plain] if isinstance(plain, list) else f"{plain!r} {unit}"
-    return [thawed(inner) for inner in value] if isinstance(value, list | tuple | range) else value
+    return list(map(thawed, value)) if isinstance(value, list | tuple | range) else value
 
 
 def loads(text: str) -> dict[str, Any]:

@@ -405,7 +405,7 @@ def typed(value: object) -> Any:
         return _TypedNumber(value)
     if isinstance(value, Mapping):
         return {key: typed(inner) for key, inner in value.items()}
-    return [typed(inner) for inner in value] if isinstance(value, list | tuple) else value
+    return list(map(typed, value)) if isinstance(value, list | tuple) else value
 
 
 def check_typed(text: str, ends: Sequence[str], unit: str) -> None:

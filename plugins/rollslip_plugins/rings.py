@@ -619,7 +619,7 @@ class Compliance(RingModel):
             if line.strip() and line.strip()[0] != "#"
         ]
         try:
-            C = np.array([[float(cell) for cell in row] for row in rows])
+            C = np.array([list(map(float, row)) for row in rows])
         except ValueError as error:
             raise FieldError(
                 "file", f"{self.file}: rows of N numbers are expected, N times: {error}"

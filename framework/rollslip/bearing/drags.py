@@ -86,7 +86,7 @@ class TotalResistance(ResistanceModel):
 
     def kernel(self) -> object:
         """Return the compiled form; a term without one is called in Python."""
-        return compiled.total_resistance([stage(term) for term in self.terms])
+        return compiled.total_resistance(list(map(stage, self.terms)))
 
 
 @attrs.frozen(kw_only=True)
@@ -136,7 +136,7 @@ class Drags:
 
     def capsules(self) -> tuple[object, ...]:
         """Return the torques as capsules ``rs_drag``; one without a kernel is called in Python."""
-        return tuple(torque_capsule(model) for model in self.torques)
+        return tuple(map(torque_capsule, self.torques))
 
 
 def torque_capsule(model: DragModel) -> object:

@@ -174,7 +174,7 @@ def as_text(packages: Iterable[PluginPackage]) -> str:
 
 def as_dicts(packages: Iterable[PluginPackage]) -> list[dict[str, Any]]:
     """Return packages as plain values, for JSON."""
-    return [attrs.asdict(package) for package in packages]
+    return list(map(attrs.asdict, packages))
 
 
 def check_required(required: Iterable[str], where: Location) -> None:

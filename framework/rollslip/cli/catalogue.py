@@ -244,7 +244,7 @@ def doctor(as_json: bool) -> None:
     from rollslip.cli.doctor import as_text, examine, healthy
 
     found = examine()
-    print_either(as_json, [attrs.asdict(finding) for finding in found], as_text(found))
+    print_either(as_json, list(map(attrs.asdict, found)), as_text(found))
     if not healthy(found):
         sys.exit(BAD_PLUGIN)
 

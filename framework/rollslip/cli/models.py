@@ -60,7 +60,7 @@ def print_models(what: str | None) -> None:
             "'rollslip models NAME' shows equation, parameters, domain and references of one"
         )
     elif what in offered_kinds():
-        rows = [_summary(offer) for offer in _all_offers(what)]
+        rows = list(map(_summary, _all_offers(what)))
         print_table(("name", "package", "what it is"), rows)
     else:
         for kind in kinds_of(what):
@@ -70,7 +70,7 @@ def print_models(what: str | None) -> None:
 def models_as_dict(what: str | None) -> Any:
     """Return the content of `print_models` as plain values."""
     if what is None:
-        return [attrs.asdict(offer) for offer in _offers()]
+        return list(map(attrs.asdict, _offers()))
     what = _KINDS.get(what, what)
     if what in offered_kinds():
         return {offer.name: _model_as_dict(what, offer.name) for offer in _all_offers(what)}

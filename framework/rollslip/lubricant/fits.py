@@ -94,7 +94,7 @@ def fit_vogel(temperatures: Sequence[float], viscosities: Sequence[float]) -> Vo
     0.0095
     """
     T, eta = _ordered("vogel", 3, temperatures, viscosities)
-    log_eta = [math.log(v) for v in eta]
+    log_eta = list(map(math.log, eta))
     pole = _pole(T, log_eta)
     if len(T) > 3:
         from scipy.optimize import least_squares

@@ -160,7 +160,7 @@ def completed(
     if len(errors) == 1:
         raise errors[0]
     if errors:
-        raise SceneError([str(error) for error in errors])
+        raise SceneError(list(map(str, errors)))
     own = own_cage(values.get("bearing"))
     if own and not own.make:
         if "cage" in values:

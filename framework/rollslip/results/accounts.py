@@ -135,7 +135,7 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     '1.5 %'
     """
     expect_results("answer", *results)
-    cases = {describe_case(result) for result in results} - {()}
+    cases = set(map(describe_case, results)) - {()}
     if len(cases) > 1:
         raise SceneError(
             [

@@ -377,7 +377,7 @@ class Answer:
                     "label": row.label,
                     "value": or_none(row.value),
                     "unit": row.unit,
-                    "band": None if row.band is None else [or_none(bound) for bound in row.band],
+                    "band": None if row.band is None else list(map(or_none, row.band)),
                     "text": row.text,
                     "note": row.note,
                     "study": row.study,

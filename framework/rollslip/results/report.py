@@ -116,7 +116,7 @@ def write_report(
     scene : str
         Argument of the commands in the report.
     """
-    cases = {describe_case(dataset) for dataset in datasets.values()} - {()}
+    cases = set(map(describe_case, datasets.values())) - {()}
     first = answer(*datasets.values(), scene=scene) if len(cases) < 2 else Answer()
     commands = (_REPORT_COMMAND.sub(_uncertainty_command, command) for command in first.next)
     first = attrs.evolve(first, next=tuple(commands))
@@ -496,9 +496,7 @@ def _provenance(datasets: "Datasets") -> str:
     ]
     body = html_table(("", "value"), rows)
     for heading, packages in _per_study(datasets, "packages"):
-        body += heading + html_table(
-            ("package", "version"), [list(item) for item in packages.items()]
-        )
+        body += heading + html_table(("package", "version"), list(map(list, packages.items())))
     return body
 
 

@@ -161,7 +161,7 @@ def point_rows(dataset: "xr.Dataset") -> SpreadsheetRows:
             columns |= _point_columns(name, variable, dataset.sizes, dims)
     if not math.prod(dataset.sizes[name] for name in dims):
         return list(columns), []
-    return list(columns), [list(row) for row in zip(*columns.values(), strict=True)]
+    return list(columns), list(map(list, zip(*columns.values(), strict=True)))
 
 
 def _point_columns(

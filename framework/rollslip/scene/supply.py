@@ -148,7 +148,7 @@ class Lubrication:
     def __attrs_post_init__(self) -> None:
         for name, kinds in (("oil_level", _WITH_LEVEL), ("oil_flow", _WITH_FLOW)):
             if getattr(self, name) is not None and self.supply not in kinds:
-                only = " or ".join(repr(kind) for kind in kinds)
+                only = " or ".join(map(repr, kinds))
                 raise FieldError(name, f"only read for supply = {only}, not for {self.supply!r}")
 
 

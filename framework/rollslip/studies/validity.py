@@ -611,7 +611,7 @@ def validity_record(
     return {
         "bounds": rows,
         "approximation": None if difference is None else attrs.asdict(difference),
-        "messages": [attrs.asdict(message) for message in messages],
+        "messages": list(map(attrs.asdict, messages)),
     }
 
 

@@ -516,7 +516,7 @@ def dimension(unit: str) -> tuple[float, float, float, float]:
             if factor is None:
                 raise UnitError(f"{unit!r} is not a unit that is known here")
             total += sign * float(factor[2] or 1) * np.array(_unit(factor[1])[1][:4])
-    metre, kilogram, second, kelvin = (float(exponent) for exponent in total)
+    metre, kilogram, second, kelvin = map(float, total)
     return metre, kilogram, second, kelvin
 
 

@@ -184,7 +184,7 @@ def as_dict(findings: Sequence[Finding]) -> dict[str, Any]:
     return {
         "passed": passed(findings),
         "counts": dict(sorted(Counter(finding.status for finding in findings).items())),
-        "findings": [attrs.asdict(finding) for finding in findings],
+        "findings": list(map(attrs.asdict, findings)),
     }
 
 

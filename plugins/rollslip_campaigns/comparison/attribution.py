@@ -300,7 +300,7 @@ def attribute_differences(
         The comparison with the differences; NaN for combinations without friction, and in bins without friction force.
     """
     labels = dataset["combination"].to_numpy().tolist()
-    sizes = [len(names) for names in bins.names.values()]
+    sizes = list(map(len, bins.names.values()))
     shape = (len(labels), dataset.sizes[curve])
     first_bins = np.cumsum([0, *sizes[:-1]])
     mean = np.full(shape, np.nan)

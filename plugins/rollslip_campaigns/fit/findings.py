@@ -144,7 +144,7 @@ class FitAccount(Account):
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the parameters with their errors and intervals."""
-        return [Table("", _HEAD, [list(row) for row in parameter_rows(dataset)])]
+        return [Table("", _HEAD, list(map(list, parameter_rows(dataset))))]
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:

@@ -375,7 +375,7 @@ class _ProfileWalk:
         at_bound = (minimum.x - low < _BOUND_DISTANCE) | (high - minimum.x < _BOUND_DISTANCE)
         active = np.flatnonzero(at_bound & (slope > _BOUND_SLOPE))
         if active.size:
-            self.bounded[value] = tuple(int(j) for j in active + (active >= k))
+            self.bounded[value] = tuple(map(int, active + (active >= k)))
         return max(rise, 0.0)
 
     def profile(self, quantiles: tuple[float, ...], error: float) -> LikelihoodProfile:

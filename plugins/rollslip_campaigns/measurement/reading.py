@@ -74,7 +74,7 @@ def load_measurements(folder: str | os.PathLike[str]) -> list[Measurement]:
     folders = sorted(path.parent for path in Path(folder).glob(f"*/{FILE}"))
     if not folders:
         raise SceneError([f"{readable(os.fspath(folder))}: no folder in it has a file {FILE}"])
-    return [load_measurement(path) for path in folders]
+    return list(map(load_measurement, folders))
 
 
 def load_measurement(folder: str | os.PathLike[str]) -> Measurement:
@@ -398,7 +398,7 @@ class _Reader:
             )
             return
         number, cells = lines[0]
-        header = [_parse_head(cell) for cell in cells]
+        header = list(map(_parse_head, cells))
         n_problems = len(self.problems)
         self.problems += _header_problems(header, unit, f"{source}:{number}")
         if len(self.problems) > n_problems:

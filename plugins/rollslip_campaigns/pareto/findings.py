@@ -121,7 +121,7 @@ class ParetoAccount(Account):
         """
         tables = []
         for study, part in studies(dataset):
-            names = [str(name) for name in part["result"].values]
+            names = list(map(str, part["result"].values))
             for kinds, (number, on_front) in NUMBERS.items():
                 rows = rows_of_kinds(part, *kinds)
                 if rows.size == 1:

@@ -254,7 +254,7 @@ class Fmu(TablesFormat):
 def _compile_library(code: Mapping[str, str]) -> tuple[bytes | None, str]:
     """Return the compiled library and "", or None and the reason why there is none."""
     command = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
-    candidates = (shutil.which(name) for name in (command, "cc", "gcc", "clang"))
+    candidates = map(shutil.which, (command, "cc", "gcc", "clang"))
     compiler = next(filter(None, candidates), None)
     if compiler is None:
         return None, "no C compiler is found"

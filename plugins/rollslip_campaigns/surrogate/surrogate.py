@@ -670,7 +670,7 @@ def _dataset(
             "median_error": float(np.median(errors)),
             "error_requested": plan.error,
             "sliding_small": SLIDE_ROLL_SCALE,
-            "nodes": json.dumps([len(row) for row in rows] + [len(row) for row in nodes.values()]),
+            "nodes": json.dumps(list(map(len, rows)) + list(map(len, nodes.values()))),
         },
     )
     return _with_steady_states(result, plan)

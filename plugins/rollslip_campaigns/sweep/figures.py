@@ -139,7 +139,7 @@ def _results(
     for name, values in dataset.data_vars.items():
         if values.dtype.kind != "f" or name == "seconds":
             continue
-        inner = {str(dim) for dim in values.dims} - set(keys)
+        inner = set(map(str, values.dims)) - set(keys)
         categories = [*named_dims(values, [*keys, "ring"])]
         if (
             len(categories) == 1

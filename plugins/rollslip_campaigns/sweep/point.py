@@ -297,7 +297,7 @@ def _pack_values(variables: Variables, coords: Variables) -> tuple[str, bytes, s
         if values.dtype.kind in "fiub":
             numbers.append(np.ascontiguousarray(values, dtype="<f8").tobytes())
         else:
-            texts.append([str(text) for text in values.ravel()])
+            texts.append(list(map(str, values.ravel())))
     layout = {
         "variables": {name: _layout_of(*variable) for name, variable in variables.items()},
         "coords": {

@@ -155,9 +155,7 @@ class Axis:
     def coordinate(self) -> "NDArray[Any]":
         """Values of the coordinate in a result: numbers, or names where values are not numbers."""
         number = self.quantity.unit is not None or self.quantity.whole
-        return (
-            np.array(self.values) if number else np.array([label(value) for value in self.values])
-        )
+        return np.array(self.values) if number else np.array(list(map(label, self.values)))
 
     def value_as_written(self, number: int) -> object:
         """Return a value by number as it was written."""
@@ -224,7 +222,7 @@ def parse_over(text: str) -> tuple[str, object]:
 
 def parse_overs(texts: Sequence[str]) -> dict[str, object]:
     """Return the values of several ``key=values``, by key; a key that occurs twice is refused."""
-    pairs = [parse_over(text) for text in texts]
+    pairs = list(map(parse_over, texts))
     counts = Counter(key for key, _ in pairs)
     if twice := sorted(key for key in counts if counts[key] > 1):
         raise SceneError(

@@ -280,6 +280,6 @@ def _convergence(dataset: "xr.Dataset") -> "Figure":
             mfc="white",
             ls="",
         )
-    axes.set_xticks(count, [str(samples) for samples in count])
+    axes.set_xticks(count, list(map(str, count)))
     axes.minorticks_off()
     return sheet.done("Samples", f"Allowable slip at {float(dataset.attrs['probability']):g} [%]")

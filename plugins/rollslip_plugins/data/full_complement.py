@@ -75,10 +75,10 @@ class FullComplementBearings(Family):
     def _sizes(self) -> dict[tuple[str, str], tuple[int, int, int]]:
         """Series and code of the bore of every size, and what it is [mm]."""
         listed = {
-            series: [[int(mm) for mm in row.split()] for row in text.split(",")]
+            series: [list(map(int, row.split())) for row in text.split(",")]
             for series, text in _SIZES.items()
         }
-        listed |= {series: [list(size) for size in boundaries(series)] for series in ("22", "23")}
+        listed |= {series: list(map(list, boundaries(series))) for series in ("22", "23")}
         return {
             (series, f"{size[0] // 5:02}"): (size[0], size[1], size[2])
             for series, (_, _, (first, last), _, _) in _SERIES.items()

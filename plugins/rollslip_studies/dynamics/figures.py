@@ -237,7 +237,7 @@ def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
     (first, reference), *_ = datasets.items()
     longest = max(datasets.values(), key=lambda dataset: float(dataset["time"][-1]))
     scale = _scale(longest)
-    single = all(_resolved(dataset) for dataset in datasets.values())
+    single = all(map(_resolved, datasets.values()))
     for k, (name, dataset) in enumerate(datasets.items()):
         # the reference is wide and light, so that what lies upon it is seen
         style: dict[str, Any] = {
@@ -591,7 +591,7 @@ def _other_events(dataset: "xr.Dataset") -> list[float]:
     times = np.setdiff1d(dataset["event_time"].to_numpy(), passages)
     distance = max(float(dataset["time"][-1]), 1e-300) / _MAX_EVENT_MARKS
     rounded = _scale(dataset) * distance * np.unique(np.round(times / distance))
-    return [float(time) for time in rounded]
+    return list(map(float, rounded))
 
 
 def _resolved(dataset: "xr.Dataset") -> bool:

@@ -92,7 +92,7 @@ def sliding_distance(dataset: "xr.Dataset") -> dict[str, Array]:
 
 def frictional_work(dataset: "xr.Dataset") -> dict[str, float]:
     """Return ring -> work of sliding [J], from the energy ledger."""
-    names = [str(name) for name in dataset["work"].to_numpy()]
+    names = list(map(str, dataset["work"].to_numpy()))
     return {
         ring: -float(dataset["work_done"][names.index(name), -1])
         for ring, name in _WORK.items()
@@ -131,7 +131,7 @@ def describe_heating(dataset: "xr.Dataset") -> list[str]:
     ends = ", ".join(
         f"{node} from {format_quantity(float(first), 'K', 4)} to {format_quantity(float(last), 'K', 4)}"
         for node, first, last in zip(
-            [str(node) for node in dataset["node"].to_numpy()], rows[0], rows[-1], strict=True
+            list(map(str, dataset["node"].to_numpy())), rows[0], rows[-1], strict=True
         )
     )
     made, stored, carried = (format_energy(abs(float(a[name]))) for name in _HEAT[1:])

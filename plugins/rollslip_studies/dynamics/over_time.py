@@ -306,7 +306,7 @@ class _OperationGrid:
                 or [np.zeros(is_turning.size, int)]
             )
             used = (weight > 0.0) & is_turning
-            for point in {tuple(row) for row in points[:, used].T.tolist()}:
+            for point in set(map(tuple, points[:, used].T.tolist())):
                 here = used & (points == np.array(point)[:, None]).all(axis=0)
                 result[:, here] += weight[here] * np.array(self.onset(point[: len(cells)]))[:, None]
         result[:, ~is_turning] = np.nan

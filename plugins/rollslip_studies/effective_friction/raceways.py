@@ -378,7 +378,7 @@ class LoadedRaceways:
             regime_fractions(self.inner, speeds.inner_rolling),
             regime_fractions(self.outer, speeds.outer_rolling),
         )
-        fraction, light, largest = (np.array(values) for values in zip(*rings, strict=True))
+        fraction, light, largest = map(np.array, zip(*rings, strict=True))
         return fraction, largest, light
 
     def per_roller(self, slip: Array) -> Array:

@@ -113,7 +113,7 @@ def estimate_by_secant(
         orbits = [balance.orbit_from_motion(motions[0]) for motions in found]
     excess, next_excess = (orbit.torque + balance.drag(orbit.cage_slip) for orbit in orbits)
     steps = excess / (excess - next_excess) if next_excess != excess else math.inf
-    here, beyond = (quantities(orbit) for orbit in orbits)
+    here, beyond = map(quantities, orbits)
     return SECANT_STEP * abs(steps), here + min(
         max(steps, -_MAX_EXTRAPOLATION), _MAX_EXTRAPOLATION
     ) * (beyond - here)

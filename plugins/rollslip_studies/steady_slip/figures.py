@@ -156,7 +156,7 @@ def _losses(dataset: "xr.Dataset") -> "Figure":
     sheet = Sheet(TWO_COLUMNS)
     axes = sheet.axes
     power = dataset["loss"].to_numpy()
-    sources = [str(source) for source in dataset["source"].to_numpy()]
+    sources = list(map(str, dataset["source"].to_numpy()))
     rows = np.arange(power.shape[1])
     left = np.zeros(power.shape[1])
     tints = light_to_dark()(np.linspace(1.0, 0.0, len(sources)))

@@ -269,7 +269,7 @@ def varying_motion(
     _check_rings(assembly, history, top_speeds, planar is not None)
     # Only the rates of plane motion follow the load of the moment, so that the load needs no axis. Effective friction
     # is an average over the loads, and a drag may take the load of its scene.
-    of_scene = set[str]().union(*(taken_from_scene(model) for model in assembly.cage.named))
+    of_scene = set[str]().union(*map(taken_from_scene, assembly.cage.named))
     load_in_rates = planar is not None and not (
         friction.name == "effective" or "radial_load" in of_scene
     )

@@ -335,7 +335,7 @@ class Orbits:
             return self.over_position <= self.tolerance
 
         pairs = list(itertools.pairwise(self.roots))
-        is_accurate = all(measure(force) for force in self.roots)
+        is_accurate = all(map(measure, self.roots))
         for _ in range(_MEASURED_HALVINGS):
             is_accurate = is_accurate and all(measure(0.5 * (low + high)) for low, high in pairs)
             if not is_accurate:
