@@ -17,6 +17,7 @@ __all__ = [
     "DEEPEST",
     "FrozenTable",
     "KeyPath",
+    "as_table",
     "key_lines",
     "loads",
     "parse",
@@ -89,6 +90,13 @@ def thawed(value: object) -> Any:
             return plain
         return [f"{x!r} {unit}" for x in plain] if isinstance(plain, list) else f"{plain!r} {unit}"
     return list(map(thawed, value)) if isinstance(value, list | tuple | range) else value
+
+
+def as_table(raw: object) -> Mapping[str, Any]:
+    """Return a table as it is; an empty one in place of what is none."""
+    if isinstance(raw, Mapping):
+        return raw
+    return {}
 
 
 def loads(text: str) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceM
 from rollslip.scene.supply import DENSITY, SUPPLIES, OilSupply
 from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene
 from rollslip.structure import Location, structure
+from rollslip.toml import as_table
 from rollslip.units import expectation, format_quantity, quantity
 
 #: Largest number of resistances, and of torques, that are added. Kernels have room for 8 resistances (stages/drag.pyx)
@@ -350,10 +351,8 @@ def _listed_drags(
 
 def _written_tables(scene: Scene) -> tuple[str, Mapping[str, Any]]:
     """Return the name of the bearing and the table of the cage as they are written; empty where there are none."""
-    bearing = scene.tables.get("bearing")
-    return str(bearing.get("name", "")) if isinstance(bearing, Mapping) else "", scene.tables.get(
-        "cage"
-    ) or {}
+    name = str(as_table(scene.tables.get("bearing")).get("name", ""))
+    return name, scene.tables.get("cage") or {}
 
 
 def describe_cage(scene: Scene, cage: Cage) -> tuple[str, str]:

@@ -14,6 +14,7 @@ from rollslip.catalogue.kinds import get_kind
 from rollslip.errors import PluginError, describe_error, raise_problems
 from rollslip.fields import FieldError
 from rollslip.structure import Location, structure
+from rollslip.toml import as_table
 
 #: Returns constants of an oil for a law, as defaults of some of its parameters, by the name and parameters of the law.
 Constants: TypeAlias = Callable[[str, Collection[str]], Mapping[str, object]]
@@ -136,7 +137,7 @@ def structure_model(
         raw = {"model": raw}
     if isinstance(raw, get_kind(kind).base):
         return raw
-    parameters = dict(raw) if isinstance(raw, Mapping) else {}
+    parameters = dict(as_table(raw))
     name = parameters.pop("model", None)
     if not isinstance(name, str):
         problems.append(

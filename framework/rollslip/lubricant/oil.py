@@ -21,6 +21,7 @@ from rollslip.lubricant.pressure import ALPHAS, PressureViscosity, default_law
 from rollslip.lubricant.temperature import TemperatureLaw
 from rollslip.references import Citation
 from rollslip.structure import FrozenTable
+from rollslip.toml import as_table
 from rollslip.units import format_quantity
 
 __all__ = ["GRADES", "Lubricant", "OilState", "Scatter", "legend", "scatter_of"]
@@ -241,7 +242,7 @@ class Lubricant:
             if key in known and not isinstance(value, Mapping)
         }
         own = self.models.get(law, {})
-        return {**shared, **own} if isinstance(own, Mapping) else shared
+        return {**shared, **as_table(own)}
 
     @property
     def slopes(self) -> dict[str, float]:

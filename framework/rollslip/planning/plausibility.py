@@ -29,7 +29,7 @@ from rollslip.scene.rings import ring_flexibility, rings_of
 from rollslip.scene.values import Scene, model_kind
 from rollslip.structure import Location, fields_of, resolved, types_of
 from rollslip.studies.study import study_class
-from rollslip.toml import parse, split_key
+from rollslip.toml import as_table, parse, split_key
 from rollslip.units import UnitError, as_written, quantity, unit_given
 
 __all__ = ["implausible", "implausible_in_sweep"]
@@ -56,8 +56,7 @@ def implausible(scene: Scene, varied_keys: Collection[str] = ()) -> list[str]:
     messages += _oil(scene, raw, where.at("lubricant"))
     messages += _unusual_values(Cage, raw.get("cage"), where.at("cage"))
     messages += _models(raw, where)
-    studies = raw.get("study")
-    for name, table in studies.items() if isinstance(studies, Mapping) else ():
+    for name, table in as_table(raw.get("study")).items():
         with contextlib.suppress(RollslipError):  # a run of the study reports it
             messages += _unusual_values(study_class(name, scene), table, where.at("study").at(name))
     messages += _unusual_relations(scene, raw, where)
@@ -211,11 +210,9 @@ def _form_preload(scene: Scene, rings: Any, interference: float) -> tuple[float,
 
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
     """Yield location and text for each unusual parameter of models and drags."""
-    models = raw.get("models")
-    cage = raw.get("cage")
-    for kind, model in models.items() if isinstance(models, Mapping) else ():
+    for kind, model in as_table(raw.get("models")).items():
         yield from _unusual_model(model_kind(kind), model, where.at("models").at(kind))
-    drags = cage.get("drag", ()) if isinstance(cage, Mapping) else ()
+    drags = as_table(raw.get("cage")).get("drag", ())
     for k, drag in enumerate(drags if isinstance(drags, list | tuple) else ()):
         yield from _unusual_model("drag", drag, where.at("cage").at("drag").at(k))
 

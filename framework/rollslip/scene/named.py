@@ -13,6 +13,7 @@ from rollslip.errors import PluginError, UnknownNameError
 from rollslip.scene.clearance import FOLLOWS, bearing_in_class, set_initial_clearance
 from rollslip.scene.values import Models, model_kind
 from rollslip.structure import Location, bare_key, fields_of, resolved
+from rollslip.toml import as_table
 from rollslip.units import as_written
 
 __all__ = ["NAMED", "surface_name", "unknown_names", "with_named_data", "with_own_cage"]
@@ -152,9 +153,8 @@ def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
 
     wanted = [("lubricant", where.at("lubricant").at("name"), raw.get("lubricant"), "name")]
     for table in ("models", "study"):
-        below = raw.get(table)
         at = where.at(table)
-        for key, given in below.items() if isinstance(below, Mapping) else ():
+        for key, given in as_table(raw.get(table)).items():
             if table == "study":
                 wanted.append(("study", at.at(key), key, ""))
             elif key in _KINDS:

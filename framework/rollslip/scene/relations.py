@@ -17,6 +17,7 @@ import attrs
 from rollslip.fields import FieldError, Span, as_given, format_span
 from rollslip.scene.supply import DEEPEST
 from rollslip.structure import Location
+from rollslip.toml import as_table
 from rollslip.units import GRAVITY, format_quantity, likely, unit_given
 
 __all__ = [
@@ -69,8 +70,7 @@ class Relation:
 
     def written_value(self, raw: Mapping[str, object]) -> object:
         """Return the blamed value as it is written in a raw scene; None if it is not written."""
-        table = raw.get(self.table)
-        return table.get(self.field) if isinstance(table, Mapping) else None
+        return as_table(raw.get(self.table)).get(self.field)
 
     def attribute(self, scene: Scene) -> "attrs.Attribute[Any]":
         """Return the field of the blamed value."""

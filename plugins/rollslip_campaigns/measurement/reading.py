@@ -22,7 +22,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, Location, structure
-from rollslip.toml import parse
+from rollslip.toml import as_table, parse
 from rollslip.units import UnitError, as_written, check_unit, quantity
 from rollslip_campaigns.measurement.rig import (
     FilmRow,
@@ -540,7 +540,7 @@ def _nested_value(table: Mapping[str, Any], path: list[str]) -> Any:
         if value is not None:
             if n == len(path):
                 return value
-            return _nested_value(value, path[n:]) if isinstance(value, Mapping) else None
+            return _nested_value(as_table(value), path[n:])
     return None
 
 

@@ -31,6 +31,7 @@ from rollslip.results.style import (
 )
 from rollslip.results.text import in_percent, short_label
 from rollslip.search import Array
+from rollslip.toml import as_table
 from rollslip.units import UnitError, converted, shown_unit
 from rollslip_campaigns.sweep.findings import (
     axis_keys,
@@ -215,7 +216,7 @@ def _value_in_scene(dataset: "xr.Dataset", key: str) -> float:
     """Return the value of a varied quantity in the scene itself; NaN where the scene has no number for it."""
     value: Any = json.loads(dataset.attrs.get("scene_resolved", "{}"))
     for part in str(dataset[key].attrs.get("key", key)).split("."):
-        value = value.get(part) if isinstance(value, dict) else None
+        value = as_table(value).get(part)
     return float(value) if isinstance(value, int | float) else np.nan
 
 
