@@ -62,8 +62,13 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
                 f"a {kind} takes no parameters here, got {', '.join(parameters)}; set them in a scene"
             )
         return get_class(kind, name)
-    problems: list[str] = []
-    model = structure_model(kind, {"model": name, **parameters}, Location({}, (name,)), problems)
+    return right_model(kind, {"model": name, **parameters}, Location({}, (name,)))
+
+
+def right_model(kind: str, raw: object, where: Location) -> Any:
+    """Return the model that a name or a table stands for; all that is wrong with it is one `SceneError`."""
+    problems = list[str]()
+    model = structure_model(kind, raw, where, problems)
     raise_problems(problems)
     return model
 

@@ -45,9 +45,9 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.assembly import assemble
-from rollslip.catalogue.registry import get_model, structure_model
+from rollslip.catalogue.registry import get_model, right_model
 from rollslip.engine import Engine, cores
-from rollslip.errors import EngineError, OutputError, SceneError, describe_error
+from rollslip.errors import EngineError, OutputError, describe_error
 from rollslip.structure import Location
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.definition import Sweep, installed_versions
@@ -256,12 +256,8 @@ def requested_engine(sweep: Sweep) -> Engine | None:
     """Return the engine that a sweep requests, None if it requests none; an unusable one raises an error."""
     if sweep.table.engine is None:
         return None
-    problems: list[str] = []
-    engine = structure_model(
-        "engine", sweep.table.engine, Location(sweep.given.origins, ("sweep", "engine")), problems
-    )
-    if problems or not isinstance(engine, Engine):
-        raise SceneError(problems)
+    where = Location(sweep.given.origins, ("sweep", "engine"))
+    engine: Engine = right_model("engine", sweep.table.engine, where)
     _check(sweep, engine)
     return engine
 

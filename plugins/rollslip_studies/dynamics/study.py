@@ -25,7 +25,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution, refined
-from rollslip.catalogue.registry import find, structure_model
+from rollslip.catalogue.registry import find, right_model
 from rollslip.errors import SceneError
 from rollslip.fields import (
     FieldError,
@@ -692,15 +692,8 @@ class Dynamics(Study):
         SceneError, PluginError
             If its parameters are wrong, or there is none of that name.
         """
-        problems = list[str]()
-        model = structure_model(
-            "integrator",
-            self.integrator,
-            Location(assembly.scene.origins, ("study", self.name, "integrator")),
-            problems,
-        )
-        if problems or not isinstance(model, IntegratorModel):
-            raise SceneError(problems)
+        where = Location(assembly.scene.origins, ("study", self.name, "integrator"))
+        model: IntegratorModel = right_model("integrator", self.integrator, where)
         return model
 
     def degrees_of_freedom(self, assembly: Assembly) -> int:

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, Self, cast
 import attrs
 
 from rollslip.catalogue.kinds import Kind
-from rollslip.catalogue.registry import structure_model
-from rollslip.errors import raise_problems
+from rollslip.catalogue.registry import right_model
 from rollslip.references import CitedModel
 from rollslip.scene.values import Scene
 from rollslip.search import Array
@@ -105,15 +104,11 @@ class ThermalModel(CitedModel):
 def thermal_model(scene: Scene) -> ThermalModel | None:
     """Return the model that a scene names under ``models.thermal``; None where the scene gives the temperatures."""
     choice = scene.models.thermal
-    problems = list[str]()
     if choice is None:
         return None
     where = Location(scene.origins, ("models", "thermal"))
-    model: Any = structure_model(
-        "thermal", {"model": choice.name, **choice.parameters}, where, problems
-    )
-    raise_problems(problems)
-    return model  # type: ignore[no-any-return]
+    model: ThermalModel = right_model("thermal", {"model": choice.name, **choice.parameters}, where)
+    return model
 
 
 def from_bearing(scene: Scene, model: ThermalModel) -> dict[str, str]:
