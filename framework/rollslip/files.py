@@ -8,7 +8,6 @@
 import csv
 import math
 import os
-import re
 import shutil
 import stat
 from collections.abc import Callable, Collection, Iterator
@@ -20,7 +19,7 @@ import attrs
 
 from rollslip.errors import OutputError, SceneError, nearest
 from rollslip.fields import FieldError
-from rollslip.units import UnitError, as_written, expectation, quantity
+from rollslip.units import NUMBER, UnitError, as_written, expectation, quantity
 
 _REMEDY: Final = "free space, or name another place"
 #: Suffix of a file that is not a scene -> what it is, and which command takes it.
@@ -94,7 +93,6 @@ _MAX_BYTES: Final = 1 << 26
 #: Time without data after which reading a pipe fails [s]. Doubling it makes users wait longer for a pipe without a
 #: writer; a slow writer needs it. Chosen.
 _PIPE_TIMEOUT: Final = 10.0
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 
 
 def named_text(file: str) -> str:
@@ -232,7 +230,7 @@ def _value(
 ) -> float:
     """Return the SI value of a cell; NaN, with a message in ``faults``, where it is wrong."""
     try:
-        number = _NUMBER.match(cell)
+        number = NUMBER.match(cell)
         if number is not None and number[0] != cell and "," not in cell:
             raise UnitError(
                 f"{as_written(cell)} is not a number alone; its unit stands in the header"

@@ -203,7 +203,8 @@ _OFFSETS = {
     **dict.fromkeys(("degC", "C"), (Fraction(1), _CELSIUS_ZERO)),
     **dict.fromkeys(("degF", "F"), (Fraction(5, 9), Fraction("459.67") * Fraction(5, 9))),
 }
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
+#: A number in a text: decimal, with an exponent of up to three digits.
+NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+)([^\d,][^,]*)?", re.ASCII)
 _FACTOR = re.compile(r"([A-Za-z%]+)(-?[1-4])?")
 _SPELLINGS = str.maketrans("µμ⁻¹²³·⋅*", "uu-123   ", "^") | {ord("°"): "deg", ord("℃"): "degC"}
@@ -421,7 +422,7 @@ def check_typed(text: str, ends: Sequence[str], unit: str) -> None:
         SI unit of the quantity.
     """
     for end in ends if isinstance(text, TypedRange) and unit != "1" else ():
-        if _NUMBER.fullmatch(end.strip()):
+        if NUMBER.fullmatch(end.strip()):
             raise UnitError(no_unit(end.strip(), unit))
 
 
@@ -474,7 +475,7 @@ def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:
     ((500.0, 1000.0, 1500.0), (0.1, 0.2, 0.3))
     """
     ends = [text.strip() for text in (low, high)]
-    bare = [_NUMBER.fullmatch(end) is not None for end in ends]
+    bare = [NUMBER.fullmatch(end) is not None for end in ends]
     if bare[0] != bare[1] and unit != "1":
         without = ends[0] if bare[0] else ends[1]
         raise UnitError(
@@ -497,7 +498,7 @@ def _from_text(text: str, unit: str) -> Fraction:
         raise UnitError(
             f"{as_written(text)}: a decimal comma is not read; {_without_comma(stripped, unit)}"
         )
-    number = _NUMBER.match(stripped)
+    number = NUMBER.match(stripped)
     try:
         value = Fraction(number[0]) if number else None
         float(value or 0)  # raises where the number exceeds all floats
@@ -557,7 +558,7 @@ def unit_given(value: object, unit: str) -> str:
     """
     if not isinstance(value, str):
         return unit
-    number = _NUMBER.match(value.strip())
+    number = NUMBER.match(value.strip())
     return (" ".join(value.strip()[number.end() :].split()) if number else "") or unit
 
 

@@ -11,6 +11,7 @@ from rollslip.bearing.cage import describe_cage, read_cage
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.registry import find
 from rollslip.models import FilmModel, PressureModel, SliceModel
+from rollslip.results.curves import or_none
 from rollslip.results.text import LOWER_BOUNDS, SWITCHED_OFF, duration_range
 from rollslip.scene.values import EXACT, Scene
 from rollslip.studies.answers import Part
@@ -43,7 +44,7 @@ _CHECK_FRACTION: Final = 0.9
 
 def part_as_dict(part: Part) -> dict[str, Any]:
     """Return a line of a plan as plain values, for JSON; an error that cannot be determined is null."""
-    errors = {name: error if math.isfinite(error) else None for name, error in part.errors.items()}
+    errors = {name: or_none(error) for name, error in part.errors.items()}
     return attrs.asdict(part) | {"errors": errors}
 
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import reference_resolution
 from rollslip.planning.plan import Plan
+from rollslip.results.curves import or_none
 from rollslip.results.dataset import xr
 from rollslip.scene.values import EXACT, Accuracy
 from rollslip.studies.bounds import (
@@ -176,7 +177,7 @@ def accuracy_rows(
     estimated = plan.choices[study].total
 
     def number(errors: Mapping[str, float], result: str) -> float | None:
-        return errors[result] if math.isfinite(errors.get(result, math.inf)) else None
+        return or_none(errors.get(result, math.inf))
 
     return [
         {

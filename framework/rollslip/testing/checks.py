@@ -537,7 +537,7 @@ def parameters_in_other_units(model: Any, powers: tuple[int, int, int, int]) -> 
         elif isinstance(value, float) and unit is not None and any(dimension(unit)):
             changes[attribute.alias] = in_other_units(value, unit, powers)
     with attrs.validators.disabled():  # limits are written in SI
-        return attrs.evolve(model, **changes) if changes else model
+        return attrs.evolve(model, **changes)
 
 
 @rule(SliceModel)

@@ -23,7 +23,7 @@ from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, Location, structure
 from rollslip.toml import as_table, parse
-from rollslip.units import UnitError, as_written, check_unit, quantity
+from rollslip.units import NUMBER, UnitError, as_written, check_unit, quantity
 from rollslip_campaigns.measurement.rig import (
     FilmRow,
     Rig,
@@ -57,8 +57,6 @@ FILE: Final = "measurement.toml"
 MEASURED = "measured"
 #: Column of its standard uncertainty.
 UNCERTAINTY = "uncertainty"
-#: A number in a cell: decimal, with an exponent of up to three digits.
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 #: A variable of a study: STUDY/VARIABLE.
 _STUDY_VARIABLE: Final = re.compile(r"[\w-]+/\w+", re.ASCII)
 #: How the values of a form are read, which has none yet.
@@ -437,7 +435,7 @@ class _Reader:
         values = dict[str, float]()
         n_problems = len(self.problems)
         for (name, cell_unit), cell in zip(header, cells, strict=True):
-            if cell_unit and not _NUMBER.fullmatch(cell):
+            if cell_unit and not NUMBER.fullmatch(cell):
                 reason = "is empty" if not cell else f"{as_written(cell)} is not a number alone"
                 self.problems.append(f"{where}: {name}: {reason}; its unit stands in the header")
             elif name in (MEASURED, UNCERTAINTY):
@@ -547,7 +545,7 @@ def _nested_value(table: Mapping[str, Any], path: list[str]) -> Any:
 def _is_number(value: object) -> bool:
     """Return whether a value of a scene is a number, also as a text with a unit."""
     if isinstance(value, str):
-        return _NUMBER.match(value) is not None
+        return NUMBER.match(value) is not None
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 

@@ -38,16 +38,13 @@ from rollslip.units import unit_given
 from rollslip_campaigns.sweep.definition import POINT_VARIABLES, Sweep
 from rollslip_campaigns.sweep.journal import STATUSES, check_owner, layouts, records
 from rollslip_campaigns.sweep.point import unpack_values
-from rollslip_campaigns.sweep.sampling import Axis, Design, farthest_points
+from rollslip_campaigns.sweep.sampling import CANDIDATES, Axis, Design, farthest_points
 
 __all__ = ["collect", "deviations_from_run", "origin_of_points"]
 
 #: Number of points, besides the one nearest to the median, at which validity ranges are checked. Twice as many take
 #: twice the time, some milliseconds per point, and find more of the points outside a range. Chosen.
 _CHECKED_POINTS: Final = 8
-#: Maximum number of points among which those are selected. More bring them closer to the corners of the design; the
-#: time of the selection is proportional. Chosen.
-_CANDIDATES: Final = 512
 #: Maximum number of exceeded validity ranges with a full message; others are summarised in one. Chosen: what a user
 #: reads.
 _MAX_REPORTED: Final = 3
@@ -249,7 +246,7 @@ def _spread_numbers(design: Design, numbers_done: "np.ndarray[Any, Any]") -> lis
     if not numbers_done.size:
         return []
     candidates = numbers_done[
-        np.unique(np.linspace(0, numbers_done.size - 1, _CANDIDATES).astype(int))
+        np.unique(np.linspace(0, numbers_done.size - 1, CANDIDATES).astype(int))
     ]
     indices = np.stack(np.unravel_index(candidates, design.shape), axis=-1)
     columns = [

@@ -66,6 +66,9 @@ SAMPLINGS: Final = ("sobol", "replicated-sobol", "latin-hypercube", "saltelli")
 #: certain and each sequence half as long, which makes quantiles less exact. Chosen: a power of two, so that with 2^k
 #: samples each sequence has a power of two of them, which Sobol sequences need for their balance.
 REPLICATES: Final = 8
+#: Maximum number of points among which those far apart are selected. More bring them closer to the corners of the
+#: design; the time of the selection is proportional. Chosen.
+CANDIDATES: Final = 512
 #: Maximum number of values of a range. Larger counts are typing errors, and their values would fill the memory. Chosen:
 #: the maximum number of points of a sweep.
 _MAX_COUNT = 10_000_000

@@ -44,6 +44,7 @@ from rollslip.units import as_written, format_quantity
 from rollslip_campaigns.sweep.definition import Resolutions, Sweep, SweepTable, combination_name
 from rollslip_campaigns.sweep.journal import has_died, journal_files
 from rollslip_campaigns.sweep.sampling import (
+    CANDIDATES,
     Axis,
     Design,
     farthest_points,
@@ -78,9 +79,6 @@ _RESOLUTION_POINTS: Final = 8
 #: Minimum number of points of a combination for which a resolution is chosen. With fewer points the choice, which costs
 #: about six points for each of nine, would take longer than it saves. Chosen.
 _MIN_POINTS_OF_COMBINATION: Final = 100
-#: Maximum number of points among which those far apart are selected. More bring them closer to the corners of the
-#: design; the time of the selection is proportional. Chosen.
-_CANDIDATES: Final = 512
 #: Advice for a folder whose description is lost.
 _RECREATE = "the same command as before, with --out {}, makes it again and takes up the journals"
 
@@ -526,7 +524,7 @@ def _distant_points(
     design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int64]]"
 ) -> list[int]:
     """Numbers of some points that are far apart in their numeric values (`farthest_points`)."""
-    candidates = numbers[np.unique(np.linspace(0, numbers.size - 1, _CANDIDATES).astype(int))]
+    candidates = numbers[np.unique(np.linspace(0, numbers.size - 1, CANDIDATES).astype(int))]
     rows = [
         [value for value in design.changes(int(number)).values() if isinstance(value, int | float)]
         for number in candidates

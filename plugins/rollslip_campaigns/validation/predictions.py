@@ -21,6 +21,7 @@ from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import OutputError, SceneError, raise_problems
 from rollslip.files import whole_file
+from rollslip.results.curves import or_none
 from rollslip.structure import FrozenTable
 from rollslip.units import as_written
 from rollslip_campaigns.measurement import Measurement, load_measurement
@@ -313,7 +314,6 @@ def _whole(text: str) -> int:
 def _number(text: str) -> float | None:
     """Return a finite number, or None for other texts."""
     try:
-        value = float(text)
+        return or_none(float(text))
     except ValueError:
         return None
-    return value if math.isfinite(value) else None

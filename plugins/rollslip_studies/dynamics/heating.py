@@ -40,15 +40,12 @@ from rollslip_studies.dynamics.choice import MotionStudy
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History
 from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, ThermalPath, with_changes
 from rollslip_studies.dynamics.history.time_functions import constant
+from rollslip_studies.dynamics.history_findings import HEAT
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.termination import with_cause
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.time_integration import Trajectory
 from rollslip_studies.motion.torque_balance import TorqueBalance
-
-#: Single values of a motion that heats its bearing.
-VALUES: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
-
 
 # Settings of the passes through motion and thermal model.
 
@@ -136,7 +133,7 @@ def temperature_variables(
         Stored times [s], (m,). Single values are those up to the last one.
     """
     if heating is None:
-        return {}, dict.fromkeys(VALUES, math.nan) | {
+        return {}, dict.fromkeys(HEAT, math.nan) | {
             "thermal_status": "no model lets temperatures follow from losses"
         }
     model = heating.model
@@ -155,7 +152,7 @@ def temperature_variables(
     )
     passes = "one pass" if heating.passes == 1 else f"{heating.passes} passes"
     return variables, {
-        **dict(zip(VALUES, values, strict=True)),
+        **dict(zip(HEAT, values, strict=True)),
         "hottest_node": model.nodes[int(np.argmax(until.max(axis=0)))],
         "thermal": model.name,
         "thermal_model": repr(model),

@@ -29,7 +29,7 @@ _MIN_STARVATION_CHANGE: Final = 0.01
 #: Step of a value, relative to its range, from which on it changes: below it is rounding.
 _MIN_CHANGE: Final = 1e-9
 #: Attributes of a result about temperatures that follow from losses.
-_HEAT: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
+HEAT: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
 #: Ring -> entry of the energy ledger with the loss by sliding there.
 _WORK: Final = {"inner": "lost_inner", "outer": "lost_outer"}
 
@@ -111,7 +111,7 @@ def heat_record(dataset: "xr.Dataset") -> dict[str, Any]:
         return {}
     last = dataset["course_temperature"].to_numpy()[-1].tolist()
     return {
-        **{name: float(dataset.attrs[name]) for name in _HEAT},
+        **{name: float(dataset.attrs[name]) for name in HEAT},
         **{
             name: str(dataset.attrs[name]) for name in ("thermal", "hottest_node", "thermal_status")
         },
@@ -134,7 +134,7 @@ def describe_heating(dataset: "xr.Dataset") -> list[str]:
             list(map(str, dataset["node"].to_numpy())), rows[0], rows[-1], strict=True
         )
     )
-    made, stored, carried = (format_energy(abs(float(a[name]))) for name in _HEAT[1:])
+    made, stored, carried = (format_energy(abs(float(a[name]))) for name in HEAT[1:])
     warmed = "warmed the parts" if float(a["heat_stored"]) >= 0.0 else "came out of the parts"
     direction = (
         "left the bearing" if float(a["heat_carried_away"]) >= 0.0 else "came into the bearing"

@@ -7,6 +7,7 @@ import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
+from rollslip.results.curves import or_none
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, percent
 from rollslip.units import format_quantity
@@ -151,12 +152,9 @@ def _row(measure: "xr.Dataset") -> Row:
 def record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return the single values; None in place of NaN."""
 
-    def number(value: Any) -> float | None:
-        return float(value) if np.isfinite(value) else None
-
     def by_ring(measure: "xr.Dataset", name: str) -> dict[str, Any]:
         return {
-            ring: value if isinstance(value, str) else number(value)
+            ring: value if isinstance(value, str) else or_none(value)
             for ring, value in zip(
                 map(str, measure["ring"].to_numpy()), measure[name].to_numpy().tolist(), strict=True
             )
@@ -166,7 +164,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         return {}
     steady: dict[str, Any] = {}
     if "slip" in dataset:
-        steady = {"slip": number(dataset["slip"]), "status": str(dataset["status"].item())}
+        steady = {"slip": or_none(dataset["slip"]), "status": str(dataset["status"].item())}
     names = [*_WORST, *(["worst_time"] if "worst_time" in dataset else [])]
     return steady | {
         "measures": {
@@ -175,7 +173,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
                     name: str(measure[name].item())
                     for name in ("meaning", "unit", "sense", "limit_source", "scope")
                 },
-                "limit": number(measure["limit"]),
+                "limit": or_none(measure["limit"]),
                 **{name: by_ring(measure, name) for name in names},
             }
             for measure in measures(dataset)
