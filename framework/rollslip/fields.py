@@ -17,7 +17,7 @@ from typing import Any, TypeAlias, TypedDict
 import attrs
 
 from rollslip.errors import RollslipError
-from rollslip.toml import FrozenTable
+from rollslip.toml import FrozenTable, as_list
 from rollslip.units import as_written, check_unit, format_quantity, likely
 
 __all__ = [
@@ -284,7 +284,7 @@ def within_possible(instance: object, attribute: "attrs.Attribute[Any]", value: 
         If a number is outside the range.
     """
     span: Span = attribute.metadata["possible"]
-    for number in value if isinstance(value, tuple) else (value,):
+    for number in as_list(value):
         if isinstance(number, int | float) and not span[0] <= number <= span[1]:
             possible = format_span(span, *_unit_and_given(attribute))
             reason = f"must be {possible}, not {_format_number(number, attribute)}"

@@ -6,7 +6,7 @@ tomllib does not return the lines of keys. A scanner finds them in a text that t
 import contextlib
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from functools import lru_cache
 from typing import Any, Final, TypeAlias
@@ -17,6 +17,7 @@ __all__ = [
     "DEEPEST",
     "FrozenTable",
     "KeyPath",
+    "as_list",
     "as_table",
     "key_lines",
     "loads",
@@ -97,6 +98,13 @@ def as_table(raw: object) -> Mapping[str, Any]:
     if isinstance(raw, Mapping):
         return raw
     return {}
+
+
+def as_list(raw: Any) -> Sequence[Any]:
+    """Return a list as it is; one of a single item in place of what is none."""
+    if isinstance(raw, list | tuple):
+        return raw
+    return [raw]
 
 
 def loads(text: str) -> dict[str, Any]:

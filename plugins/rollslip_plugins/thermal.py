@@ -321,10 +321,9 @@ class Network(ThermalModel):
                 if len(ends) == 2 and getattr(model, name) and reached & set(ends):
                     reached |= set(ends)
         if isolated := [_NODES[k] for k in (_OIL, _INNER, _ROLLERS, _OUTER) if k not in reached]:
-            where = Location(assembly.scene.origins, ("models", "thermal"))
             raise SceneError(
                 [
-                    where.message(
+                    Location(assembly.scene.origins, ("models", "thermal")).message(
                         f"no heat leaves {', '.join(isolated)}, where losses make some: temperatures rise without end; "
                         "give a flow of oil, or conductances above 0 that lead to the surroundings"
                     )
@@ -390,9 +389,8 @@ class Network(ThermalModel):
     def carried_away(self, temperatures: Array) -> dict[str, float]:
         """Return the heat that oil, housing and shaft carry away."""
         T = self._all(temperatures)
-        flow = 0.0 if self.inlet is None else self.inlet[1] * (T[_OIL] - self.inlet[0])
         return {
-            "oil": float(flow),
+            "oil": float(0.0 if self.inlet is None else self.inlet[1] * (T[_OIL] - self.inlet[0])),
             "housing": float(self.housing_ambient * (T[_HOUSE] - self.ambient_temperature)),
             "shaft": float(self.shaft_ambient * (T[_AXLE] - self.ambient_temperature)),
         }

@@ -14,7 +14,7 @@ import math
 import operator
 from collections.abc import Callable, Hashable
 from functools import cached_property, partial
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -36,7 +36,7 @@ from rollslip.rings import Rings
 from rollslip.scene.oil import check_given, members, unused_constants
 from rollslip.scene.rings import rings_of
 from rollslip.scene.values import LubricantTable, ModelChoice, Scene
-from rollslip.structure import Location
+from rollslip.structure import Location, T
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_kernels.slices import Conditions, Slices
 
@@ -50,7 +50,6 @@ _MAX_CACHED_LOADS = 1 << 14
 #: Names of the properties of an oil, which the conditions of a contact take over.
 _OIL_PROPERTIES: Final = tuple(attrs.fields_dict(OilState))
 _log = logging.getLogger(__name__)
-_T = TypeVar("_T")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -191,12 +190,12 @@ class Assembly:
             "cage", (self.scene, self.kinematics, self.lubricant, self.inner.conditions), bound
         )
 
-    def _memoised(self, name: str, sources: tuple[object, ...], make: Callable[[], _T]) -> _T:
+    def _memoised(self, name: str, sources: tuple[object, ...], make: Callable[[], T]) -> T:
         """Return the cached value of a name; compute it where it was made of other source objects."""
         entry = self.cage_cache.get(name)
         if entry is None or not all(map(operator.is_, entry[0], sources)):
             entry = self.cage_cache[name] = sources, make()
-        value: _T = entry[1]
+        value: T = entry[1]
         return value
 
     def with_resistance(self) -> "Assembly":
@@ -284,7 +283,7 @@ class Assembly:
             ("loads", n_positions), n_positions, lambda: self._solved_loads(n_positions, None, None)
         )
 
-    def cached(self, name: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
+    def cached(self, name: str, key: tuple[object, ...], make: Callable[[], T]) -> T:
         """Return the value of a name and a key with all that it depends on; it is computed once."""
         try:
             is_cached = (name, key) in self.map_cache
@@ -293,12 +292,12 @@ class Assembly:
         _log.debug("%s: %s", name, "known already" if is_cached else "built")
         if not is_cached:
             self.map_cache[name, key] = make()
-        value: _T = self.map_cache[name, key]
+        value: T = self.map_cache[name, key]
         return value
 
     def cached_by_loads(
-        self, name: tuple[Hashable, ...], n_positions: int, make: Callable[[], _T]
-    ) -> _T:
+        self, name: tuple[Hashable, ...], n_positions: int, make: Callable[[], T]
+    ) -> T:
         """Return a value that depends on the loads at some positions alone, computed once for all equal loads.
 
         Where there are more than `_MAX_CACHED_LOADS` loads it is computed each time.
@@ -308,7 +307,7 @@ class Assembly:
         key = (name, self._load_key)
         if key not in self.load_cache:
             self.load_cache[key] = make()
-        value: _T = self.load_cache[key]
+        value: T = self.load_cache[key]
         return value
 
     def _solved_loads(

@@ -148,9 +148,8 @@ def requirements() -> list[str]:
         if o.state in ("ok", "shadowed") and o.package != THIS_PROCESS
     }
     versions.pop("rollslip", None)
-    ours = importlib.metadata.version("rollslip")
     return [
-        f"rollslip=={ours}",
+        f"rollslip=={importlib.metadata.version('rollslip')}",
         *(f"{name}=={version}" for name, version in sorted(versions.items())),
     ]
 

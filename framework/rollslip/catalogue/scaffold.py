@@ -103,7 +103,8 @@ def _placeholders(
 ) -> dict[str, str]:
     """Return the values of the placeholders of all templates of a package."""
     module = name.replace("-", "_")
-    requirement = _requirement()
+    present = importlib.metadata.version("rollslip")
+    requirement = "rollslip>=" + ".".join(present.split(".")[:2])  # at least the present version
     first, *further = (template.summary for template in templates.values())
     needs = [need for template in templates.values() for need in template.needs]
     return {
@@ -213,11 +214,6 @@ def _filled(package: str, file: str, values: Mapping[str, str], compiled: bool) 
         if mark is None or (mark[1] == "compiled") == compiled:
             lines.append(line if mark is None else line[mark.end() :])
     return Template("".join(f"{line}\n" for line in lines)).substitute(values)
-
-
-def _requirement() -> str:
-    """Return the requirement of rollslip of a new package: at least the present version."""
-    return "rollslip>=" + ".".join(importlib.metadata.version("rollslip").split(".")[:2])
 
 
 def _check_name(name: str) -> None:

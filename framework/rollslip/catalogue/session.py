@@ -18,12 +18,12 @@ from rollslip.catalogue.kinds import get_kind, kind_of, usable_kinds
 from rollslip.errors import PluginError
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, FilmModel
 from rollslip.references import Citation
+from rollslip.structure import T
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
 __all__ = ["model", "register"]
 
 F = TypeVar("F", bound=Callable[..., Any])
-T = TypeVar("T")
 
 #: Kind whose law is a single function -> the column that it fills.
 _COLUMN: Final = {"film": "film_thickness", "traction": "friction"}

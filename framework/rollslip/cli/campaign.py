@@ -32,6 +32,7 @@ from rollslip.cli.app import (
 )
 from rollslip.planning.campaign import Campaign, OfPoints, OfScene, help_of, options_of, own_command
 from rollslip.results.dataset import xr
+from rollslip.toml import as_list
 
 __all__ = ["command_of", "with_settings"]
 
@@ -239,7 +240,7 @@ def _typed_command() -> list[str]:
             "formats",
         }:
             value = context.params[name]
-            for text in value if isinstance(value, tuple) else (value,):
+            for text in as_list(value):
                 prefix = "" if isinstance(parameter, click.Argument) else f"{parameter.opts[0]}="
                 arguments.append(f"{prefix}{text}")
     return arguments

@@ -468,7 +468,6 @@ def scene_info(scene: Scene) -> Groups:
             places = assembly.places(raceway.ring, np.zeros(1), np.zeros(1)) | {"position": 0.0}
             slices = raceway.evaluate(np.array([load.max()]), u, 0.0, **places)
             M, L = moes_groups(slices)
-            code = int(film_by_regime(*groups(slices))[1][0])
             rows += [
                 (
                     "heaviest contact: mean pressure",
@@ -481,7 +480,7 @@ def scene_info(scene: Scene) -> Groups:
                 ),
                 ("  film parameter", f"{slices.film_thickness[0] / c.roughness:.3g}"),
                 ("  Moes M, L", f"{M[0]:.3g}, {L[0]:.3g}"),
-                ("  film regime", LONG_NAMES[NAMES[code]]),
+                ("  film regime", LONG_NAMES[NAMES[int(film_by_regime(*groups(slices))[1][0])]]),
             ]
         sections[f"{raceway.ring} raceway"] = rows
     if grades:

@@ -17,7 +17,7 @@ from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.account import Account, Contact, Figures
 from rollslip.results.answer import Answer, Row, collect_notes, describe_case, merge_answers
-from rollslip.results.curves import Curve, critical_rows, curves
+from rollslip.results.curves import Curve, critical_rows, curves, json_value
 from rollslip.results.dataset import READ_ERRORS, shown_short, xr
 from rollslip.results.text import LOWER_BOUNDS, percent, single_value_indices, single_values
 from rollslip.scene.reading import shipped_scenes
@@ -80,8 +80,7 @@ class PlainAccount(Account):
         singles: dict[str, Any] = {}
         for name in map(str, dataset.data_vars):
             for _, at in single_value_indices(dataset, name):
-                value = dataset[name].isel(at).item()
-                value = None if isinstance(value, float) and not math.isfinite(value) else value
+                value = json_value(dataset[name].isel(at).item())
                 if at:
                     (dim, k), *_ = at.items()
                     singles.setdefault(name, {})[str(dataset[dim].to_numpy()[k])] = value

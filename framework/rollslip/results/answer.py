@@ -329,7 +329,7 @@ class Answer:
         summary = summarise_notes(self.notes, more)
         return [
             ("assumed", list(self.assumed)),
-            ("notes", [*self.faults, summary] if summary else [*self.faults]),
+            ("notes", list(filter(None, (*self.faults, summary)))),
             ("next", list(self.next)),
         ]
 

@@ -237,6 +237,11 @@ def critical_rows(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
     return rows
 
 
+def json_value(value: Any) -> Any:
+    """Return a value for JSON: None in place of a number that is NaN or infinite."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def or_none(value: Any) -> float | None:
     """Return a number for JSON: None for one that is NaN or infinite."""
     return float(value) if math.isfinite(value) else None

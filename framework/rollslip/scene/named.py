@@ -13,7 +13,7 @@ from rollslip.errors import PluginError, UnknownNameError
 from rollslip.scene.clearance import FOLLOWS, bearing_in_class, set_initial_clearance
 from rollslip.scene.values import Models, model_kind
 from rollslip.structure import Location, bare_key, fields_of, resolved
-from rollslip.toml import as_table
+from rollslip.toml import as_list, as_table
 from rollslip.units import as_written
 
 __all__ = ["NAMED", "surface_name", "unknown_names", "with_named_data", "with_own_cage"]
@@ -158,8 +158,9 @@ def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
             if table == "study":
                 wanted.append(("study", at.at(key), key, ""))
             elif key in _KINDS:
-                several = given if isinstance(given, list | tuple) else (given,)
-                wanted += [(model_kind(key), at.at(key), choice, "model") for choice in several]
+                wanted += [
+                    (model_kind(key), at.at(key), choice, "model") for choice in as_list(given)
+                ]
     problems = []
     for kind, location, named, key in wanted:
         name = named.get(key) if isinstance(named, Mapping) else named

@@ -86,9 +86,8 @@ def _force_means(
     sums = np.zeros((2, len(contacts)))
     loaded = [k for k, item in enumerate(contacts) if len(item.load)]
     for table in evaluate_rings(contacts, assembly):
-        weighted = table.force * quantity(law, name, table.slices)
         sums[:, loaded] = (
-            np.add.reduceat(weighted, table.starts),
+            np.add.reduceat(table.force * quantity(law, name, table.slices), table.starts),
             np.add.reduceat(table.force, table.starts),
         )
     with np.errstate(invalid="ignore"):

@@ -219,14 +219,13 @@ def check_fills_what_it_writes_and_touches_nothing_else(model: SliceModel) -> No
                     getattr(given, name)[:] = filling
             before = copy_of(given)
             results.append(evaluate(shaped, given))
-            untouched = [name for name in COLUMNS if name not in model.writes]
             same(
                 given,
                 before,
                 shaped,
                 0.0,
                 f"the {form} form changes a column it does not write",
-                untouched,
+                [name for name in COLUMNS if name not in model.writes],
             )
         for other in results[1:]:
             what = f"the {form} form gives another result where what it does not read was another"
@@ -295,9 +294,8 @@ def check_does_not_depend_on_the_block_size(model: SliceModel) -> None:
         slices = table(shaped, MANY if form == "compiled" else 67)
         whole = evaluate(shaped, copy_of(slices), 0)
         for block in (1, 2, 7, 64, 256):
-            part = evaluate(shaped, copy_of(slices), block)
             same(
-                part,
+                evaluate(shaped, copy_of(slices), block),
                 whole,
                 shaped,
                 bits(form, model),
@@ -318,9 +316,8 @@ def check_does_not_depend_on_the_order_of_slices(model: SliceModel) -> None:
             np.roll(np.arange(n), 101),
             np.argsort(np.arange(n) % 2, kind="stable"),
         ):
-            other = evaluate(shaped, picked(slices, order))
             same(
-                other,
+                evaluate(shaped, picked(slices, order)),
                 picked(straight, order),
                 shaped,
                 bits(form, model),
@@ -366,10 +363,9 @@ def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
         tasks = []
         for k in range(THREADS):
             given = picked(slices, (np.arange(n) + 37 * k) % len(slices))
-            expected = evaluate(shaped, copy_of(given))
             compare = partial(
                 same,
-                expected=expected,
+                expected=evaluate(shaped, copy_of(given)),
                 model=shaped,
                 tolerance=0.0,
                 what=f"{form} form, eight threads",

@@ -19,7 +19,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from types import MappingProxyType
-from typing import Any, Final, TypeVar, cast
+from typing import Any, Final, cast
 
 import attrs
 import numpy as np
@@ -32,9 +32,9 @@ from rollslip.bearing.chain import Chain
 from rollslip.errors import DomainError
 from rollslip.lubricant.pressure import Array, PressureViscosity
 from rollslip.models import NO_LIMITS, NON_NEGATIVE, POSITIVE, Domain, SliceModel, left_to_scene
+from rollslip.structure import T
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 
-T = TypeVar("T")
 Limits = tuple[float, float]
 
 #: Member -> (lowest, typical, highest) magnitude in SI units: several decades around those of bearings, gears and cams.

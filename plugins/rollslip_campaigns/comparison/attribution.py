@@ -246,8 +246,7 @@ class Bins:
                 f"in {film} film, {interval}"
                 for film, interval in zip(("boundary", "mixed", "full"), intervals, strict=True)
             )
-        regimes = {} if law is None else law.regimes
-        for grouping, (_, symbol) in regimes.items():
+        for grouping, (_, symbol) in ({} if law is None else law.regimes).items():
             if not any(np.isnan(values).any() for values in criteria[grouping]):
                 limits[grouping] = LIMITS
                 bins[grouping] = tuple(f"where {interval}" for interval in _ranges(symbol, LIMITS))

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account, Story, Table
 from rollslip.results.accounts import account_of
-from rollslip.results.curves import Curves, curve_names, or_none
+from rollslip.results.curves import Curves, curve_names, json_value
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.text import two_digits
 from rollslip.units import format_quantity
@@ -331,10 +331,7 @@ class AlternativesAccount(Account):
         """Return the rows, best first."""
         return {
             "alternatives": [
-                {
-                    str(name): or_none(row[name]) if isinstance(row[name], float) else row[name]
-                    for name in ("alternative", *dataset.data_vars)
-                }
+                {str(name): json_value(row[name]) for name in ("alternative", *dataset.data_vars)}
                 for row in rows_along(dataset, "alternative")
             ]
         }

@@ -70,11 +70,10 @@ def _fit(dataset: "xr.Dataset") -> "Figure":
     known = dataset.attrs["uncertainties"] == "given"
     for point, colour, label in _points(dataset):
         rows = dataset["operating_point"].to_numpy() == point
-        error = dataset["uncertainty"].to_numpy()[rows] if known else None
         axes.errorbar(
             100 * slip[rows],
             friction[rows],
-            error,
+            dataset["uncertainty"].to_numpy()[rows] if known else None,
             color=colour,
             linestyle="none",
             elinewidth=0.6,

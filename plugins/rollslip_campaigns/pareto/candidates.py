@@ -245,10 +245,9 @@ def _choices_of_study(
         and _COARSENING * reference.integrator_tolerance,
     )
     choice = partial(Choice, study=study, scene=scene)
-    labelled = ((REFERENCE, reference), (HALF, half), (EXACT, exact))
     choices = [
         choice(label=label, kind="reference", resolution=resolution)
-        for label, resolution in labelled
+        for label, resolution in ((REFERENCE, reference), (HALF, half), (EXACT, exact))
         if label == REFERENCE or resolution != reference
     ]
     choices.append(choice(label=PLANNED, kind="numerical", resolution=planned))

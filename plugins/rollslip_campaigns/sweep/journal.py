@@ -22,13 +22,14 @@ from functools import lru_cache
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 from zlib import crc32
 
 import attrs
 
 from rollslip.errors import BusyError, OutputError
 from rollslip.files import blamed
+from rollslip.structure import T
 
 __all__ = [
     "LOCK",
@@ -62,7 +63,6 @@ create table point (
 _LOCK_TIMEOUT = 60.0
 #: Name of the lock file of a folder.
 LOCK: Final = "sweep.lock"
-T = TypeVar("T")
 
 #: Statuses of points that are done.
 STATUSES: Final = ("ok", "not-converged", "outside-domain", "crashed", "timed-out")

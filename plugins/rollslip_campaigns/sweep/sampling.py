@@ -30,7 +30,7 @@ from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
 from rollslip.search import Array
-from rollslip.toml import thawed
+from rollslip.toml import as_list, thawed
 from rollslip.units import (
     TypedRange,
     UnitError,
@@ -194,7 +194,7 @@ def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribu
     """
     if isinstance(raw, str) and ":" in raw and (quantity.unit is not None or quantity.whole):
         return _range(quantity, raw, sampled)
-    listed = list(raw) if isinstance(raw, list | tuple) else [raw]
+    listed = as_list(raw)
     if not listed:
         raise FieldError(quantity.key, "the list is empty; give at least one value")
     values = [

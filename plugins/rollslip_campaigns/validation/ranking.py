@@ -193,8 +193,7 @@ def _labels(series: Series) -> list[str]:
 def _errors(series: Series, values: Array) -> Array:
     """Return the root mean square of the deviations over their uncertainty, for each condition."""
     measured = np.array([row.measured for row in series.rows])
-    sigma = np.array([row.uncertainty for row in series.rows])
-    deviations = (values - measured) / sigma
+    deviations = (values - measured) / np.array([row.uncertainty for row in series.rows])
     return np.array(
         [
             max(math.sqrt(float(np.mean(deviations[rows] ** 2))), _MIN_ERROR)

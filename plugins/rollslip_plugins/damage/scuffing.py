@@ -117,10 +117,9 @@ class ScuffingIso(BulkAndFlash):
     def of(self, assembly: "Assembly") -> Self:
         """Return the measure with the viscosity of the scene's oil."""
         if self.fzg_stage is None:
-            where = Location(assembly.scene.origins, ("models", "damage"))
             raise SceneError(
                 [
-                    where.message(
+                    Location(assembly.scene.origins, ("models", "damage")).message(
                         f"{self.name} needs fzg_stage, the load stage of FZG's test A/8.3/90 at which the oil scuffs: "
                         "take it from the oil's data sheet, as in { model = 'scuffing-iso', fzg_stage = 12 }"
                     )

@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from rollslip.results.answer import Row
+from rollslip.results.curves import json_value
 from rollslip.results.dataset import xr
 from rollslip.results.text import describe_estimated, percent
 from rollslip.search import Array
@@ -158,10 +159,7 @@ def describe_heating(dataset: "xr.Dataset") -> list[str]:
 
 def without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return values with None in place of numbers that are not finite."""
-    return {
-        key: None if isinstance(v, float) and not math.isfinite(v) else v
-        for key, v in values.items()
-    }
+    return {key: json_value(value) for key, value in values.items()}
 
 
 def record(dataset: "xr.Dataset") -> dict[str, Any]:

@@ -108,13 +108,12 @@ def _draw(
     for ring, row in zip(map(str, measure["ring"].to_numpy()), rows, strict=True):
         if np.isfinite(row).any():
             value = format_value(float(extreme(row)), unit)
-            label = f"{ring} ring, {value}".replace("degC", "°C").replace("m2", "m²")
             axes.plot(
                 x,
                 convert(row),
                 color=RING_COLOURS[ring],
                 linestyle=DASHES[0 if ring == "inner" else 1],
-                label=label,
+                label=f"{ring} ring, {value}".replace("degC", "°C").replace("m2", "m²"),
             )
     if not is_largest:  # large values, of contacts that hardly touch, would hide the worst
         axes.set_ylim(0.0, _MAX_RATIO * convert(float(np.nanmax(np.nanmin(rows, axis=1)))))

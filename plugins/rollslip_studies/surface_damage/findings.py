@@ -7,7 +7,7 @@ import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
-from rollslip.results.curves import or_none
+from rollslip.results.curves import json_value, or_none
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, percent
 from rollslip.units import format_quantity
@@ -154,7 +154,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
 
     def by_ring(measure: "xr.Dataset", name: str) -> dict[str, Any]:
         return {
-            ring: value if isinstance(value, str) else or_none(value)
+            ring: json_value(value)
             for ring, value in zip(
                 map(str, measure["ring"].to_numpy()), measure[name].to_numpy().tolist(), strict=True
             )

@@ -208,8 +208,7 @@ def _suspects(assembly: Assembly, dataset: "xr.Dataset") -> list[int]:
         if not loaded.any():
             continue
         for indicator in indicators:
-            flat_index = int(np.nanargmax(np.where(loaded, indicator, -np.inf)))
-            found.append(flat_index // force.shape[1])
+            found.append(int(np.nanargmax(np.where(loaded, indicator, -np.inf))) // force.shape[1])
     return found
 
 

@@ -24,6 +24,7 @@ from rollslip.fields import FieldError, in_range, parameter, positive
 from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.search import Array
 from rollslip.structure import Location, structure
+from rollslip.toml import as_list
 from rollslip.units import UnitError, as_written, format_quantity, quantity
 
 __all__ = ["DISTRIBUTIONS", "Distribution", "LogUniform", "Uncertainty", "read_uncertainty"]
@@ -446,7 +447,7 @@ def _correlations(raw: object, where: Location, names: Sequence[str], problems: 
     """Return the correlation matrix of the normal scores, in the order of the names."""
     matrix = np.eye(len(names))
     before = len(problems)
-    for k, table in enumerate(raw if isinstance(raw, list | tuple) else [raw]):
+    for k, table in enumerate(as_list(raw)):
         correlation = structure(Correlation, table, where.at(k), problems)
         if correlation is None:
             continue

@@ -42,9 +42,8 @@ _TIME_LABELS: Final = 12
 def slip_along(dataset: "xr.Dataset") -> "Figure":
     """Draw slip over time with critical slip and slip at which skidding begins, above the values that vary."""
     varying = json.loads(dataset.attrs["history"])
-    size = TWO_COLUMNS[0], (52 + 26 * len(varying)) * MM
     sheet = Sheet(
-        size,
+        (TWO_COLUMNS[0], (52 + 26 * len(varying)) * MM),
         1 + len(varying),
         1,
         squeeze=False,
