@@ -293,6 +293,9 @@ def test_play_adds_outputs_and_a_sentence_and_changes_nothing_else():
     assert "with play in the pockets the cage slip is 1.87 %" in sentences[1]
     assert "with rollers set in the cage 0.838 %" in sentences[1]
     assert account_of(usual).topics(usual)["steady slip"] == sentences[:1]
+    rows = {row.key: row.text for row in account_of(play).answer(play).rows}
+    assert rows.pop("slip_with_play") == "1.9 %"
+    assert rows == {row.key: row.text for row in account_of(usual).answer(usual).rows}
     dropped = SteadySlip(pockets="play").without_outputs(frozenset(PLAY_OUTPUTS))
     assert dropped.pockets == "set"
 

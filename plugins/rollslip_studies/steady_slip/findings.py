@@ -108,6 +108,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     slip = float(state["steady_slip"]) if has_steady(dataset) else math.nan
     status = str(dataset["status"].item())
     yield slip_row(dataset, slip, status, known=_KNOWN, within=0.02)
+    yield _play_row(dataset)
     preload = max(0.0, -(clearance or 0.0))
     if "minimum_load" in dataset:
         if slip < -acceptable or Status.DRIVEN in status:
@@ -144,6 +145,23 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             text=f"{two_digits(1e6 * clearance)} µm",
             note=source.partition(" = ")[0].replace("um", "µm"),
         )
+
+
+def _play_row(dataset: "xr.Dataset") -> Row | None:
+    """Return the row of the slip with play in the pockets; None if it was not requested."""
+    if "slip_with_play" not in dataset:
+        return None
+    slip = float(dataset["slip_with_play"])
+    is_known = math.isfinite(slip)
+    return Row(
+        key="slip_with_play",
+        label="slip with play",
+        value=slip,
+        text=percent(slip) if is_known else "not found",
+        note="verdict and other rows are of rollers without play"
+        if is_known
+        else str(dataset["play_status"].item()),
+    )
 
 
 def _torque_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
