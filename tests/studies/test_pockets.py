@@ -322,3 +322,12 @@ def test_a_motion_that_does_not_repeat_has_no_slip(monkeypatch):
     found = steady_slip_with_play(*balanced(SCENES["b"]), 0.9)
     assert found.status.startswith(f"{Status.NOT_KNOWN}: the motion of a roller does not repeat")
     assert np.isnan(found.slip)
+
+
+def test_a_coarse_table_serves_where_a_fine_one_is_out_of_reach():
+    """Nine slices under heavy load, against a fine table of all slices: 0.54 % by slices and table together."""
+    heavy = new("NJ2210", oil="iso-vg-68", speed="3000 rpm", load="10 kN", temperature="60 degC")
+    fine = steady_slip_with_play(*balanced(heavy), 0.9)
+    coarse = balanced(evolve(heavy, {"accuracy.slices": 9}))
+    assert Pockets(coarse[0].assembly).reason
+    assert steady_slip_with_play(*coarse, 0.9).slip == pytest.approx(fine.slip, rel=1e-2)
