@@ -18,12 +18,6 @@ class SceneError(RollslipError):
         return type(self), (self.problems,)
 
 
-def raise_problems(problems: list[str]) -> None:
-    """Raise one `SceneError` with all problems, if there are any."""
-    if problems:
-        raise SceneError(problems)
-
-
 class DomainError(RollslipError, ArithmeticError):
     """A law was evaluated outside the range in which it is defined."""
 

@@ -22,7 +22,7 @@ from typing import Any, Final, TypeVar, Union, get_args, get_origin, get_type_hi
 
 import attrs
 
-from rollslip.errors import nearest
+from rollslip.errors import SceneError, nearest
 from rollslip.fields import FieldError
 from rollslip.toml import DEEPEST, FrozenTable, KeyPath, split_key, thawed
 from rollslip.units import UnitError, as_written, expectation, format_quantity, quantity, unit_given
@@ -60,6 +60,12 @@ class Location:
             (self.origins[self.path[:n]] for n in lengths if self.path[:n] in self.origins), None
         )
         return ": ".join(part for part in (origin, _dotted(self.path), reason) if part)
+
+
+def raise_problems(problems: list[str]) -> None:
+    """Raise one `SceneError` with all problems, if there are any."""
+    if problems:
+        raise SceneError(problems)
 
 
 def _dotted(path: KeyPath) -> str:

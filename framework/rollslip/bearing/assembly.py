@@ -27,7 +27,7 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated, slicing
 from rollslip.catalogue.registry import get_class, structure_model
-from rollslip.errors import DomainError, PluginError, SceneError, raise_problems
+from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant.oil import Lubricant, OilState
 from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import lubricant_from_table
@@ -36,7 +36,7 @@ from rollslip.rings import Rings
 from rollslip.scene.oil import check_given, members, unused_constants
 from rollslip.scene.rings import rings_of
 from rollslip.scene.values import LubricantTable, ModelChoice, Scene
-from rollslip.structure import Location, T
+from rollslip.structure import Location, T, raise_problems
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_kernels.slices import Conditions, Slices
 

@@ -17,14 +17,14 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
-from rollslip.errors import DomainError, RollslipError, SceneError, raise_problems
+from rollslip.errors import DomainError, RollslipError, SceneError
 from rollslip.fields import FieldError, choice_of, field, non_negative, positive, submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
 from rollslip.scene.supply import DENSITY, SUPPLIES, OilSupply
 from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene
-from rollslip.structure import Location, structure
+from rollslip.structure import Location, raise_problems, structure
 from rollslip.toml import as_table
 from rollslip.units import expectation, format_quantity, quantity
 

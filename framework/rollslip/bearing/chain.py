@@ -241,10 +241,9 @@ class Chain:
             return PluginError(
                 f"the kernel of {model.name!r} returned a status that rollslip.h does not define; {origin(type(model))}"
             )
+        text = refusal_text(model.name, model.domain, what, member, index, slices)
         reason = _reason(model, slices, index) if what == "status" else ""
-        return DomainError(
-            reason or refusal_text(model.name, model.domain, what, member, index, slices)
-        )
+        return DomainError(f"{text}: {reason}" if reason else text)
 
 
 def _reason(model: SliceModel, slices: Slices, index: int) -> str:
@@ -252,7 +251,12 @@ def _reason(model: SliceModel, slices: Slices, index: int) -> str:
     try:
         model.evaluate(slices.taken(slice(index, index + 1)))
     except DomainError as error:
-        return str(error).replace("slice 0 ", f"slice {index} ")
+        detail = str(error).rpartition("outside its domain: ")[2]
+        return (
+            "" if detail.endswith("outside its domain") else detail.removeprefix(f"{model.name}: ")
+        )
+    except Exception:  # the refusal of the kernel is reported, not that it has no other form
+        return ""
     return ""
 
 

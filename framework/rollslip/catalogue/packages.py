@@ -15,8 +15,8 @@ import attrs
 from rollslip.catalogue.discovery import catalogue, load
 from rollslip.catalogue.installed import THIS_PROCESS, Offer, is_disabled
 from rollslip.catalogue.kinds import kinds
-from rollslip.errors import PluginError, nearest, raise_problems
-from rollslip.structure import Location
+from rollslip.errors import PluginError, nearest
+from rollslip.structure import Location, raise_problems
 
 __all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "edited", "packages", "requirements",
            "unread"]  # fmt: skip

@@ -11,9 +11,9 @@ import attrs
 from rollslip.catalogue.discovery import available, catalogue, find, get_class, origin
 from rollslip.catalogue.installed import Offer
 from rollslip.catalogue.kinds import get_kind
-from rollslip.errors import PluginError, describe_error, raise_problems
+from rollslip.errors import PluginError, describe_error
 from rollslip.fields import FieldError
-from rollslip.structure import Location, structure
+from rollslip.structure import Location, raise_problems, structure
 from rollslip.toml import as_table
 
 #: Returns constants of an oil for a law, as defaults of some of its parameters, by the name and parameters of the law.

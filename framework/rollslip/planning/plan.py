@@ -23,7 +23,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
-from rollslip.errors import RollslipError, SceneError, UnknownNameError, raise_problems
+from rollslip.errors import RollslipError, SceneError, UnknownNameError
 from rollslip.planning.lines import (
     bearing_parts,
     check_parts,
@@ -36,7 +36,7 @@ from rollslip.results.text import LOWER_BOUNDS, duration_range
 from rollslip.scene.named import unknown_names
 from rollslip.scene.reading import as_scene
 from rollslip.scene.values import Scene
-from rollslip.structure import Location
+from rollslip.structure import Location, raise_problems
 from rollslip.studies.answers import Part, ResolutionChoice
 from rollslip.studies.study import Study, settings
 from rollslip.units import format_quantity

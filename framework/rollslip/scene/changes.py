@@ -7,13 +7,13 @@ from typing import Any, Final, get_args, get_origin
 
 import attrs
 
-from rollslip.errors import SceneError, did_you_mean, nearest, raise_problems
+from rollslip.errors import SceneError, did_you_mean, nearest
 from rollslip.fields import FieldError
 from rollslip.files import readable
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.reading import as_scene, checked_scene
 from rollslip.scene.values import ModelChoice, Scene
-from rollslip.structure import bare_key, fields_of, resolved, thawed, types_of
+from rollslip.structure import bare_key, fields_of, raise_problems, resolved, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, loads, split_key
 from rollslip.units import as_written, quantity, typed, unit_given
 

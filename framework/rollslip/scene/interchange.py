@@ -23,13 +23,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 
-from rollslip.errors import SceneError, raise_problems
+from rollslip.errors import SceneError
 from rollslip.files import content_of, decoded, readable, whole_file
 from rollslip.scene.formats import Read, SceneFormat, Written, endings, format_of
 from rollslip.scene.reading import from_raw
 from rollslip.scene.schema import schema
 from rollslip.scene.values import Scene
-from rollslip.structure import resolved, scene_hash
+from rollslip.structure import raise_problems, resolved, scene_hash
 from rollslip.units import as_written
 
 if TYPE_CHECKING:

@@ -8,13 +8,13 @@ from typing import Any, Final
 import attrs
 
 from rollslip.catalogue.registry import available
-from rollslip.errors import nearest, raise_problems
+from rollslip.errors import nearest
 from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import without_slope
 from rollslip.models import SliceModel
 from rollslip.scene.values import Scene
-from rollslip.structure import Location
+from rollslip.structure import Location, raise_problems
 from rollslip_kernels.slices import CONDITIONS, Conditions
 
 __all__ = ["check_given", "members", "unused_constants"]

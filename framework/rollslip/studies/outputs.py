@@ -12,7 +12,8 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.discovery import available, get_class
-from rollslip.errors import nearest, raise_problems
+from rollslip.errors import nearest
+from rollslip.structure import raise_problems
 from rollslip.studies.answers import PartialResult, Variables
 from rollslip.studies.study import Study
 

@@ -21,12 +21,12 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.resolution import Resolution, reference_resolution
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.errors import SceneError, UnknownNameError, raise_problems
+from rollslip.errors import SceneError, UnknownNameError
 from rollslip.references import Citation
 from rollslip.results.curves import curve_labels
 from rollslip.results.dataset import xr
 from rollslip.scene.values import DEFAULT_STUDY, Scene
-from rollslip.structure import Location, structure
+from rollslip.structure import Location, raise_problems, structure
 from rollslip.studies import parts
 from rollslip.studies.answers import (
     ComparedValues,

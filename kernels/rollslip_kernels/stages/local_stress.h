@@ -338,11 +338,11 @@ STAGE(maxwell_eyring_local, LOCAL_READS, COL_friction) {
         double V = fabs(sliding[i]), least = LOCAL_LINEAR * u;
         double stress = tau0 + q->rise.stress * p, stiff = modulus + q->rise.modulus * p;
         V = V < least ? least : V;   /* a NaN stays */
-        double inverse = 1.0 / (u * h * b * stress), C = capacity * (h * h * h * u * u * stress) * inverse;
-        double carried = LOCAL_CARRIED * C, unreached = LOCAL_UNREACHED * C;
+        double inverse = 1.0 / (u * h * b * stress), per_width = inverse * (u * h * stress);
+        double C = capacity * (h * h * u) * per_width, carried = LOCAL_CARRIED * C, unreached = LOCAL_UNREACHED * C;
         rate[i] = 2.0 * V * (u * b * inverse);
-        groups.bound[i] = stiff * V * (b * b * inverse);
-        flash[i] = hot * stress * V * sqrt(b * b * (h * stress * inverse) / (1.0 + unreached * unreached));
+        groups.bound[i] = stiff * V * (b * inverse) * b;
+        flash[i] = hot * stress * V * sqrt(b * inverse * (h * stress) * b / (1.0 + unreached * unreached));
         across[i] = stress * V * h * thin / sqrt(1.0 + carried * carried);
     }
     EACH(i, n) rate[i] = local_log(rate[i]);

@@ -7,9 +7,9 @@ import attrs
 
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_class
-from rollslip.errors import raise_problems
 from rollslip.results.text import short_label
 from rollslip.scene.changes import Quantity, describe_unknown_key
+from rollslip.structure import raise_problems
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, shown_unit
 from rollslip_campaigns.explorer import ExplorerSettings

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rollslip.bearing.assembly import read_oil
 from rollslip.bearing.chain import Chain
 from rollslip.catalogue.registry import structure_model
-from rollslip.errors import DomainError, SceneError, nearest, raise_problems
+from rollslip.errors import DomainError, SceneError, nearest
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
@@ -28,7 +28,7 @@ from rollslip.lubricant.temperature import Constant
 from rollslip.models import FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import ModelChoice
 from rollslip.search import Array
-from rollslip.structure import Location
+from rollslip.structure import Location, raise_problems
 from rollslip.units import format_quantity
 from rollslip_campaigns.measurement.rig import Rig, RigData
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices

@@ -26,11 +26,12 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution, reference_resolution
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import PluginError, SceneError, nearest, raise_problems
+from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import Plan, plan
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
+from rollslip.structure import raise_problems
 from rollslip.studies.study import AXES, Study
 from rollslip_campaigns.comparison.choices import choice_of, loadable
 from rollslip_campaigns.pareto import ParetoSettings

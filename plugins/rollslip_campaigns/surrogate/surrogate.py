@@ -32,11 +32,12 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.errors import ConvergenceError, SceneError, raise_problems
+from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.dataset import about, save, xr
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
+from rollslip.structure import raise_problems
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
 from rollslip_campaigns.surrogate import SurrogateSettings

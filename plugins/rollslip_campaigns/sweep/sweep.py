@@ -26,7 +26,7 @@ from rollslip.catalogue.discovery import named_data
 from rollslip.catalogue.installed import THIS_PROCESS
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
-from rollslip.errors import OutputError, RollslipError, SceneError, raise_problems
+from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError, submodels
 from rollslip.files import whole_file
 from rollslip.planning.campaign import listed
@@ -37,7 +37,7 @@ from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve, full_key
 from rollslip.scene.reading import as_scene, from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene
-from rollslip.structure import FrozenTable, Location, resolved, structure
+from rollslip.structure import FrozenTable, Location, raise_problems, resolved, structure
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written, format_quantity

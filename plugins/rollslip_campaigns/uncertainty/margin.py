@@ -45,9 +45,10 @@ import numpy as np
 
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
-from rollslip.errors import SceneError, raise_problems
+from rollslip.errors import SceneError
 from rollslip.results.dataset import UNITS, about, xr
 from rollslip.results.text import duration_range
+from rollslip.structure import raise_problems
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.point import compute

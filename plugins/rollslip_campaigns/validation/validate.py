@@ -23,7 +23,7 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import available, find, get_class
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import DomainError, PluginError, RollslipError, SceneError, raise_problems
+from rollslip.errors import DomainError, PluginError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
@@ -33,7 +33,7 @@ from rollslip.results.dataset import about, xr
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
-from rollslip.structure import Location
+from rollslip.structure import Location, raise_problems
 from rollslip.studies.study import settings
 from rollslip.units import quantity as in_unit
 from rollslip_campaigns.comparison.choices import KINDS, read_choice, refuse

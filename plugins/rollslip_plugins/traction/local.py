@@ -174,9 +174,10 @@ class MaxwellEyringLocal(EyringGroups):
     - S: mean shear stress over tau0 [1]
     - s_i: stress over tau0 at p_i [1]
     - sigma_i: strain rate over tau0/eta_i at p_i [1]
-    - eta_i: viscosity of the oil at p_i and the inlet temperature [Pa s]
+    - eta_i: viscosity at p_i and the inlet temperature, after the oil's law (``law``) [Pa s]
     - beta_i: its fall with temperature -dln(eta)/dT [1/K]
     - kappa: mean of exp(beta theta) across a film heated by its own shear [1]
+    - g_i: exponent of the flash temperature of both surfaces at S = 1 [1]
     - m: lesser of two stresses, with a rounded corner [1]
     - B: mean stress over tau0 of a film that only stretches [1]
     - C: conduction time of the film over its transit time [1]
@@ -215,7 +216,7 @@ class MaxwellEyringLocal(EyringGroups):
 
     name: ClassVar[str] = "maxwell-eyring-local"
     equation: ClassVar[str] = (
-        "mu = tau0 S/p, S = sum of w_i m(s_i, B), sinh(s_i) kappa(y_i) exp(g_i S) = eta_i V/(tau0 h) at three pressures"
+        "mu = tau0 S/p, S = mean of m(s_i, B), sinh(s_i) kappa exp(g_i S) = eta_i V/(tau0 h)"
     )
     references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, KLEBANOV)
     #: Relative difference that the compiled form has: its last step is in single precision's slopes.

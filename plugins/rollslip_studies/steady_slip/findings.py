@@ -21,6 +21,7 @@ from rollslip.results.text import (
     two_digits,
 )
 from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.play_findings import describe_play, describe_pockets, play_row
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -108,7 +109,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     slip = float(state["steady_slip"]) if has_steady(dataset) else math.nan
     status = str(dataset["status"].item())
     yield slip_row(dataset, slip, status, known=_KNOWN, within=0.02)
-    yield _play_row(dataset)
+    yield play_row(dataset)
     preload = max(0.0, -(clearance or 0.0))
     if "minimum_load" in dataset:
         if slip < -acceptable or Status.DRIVEN in status:
@@ -145,23 +146,6 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             text=f"{two_digits(1e6 * clearance)} µm",
             note=source.partition(" = ")[0].replace("um", "µm"),
         )
-
-
-def _play_row(dataset: "xr.Dataset") -> Row | None:
-    """Return the row of the slip with play in the pockets; None if it was not requested."""
-    if "slip_with_play" not in dataset:
-        return None
-    slip = float(dataset["slip_with_play"])
-    is_known = math.isfinite(slip)
-    return Row(
-        key="slip_with_play",
-        label="slip with play",
-        value=slip,
-        text=percent(slip) if is_known else "not found",
-        note="verdict and other rows are of rollers without play"
-        if is_known
-        else str(dataset["play_status"].item()),
-    )
 
 
 def _torque_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
@@ -436,31 +420,6 @@ def _describe_steady_slips(dataset: "xr.Dataset") -> list[str]:
     return sentences
 
 
-def _describe_play(dataset: "xr.Dataset") -> list[str]:
-    """Return the slip that the play of rollers without a cage adds at most."""
-    if math.isnan(slower := float(dataset.attrs.get("slower_by_play", math.nan))):
-        return []
-    play = format_quantity(float(dataset.attrs["train_play"]), "m", 2)
-    return [
-        f"without a cage loaded rollers run ahead until the play of {play} is used up; then they slide with the set, "
-        f"which is slower by up to about another {_percent(slower)} than that slip"
-    ]
-
-
-def _describe_pockets(dataset: "xr.Dataset") -> list[str]:
-    """Return the slip with play in the pockets beside that without, or why there is none; empty if not requested."""
-    if "slip_with_play" not in dataset:
-        return []
-    slip = float(dataset["slip_with_play"])
-    if math.isnan(slip):
-        return [f"no slip with play in the pockets: {dataset['play_status'].item()}"]
-    return [
-        f"with play in the pockets the cage slip is {_percent(slip)}, with rollers set in the cage "
-        f"{_percent(float(dataset['steady_slip'][0]))}: a roller drives the cage for "
-        f"{_percent(float(dataset['driving_fraction']))} of a turn only"
-    ]
-
-
 def _describe_drag(drag: float) -> str:
     """Return the drag that a cage carries, or the torque by which its drags drive it."""
     size = format_quantity(abs(drag), "N m", 3)
@@ -732,8 +691,8 @@ class SteadySlipAccount(Account):
         """Return sentences by topic, the most important first, without full stops."""
         return {
             "steady slip": _describe_steady_slips(dataset)
-            + _describe_play(dataset)
-            + _describe_pockets(dataset),
+            + describe_play(dataset)
+            + describe_pockets(dataset),
             "limit drag torque": [_describe_limit_drag(dataset)],
             **(
                 {"losses": _describe_losses(dataset)}
