@@ -159,14 +159,16 @@ def mean_stress(groups: Groups) -> Array:
 class MaxwellEyringLocal(EyringGroups):
     """Maxwell-Eyring oil at the local pressure, with heat across the film and an elastic bound, in closed form.
 
-    The oil is asked at three pressures p_i = (4/pi) c_i p of Hertz's contact, with the weights w_i of Gauss's rule
-    for the mean over the contact: c = 0.231152, 0.639971, 0.954497, w = 0.085301, 0.341456, 0.573243. At each the
-    local stress s_i is sinh(s_i) kappa(y_i) exp(g_i S) = sigma_i, with sigma_i = eta_i V/(tau0 h). kappa(y) is the
-    mean of exp(beta theta) over a film that its own shear heats, y_i = s_i beta_i tau0 V h/(8 K_f)/sqrt(1 + (0.13
-    C)^2) with C = rho_f c_f u h^2/(K_f b), since the film carries a part of its heat away; and g_i = beta_i tau0 V
-    flash sqrt(b/(pi u))/E/sqrt(1 + (1.5 C)^2) is the flash temperature of the surfaces. Then S = sum of w_i m(s_i,
-    B) and mu = tau0 S/p. m is the lesser of its arguments with a rounded corner, and B = V Gamma b/(h tau0 u) the
-    mean stress of a film that only stretches: no stress rises faster, whatever the viscosity.
+    The oil is asked at three pressures p_i = (4/pi) c_i p of Hertz's contact, with the weights w_i of Gauss's rule for
+    the mean over the contact: c = 0.231152, 0.639971, 0.954497, w = 0.085301, 0.341456, 0.573243. Local stresses are
+
+        sinh(s_i) kappa(y_i) exp(g_i S) = sigma_i, sigma_i = eta_i V/(tau0 h),
+        y_i = s_i beta_i tau0 V h/(8 K_f)/sqrt(1 + (0.13 C)^2), C = rho_f c_f u h^2/(K_f b),
+        g_i = beta_i tau0 V flash sqrt(b/(pi u))/E/sqrt(1 + (1.5 C)^2),
+        S = sum of w_i m(s_i, B), mu = tau0 S/p, B = V Gamma b/(h tau0 u).
+
+    kappa is the mean of exp(beta theta) over a film that its own shear heats, of which the film carries a part away. m
+    is the lesser of its arguments with a rounded corner: no stress rises faster than B, whatever the viscosity.
 
     Symbols:
 
@@ -189,7 +191,7 @@ class MaxwellEyringLocal(EyringGroups):
     - V, u, h, b, flash, K_f
 
     Range: it is within 1 % rms of ``maxwell-eyring-field`` for D < 0.1 and within 4 % rms beyond, with Hertz's
-    pressure, to 1.5 GPa and V/u of 2. Single contacts are off by up to 13 % near the origin at D of 0.05 to 0.4, as
+    pressure, to 1.5 GPa and V/u of 2. Single contacts are off by up to 15 % near the origin at D of 0.05 to 0.4, as
     slopes of test rigs are measured, and by up to 25 % in elastic films (D > 0.3) of which heat leaves less than a
     hundredth of the viscosity. An oil that thickens with heat at one of the three pressures is refused.
 
