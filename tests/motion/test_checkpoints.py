@@ -186,7 +186,7 @@ def test_a_part_that_is_not_finished_is_none(store, monkeypatch):
 
 # Runs of the command line -------------------------------------------------------------------------------------------
 
-#: A friction in Python that is as slow as it is told, and fails where it is told.
+#: A drag in Python that is as slow as it is told, and fails where it is told in the run, not in trials of its plan.
 PROGRAM = """
 import os, sys, time
 import attrs, numpy as np
@@ -203,9 +203,9 @@ class Slow(DragModel):
         Slow.calls += 1
         if Slow.running:
             time.sleep(float(os.environ.get("PAUSE", "0")))
-        if 0 < int(os.environ.get("FAIL", "0")) <= Slow.calls:
+        if Slow.running and 0 < int(os.environ.get("FAIL", "0")) <= Slow.calls:
             raise RuntimeError("the drag broke")
-        if 0 < int(os.environ.get("NAN", "0")) <= Slow.calls:
+        if Slow.running and 0 < int(os.environ.get("NAN", "0")) <= Slow.calls:
             return float("nan")
         return -self.torque_size * cage_speed / (1.0 + cage_speed**2) ** 0.5
 
