@@ -357,10 +357,8 @@ def _is_steady(dataset: "xr.Dataset") -> bool:
 
 def _mean_of(dataset: "xr.Dataset") -> str:
     """Return what the steady slip of a motion is the mean of, with its error where it fluctuates."""
-    over, _, errors = str(dataset.attrs["steady_status"]).partition(": ")
-    return (
-        f"mean {over.rpartition('average ')[2]}; {errors}" if errors else "mean of the last orbit"
-    )
+    status = str(dataset.attrs["steady_status"])
+    return "mean of the last orbit" if status == "steady" else f"mean of a motion that is {status}"
 
 
 def row(dataset: "xr.Dataset") -> Row:
