@@ -22,6 +22,7 @@ from rollslip.models.stages import (
     ResistanceModel,
     SliceModel,
     TractionModel,
+    common_domain,
     submodel,
 )
 from rollslip.models.validity import ISOTHERMAL, SMOOTH, Tabled, Validity, in_regime
@@ -29,6 +30,6 @@ from rollslip.models.validity import ISOTHERMAL, SMOOTH, Tabled, Validity, in_re
 __all__ = [
     "FINITE", "ISOTHERMAL", "NON_NEGATIVE", "NO_LIMITS", "POSITIVE", "SCENE_VALUES", "SMOOTH", "ContactModel",
     "Domain", "Drag", "DragModel", "FilmModel", "IntegratorModel", "PocketFriction", "PressureModel",
-    "ResistanceModel", "SliceModel", "Tabled", "TractionModel", "Validity", "evaluate_arrays", "from_scene",
-    "in_regime", "in_unit", "interval", "left_to_scene", "submodel",
+    "ResistanceModel", "SliceModel", "Tabled", "TractionModel", "Validity", "common_domain", "evaluate_arrays",
+    "from_scene", "in_regime", "in_unit", "interval", "left_to_scene", "submodel",
 ]  # fmt: skip

@@ -46,6 +46,22 @@ def submodel(
     return attrs.field(factory=make, metadata={"doc": doc, "unit": None, "kind": kind})
 
 
+def common_domain(*domains: Domain) -> Domain:
+    """Return the domain in which several laws are defined together, with the members of all of them.
+
+    Parameters
+    ----------
+    *domains : mapping of str to tuple
+        Smallest and largest value of each member, by law.
+    """
+    both: dict[str, tuple[float, float]] = {}
+    for domain in domains:
+        for member, (low, high) in domain.items():
+            other_low, other_high = both.get(member, (low, high))
+            both[member] = (max(low, other_low), min(high, other_high))
+    return MappingProxyType(both)
+
+
 class SliceModel(CitedModel):
     """A stage of a chain: it fills the columns in ``writes`` of all slices from the members in ``reads``."""
 

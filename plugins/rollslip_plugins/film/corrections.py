@@ -5,7 +5,6 @@ back, the more the faster it runs, and a starved inlet begins nearer to the cont
 """
 
 import math
-from types import MappingProxyType
 from typing import ClassVar, Final
 
 import attrs
@@ -22,6 +21,7 @@ from rollslip.models import (
     Domain,
     FilmModel,
     Validity,
+    common_domain,
     evaluate_arrays,
     from_scene,
     submodel,
@@ -218,11 +218,7 @@ class InletCorrection(FilmModel):
     @property
     def domain(self) -> Domain:  # type: ignore[override]
         """Where both the film and the correction are defined."""
-        both = dict(self.film.domain)
-        for member, (low, high) in LAWS[self.thermal].items():
-            other_low, other_high = both.get(member, (low, high))
-            both[member] = (max(low, other_low), min(high, other_high))
-        return MappingProxyType(both)
+        return common_domain(self.film.domain, LAWS[self.thermal])
 
     @property
     def location(self) -> str:  # type: ignore[override]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.chain import stage
 from rollslip.fields import FieldError, in_range, non_negative, parameter, positive
-from rollslip.models import POSITIVE, Domain, TractionModel, Validity, submodel
+from rollslip.models import POSITIVE, Domain, TractionModel, Validity, common_domain, submodel
 from rollslip.references import Reference
 from rollslip.search import Array
 from rollslip_kernels.slices import COLUMNS, Slices
@@ -63,12 +63,7 @@ class _Blend(TractionModel, abc.ABC):
     @property
     def domain(self) -> Domain:  # type: ignore[override]
         """Where both children and the fraction are defined."""
-        both = dict(self.fraction_domain)
-        for limits in (self.boundary.domain, self.hydrodynamic.domain):
-            for member, (low, high) in limits.items():
-                other_low, other_high = both.get(member, (low, high))
-                both[member] = (max(low, other_low), min(high, other_high))
-        return MappingProxyType(both)
+        return common_domain(self.fraction_domain, self.boundary.domain, self.hydrodynamic.domain)
 
     @property
     def tolerance(self) -> float:  # type: ignore[override]

@@ -24,7 +24,6 @@ stress at which conduction cannot carry the heat of its shear.
 """
 
 from collections.abc import Callable
-from types import MappingProxyType
 from typing import ClassVar, Final, Literal, NamedTuple, TypeAlias
 
 import attrs
@@ -34,7 +33,7 @@ from numpy.typing import ArrayLike, NDArray
 from rollslip.errors import DomainError
 from rollslip.fields import parameter
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
-from rollslip.models import FINITE, POSITIVE, Domain, TractionModel, Validity
+from rollslip.models import Domain, TractionModel, Validity, common_domain
 from rollslip.references import KLEBANOV, Reference
 from rollslip.search import Array
 from rollslip_kernels.slices import COLUMNS, Slices
@@ -52,6 +51,7 @@ from rollslip_plugins.traction.conduction import (
     even_cells,
 )
 from rollslip_plugins.traction.heating import (
+    AT_LOCAL_PRESSURE,
     FLASH,
     NO_ASPERITIES,
     OIL_HEAT_CAPACITY,
@@ -617,16 +617,12 @@ class MaxwellEyringField(TractionModel):
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
         """Contact, film and oil; of the latter what its law reads."""
-        return frozenset(_DOMAIN) | self.law.reads
+        return frozenset(self.domain) | self.law.reads
 
     @property
     def domain(self) -> Domain:  # type: ignore[override]
         """Where the field and the oil's law are defined."""
-        both = dict(_DOMAIN)
-        for member, (low, high) in self.law.domain.items():
-            other_low, other_high = both.get(member, (low, high))
-            both[member] = (max(low, other_low), min(high, other_high))
-        return MappingProxyType(both)
+        return common_domain(AT_LOCAL_PRESSURE, self.law.domain)
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient."""
@@ -634,18 +630,3 @@ class MaxwellEyringField(TractionModel):
             slices, law=self.law, heat_capacity=self.heat_capacity, accuracy=self.accuracy
         )
         _refuse_inaccurate(self.name, error, self.accuracy)
-
-
-_DOMAIN: Final[Domain] = MappingProxyType(
-    {
-        "pressure": POSITIVE,
-        "half_width": POSITIVE,
-        "film_thickness": POSITIVE,
-        "rolling_speed": POSITIVE,
-        "sliding_speed": FINITE,
-        "effusivity": POSITIVE,
-        "conductivity": POSITIVE,
-        "eyring_stress": POSITIVE,
-        "shear_modulus": POSITIVE,
-    }
-)

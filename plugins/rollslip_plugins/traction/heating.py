@@ -17,6 +17,7 @@ from typing import ClassVar, Final
 import numpy as np
 
 from rollslip.fields import parameter, positive
+from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, Tabled, TractionModel, Validity
 from rollslip.search import Array
 from rollslip_kernels.slices import Slices
@@ -42,6 +43,14 @@ HEATED: Final[Domain] = MappingProxyType(
         "film_thermoviscosity": NON_NEGATIVE,
         "effusivity": POSITIVE,
         "conductivity": POSITIVE,
+    }
+)
+#: Members that laws at the local pressure read beside those of the oil's law, and their domain.
+AT_LOCAL_PRESSURE: Final[Domain] = MappingProxyType(
+    {
+        **{member: HEATED[member] for member in HEATED if member not in PressureViscosity.writes},
+        "eyring_stress": POSITIVE,
+        "shear_modulus": POSITIVE,
     }
 )
 

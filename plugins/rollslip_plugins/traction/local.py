@@ -16,7 +16,6 @@ The method, for each slice:
 """
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import ClassVar, Final, NamedTuple
 
 import attrs
@@ -25,7 +24,7 @@ import numpy as np
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
 from rollslip.lubricant.pressure import PressureViscosity, from_oil, slope_of_oil
-from rollslip.models import FINITE, POSITIVE, Domain, Tabled, Validity
+from rollslip.models import Domain, Tabled, Validity, common_domain
 from rollslip.references import KLEBANOV, Reference
 from rollslip.search import Array
 from rollslip.units import format_quantity
@@ -35,6 +34,7 @@ from rollslip_plugins.bibliography import JOHNSON_TEVAARWERK_1977
 from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.eyring import RISE_OF_MODULUS, RISE_OF_STRESS, EyringGroups
 from rollslip_plugins.traction.heating import (
+    AT_LOCAL_PRESSURE,
     NO_ASPERITIES,
     SLOW_SLIDING,
     flash_factor,
@@ -259,16 +259,12 @@ class MaxwellEyringLocal(EyringGroups):
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
         """Contact, film and oil; of the latter what its law reads."""
-        return frozenset(_DOMAIN) | self.law.reads
+        return frozenset(self.domain) | self.law.reads
 
     @property
     def domain(self) -> Domain:  # type: ignore[override]
         """Where the law and the oil's law are defined."""
-        both = dict(_DOMAIN)
-        for member, (low, high) in self.law.domain.items():
-            other_low, other_high = both.get(member, (low, high))
-            both[member] = (max(low, other_low), min(high, other_high))
-        return MappingProxyType(both)
+        return common_domain(AT_LOCAL_PRESSURE, self.law.domain)
 
     def oil(self, slices: Slices) -> tuple[Array, Array]:
         """Return viscosity [Pa s] and its fall with temperature [1/K] at the mean pressure."""
@@ -328,18 +324,3 @@ class MaxwellEyringLocal(EyringGroups):
             self.eyring_stress_slope,
             self.shear_modulus_slope,
         )
-
-
-_DOMAIN: Final[Domain] = MappingProxyType(
-    {
-        "pressure": POSITIVE,
-        "half_width": POSITIVE,
-        "film_thickness": POSITIVE,
-        "rolling_speed": POSITIVE,
-        "sliding_speed": FINITE,
-        "effusivity": POSITIVE,
-        "conductivity": POSITIVE,
-        "eyring_stress": POSITIVE,
-        "shear_modulus": POSITIVE,
-    }
-)
