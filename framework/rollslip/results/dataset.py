@@ -37,9 +37,8 @@ if TYPE_CHECKING:
 
     xr = xarray
 else:
-    xr = _Library(
-        "xarray"
-    )  # modules that take it from here name datasets, and cost nothing where none is made
+    # modules that take it from here name datasets, and cost nothing where none is made
+    xr = _Library("xarray")
 
 #: Attributes that may differ between two runs of the same scene.
 VOLATILE = (
