@@ -35,7 +35,7 @@ from rollslip_plugins.bibliography import (
 )
 from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.boundary import Kragelsky
-from rollslip_plugins.traction.eyring import MaxwellEyring
+from rollslip_plugins.traction.local import MaxwellEyringLocal
 
 
 @attrs.frozen(kw_only=True)
@@ -52,7 +52,7 @@ class _Blend(TractionModel, abc.ABC):
         "traction", factory=Kragelsky, doc="traction model of boundary friction"
     )
     hydrodynamic: TractionModel = submodel(
-        "traction", factory=MaxwellEyring, doc="traction model of the full film"
+        "traction", factory=MaxwellEyringLocal, doc="traction model of the full film"
     )
 
     @property
