@@ -18,6 +18,7 @@ does not change, so that the mean of R_m P is that of H. The drags T and the rol
 Without play the result is that of rollers that are set in the cage.
 """
 
+import copy
 import math
 from typing import Final
 
@@ -64,6 +65,9 @@ _RATIO: Final = 1.5
 #: First slip of the search, relative to that of rollers set in the cage, which is the lower one in all bearings so far.
 #: Half of it changes slips by up to 4e-6; chosen.
 _FIRST_SLIP: Final = 0.5
+#: Fraction of the largest force on the inner ring from which a roller counts as loaded in `relative_play`. Half or
+#: twice as much changes that by some 5 %; chosen.
+_LOADED: Final = 0.01
 #: Number of refinements of the bracket of the slip, each by the number of slips of a batch. A refinement less changes
 #: slips by up to 8e-4, one more by up to 1.3e-5.
 _REFINEMENTS: Final = 2
@@ -98,6 +102,8 @@ class Pockets:
         Steps of a turn of the cage.
     periodic : float
         Change of the mean torque from one turn to the next, relative to it, at which a motion is periodic.
+    fully_loaded : Assembly, optional
+        The bearing under its largest load, which has the tables of friction; by default the bearing itself.
 
     Attributes
     ----------
@@ -113,8 +119,11 @@ class Pockets:
         tolerance: float = FRICTION_TOLERANCE,
         steps: int = STEPS,
         periodic: float = PERIODIC,
+        fully_loaded: Assembly | None = None,
     ) -> None:
-        settings = FrictionSettings(name="conventional", tolerance=tolerance, min_slices=1)
+        settings = FrictionSettings(
+            name="conventional", tolerance=tolerance, min_slices=1, fully_loaded=fully_loaded
+        )
         friction = raceway_friction(assembly, settings)
         self.assembly = assembly
         self.play = assembly.cage.pocket_clearance if play is None else play
@@ -158,6 +167,12 @@ class Pockets:
         """Return the mean torque of all rollers on the cage at cage slips [N m], (n,)."""
         return self.march(slips).torque
 
+    def with_play(self, play: float) -> "Pockets":
+        """Return the same rollers with another play [m]."""
+        other = copy.copy(self)
+        other.play = play
+        return other
+
     @property
     def _bearing(self) -> dict[str, float]:
         """Geometry, speeds and inertias as compiled code takes them."""
@@ -188,6 +203,44 @@ class SlipWithPlay:
     pushed: float = math.nan  #: Fraction in which the cage pushes it.
 
 
+class BalanceWithPlay:
+    """Torques of rollers with play in their pockets, and of drags, on the cage of one bearing against its slip.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the same rollers, set in the cage.
+    pockets : Pockets
+        The rollers with play.
+    """
+
+    def __init__(self, balance: TorqueBalance, pockets: Pockets) -> None:
+        self.balance = balance
+        self.pockets = pockets
+        self.drag = balance.drag
+
+    def torques(self, cage_slips: Array, without: Array | None = None) -> Array:
+        """Return the torques on the cage at several slips [N m], (n,).
+
+        They are those of rollers set in the cage where a march leaves the tables or does not repeat. That happens at
+        large slips, where the play changes a torque by less than 1 %.
+
+        Parameters
+        ----------
+        cage_slips : ndarray
+            Cage slips, (n,).
+        without : ndarray, optional
+            Torques of rollers set in the cage [N m], (n,); by default they are computed where they are needed.
+        """
+        motions = self.pockets.march(cage_slips)
+        is_known = np.isfinite(motions.torque) & (motions.is_periodic == 1.0)
+        if is_known.all():
+            return motions.torque
+        if without is None:
+            without = self.balance.torques(cage_slips)
+        return np.where(is_known, motions.torque, without)
+
+
 def reason_without_play(balance: TorqueBalance) -> str:
     """Return why the play of the pockets has no meaning for a torque balance, or is not computed; empty if it is.
 
@@ -210,46 +263,72 @@ def reason_without_play(balance: TorqueBalance) -> str:
     return ""
 
 
-def steady_slip_with_play(
-    balance: TorqueBalance, slip: float, max_slip: float, pockets: Pockets | None = None
-) -> SlipWithPlay:
-    """Return the smallest steady slip of a cage whose rollers have play in their pockets.
+def balance_with_play(
+    balance: TorqueBalance, fully_loaded: Assembly | None = None
+) -> tuple[BalanceWithPlay | None, str]:
+    """Return the torque balance of rollers with the play of their pockets, or None and why there is none.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the bearing.
+    fully_loaded : Assembly, optional
+        The bearing under its largest load; see `Pockets`.
+    """
+    if reason := reason_without_play(balance):
+        return None, reason
+    try:
+        for tolerance in (FRICTION_TOLERANCE, _COARSE_TOLERANCE):
+            pockets = Pockets(balance.assembly, tolerance=tolerance, fully_loaded=fully_loaded)
+            if not pockets.reason:
+                return BalanceWithPlay(balance, pockets), ""
+    except ConvergenceError as error:
+        return None, f"{Status.NOT_KNOWN}: {error}"
+    return (
+        None,
+        f"{Status.NOT_KNOWN}: a march needs tables of friction, which is taken {pockets.reason}",
+    )
+
+
+def relative_play(balance: TorqueBalance, slip: float) -> float:
+    """Return the play over the distance by which a roller runs ahead of a slower cage while it is loaded.
 
     Parameters
     ----------
     balance : TorqueBalance
         Of the bearing.
     slip : float
+        Cage slip, above 0.
+    """
+    force = balance.orbit(slip).force[0]
+    loaded = 2.0 * math.pi * float((force > _LOADED * force.max()).mean())
+    way = slip * balance.assembly.kinematics.orbit_radius * loaded
+    return balance.assembly.cage.pocket_clearance / way
+
+
+def steady_slip_with_play(with_play: BalanceWithPlay, slip: float, max_slip: float) -> SlipWithPlay:
+    """Return the smallest steady slip of a cage whose rollers have play in their pockets.
+
+    Parameters
+    ----------
+    with_play : BalanceWithPlay
+        Of the bearing.
+    slip : float
         Smallest steady slip with rollers that are set in the cage; NaN without one.
     max_slip : float
         Largest cage slip of the search, below 1.
-    pockets : Pockets, optional
-        Rollers with another play, or other steps; by default those of the bearing.
     """
-    if reason := reason_without_play(balance):
-        return SlipWithPlay(reason)
     if not slip > 0.0:
         return SlipWithPlay("rollers that are set in the cage have no steady slip above zero")
-    try:
-        pockets = Pockets(balance.assembly) if pockets is None else pockets
-    except ConvergenceError as error:
-        return SlipWithPlay(f"{Status.NOT_KNOWN}: {error}")
-    if pockets.reason:
-        pockets = Pockets(balance.assembly, tolerance=_COARSE_TOLERANCE)
-    if pockets.reason:
-        return SlipWithPlay(
-            f"{Status.NOT_KNOWN}: a march needs tables of friction, which is taken {pockets.reason}"
-        )
-    return _search(balance, pockets, _FIRST_SLIP * slip, max_slip)
+    return _search(with_play, _FIRST_SLIP * slip, max_slip)
 
 
-def _search(
-    balance: TorqueBalance, pockets: Pockets, first_slip: float, max_slip: float
-) -> SlipWithPlay:
+def _search(with_play: BalanceWithPlay, first_slip: float, max_slip: float) -> SlipWithPlay:
     """Return the first slip, from a small one on, at which the excess torque changes from negative to positive."""
+    pockets = with_play.pockets
 
     def excess(slips: Array) -> Array:
-        drags = [balance.drag(slip) for slip in slips.tolist()]
+        drags = [with_play.drag(slip) for slip in slips.tolist()]
         return np.asarray(pockets.mean_drive(slips) + np.array(drags))
 
     ratios = np.array([_RATIO**n for n in range(_BATCH)])

@@ -12,7 +12,8 @@ samples, so the band comes from a one-at-a-time sensitivity analysis with a root
 4. Find likewise the load at which the acceptable slip is steady, in the logarithm of the load.
 5. Take the changes of the logarithm. Add their squares, increases and decreases separately; the roots are the
    logarithms of the factors from the value to the bounds of its band.
-6. Multiply the value of the run by these factors: only ratios come from the coarse model.
+6. Multiply the value of the run by these factors: only ratios come from the coarse model. Its rollers are set in the
+   cage; the slip with play follows from the slip-drag curves of the run (`evaluated.slip_with_play`).
 
 The sum of squares is exact for a product of powers of independent lognormal quantities, else an estimate without
 interactions. Samples (`rollslip uncertainty`) have them.
@@ -52,7 +53,11 @@ from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, torque_balance
-from rollslip_studies.steady_slip.evaluated import evaluated_slices
+from rollslip_studies.steady_slip.evaluated import (
+    evaluated_slices,
+    slip_with_play,
+    without_play,
+)
 from rollslip_studies.steady_slip.losses import acceptable_reserve
 from rollslip_studies.variation.distributions import read_uncertainty
 from rollslip_studies.variation.quantities import quantities
@@ -138,23 +143,28 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     if not slips.size or slips[0] == 0.0 or not -_SMALL_SLIP <= slips[0] < math.inf:
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "minimum_load" in dataset else None
-    values = {"steady_slip": max(float(slips[0]), _SLIP_FLOOR)}
+    without = float(np.ravel(without_play(dataset)[slip])[0])
+    values = {"steady_slip": max(without, _SLIP_FLOOR)}
     if acceptable is not None and Status.of(dataset["minimum_load_status"].item()) is Status.FOUND:
         values["minimum_load"] = float(dataset["minimum_load"])
     acceptable_slip = float(acceptable) if "minimum_load" in values else None  # type: ignore[arg-type]
+    of_answer = {"steady_slip": slip_with_play(dataset), "minimum_load": float}
     record = {}
     for name, band in bands(scene, values["steady_slip"], acceptable_slip).items():
         nominal = dataset[slip if name == "steady_slip" else name].to_numpy().flat[0]
         record[name] = {
-            "low": min(values[name] * band.low, float(nominal)),
-            "high": _json_value(name, values[name] * band.high),
+            "low": min(of_answer[name](values[name] * band.low), float(nominal)),
+            "high": _json_value(name, of_answer[name](values[name] * band.high)),
             "dominant": band.dominant,
             "changes": [
                 {
                     "key": effect.key,
                     "unit": effect.unit,
                     "ends": effect.quantiles,
-                    "values": [_json_value(name, values[name] * f) for f in effect.factors],
+                    "values": [
+                        _json_value(name, of_answer[name](values[name] * factor))
+                        for factor in effect.factors
+                    ],
                 }
                 for effect in band.effects
             ],
@@ -411,6 +421,7 @@ def consequences(
             return []
     except RollslipError:
         return []
+    with_play = slip_with_play(dataset)
     values = {
         SLIP: slip,
         RESERVE: float(dataset.get("acceptable_reserve", math.nan)),
@@ -436,6 +447,10 @@ def consequences(
                 for name, value in values.items()
                 if _is_known(name, value, before[name], after[name])
             }
+            if SLIP in changes:
+                changes[SLIP] = [
+                    value if value is None else with_play(value) for value in changes[SLIP]
+                ]
             if changes:
                 row["changes"] = changes
         rows.append(row)

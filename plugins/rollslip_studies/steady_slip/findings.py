@@ -21,7 +21,12 @@ from rollslip.results.text import (
     two_digits,
 )
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.play_findings import describe_play, describe_pockets, play_row
+from rollslip_studies.steady_slip.play_findings import (
+    assumed_without_play,
+    describe_play,
+    describe_pockets,
+    slip_without_play,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -109,7 +114,6 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     slip = float(state["steady_slip"]) if has_steady(dataset) else math.nan
     status = str(dataset["status"].item())
     yield slip_row(dataset, slip, status, known=_KNOWN, within=0.02)
-    yield play_row(dataset)
     preload = max(0.0, -(clearance or 0.0))
     if "minimum_load" in dataset:
         if slip < -acceptable or Status.DRIVEN in status:
@@ -189,6 +193,7 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
     if stored is not None:
         band = stored["low"], math.inf if stored["high"] is None else stored["high"]
         note = format_slip_band(*band)
+    note = ", ".join(filter(None, (note, slip_without_play(dataset))))
     return Row(
         key="cage_slip",
         label="cage slip",
@@ -682,7 +687,7 @@ class SteadySlipAccount(Account):
         return Answer(
             rows=rows,
             acceptable=acceptable,
-            assumed=describe_assumptions(dataset),
+            assumed=assumed_without_play(dataset) + describe_assumptions(dataset),
             commands=_next(dataset, rows),
         )
 

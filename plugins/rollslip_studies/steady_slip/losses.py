@@ -9,7 +9,7 @@ leads there; the deviation is the error estimate.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_studies.steady_slip.evaluated import SECANT_STEP, estimate_by_secant
 from rollslip_studies.steady_slip.minimum_load import largest_excess
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
+
+if TYPE_CHECKING:
+    from rollslip_studies.motion.pockets import BalanceWithPlay
 
 #: Slip below which its error is not estimated, because an answer prints "below 0.1 %".
 _MIN_ESTIMATED_SLIP: Final = 1e-3
@@ -96,12 +99,14 @@ def viscosity_ratio(assembly: Assembly) -> tuple[float, str]:
     return nu / (reference * (1e3 * duty.pitch_diameter) ** -0.5), Status.FOUND
 
 
-def acceptable_reserve(balance: TorqueBalance, slip: float) -> tuple[float, str]:
+def acceptable_reserve(
+    balance: "TorqueBalance | BalanceWithPlay", slip: float
+) -> tuple[float, str]:
     """Return the torque of the rollers over the drag at a slip [-], and its status; NaN where nothing drags the cage.
 
     Parameters
     ----------
-    balance : TorqueBalance
+    balance : TorqueBalance or BalanceWithPlay
         Torque balance of the bearing.
     slip : float
         Acceptable cage slip [-].

@@ -22,7 +22,7 @@ The rules of makers are rules of thumb for any oil, speed and cage. They differ 
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
@@ -38,6 +38,9 @@ from rollslip.scene.values import Scene
 from rollslip.search import illinois_root, polynomial_maximum, secant_root
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
+
+if TYPE_CHECKING:
+    from rollslip_studies.motion.pockets import BalanceWithPlay
 
 __all__ = [
     "RULES",
@@ -58,6 +61,9 @@ __all__ = [
 #: Relative tolerance of the load. Half or twice as much changes loads by up to 1.4e-4. Chosen, far below the digits of
 #: an answer.
 _LOAD_TOLERANCE: Final = 1e-4
+#: The same for rollers with play. Half or twice as much changes loads by less than 1e-3, the error of the tables of
+#: friction. Chosen.
+_SIMILAR_LOAD_TOLERANCE: Final = 1e-3
 #: Load at which the search starts where the scene has none [N]. Half or twice as much changes nothing else.
 _START_LOAD: Final = 1.0
 #: Factor by which the load changes at most in one step. 2 and 8 change loads by less than 3e-5, 8 takes 10 % more time.
@@ -148,8 +154,36 @@ def minimum_load(
     return found, Status.FOUND if at == slip else f"{Status.FOUND_AT_SKIDDING} {at:.2g} on", slips
 
 
+def load_from_known(
+    balance: "Callable[[float], BalanceWithPlay]",
+    known: float,
+    slips: Sequence[float],
+    slip: float,
+) -> float:
+    """Return the minimum radial load [N] near a known one, of a similar balance; NaN where secants fail.
+
+    Parameters
+    ----------
+    balance : callable
+        Torque balance of the bearing with play in its pockets, at a radial load [N].
+    known : float
+        Minimum load without play [N].
+    slips : sequence of float
+        Cage slips at which it was evaluated [-].
+    slip : float
+        Acceptable cage slip [-].
+    """
+
+    def excess(log: float) -> float:
+        return largest_excess(balance(math.exp(log)), slips, slip)[1]
+
+    start = math.log(known)
+    drag = -balance(known).drag(slip)
+    return _load_by_secants(excess, start, excess(start), drag, _SIMILAR_LOAD_TOLERANCE)
+
+
 def largest_excess(
-    balance: TorqueBalance, slips: Sequence[float], slip: float
+    balance: "TorqueBalance | BalanceWithPlay", slips: Sequence[float], slip: float
 ) -> tuple[float, float]:
     """Return the slip up to a given one with the largest excess torque, and that torque [N m].
 
@@ -210,7 +244,11 @@ def rollers_weight(assembly: Assembly) -> float:
 
 
 def _load_by_secants(
-    excess: Callable[[float], float], start: float, over: float, drag: float
+    excess: Callable[[float], float],
+    start: float,
+    over: float,
+    drag: float,
+    tolerance: float = _LOAD_TOLERANCE,
 ) -> float:
     """Return the load [N] at which an excess torque over the logarithm of the load is zero; NaN where secants fail.
 
@@ -236,7 +274,7 @@ def _load_by_secants(
     within = min(at, 1.0) / farthest, max(at, 1.0) * farthest
     if not within[0] <= first <= within[1]:
         return math.nan
-    found = secant_root(squared, first, slope, tolerance=_LOAD_TOLERANCE * first, within=within)
+    found = secant_root(squared, first, slope, tolerance=tolerance * first, within=within)
     return math.exp(start) * math.sqrt(found[0]) if found and found[1] > 0.0 else math.nan
 
 

@@ -34,12 +34,9 @@ LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
         ),
     }
 )
-#: Slip with play in the pockets, and what a roller does in a turn of the cage.
+#: What a roller with play in its pocket does in a turn of the cage, and the answers without the play.
 PLAY_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
-        "slip_with_play": Output(
-            "", "1", "smallest steady cage slip with play in the pockets", status="play_status"
-        ),
         "driving_fraction": Output(
             "",
             "1",
@@ -52,7 +49,25 @@ PLAY_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "pushed_fraction": Output(
             "", "1", "fraction of a turn in which the cage pushes it", status="play_status"
         ),
-        "play_status": Output("", "1", "what was found of the slip with play in the pockets"),
+        "slip_without_play": Output(
+            "", "1", "smallest steady cage slip of rollers set in the cage", status="play_status"
+        ),
+        "minimum_load_without_play": Output(
+            "", "N", "minimum radial load of rollers set in the cage", status="play_status"
+        ),
+        "acceptable_reserve_without_play": Output(
+            "",
+            "1",
+            "reserve at the acceptable slip of rollers set in the cage",
+            status="play_status",
+        ),
+        "limit_drag_without_play": Output(
+            "", "N m", "limit drag torque of rollers set in the cage", status="play_status"
+        ),
+        "driving_torque_without_play": Output(
+            "cage_slip", "N m", "torque with which rollers set in the cage drive it"
+        ),
+        "play_status": Output("", "1", "what was found of rollers with play in their pockets"),
     }
 )
 #: Viscosity ratio kappa.

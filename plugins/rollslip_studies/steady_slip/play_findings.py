@@ -2,27 +2,23 @@
 
 import math
 
-from rollslip.results.answer import Row
 from rollslip.results.dataset import xr
-from rollslip.results.text import percent
+from rollslip.results.text import Status, percent
 from rollslip.units import format_quantity
 
 
-def play_row(dataset: "xr.Dataset") -> Row | None:
-    """Return the row of the slip with play in the pockets; None if it was not requested."""
-    if "slip_with_play" not in dataset:
-        return None
-    slip = float(dataset["slip_with_play"])
-    is_known = math.isfinite(slip)
-    return Row(
-        key="slip_with_play",
-        label="slip with play",
-        value=slip,
-        text=percent(slip) if is_known else "not found",
-        note="verdict and other rows are of rollers without play"
-        if is_known
-        else str(dataset["play_status"].item()),
-    )
+def slip_without_play(dataset: "xr.Dataset") -> str:
+    """Return the slip of rollers set in the cage where that with play is another one; else an empty text."""
+    slip = float(dataset.get("slip_without_play", math.nan))
+    return f"without play {percent(slip)}" if math.isfinite(slip) else ""
+
+
+def assumed_without_play(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """Return why the slip is that of rollers set in the cage though they have play; empty where it is not."""
+    status = str(dataset["play_status"].item()) if "play_status" in dataset else ""
+    reason = status.partition(": ")[2]
+    is_left_out = Status.of(status) is Status.NOT_KNOWN
+    return (f"no play in the pockets: {reason}",) if is_left_out else ()
 
 
 def describe_play(dataset: "xr.Dataset") -> list[str]:
@@ -37,16 +33,17 @@ def describe_play(dataset: "xr.Dataset") -> list[str]:
 
 
 def describe_pockets(dataset: "xr.Dataset") -> list[str]:
-    """Return the slip with play in the pockets beside that without, or why there is none; empty if not requested."""
-    if "slip_with_play" not in dataset:
+    """Return what the play in the pockets does to the slip, or why it is left out; empty if it was not asked for."""
+    if "play_status" not in dataset:
         return []
-    slip = float(dataset["slip_with_play"])
+    slip = float(dataset["slip_without_play"])
     if math.isnan(slip):
-        return [f"no slip with play in the pockets: {dataset['play_status'].item()}"]
+        return [f"play in the pockets is left out: {dataset['play_status'].item()}"]
     return [
-        f"with play in the pockets the cage slip is {_percent(slip)}, with rollers set in the cage "
-        f"{_percent(float(dataset['steady_slip'][0]))}: a roller drives the cage for "
-        f"{_percent(float(dataset['driving_fraction']))} of a turn only"
+        f"without play in the pockets the cage slip would be {_percent(slip)}: with it a roller drives the cage for "
+        f"{_percent(float(dataset['driving_fraction']))} of a turn, crosses its pocket for "
+        f"{_percent(float(dataset['crossing_fraction']))} and is pushed by the cage for "
+        f"{_percent(float(dataset['pushed_fraction']))}"
     ]
 
 

@@ -4,15 +4,21 @@ The rollers drive the cage and drags resist it. Where both torques are in balanc
 (`motion.torque_balance`). The torque of the rollers has a maximum over the slip, so that there are two such slips or
 none: the smaller one is stable, because more slip brings more torque, and the larger one is unstable.
 
+The balance is that of rollers which are set in the cage. A roller with play crosses its pocket before it drives the
+cage, so that the cage slips more. That is found by marching a roller round the orbit (`motion.pockets`).
+
 1. Double the roller positions within a pitch until the torques at four slips change by less than the tolerance, and the
    error of the limit drag torque is below it, too. The last change is reported as discretisation error.
 2. Find the loading branch (`motion.loading_branch`): the motions of the rollers while the drag is raised from zero. It
    goes on to a cage that hardly turns, whatever the range of the curve, so that steady slips and the onset of skidding
    are known outside that range as well.
 3. Steady slips, the slip-drag curve and its maxima are taken from this branch.
-4. Evaluate films, losses, the reserves and the minimum load at the smallest stable slip.
-5. On request follow the slips over radial load, speed or temperature through folds, where a stable and an unstable slip
-   meet (`steady_slip.branches`): there is, for example, the smallest load at which the rollers still carry the drag.
+4. Find the smallest steady slip, the slip-drag curve, the limit drag torque and both reserves with play in the pockets
+   (`steady_slip.play`). Rollers that are set in the cage have the same forces and losses: they carry the same drag.
+5. Find the minimum load, and evaluate films and losses.
+6. On request follow the slips over radial load, speed or temperature through folds, where a stable and an unstable slip
+   meet (`steady_slip.branches`), of rollers that are set in the cage: there is, for example, the smallest load at which
+   the rollers still carry the drag.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -59,7 +65,12 @@ from rollslip_studies.motion.torque_balance import (
 from rollslip_studies.motion.train import slower_by_play
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
-from rollslip_studies.steady_slip.evaluated import evaluated_slices, film_variables, require_driven
+from rollslip_studies.steady_slip.evaluated import (
+    evaluated_slices,
+    film_variables,
+    require_driven,
+    without_play,
+)
 from rollslip_studies.steady_slip.losses import (
     acceptable_reserve,
     estimate_answer_errors,
@@ -88,6 +99,8 @@ from rollslip_studies.steady_slip.statuses import (
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollslip_studies.steady_slip.play import Play
+
 #: Roller positions within a pitch above which the run fails. Twice as many take twice the time of the last step.
 #: Chosen: torques converge long before, unless rollers change their motion between positions.
 _MAX_POSITIONS: Final = 256
@@ -112,6 +125,18 @@ _BRANCH_MOTIONS: Final = 50
 _FOLLOWED_MOTIONS: Final = 350
 #: Loading branches of a search for the minimum load, where rollers have several motions at the acceptable slip. Chosen.
 _MINIMUM_LOAD_BRANCHES: Final = 9
+#: Outputs that depend on the play of the pockets.
+_AFFECTED_BY_PLAY: Final = frozenset(PLAY_OUTPUTS) | {
+    "steady_slip",
+    "cage_speed",
+    "torque",
+    "driving_torque",
+    "limit_drag",
+    "skidding_slip",
+    "drag_reserve",
+    "minimum_load",
+    "acceptable_reserve",
+}
 #: Outputs that an acceptable slip adds.
 _MINIMUM_LOAD_OUTPUTS: Final = frozenset(
     f"{name}{suffix}"
@@ -162,10 +187,9 @@ class SteadySlip(Study):
         default=True, doc="whether the spin of a roller has inertia along the orbit"
     )
     pockets: str = parameter(
-        default="set",
-        doc="rollers in their pockets: set in the cage, or with the play of cage.pocket_clearance, too, of which only "
-        "slip_with_play and what belongs to it know",
-        validator=choice_of("set", "play"),
+        default="play",
+        doc="rollers in their pockets: with the play of cage.pocket_clearance, or set in the cage",
+        validator=choice_of("play", "set"),
     )
     acceptable_slip: float | None = parameter(
         default=0.05,
@@ -252,7 +276,7 @@ class SteadySlip(Study):
         }
         if outputs >= _MINIMUM_LOAD_OUTPUTS:
             dropped["acceptable_slip"] = None
-        if outputs >= PLAY_OUTPUTS.keys():
+        if outputs >= _AFFECTED_BY_PLAY:
             dropped["pockets"] = "set"
         return self.with_settings(**dropped) if dropped else self
 
@@ -281,6 +305,7 @@ class SteadySlip(Study):
 
     def validity_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]:
         """Return the slices at the steady slips; for a result without these at the skidding slip."""
+        dataset = without_play(dataset)
         slips = np.atleast_1d(
             dataset["steady_slip" if "steady_slip" in dataset else "skidding_slip"].to_numpy()
         )
@@ -310,10 +335,9 @@ class SteadySlip(Study):
             ring_power; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle): normal_force, all
             of these one NaN where there is no steady slip and ``status`` says why; scalars: status, limit_drag,
             skidding_slip, skidding_status, limit_drag_error, _low and _high, jump_slip, largest_torque,
-            largest_torque_slip, largest_torque_error, first_maximum_torque, first_maximum_slip; with
-            play in the pockets slip_with_play, driving_fraction, crossing_fraction, pushed_fraction, play_status. For
-            each followed condition X, if a branch was found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars
-            X_limit, X_limit_slip, X_limit_status.
+            largest_torque_slip, largest_torque_error, first_maximum_torque, first_maximum_slip; with play in the
+            pockets `PLAY_OUTPUTS`. For each followed condition X, if a branch was found, (X_point,): X, X_slip,
+            X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
 
         Raises
         ------
@@ -329,7 +353,11 @@ class SteadySlip(Study):
         n_positions = balance.n_positions
         branch = self._loading_branch(balance)
         steady = [] if balance.rolls_freely else branch.find_steady_motions(balance.drag)
-        slips = [0.0] if balance.rolls_freely else [motion.slip for motion in steady]
+        without = [0.0] if balance.rolls_freely else [motion.slip for motion in steady]
+        play = self._play(balance, without)
+        slips = without if play is None else play.slips(without)
+        if not slips:
+            steady = []
         states = [balance.orbit_from_motion(motion.motion) for motion in steady]
         if not states:
             end = min(self.max_cage_slip, branch.end)
@@ -340,8 +368,16 @@ class SteadySlip(Study):
         )
         positions = states[0].roller_slip.size
         variables |= (
-            self._steady(balance, branch, states, steady) if slips else self._unsteady(positions)
+            self._steady(balance, branch, states, steady, slips)
+            if slips
+            else self._unsteady(positions)
         )
+        status = describe_steady_status(balance, branch, without)
+        if play is not None:
+            status = play.status or status
+            variables |= play.variables(coords["cage_slip"][1], variables["driving_torque"][1])
+        variables |= self.variables(status=status)
+        variables |= self._reserve(balance, play)
         coords["angle"] = (
             "angle",
             2.0 * np.pi * np.arange(positions) / positions,
@@ -351,12 +387,8 @@ class SteadySlip(Study):
         losses, sources = loss_variables(balance, states, steady=bool(slips))
         coords |= sources
         variables |= losses
-        variables |= self.variables(status=describe_steady_status(balance, branch, slips))
-        variables |= self._reserve(balance)
-        if self.pockets == "play":
-            variables |= self._with_play(balance, slips[0] if slips else np.nan)
         for name, limits in self._followed_ranges.items():
-            branches = self._followed(assembly, n_positions, name, limits, slips)
+            branches = self._followed(assembly, n_positions, name, limits, without)
             no_fold = describe_no_fold(
                 name,
                 limits,
@@ -378,8 +410,11 @@ class SteadySlip(Study):
             **_play_attributes(assembly, states),
         }
         if self.acceptable_slip is not None:
-            variables |= self._minimum_load(assembly, n_positions, self.acceptable_slip)
+            variables |= self._minimum_load(assembly, n_positions, self.acceptable_slip, play)
             factor, status = acceptable_reserve(balance, self.acceptable_slip)
+            if play is not None:
+                variables |= self.variables(acceptable_reserve_without_play=factor)
+                factor, status = play.acceptable_reserve(factor, status, self.acceptable_slip)
             variables |= self.variables(acceptable_reserve=factor, acceptable_reserve_status=status)
             coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
             attributes["acceptable_slip"] = self.acceptable_slip
@@ -390,12 +425,20 @@ class SteadySlip(Study):
     def partial_result(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
         """Return steady slips, or the minimum load, with their status as `run` does; None for other outputs."""
         if outputs <= {"minimum_load", "minimum_load_status"} and self.acceptable_slip is not None:
-            n_positions = self.balance(assembly).n_positions
-            return self._minimum_load(assembly, n_positions, self.acceptable_slip), {}
+            balance = self.balance(assembly)
+            play = self._play(balance, [])
+            variables = self._minimum_load(
+                assembly, balance.n_positions, self.acceptable_slip, play
+            )
+            return {name: variables[name] for name in outputs}, {}
         if not outputs <= {"steady_slip", "status"}:
             return None
-        _, steady, status = self.steady(assembly)
-        known = np.array([motion.slip for motion in steady] or [np.nan])
+        balance, steady, status = self.steady(assembly)
+        slips = [motion.slip for motion in steady]
+        if (play := self._play(balance, slips)) is not None:
+            slips = play.slips(slips)
+            status = play.status or status
+        known = np.array(slips or [np.nan])
         return self.variables(status=status, steady_slip=known), {
             "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
         }
@@ -436,25 +479,36 @@ class SteadySlip(Study):
         """Return the loading branch up to a cage that hardly turns."""
         return balance.loading_branch(max(RANGE, self.max_cage_slip))
 
-    def _reserve(self, balance: TorqueBalance) -> dict[str, Any]:
-        """Return the variables of the drag reserve to skidding."""
+    def _play(self, balance: TorqueBalance, slips: list[float]) -> "Play | None":
+        """Return the play of the pockets, by the steady slips of rollers set in the cage; None where they stay set."""
+        if self.pockets == "set":
+            return None
+        # tables of motions in time, which no other run needs
+        from rollslip_studies.steady_slip.play import Play
+
+        return Play(
+            balance,
+            slips[0] if slips else np.nan,
+            self.acceptable_slip,
+            max(RANGE, self.max_cage_slip),
+        )
+
+    def _reserve(self, balance: TorqueBalance, play: "Play | None") -> dict[str, Any]:
+        """Return the variables of the limit drag torque and of the drag reserve to skidding."""
         largest = max(RANGE, self.max_cage_slip)
         onset = skidding_onset(balance, largest, f"{self.table}.max_cage_slip")
-        to_skidding = reserve(balance, onset, running(balance, largest), largest)
-        return self.variables(drag_reserve=to_skidding.factor, reserve_status=to_skidding.status)
-
-    def _with_play(self, balance: TorqueBalance, slip: float) -> dict[str, Any]:
-        """Return the variables of the play of the pockets, by the smallest steady slip without it."""
-        # tables of motions in time, which no other run needs
-        from rollslip_studies.motion.pockets import steady_slip_with_play
-
-        found = steady_slip_with_play(balance, slip, max(RANGE, self.max_cage_slip))
-        return self.variables(
-            slip_with_play=found.slip,
-            driving_fraction=found.driving,
-            crossing_fraction=found.crossing,
-            pushed_fraction=found.pushed,
-            play_status=found.status,
+        runs = running(balance, largest)
+        variables = {}
+        if play is not None:
+            variables = self.variables(limit_drag_without_play=onset.drag)
+            onset = play.skidding_onset(onset)
+            runs = play.running(runs)
+        to_skidding = reserve(balance, onset, runs, largest)
+        return variables | self.variables(
+            limit_drag=onset.drag,
+            skidding_slip=onset.slip,
+            drag_reserve=to_skidding.factor,
+            reserve_status=to_skidding.status,
         )
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
@@ -525,6 +579,7 @@ class SteadySlip(Study):
         branch: LoadingBranch,
         states: list[Orbit],
         steady: list[SteadyMotion],
+        slips: list[float],
     ) -> dict[str, Any]:
         """Return the variables of steady slips; without a steady motion the cage rolls freely, which is stable."""
         kinds = [
@@ -538,14 +593,11 @@ class SteadySlip(Study):
             traction.sum(axis=2), total, out=np.full_like(total, np.nan), where=total > 0.0
         )
         return self.variables(
-            steady_slip=np.array([s.cage_slip for s in states]),
+            steady_slip=np.array(slips),
             cage_speed=np.array(
-                [
-                    balance.assembly.kinematics.direction * balance.cage_speed(state.cage_slip)
-                    for state in states
-                ]
+                [balance.assembly.kinematics.direction * balance.cage_speed(slip) for slip in slips]
             ),
-            torque=np.array([0.0 - balance.drag(state.cage_slip) for state in states]),
+            torque=np.array([0.0 - balance.drag(slip) for slip in slips]),
             stable=np.array([kind == "stable" for kind in kinds]).astype(np.int8),
             stability=np.array(kinds),
             multiplier=np.array([s.multiplier for s in states]),
@@ -586,7 +638,9 @@ class SteadySlip(Study):
 
         return balance
 
-    def _minimum_load(self, assembly: Assembly, n_positions: int, slip: float) -> dict[str, Any]:
+    def _minimum_load(
+        self, assembly: Assembly, n_positions: int, slip: float, play: "Play | None"
+    ) -> dict[str, Any]:
         """Return the variables of the minimum load for a slip, and of the catalogue minimum loads."""
         bearing = assembly.with_resistance()
 
@@ -599,7 +653,11 @@ class SteadySlip(Study):
             balance, assembly.scene.operation.radial_load, slip, weight
         )
         makers, statuses = minimum_loads_of_makers(assembly.scene)
-        variables = self.variables(
+        variables = {}
+        if play is not None:
+            variables = self.variables(minimum_load_without_play=load)
+            load = play.minimum_load(balance, load, slips, slip)
+        variables |= self.variables(
             minimum_load=load,
             minimum_load_status=status,
             makers_minimum_load=makers,
@@ -623,7 +681,9 @@ class SteadySlip(Study):
         finer = finer.with_resistance()
         balance = self.balance(finer)
         return estimate_answer_errors(
-            balance, self._balances(finer, balance.n_positions, "radial_load"), dataset
+            balance,
+            self._balances(finer, balance.n_positions, "radial_load"),
+            without_play(dataset),
         )
 
     def _followed(
