@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 _MIN_ESTIMATED_SLIP: Final = 1e-3
 #: Reserve from which on its error is not estimated, because an answer prints "over 1000".
 _MAX_ESTIMATED_RESERVE: Final = 1e3
+#: Reserve to slipping that its error is relative to at least: below it the cage slips more than is acceptable, whatever
+#: its digits. Half of it would refine bearings for the digits of smaller reserves, which are printed as they are.
+_LEAST_RESERVE: Final = 1.0
 #: Factor from the deviation of the limit drag torque, on a bearing of twice the resolution, to its error. Where rollers
 #: jump between motions the torque converges with the first order, its error is twice the deviation; the joint order of
 #: the other numbers is in their own factor, and is taken out here.
@@ -153,10 +156,8 @@ def _errors(
         yield from _steady_errors(balance, dataset.isel(steady=int(lasting[0])))
     acceptable = dataset.attrs.get("acceptable_slip", math.nan)
     if abs(own := float(dataset.get("acceptable_reserve", math.nan))) < _MAX_ESTIMATED_RESERVE:
-        yield (
-            "reserve to slipping",
-            _relative_error(own, acceptable_reserve(balance, acceptable)[0]),
-        )
+        finer, _ = acceptable_reserve(balance, acceptable)
+        yield "reserve to slipping", abs(own - finer) / max(abs(finer), _LEAST_RESERVE)
     if math.isfinite(float(dataset["limit_drag"])):
         yield from _limit_drag_errors(balance, dataset)
     elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _MAX_ESTIMATED_RESERVE:
