@@ -201,9 +201,9 @@ class Assembly:
     def with_resistance(self) -> "Assembly":
         """Return the same bearing with the rolling resistance as the last stage of its chains, if there is any."""
         resistance = self.cage.drags.resistance
-        if resistance is None:
-            return self
         own = self.inner.chain
+        if resistance is None or own.resists:
+            return self
         compiled = self.resolution.compiled
         chain = self._memoised(
             "chain",

@@ -80,7 +80,8 @@ def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:
         return together[0]
     if (some := study.partial_result(assembly, frozenset(names))) is not None:
         return _select(some, names)
-    dataset = study.without_outputs(frozenset(study.outputs.keys() - set(names))).run(assembly)
+    needed = study.without_outputs(frozenset(study.outputs.keys() - set(names)))
+    dataset = needed.completed(assembly, needed.run(assembly))
     wanted: dict[str, Any] = {}
     for name in names:
         if name in dataset:

@@ -126,6 +126,20 @@ class Study(DiscretisedStudy, abc.ABC):
             Variables as `outputs` declares them; attributes at least those of `attributes`.
         """
 
+    def completed(self, assembly: Assembly, dataset: "xr.Dataset") -> "xr.Dataset":
+        """Return a result with what takes long and needs no error estimate of its own; by default the result itself.
+
+        It is called once, for the result of `run` whose error is accepted.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing of the result.
+        dataset : xarray.Dataset
+            The result of `run`.
+        """
+        return dataset
+
     # Description ---------------------------------------------------------------------------------------
 
     @classmethod

@@ -15,6 +15,7 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.results.dataset import xr
+from rollslip.results.text import Status
 from rollslip.studies.answers import LoadedSlices, ResolutionChoice
 from rollslip.studies.study import Study
 from rollslip_studies.effective_friction.raceways import no_load_error, regime_variables
@@ -173,18 +174,18 @@ def without_play(dataset: "xr.Dataset") -> "xr.Dataset":
     dataset : Dataset
         Result of the study.
     """
-    slip = float(dataset.get("slip_without_play", math.nan))
-    if math.isfinite(slip):
-        slips = dataset["steady_slip"].to_numpy().copy()
-        slips[0] = slip
-        dataset = dataset.assign(steady_slip=dataset["steady_slip"].copy(data=slips))
+    if "slip_without_play" not in dataset:
+        return dataset
+    slips = dataset["steady_slip"].to_numpy().copy()
+    slips[0] = float(dataset["slip_without_play"])
     names = ("minimum_load", "acceptable_reserve", "limit_drag", "driving_torque")
-    others = {
-        name: dataset[name].copy(data=dataset[f"{name}_without_play"].to_numpy())
-        for name in names
-        if name in dataset and np.isfinite(dataset.get(f"{name}_without_play", np.nan)).all()
-    }
-    return dataset.assign(others)
+    return dataset.assign(steady_slip=dataset["steady_slip"].copy(data=slips)).assign(
+        {
+            name: dataset[name].copy(data=dataset[f"{name}_without_play"].to_numpy())
+            for name in names
+            if f"{name}_without_play" in dataset
+        }
+    )
 
 
 def slip_with_play(dataset: "xr.Dataset") -> Callable[[float], float]:
@@ -200,9 +201,9 @@ def slip_with_play(dataset: "xr.Dataset") -> Callable[[float], float]:
     dataset : Dataset
         Result of the study.
     """
-    without = float(dataset.get("slip_without_play", math.nan))
-    if math.isnan(without):
+    if "play_status" not in dataset or dataset["play_status"].item() != Status.FOUND:
         return lambda slip: slip
+    without = float(dataset["slip_without_play"])
     slips = dataset["cage_slip"].to_numpy()
     set_torques = dataset["driving_torque_without_play"].to_numpy()
     torques = dataset["driving_torque"].to_numpy()

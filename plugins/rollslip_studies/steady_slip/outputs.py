@@ -50,19 +50,19 @@ PLAY_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "", "1", "fraction of a turn in which the cage pushes it", status="play_status"
         ),
         "slip_without_play": Output(
-            "", "1", "smallest steady cage slip of rollers set in the cage", status="play_status"
+            "", "1", "smallest steady cage slip of rollers set in the cage", status="status"
         ),
         "minimum_load_without_play": Output(
-            "", "N", "minimum radial load of rollers set in the cage", status="play_status"
+            "", "N", "minimum radial load of rollers set in the cage", status="minimum_load_status"
         ),
         "acceptable_reserve_without_play": Output(
             "",
             "1",
             "reserve at the acceptable slip of rollers set in the cage",
-            status="play_status",
+            status="acceptable_reserve_status",
         ),
         "limit_drag_without_play": Output(
-            "", "N m", "limit drag torque of rollers set in the cage", status="play_status"
+            "", "N m", "limit drag torque of rollers set in the cage", status="skidding_status"
         ),
         "driving_torque_without_play": Output(
             "cage_slip", "N m", "torque with which rollers set in the cage drive it"

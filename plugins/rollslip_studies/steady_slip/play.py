@@ -1,19 +1,18 @@
 """Answers of study steady-slip for rollers with play in their pockets, beside those of rollers set in the cage.
 
 A roller with play crosses its pocket before it drives the cage (`motion.pockets`), so that rollers carry a drag at a
-larger slip. Forces and losses are still those of rollers set in the cage at the slip at which these carry the drag.
+larger slip. Forces and losses are those of rollers set in the cage at the slip at which these carry the drag: the mean
+torque of a roller is the same there.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import cached_property
-from typing import Any, Final
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any, Final
 
-import attrs
 import numpy as np
 
-from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.text import Status
 from rollslip_studies.motion.pockets import (
@@ -24,10 +23,13 @@ from rollslip_studies.motion.pockets import (
     relative_play,
     steady_slip_with_play,
 )
-from rollslip_studies.motion.torque_balance import Running, SkiddingOnset, TorqueBalance
+from rollslip_studies.motion.torque_balance import TorqueBalance
 from rollslip_studies.steady_slip.losses import acceptable_reserve
 from rollslip_studies.steady_slip.minimum_load import load_from_known
 from rollslip_studies.steady_slip.outputs import OUTPUTS
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Relative play below which a run leaves the play out. There it changes slips of four bearings by less than 0.5 %, at
 #: twice the value by up to 1.5 %; chosen, below the tolerance of results.
@@ -55,27 +57,24 @@ class Play:
     def __init__(
         self, balance: TorqueBalance, slip: float, acceptable: float | None, max_slip: float
     ) -> None:
+        self.set_balance = balance
         self._slip = slip
+        self._acceptable = acceptable
         self._max_slip = max_slip
-        self.balance: BalanceWithPlay | None = None
-        self.reason = reason_without_play(balance)
+        self._balance: BalanceWithPlay | None = None
+        self._reason = reason_without_play(balance)
         slips = [value for value in (slip, acceptable) if value is not None and value > 0.0]
-        if not self.reason and slips and relative_play(balance, min(slips)) < _NEGLIGIBLE_PLAY:
-            self.reason = "the play changes the slip by less than 1 %"
-        if not self.reason:
-            self.balance, self.reason = balance_with_play(balance)
+        if not self._reason and slips and relative_play(balance, min(slips)) < _NEGLIGIBLE_PLAY:
+            self._reason = "the play changes the slip by less than 1 %"
+        if not self._reason:
+            self._balance, self._reason = balance_with_play(balance)
 
     @cached_property
     def found(self) -> SlipWithPlay:
         """The smallest steady slip with play, or why there is none."""
-        if self.balance is None:
-            return SlipWithPlay(self.reason)
-        return steady_slip_with_play(self.balance, self._slip, self._max_slip)
-
-    @property
-    def is_found(self) -> bool:
-        """Whether there is a slip with play."""
-        return self.found.status == Status.FOUND
+        if self._balance is None:
+            return SlipWithPlay(self._reason)
+        return steady_slip_with_play(self._balance, self._slip, self._max_slip)
 
     @property
     def _skids(self) -> bool:
@@ -96,18 +95,21 @@ class Play:
             Steady slips of rollers set in the cage, ascending.
         """
         if self._skids:
-            return []
-        return [self.found.slip, *without[1:]] if self.is_found else without
+            return [math.nan] * len(without)
+        is_found = self.found.status == Status.FOUND
+        return [self.found.slip, *without[1:]] if is_found else without
 
-    def variables(self, cage_slip: Array, torque: Array) -> dict[str, Any]:
-        """Return the variables of the motion with play, and of the slip-drag curve with and without it.
+    def completed(
+        self, dataset: "xr.Dataset", at_load: Callable[[float], TorqueBalance]
+    ) -> "xr.Dataset":
+        """Return a result with the answers with play, and with those without it under names of their own.
 
         Parameters
         ----------
-        cage_slip : ndarray
-            Cage slips of the curve, (n,).
-        torque : ndarray
-            Torques of rollers set in the cage there [N m], (n,).
+        dataset : Dataset
+            Result of rollers set in the cage.
+        at_load : callable
+            Torque balance of these at a radial load [N].
         """
         found = self.found
         values = {
@@ -115,101 +117,121 @@ class Play:
             "crossing_fraction": found.crossing,
             "pushed_fraction": found.pushed,
             "play_status": found.status,
-            "slip_without_play": self._slip if self.is_found else math.nan,
-            "driving_torque_without_play": torque,
+            "slip_without_play": self._slip,
         }
-        if self.balance is not None:
-            values["driving_torque"] = self.balance.torques(cage_slip, torque)
-        return _variables(values)
-
-    def running(self, runs: Running) -> Running:
-        """Return where the cage runs with play, from where it runs without.
-
-        Parameters
-        ----------
-        runs : Running
-            Where a cage runs in which rollers are set.
-        """
-        if self._skids:
-            return Running(math.nan, math.nan, self.found.status)
-        if self.balance is None or not self.is_found:
-            return runs
-        slip = self.found.slip
-        return attrs.evolve(runs, slip=slip, drag=-self.balance.drag(slip))
-
-    def skidding_onset(self, onset: SkiddingOnset) -> SkiddingOnset:
-        """Return where skidding begins with play, from where it begins without.
-
-        Parameters
-        ----------
-        onset : SkiddingOnset
-            Of rollers set in the cage.
-        """
-        if self.balance is None or math.isnan(onset.slip):
-            return onset
-        slips = onset.slip * _NEAR_MAXIMUM
-        slips = slips[slips < 1.0]
-        torques = self.balance.torques(slips)
-        without = float(self.balance.balance.torques(slips[:1])[0])
-        largest = int(np.argmax(torques))
-        return attrs.evolve(
-            onset,
-            slip=float(slips[largest]),
-            drag=onset.drag * min(float(torques[largest]) / without, 1.0),
+        for name in ("driving_torque", "limit_drag", "acceptable_reserve", "minimum_load"):
+            if name in dataset:
+                values[f"{name}_without_play"] = dataset[name].to_numpy()
+        variables = {name: OUTPUTS[name].variable(value) for name, value in values.items()}
+        if self._balance is None:
+            return dataset.assign(variables)
+        values = {
+            "driving_torque": self._balance.torques(
+                dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
+            )
+        }
+        if self._skids or found.status == Status.FOUND:
+            values |= self._steady(dataset)
+        values |= self._limit_drag(dataset)
+        values |= self._reserve(dataset, values)
+        if self._acceptable is not None:
+            factor, status = acceptable_reserve(self._balance, self._acceptable)
+            values |= {"acceptable_reserve": factor, "acceptable_reserve_status": status}
+            known = dataset["minimum_load"]
+            variables |= self.minimum_load(float(known), known.attrs, at_load)
+        return dataset.assign(
+            variables | {name: OUTPUTS[name].variable(value) for name, value in values.items()}
         )
 
-    def acceptable_reserve(self, factor: float, status: str, slip: float) -> tuple[float, str]:
-        """Return the reserve at an acceptable slip with play, and its status, from those without.
+    def _steady(self, dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the values of the steady slips; NaN where the cage skids."""
+        values: dict[str, Any] = {}
+        if self._skids:
+            values = {
+                str(name): np.full_like(variable.to_numpy(), np.nan)
+                for name, variable in dataset.items()
+                if "steady" in variable.dims and variable.dtype.kind == "f"
+            }
+            steady = dataset["stability"].to_numpy()
+            values["stable"] = np.zeros(steady.size, np.int8)
+            values["stability"] = np.full(steady.size, "no steady slip")
+            values["status"] = self.status
+            return values
+        slips = self.slips(dataset["steady_slip"].to_numpy().tolist())
+        speed = self.set_balance.assembly.kinematics.direction
+        return {
+            "steady_slip": np.array(slips),
+            "cage_speed": np.array([speed * self.set_balance.cage_speed(slip) for slip in slips]),
+            "torque": np.array([0.0 - self.set_balance.drag(slip) for slip in slips]),
+        }
 
-        Parameters
-        ----------
-        factor : float
-            Reserve of rollers set in the cage.
-        status : str
-            Its status.
-        slip : float
-            Acceptable cage slip.
-        """
-        return (factor, status) if self.balance is None else acceptable_reserve(self.balance, slip)
+    def _limit_drag(self, dataset: "xr.Dataset") -> dict[str, float]:
+        """Return the limit drag torque and its slip; empty where the cage does not skid in the range."""
+        slip = float(dataset["skidding_slip"])
+        if math.isnan(slip) or self._balance is None:
+            return {}
+        slips = slip * _NEAR_MAXIMUM
+        slips = slips[slips < 1.0]
+        torques = self._balance.torques(slips)
+        without = float(self.set_balance.torques(slips[:1])[0])
+        largest = int(np.argmax(torques))
+        factor = min(float(torques[largest]) / without, 1.0)
+        return {
+            "limit_drag": factor * float(dataset["limit_drag"]),
+            "skidding_slip": float(slips[largest]),
+        }
+
+    def _reserve(self, dataset: "xr.Dataset", known: dict[str, Any]) -> dict[str, Any]:
+        """Return the drag reserve to skidding, and its status where the cage skids because of the play."""
+        drags = dataset["drag_torque"].to_numpy()
+        if self._skids:
+            brakes = drags > 0.0
+            largest = (known["driving_torque"][brakes] / drags[brakes]).max(initial=0.0)
+            status = f"{Status.SKIDS}: its drags are more than the rollers carry"
+            return {"drag_reserve": min(largest, 1.0), "reserve_status": status}
+        if self.found.status != Status.FOUND:
+            return {}
+        factor = float(dataset["drag_reserve"])
+        carried = [-self.set_balance.drag(slip) for slip in (self._slip, self.found.slip)]
+        if Status.of(str(dataset["reserve_status"].item())) is Status.AT_LEAST:
+            carried = [max(drag, float(drags[0])) for drag in carried]
+        if math.isfinite(factor) and carried[1] > 0.0:
+            factor = factor * carried[0] / carried[1]
+        if "limit_drag" in known:
+            factor = factor * known["limit_drag"] / float(dataset["limit_drag"])
+        return {"drag_reserve": factor}
 
     def minimum_load(
-        self,
-        balance: Callable[[float], TorqueBalance],
-        known: float,
-        slips: Sequence[float],
-        slip: float,
-    ) -> float:
-        """Return the minimum load with play [N], from that without, which it is where that is not known.
+        self, known: float, attributes: Mapping[str, Any], at_load: Callable[[float], TorqueBalance]
+    ) -> dict[str, Any]:
+        """Return the variable of the minimum load with play; empty where it is that without.
 
         Parameters
         ----------
-        balance : callable
-            Torque balance of the bearing at a radial load [N], its rollers set in the cage.
         known : float
-            Minimum load without play [N].
-        slips : sequence of float
-            Cage slips at which it was evaluated.
-        slip : float
-            Acceptable cage slip.
+            Minimum load of rollers set in the cage [N].
+        attributes : mapping
+            Attributes of its variable, with the slips at which it was evaluated.
+        at_load : callable
+            Torque balance of rollers set in the cage at a radial load [N].
         """
-        if self.balance is None or not known > 0.0:
-            return known
-        bearing = self.balance.balance.assembly
+        if self._balance is None or self._acceptable is None or not known > 0.0:
+            return {}
+        bearing = self.set_balance.assembly
         if known > bearing.scene.operation.radial_load:
-            bearing = balance(known).assembly
+            bearing = at_load(known).assembly
 
-        def at_load(load: float) -> BalanceWithPlay:
-            found, reason = balance_with_play(balance(load), bearing)
-            if found is None:
+        @lru_cache(maxsize=1)
+        def with_play(load: float) -> BalanceWithPlay:
+            balance, reason = balance_with_play(at_load(load), bearing)
+            if balance is None:
                 raise ConvergenceError(reason)
-            return found
+            return balance
 
-        found = math.nan
+        slips = np.atleast_1d(attributes["slips"]).tolist()
         with suppress(ConvergenceError, DomainError):
-            found = load_from_known(at_load, known, slips, slip)
-        return known if math.isnan(found) else found
-
-
-def _variables(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return values as variables by the same names."""
-    return {name: OUTPUTS[name].variable(value) for name, value in values.items()}
+            load = load_from_known(with_play, known, slips, self._acceptable)
+            if load > 0.0:
+                dims, load, own = OUTPUTS["minimum_load"].variable(load)
+                return {"minimum_load": (dims, load, {**attributes, **own})}
+        return {}

@@ -9,8 +9,9 @@ from rollslip.units import format_quantity
 
 def slip_without_play(dataset: "xr.Dataset") -> str:
     """Return the slip of rollers set in the cage where that with play is another one; else an empty text."""
-    slip = float(dataset.get("slip_without_play", math.nan))
-    return f"without play {percent(slip)}" if math.isfinite(slip) else ""
+    if "play_status" not in dataset or dataset["play_status"].item() != Status.FOUND:
+        return ""
+    return f"without play {percent(float(dataset['slip_without_play']))}"
 
 
 def assumed_without_play(dataset: "xr.Dataset") -> tuple[str, ...]:
@@ -37,7 +38,7 @@ def describe_pockets(dataset: "xr.Dataset") -> list[str]:
     if "play_status" not in dataset:
         return []
     slip = float(dataset["slip_without_play"])
-    if math.isnan(slip):
+    if dataset["play_status"].item() != Status.FOUND:
         return [f"play in the pockets is left out: {dataset['play_status'].item()}"]
     return [
         f"without play in the pockets the cage slip would be {_percent(slip)}: with it a roller drives the cage for "

@@ -4,18 +4,15 @@ The rollers drive the cage and drags resist it. Where both torques are in balanc
 (`motion.torque_balance`). The torque of the rollers has a maximum over the slip, so that there are two such slips or
 none: the smaller one is stable, because more slip brings more torque, and the larger one is unstable.
 
-The balance is that of rollers which are set in the cage. A roller with play crosses its pocket before it drives the
-cage, so that the cage slips more. That is found by marching a roller round the orbit (`motion.pockets`).
-
 1. Double the roller positions within a pitch until the torques at four slips change by less than the tolerance, and the
    error of the limit drag torque is below it, too. The last change is reported as discretisation error.
 2. Find the loading branch (`motion.loading_branch`): the motions of the rollers while the drag is raised from zero. It
    goes on to a cage that hardly turns, whatever the range of the curve, so that steady slips and the onset of skidding
    are known outside that range as well.
 3. Steady slips, the slip-drag curve and its maxima are taken from this branch.
-4. Find the smallest steady slip, the slip-drag curve, the limit drag torque and both reserves with play in the pockets
-   (`steady_slip.play`). Rollers that are set in the cage have the same forces and losses: they carry the same drag.
-5. Find the minimum load, and evaluate films and losses.
+4. Evaluate films, losses, the reserves and the minimum load at the smallest stable slip.
+5. Find the smallest steady slip, the slip-drag curve, the reserves and the minimum load once more with play in the
+   pockets (`steady_slip.play`), which all the above leaves out: a roller crosses its pocket before it drives the cage.
 6. On request follow the slips over radial load, speed or temperature through folds, where a stable and an unstable slip
    meet (`steady_slip.branches`), of rollers that are set in the cage: there is, for example, the smallest load at which
    the rollers still carry the drag.
@@ -128,6 +125,7 @@ _MINIMUM_LOAD_BRANCHES: Final = 9
 #: Outputs that depend on the play of the pockets.
 _AFFECTED_BY_PLAY: Final = frozenset(PLAY_OUTPUTS) | {
     "steady_slip",
+    "status",
     "cage_speed",
     "torque",
     "driving_torque",
@@ -281,7 +279,8 @@ class SteadySlip(Study):
         return self.with_settings(**dropped) if dropped else self
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
-        """Return the smallest stable slip."""
+        """Return the smallest stable slip of rollers set in the cage."""
+        dataset = without_play(dataset)
         stable = (
             dataset["stable"].to_numpy() == 1 if "stable" in dataset else np.zeros(0, dtype=bool)
         )
@@ -327,6 +326,8 @@ class SteadySlip(Study):
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the slip-drag curve, the steady slips, and these over the operating conditions that are followed.
 
+        All are those of rollers which are set in the cage; `completed` has the play.
+
         Returns
         -------
         xarray.Dataset
@@ -335,9 +336,9 @@ class SteadySlip(Study):
             ring_power; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle): normal_force, all
             of these one NaN where there is no steady slip and ``status`` says why; scalars: status, limit_drag,
             skidding_slip, skidding_status, limit_drag_error, _low and _high, jump_slip, largest_torque,
-            largest_torque_slip, largest_torque_error, first_maximum_torque, first_maximum_slip; with play in the
-            pockets `PLAY_OUTPUTS`. For each followed condition X, if a branch was found, (X_point,): X, X_slip,
-            X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
+            largest_torque_slip, largest_torque_error, first_maximum_torque, first_maximum_slip. For each followed
+            condition X, if a branch was found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit,
+            X_limit_slip, X_limit_status.
 
         Raises
         ------
@@ -353,11 +354,7 @@ class SteadySlip(Study):
         n_positions = balance.n_positions
         branch = self._loading_branch(balance)
         steady = [] if balance.rolls_freely else branch.find_steady_motions(balance.drag)
-        without = [0.0] if balance.rolls_freely else [motion.slip for motion in steady]
-        play = self._play(balance, without)
-        slips = without if play is None else play.slips(without)
-        if not slips:
-            steady = []
+        slips = [0.0] if balance.rolls_freely else [motion.slip for motion in steady]
         states = [balance.orbit_from_motion(motion.motion) for motion in steady]
         if not states:
             end = min(self.max_cage_slip, branch.end)
@@ -368,16 +365,8 @@ class SteadySlip(Study):
         )
         positions = states[0].roller_slip.size
         variables |= (
-            self._steady(balance, branch, states, steady, slips)
-            if slips
-            else self._unsteady(positions)
+            self._steady(balance, branch, states, steady) if slips else self._unsteady(positions)
         )
-        status = describe_steady_status(balance, branch, without)
-        if play is not None:
-            status = play.status or status
-            variables |= play.variables(coords["cage_slip"][1], variables["driving_torque"][1])
-        variables |= self.variables(status=status)
-        variables |= self._reserve(balance, play)
         coords["angle"] = (
             "angle",
             2.0 * np.pi * np.arange(positions) / positions,
@@ -387,8 +376,10 @@ class SteadySlip(Study):
         losses, sources = loss_variables(balance, states, steady=bool(slips))
         coords |= sources
         variables |= losses
+        variables |= self.variables(status=describe_steady_status(balance, branch, slips))
+        variables |= self._reserve(balance)
         for name, limits in self._followed_ranges.items():
-            branches = self._followed(assembly, n_positions, name, limits, without)
+            branches = self._followed(assembly, n_positions, name, limits, slips)
             no_fold = describe_no_fold(
                 name,
                 limits,
@@ -410,11 +401,8 @@ class SteadySlip(Study):
             **_play_attributes(assembly, states),
         }
         if self.acceptable_slip is not None:
-            variables |= self._minimum_load(assembly, n_positions, self.acceptable_slip, play)
+            variables |= self._minimum_load(assembly, n_positions, self.acceptable_slip)
             factor, status = acceptable_reserve(balance, self.acceptable_slip)
-            if play is not None:
-                variables |= self.variables(acceptable_reserve_without_play=factor)
-                factor, status = play.acceptable_reserve(factor, status, self.acceptable_slip)
             variables |= self.variables(acceptable_reserve=factor, acceptable_reserve_status=status)
             coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
             attributes["acceptable_slip"] = self.acceptable_slip
@@ -422,15 +410,34 @@ class SteadySlip(Study):
 
         return xr.Dataset(variables, coords, attrs=self.attributes | attributes)
 
+    def completed(self, assembly: Assembly, dataset: "xr.Dataset") -> "xr.Dataset":
+        """Return the result with play in the pockets, and what it is without.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing of the result.
+        dataset : Dataset
+            The result of `run`.
+        """
+        bearing = assembly.with_resistance()
+        n_positions = int(dataset.attrs["n_positions"])
+        is_found = dataset["status"].item() == Status.FOUND
+        slips = dataset["steady_slip"].to_numpy()[: int(is_found)].tolist()
+        play = self._play(self._balance(bearing, n_positions), slips)
+        if play is None:
+            return dataset
+        return play.completed(dataset, self._at_load(play.set_balance))
+
     def partial_result(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
         """Return steady slips, or the minimum load, with their status as `run` does; None for other outputs."""
         if outputs <= {"minimum_load", "minimum_load_status"} and self.acceptable_slip is not None:
-            balance = self.balance(assembly)
-            play = self._play(balance, [])
-            variables = self._minimum_load(
-                assembly, balance.n_positions, self.acceptable_slip, play
-            )
-            return {name: variables[name] for name in outputs}, {}
+            balance = self.balance(assembly.with_resistance())
+            variables = self._minimum_load(assembly, balance.n_positions, self.acceptable_slip)
+            if (play := self._play(balance, [])) is not None:
+                _, load, attributes = variables["minimum_load"]
+                variables |= play.minimum_load(load, attributes, self._at_load(balance))
+            return variables, {}
         if not outputs <= {"steady_slip", "status"}:
             return None
         balance, steady, status = self.steady(assembly)
@@ -479,7 +486,14 @@ class SteadySlip(Study):
         """Return the loading branch up to a cage that hardly turns."""
         return balance.loading_branch(max(RANGE, self.max_cage_slip))
 
-    def _play(self, balance: TorqueBalance, slips: list[float]) -> "Play | None":
+    def _reserve(self, balance: TorqueBalance) -> dict[str, Any]:
+        """Return the variables of the drag reserve to skidding."""
+        largest = max(RANGE, self.max_cage_slip)
+        onset = skidding_onset(balance, largest, f"{self.table}.max_cage_slip")
+        to_skidding = reserve(balance, onset, running(balance, largest), largest)
+        return self.variables(drag_reserve=to_skidding.factor, reserve_status=to_skidding.status)
+
+    def _play(self, balance: TorqueBalance, slips: Sequence[float]) -> "Play | None":
         """Return the play of the pockets, by the steady slips of rollers set in the cage; None where they stay set."""
         if self.pockets == "set":
             return None
@@ -488,27 +502,9 @@ class SteadySlip(Study):
 
         return Play(
             balance,
-            slips[0] if slips else np.nan,
+            next(iter(slips), np.nan),
             self.acceptable_slip,
             max(RANGE, self.max_cage_slip),
-        )
-
-    def _reserve(self, balance: TorqueBalance, play: "Play | None") -> dict[str, Any]:
-        """Return the variables of the limit drag torque and of the drag reserve to skidding."""
-        largest = max(RANGE, self.max_cage_slip)
-        onset = skidding_onset(balance, largest, f"{self.table}.max_cage_slip")
-        runs = running(balance, largest)
-        variables = {}
-        if play is not None:
-            variables = self.variables(limit_drag_without_play=onset.drag)
-            onset = play.skidding_onset(onset)
-            runs = play.running(runs)
-        to_skidding = reserve(balance, onset, runs, largest)
-        return variables | self.variables(
-            limit_drag=onset.drag,
-            skidding_slip=onset.slip,
-            drag_reserve=to_skidding.factor,
-            reserve_status=to_skidding.status,
         )
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
@@ -579,7 +575,6 @@ class SteadySlip(Study):
         branch: LoadingBranch,
         states: list[Orbit],
         steady: list[SteadyMotion],
-        slips: list[float],
     ) -> dict[str, Any]:
         """Return the variables of steady slips; without a steady motion the cage rolls freely, which is stable."""
         kinds = [
@@ -593,11 +588,14 @@ class SteadySlip(Study):
             traction.sum(axis=2), total, out=np.full_like(total, np.nan), where=total > 0.0
         )
         return self.variables(
-            steady_slip=np.array(slips),
+            steady_slip=np.array([s.cage_slip for s in states]),
             cage_speed=np.array(
-                [balance.assembly.kinematics.direction * balance.cage_speed(slip) for slip in slips]
+                [
+                    balance.assembly.kinematics.direction * balance.cage_speed(state.cage_slip)
+                    for state in states
+                ]
             ),
-            torque=np.array([0.0 - balance.drag(slip) for slip in slips]),
+            torque=np.array([0.0 - balance.drag(state.cage_slip) for state in states]),
             stable=np.array([kind == "stable" for kind in kinds]).astype(np.int8),
             stability=np.array(kinds),
             multiplier=np.array([s.multiplier for s in states]),
@@ -638,9 +636,11 @@ class SteadySlip(Study):
 
         return balance
 
-    def _minimum_load(
-        self, assembly: Assembly, n_positions: int, slip: float, play: "Play | None"
-    ) -> dict[str, Any]:
+    def _at_load(self, balance: TorqueBalance) -> Callable[[float], TorqueBalance]:
+        """Return a function from a radial load [N] to the torque balance of the same bearing there."""
+        return lambda load: self._balance(balance.assembly.at_load(load), balance.n_positions)
+
+    def _minimum_load(self, assembly: Assembly, n_positions: int, slip: float) -> dict[str, Any]:
         """Return the variables of the minimum load for a slip, and of the catalogue minimum loads."""
         bearing = assembly.with_resistance()
 
@@ -653,11 +653,7 @@ class SteadySlip(Study):
             balance, assembly.scene.operation.radial_load, slip, weight
         )
         makers, statuses = minimum_loads_of_makers(assembly.scene)
-        variables = {}
-        if play is not None:
-            variables = self.variables(minimum_load_without_play=load)
-            load = play.minimum_load(balance, load, slips, slip)
-        variables |= self.variables(
+        variables = self.variables(
             minimum_load=load,
             minimum_load_status=status,
             makers_minimum_load=makers,
