@@ -22,7 +22,8 @@ from scattered import constant, uncertain
 SCENE = rollslip.evolve(
     load_scene("1032930-70C"),
     {"accuracy.slices": 5, "accuracy.tolerance": 0.05, "study.effective-friction.points": 9,
-     "study.steady-slip.acceptable_slip": 0.02, "study.steady-slip.points": 9},
+     "study.steady-slip.acceptable_slip": 0.02, "study.steady-slip.points": 9,
+     "study.steady-slip.pockets": "set"},
 )  # fmt: skip
 FIFTH = norm.ppf(0.95)
 

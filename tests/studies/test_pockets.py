@@ -1,5 +1,7 @@
 """Slip with play in the pockets: against rollers set in the cage, another method, motions in time, and finer steps."""
 
+import math
+
 import attrs
 import numpy as np
 import pytest
@@ -8,13 +10,15 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.planning.new_scene import new
 from rollslip.results.accounts import account_of
-from rollslip.results.text import Status
+from rollslip.results.text import Status, percent
 from rollslip_kernels.motion import pocket
 from rollslip_kernels.motion.raceway import table_friction
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.motion import pockets
-from rollslip_studies.motion.pockets import Pockets, steady_slip_with_play
+from rollslip_studies.motion.pockets import BalanceWithPlay, Pockets, steady_slip_with_play
+from rollslip_studies.steady_slip.evaluated import slip_with_play, without_play
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
+from rollslip_studies.steady_slip.play import Play
 from rollslip_studies.steady_slip.study import SteadySlip
 
 #: Name -> scene.
@@ -24,27 +28,28 @@ SCENES = {
     "c": new("NU422", oil="iso-vg-220", speed="600 rpm", load="3 kN", temperature="50 degC"),
     "d": new("NU1012", oil="iso-vg-32", speed="8000 rpm", load="800 N", temperature="80 degC"),
     "gearbox": load_scene("gearbox"),
+    "turbine": load_scene("turbine"),
 }
 #: Cage slip of motions in time by name, mean of the second to fourth quarter, whose means agree within 2e-3, of
 #: ``rollslip run SCENE --study dynamics --set study.dynamics.level=pocket --set cage.pocket_contact=film
 #: --set study.dynamics.friction=conventional --set "study.dynamics.duration=1 s" --set study.dynamics.points=2001``,
 #: 2 s for c and 0.3 s for d. The bars have films there, and the cage moves freely.
 IN_TIME = {
-    "a": 1.01399e-2,
-    "b": 1.85969e-2,
-    "c": 1.47381e-2,
-    "d": 2.63268e-2,
-    "gearbox": 2.71349e-2,
+    "a": 8.7497e-3,
+    "b": 1.50562e-2,
+    "c": 1.02330e-2,
+    "d": 1.98501e-2,
+    "gearbox": 2.12178e-2,
 }
 #: Largest difference to these. It covers the films and the constant speed of the cage, which cost up to 3 % each in
-#: simulations of the same equations; found are 1.0, 0.3, 3.6, 0.7 and 1.6 %.
-TIME_TOLERANCE = 0.04
+#: simulations of the same equations; found are 4.0, 1.4, -5.0, 0.2 and -0.3 %.
+TIME_TOLERANCE = 0.06
 #: Largest difference of friction tables, and of two discretisations, in the slip without play: found are 0.03 to
 #: 0.35 %, most of it by the tables.
 SET_TOLERANCE = 5e-3
 
 
-@pytest.fixture(scope="module", params=SCENES)
+@pytest.fixture(scope="module", params=[name for name in SCENES if name != "turbine"])
 def bearing(request):
     """Name, torque balance, and smallest steady slip of rollers that are set in the cage."""
     return request.param, *balanced(SCENES[request.param])
@@ -62,9 +67,15 @@ def balanced(scene, **settings):
 
 def with_play(balance, slip, play=None, **settings):
     """Return the slip with play in the pockets, which there is."""
-    found = steady_slip_with_play(balance, slip, 0.95, Pockets(balance.assembly, play, **settings))
+    pockets = Pockets(balance.assembly, play, **settings)
+    found = steady_slip_with_play(BalanceWithPlay(balance, pockets), slip, 0.95)
     assert found.status == Status.FOUND
     return found.slip
+
+
+def found_by_study(balance, slip, max_slip=0.95):
+    """Return what study steady-slip finds of the play."""
+    return Play(balance, slip, None, max_slip).found
 
 
 def test_without_play_the_slip_is_that_of_rollers_set_in_the_cage(bearing):
@@ -160,12 +171,12 @@ def by_runge_kutta(pockets, slips, steps=4000, turns=3):
 
 
 def test_the_mean_torque_is_that_of_a_runge_kutta_method():
-    """Relative to the largest; the steps of this method leave up to 2.6e-3 of that, mostly where bars are met."""
+    """Relative to the largest; the steps of both methods leave up to 2.9e-3 of that, mostly where bars are met."""
     balance, slip = balanced(SCENES["b"])
     rollers = balance.assembly.scene.bearing.rollers
     slips = slip * np.linspace(0.8, 6.0, rollers)
     pockets = Pockets(balance.assembly)
-    expected = rollers * by_runge_kutta(pockets, slips)
+    expected = rollers * by_runge_kutta(pockets, slips, steps=8000)
     assert (expected < 0.0).any()
     found = pockets.mean_drive(slips)
     assert np.abs(found - expected).max() < 4e-3 * expected.max()
@@ -254,12 +265,17 @@ def without_cage(scene):
         (
             evolve(SCENES["b"], {"operation.inner_speed": "0 rpm", "operation.outer_speed": "1000 rpm"}),
             {},
+            "less than 0.00",
+        ),
+        (
+            evolve(SCENES["b"], {"operation.inner_speed": "0 rpm", "operation.outer_speed": "3000 rpm"}),
+            {},
             "no steady slip above zero",
         ),
     ],
 )  # fmt: skip
 def test_where_play_has_no_slip_words_say_why(scene, settings, words):
-    found = steady_slip_with_play(*balanced(scene, **settings), 0.95)
+    found = found_by_study(*balanced(scene, **settings))
     assert words in found.status
     assert np.isnan(found.slip)
     assert Status.of(found.status) is not Status.FOUND
@@ -267,37 +283,140 @@ def test_where_play_has_no_slip_words_say_why(scene, settings, words):
 
 def test_a_range_that_ends_below_the_slip_has_none():
     balance, slip = balanced(SCENES["b"])
-    found = steady_slip_with_play(balance, slip, 1.2 * slip, Pockets(balance.assembly, 0.1))
+    pockets = Pockets(balance.assembly, 0.1)
+    found = steady_slip_with_play(BalanceWithPlay(balance, pockets), slip, 1.2 * slip)
     assert Status.of(found.status) is Status.NO_STEADY_SLIP
 
 
-def test_a_slip_beyond_the_tables_is_not_known():
+def test_the_play_is_left_out_at_slips_that_it_does_not_change():
     """Contacts of a cage that has nearly stopped slide more than friction is tabulated for."""
     scene = new("NU2312", oil="iso-vg-220", speed="6000 rpm", load="0.5 kN", temperature="70 degC")
     balance, slip = balanced(scene)
     assert slip > 0.5
-    found = steady_slip_with_play(balance, slip, 0.95)
-    assert Status.of(found.status) is Status.NOT_KNOWN
-    assert "leave the tables" in found.status
+    assert "less than 1 %" in found_by_study(balance, slip).status
+    smaller = balanced(evolve(SCENES["turbine"], {"cage.pocket_clearance": "10 um"}))
+    assert "less than 1 %" in found_by_study(*smaller).status
+    assert with_play(*smaller) == pytest.approx(smaller[1], rel=1e-2)
 
 
-def test_play_adds_outputs_and_a_sentence_and_changes_nothing_else():
-    assembly = assemble(SCENES["b"])
-    assembly = attrs.evolve(assembly, resolution=attrs.evolve(assembly.resolution, n_positions=8))
-    usual = SteadySlip().run(assembly)
-    play = SteadySlip(pockets="play").run(assembly)
+@pytest.fixture(scope="module", params=["b", "gearbox", "d"])
+def results(request):
+    """Study, bearing, and its result with rollers set in the cage and with play."""
+    study = SteadySlip()
+    assembly = assemble(SCENES[request.param])
+    resolution = attrs.evolve(assembly.resolution, slices=41, n_positions=8)
+    assembly = assembly.at(resolution)
+    usual = study.run(assembly)
+    return study, assembly, usual, study.completed(assembly, usual)
+
+
+def test_play_changes_its_answers_and_keeps_those_without(results):
+    _, _, usual, play = results
     assert not PLAY_OUTPUTS.keys() & set(usual)
     assert set(play) - set(usual) == PLAY_OUTPUTS.keys()
-    assert play.drop_vars([*PLAY_OUTPUTS]).equals(usual)
+    assert without_play(play)["steady_slip"].equals(usual["steady_slip"])
+    for name in ("driving_torque", "minimum_load", "acceptable_reserve", "limit_drag"):
+        assert play[f"{name}_without_play"].to_numpy() == pytest.approx(
+            usual[name].to_numpy(), nan_ok=True
+        )
+    changed = {name for name in usual if not play[name].equals(usual[name])}
+    expected = {
+        "steady_slip", "cage_speed", "torque", "driving_torque", "minimum_load", "acceptable_reserve"
+    }  # fmt: skip
+    assert expected <= changed <= expected | {"drag_reserve", "limit_drag", "skidding_slip"}
+
+
+def test_play_takes_slip_and_load_up_and_reserves_down(results):
+    _, _, usual, play = results
+    ratios = {
+        name: float(play[name].to_numpy().flat[0] / usual[name].to_numpy().flat[0])
+        for name in ("steady_slip", "minimum_load", "acceptable_reserve", "limit_drag")
+    }
+    assert ratios["steady_slip"] > 1.1
+    assert 1.0 < ratios["minimum_load"] < ratios["steady_slip"]
+    assert 0.5 < ratios["acceptable_reserve"] < 1.0
+    assert not ratios["limit_drag"] > 1.0
+    assert not ratios["limit_drag"] < 0.98
+
+
+def test_with_play_rollers_and_drags_balance_at_slip_and_minimum_load(results):
+    """The curve crosses the drag at the slip, and at the minimum load the reserve to slipping is 1."""
+    study, assembly, _, play = results
+    slip = float(play["steady_slip"][0])
+    excess = (play["driving_torque"] - play["drag_torque"]).to_numpy()
+    first = int(np.argmax(excess > 0.0))
+    around = slice(first - 1, first + 1)
+    root = np.interp(0.0, excess[around], play["cage_slip"].to_numpy()[around])
+    assert root == pytest.approx(slip, rel=3e-2)
+    there = assembly.at_load(float(play["minimum_load"]))
+    at_minimum = study.completed(there, study.run(there))
+    assert float(at_minimum["acceptable_reserve"]) == pytest.approx(1.0, abs=5e-3)
+    assert float(at_minimum["steady_slip"][0]) == pytest.approx(0.05, rel=1e-2)
+
+
+def test_the_slip_for_a_drag_is_that_of_the_search(results):
+    """The curve's slip for a torque, against a search for a drag that rollers set in the cage carry at that slip."""
+    study, assembly, usual, play = results
+    without = float(usual["steady_slip"][0])
+    mapped = slip_with_play(play)
+    assert mapped(without) == pytest.approx(float(play["steady_slip"][0]), rel=1e-9)
+    assert mapped(math.inf) == math.inf
+    balance = study.balance(assembly.with_resistance())
+    with_play = BalanceWithPlay(balance, Pockets(balance.assembly))
+    for factor in (0.3, 3.0):
+        torque = balance.torque(factor * without)
+        with_play.drag = lambda slip, torque=torque: -torque
+        found = steady_slip_with_play(with_play, factor * without, 0.95)
+        assert mapped(factor * without) == pytest.approx(found.slip, rel=3e-2)
+
+
+def test_outputs_alone_are_those_of_the_whole_study(results):
+    study, assembly, _, play = results
+    for names in (("steady_slip", "status"), ("minimum_load", "minimum_load_status")):
+        variables, _ = study.partial_result(assembly, frozenset(names))
+        for name in names:
+            assert np.all(variables[name][1] == play[name].to_numpy())
+
+
+def test_the_answer_says_what_the_slip_is_without_play(results):
+    _, _, usual, play = results
+    rows = {row.key: row for row in account_of(play).answer(play).rows}
+    assert rows["cage_slip"].value == float(play["steady_slip"][0])
+    assert f"without play {percent(float(usual['steady_slip'][0]))}" in rows["cage_slip"].note
     sentences = account_of(play).topics(play)["steady slip"]
-    assert "with play in the pockets the cage slip is 1.87 %" in sentences[1]
-    assert "with rollers set in the cage 0.838 %" in sentences[1]
-    assert account_of(usual).topics(usual)["steady slip"] == sentences[:1]
-    rows = {row.key: row.text for row in account_of(play).answer(play).rows}
-    assert rows.pop("slip_with_play") == "1.9 %"
-    assert rows == {row.key: row.text for row in account_of(usual).answer(usual).rows}
-    dropped = SteadySlip(pockets="play").without_outputs(frozenset(PLAY_OUTPUTS))
+    assert sentences[1].startswith("without play in the pockets the cage slip would be")
+
+
+def test_rollers_set_in_the_cage_are_left_as_they_are():
+    assembly = assemble(SCENES["b"])
+    dataset = object()
+    assert SteadySlip(pockets="set").completed(assembly, dataset) is dataset
+    kept = SteadySlip().without_outputs(frozenset(PLAY_OUTPUTS))
+    assert kept.pockets == "play"
+    dropped = SteadySlip().without_outputs(frozenset(SteadySlip.outputs) - {"friction_torque"})
     assert dropped.pockets == "set"
+
+
+def test_a_cage_may_skid_because_of_the_play():
+    """With a drag just below the largest torque of rollers set in the cage."""
+    assembly = assemble(SCENES["d"])
+    assembly = assembly.at(attrs.evolve(assembly.resolution, slices=41, n_positions=8))
+
+    def with_drag(torque):
+        drags = ["rolling-resistance", {"model": "constant-torque", "size": torque}]
+        changes = {"cage.pocket_clearance": "2 mm", "cage.drag": drags}
+        return assemble(evolve(SCENES["d"], changes)).at(assembly.resolution)
+
+    limit = float(SteadySlip().run(with_drag(0.1))["limit_drag"])
+    there = with_drag(0.99 * limit)
+    study = SteadySlip()
+    usual = study.run(there)
+    assert usual["status"].item() == Status.FOUND
+    play = study.completed(there, usual)
+    assert np.isnan(play["steady_slip"]).all()
+    assert Status.SKIDS in play["status"].item()
+    assert 0.5 < float(play["drag_reserve"]) < 1.0
+    assert account_of(play).answer(play).rows
 
 
 def test_pockets_are_set_or_have_play():
@@ -319,7 +438,7 @@ def test_the_march_refuses_other_shapes_and_no_steps(shape, steps, words):
 def test_a_motion_that_does_not_repeat_has_no_slip(monkeypatch):
     """Of one turn nobody knows whether the next one repeats it."""
     monkeypatch.setattr(pockets, "_MAX_TURNS", 1)
-    found = steady_slip_with_play(*balanced(SCENES["b"]), 0.9)
+    found = found_by_study(*balanced(SCENES["b"]))
     assert found.status.startswith(f"{Status.NOT_KNOWN}: the motion of a roller does not repeat")
     assert np.isnan(found.slip)
 
@@ -327,7 +446,7 @@ def test_a_motion_that_does_not_repeat_has_no_slip(monkeypatch):
 def test_a_coarse_table_serves_where_a_fine_one_is_out_of_reach():
     """Nine slices under heavy load, against a fine table of all slices: 0.54 % by slices and table together."""
     heavy = new("NJ2210", oil="iso-vg-68", speed="3000 rpm", load="10 kN", temperature="60 degC")
-    fine = steady_slip_with_play(*balanced(heavy), 0.9)
+    fine = found_by_study(*balanced(heavy))
     coarse = balanced(evolve(heavy, {"accuracy.slices": 9}))
     assert Pockets(coarse[0].assembly).reason
-    assert steady_slip_with_play(*coarse, 0.9).slip == pytest.approx(fine.slip, rel=1e-2)
+    assert found_by_study(*coarse).slip == pytest.approx(fine.slip, rel=1e-2)

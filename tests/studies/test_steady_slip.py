@@ -1072,7 +1072,7 @@ def test_steady_slips_alone_are_those_of_the_whole_study(name):
     changes, count = SHORT_WAYS[name]
     assembly = assemble(evolve(SHIPPED, {"accuracy.slices": 21, **changes}))
     study = SteadySlip()
-    whole = study.run(assembly)
+    whole = study.completed(assembly, study.run(assembly))
     alone, _ = study.partial_result(assembly, frozenset({"steady_slip", "status"}))
     found = np.asarray(alone["steady_slip"][1])
     assert found[~np.isnan(found)].size == count

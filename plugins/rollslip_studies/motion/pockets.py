@@ -68,6 +68,11 @@ _FIRST_SLIP: Final = 0.5
 #: Fraction of the largest force on the inner ring from which a roller counts as loaded in `relative_play`. Half or
 #: twice as much changes that by some 5 %; chosen.
 _LOADED: Final = 0.01
+#: Slip below which an answer prints no number, so that it need not be known with play.
+_SMALL_SLIP: Final = 1e-3
+#: Status of a slip that is the same without play. At the large slips at which contacts leave the tables of friction it
+#: is, too.
+NO_CHANGE: Final = "the play changes the slip by less than 1 %"
 #: Number of refinements of the bracket of the slip, each by the number of slips of a batch. A refinement less changes
 #: slips by up to 8e-4, one more by up to 1.3e-5.
 _REFINEMENTS: Final = 2
@@ -328,19 +333,21 @@ def _search(with_play: BalanceWithPlay, first_slip: float, max_slip: float) -> S
     pockets = with_play.pockets
 
     def excess(slips: Array) -> Array:
+        torques = pockets.mean_drive(slips)
+        is_left = np.isnan(torques)
+        if is_left.any():
+            torques[is_left] = with_play.balance.torques(slips[is_left])
         drags = [with_play.drag(slip) for slip in slips.tolist()]
-        return np.asarray(pockets.mean_drive(slips) + np.array(drags))
+        return np.asarray(torques + np.array(drags))
 
     ratios = np.array([_RATIO**n for n in range(_BATCH)])
     slips = np.minimum(first_slip * ratios, max_slip)
     torques = excess(slips)
     if torques[0] >= 0.0:
-        return SlipWithPlay(f"{Status.NOT_KNOWN}: it is less than {100.0 * first_slip:.3g} %")
+        reason = f"with play it is less than {100.0 * first_slip:.3g} %"
+        is_small = first_slip < _SMALL_SLIP
+        return SlipWithPlay(reason if is_small else f"{Status.NOT_KNOWN}: {reason}")
     while not (torques >= 0.0).any():
-        if np.isnan(torques[-1]):
-            return SlipWithPlay(
-                f"{Status.NOT_KNOWN}: contacts leave the tables of friction below a slip of {slips[-1]:.3g}"
-            )
         if slips[-1] == max_slip:
             return SlipWithPlay(f"{Status.NO_STEADY_SLIP} up to {max_slip:.3g}")
         slips = np.minimum(slips[-1] * ratios, max_slip)
@@ -353,6 +360,8 @@ def _search(with_play: BalanceWithPlay, first_slip: float, max_slip: float) -> S
     low, high = torques[upper - 1 : upper + 1]
     root = slips[upper - 1] * (slips[upper] / slips[upper - 1]) ** (low / (low - high))
     motion = pockets.march(np.array([root]))
+    if np.isnan(motion.torque[0]):  # contacts leave the tables of friction
+        return SlipWithPlay(NO_CHANGE)
     if not motion.is_periodic[0]:
         return SlipWithPlay(
             f"{Status.NOT_KNOWN}: the motion of a roller does not repeat within {_MAX_TURNS} turns of the cage"

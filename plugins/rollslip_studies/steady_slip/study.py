@@ -420,13 +420,12 @@ class SteadySlip(Study):
         dataset : Dataset
             The result of `run`.
         """
-        bearing = assembly.with_resistance()
-        n_positions = int(dataset.attrs["n_positions"])
+        if self.pockets == "set":
+            return dataset
         is_found = dataset["status"].item() == Status.FOUND
         slips = dataset["steady_slip"].to_numpy()[: int(is_found)].tolist()
-        play = self._play(self._balance(bearing, n_positions), slips)
-        if play is None:
-            return dataset
+        balance = self._balance(assembly.with_resistance(), int(dataset.attrs["n_positions"]))
+        play = self._play(balance, slips)
         return play.completed(dataset, self._at_load(play.set_balance))
 
     def partial_result(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
@@ -434,7 +433,8 @@ class SteadySlip(Study):
         if outputs <= {"minimum_load", "minimum_load_status"} and self.acceptable_slip is not None:
             balance = self.balance(assembly.with_resistance())
             variables = self._minimum_load(assembly, balance.n_positions, self.acceptable_slip)
-            if (play := self._play(balance, [])) is not None:
+            if self.pockets == "play":
+                play = self._play(balance, [])
                 _, load, attributes = variables["minimum_load"]
                 variables |= play.minimum_load(load, attributes, self._at_load(balance))
             return variables, {}
@@ -442,7 +442,8 @@ class SteadySlip(Study):
             return None
         balance, steady, status = self.steady(assembly)
         slips = [motion.slip for motion in steady]
-        if (play := self._play(balance, slips)) is not None:
+        if self.pockets == "play":
+            play = self._play(balance, slips)
             slips = play.slips(slips)
             status = play.status or status
         known = np.array(slips or [np.nan])
@@ -493,10 +494,8 @@ class SteadySlip(Study):
         to_skidding = reserve(balance, onset, running(balance, largest), largest)
         return self.variables(drag_reserve=to_skidding.factor, reserve_status=to_skidding.status)
 
-    def _play(self, balance: TorqueBalance, slips: Sequence[float]) -> "Play | None":
-        """Return the play of the pockets, by the steady slips of rollers set in the cage; None where they stay set."""
-        if self.pockets == "set":
-            return None
+    def _play(self, balance: TorqueBalance, slips: Sequence[float]) -> "Play":
+        """Return the play of the pockets, by the steady slips of rollers set in the cage."""
         # tables of motions in time, which no other run needs
         from rollslip_studies.steady_slip.play import Play
 
