@@ -37,12 +37,14 @@ import json
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
 import attrs
 import numpy as np
 
+from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
@@ -178,6 +180,27 @@ class Margin:
     def confidence(self) -> float:
         """Confidence with which intervals of quantiles are computed, so that they hold with 95 %."""
         return CONFIDENCE if self.until is None else STOPPING_CONFIDENCE
+
+    @cached_property
+    def _with_play(self) -> Callable[[float], float]:
+        """Slip with play in the pockets by that of rollers set in the cage, at the nominal values of the scene."""
+        scene = self.critical.scene
+        return SteadySlip.from_scene(scene).play_effect(assemble(scene))
+
+    def friction_samples(self, points: "xr.Dataset") -> dict[str, Array]:
+        """Return the samples of study effective-friction by quantity, (n,) each, their slips with play in the pockets.
+
+        The samples are of rollers set in the cage. A march of a roller with play takes longer than a sample.
+
+        Parameters
+        ----------
+        points : Dataset
+            Points of a sweep.
+        """
+        values = friction_samples(points)
+        if STEADY in values:
+            values[STEADY] = np.array([self._with_play(slip) for slip in values[STEADY].tolist()])
+        return values
 
     def quantile(self, values: Array, probability: float) -> Estimate:
         """Return a quantile of samples with its interval.
@@ -390,7 +413,7 @@ def _dataset(
     """Dataset of all estimates, from the batches (samples, allowable slip) and the points of each sweep."""
     critical = points["critical"]
     n = batches[-1][0]
-    values = friction_samples(critical)
+    values = plan.friction_samples(critical)
     variables = dict[str, Any]()
     if STEADY in values:
         variables |= _probabilities(critical, values)
@@ -563,7 +586,7 @@ def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     rows = list[Any]()
     names = list[str]()
     study = EffectiveFriction.from_scene(plan.critical.scene)
-    for name, values in friction_samples(points["indices"]).items():
+    for name, values in plan.friction_samples(points["indices"]).items():
         if name == DRAG or name.startswith(f"{CRITICAL_SLIP},"):
             continue
         last = study.slip_range if name == CRITICAL_SLIP else study.skidding_range

@@ -1,11 +1,14 @@
 """Account of study effective-friction."""
 
+import json
 import math
 from collections.abc import Mapping
 from typing import ClassVar, Final
 
+import attrs
+
 from rollslip.results.accounts import PlainAccount
-from rollslip.results.answer import Answer, describe_assumptions
+from rollslip.results.answer import Answer, Row, describe_assumptions
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_running, describe_skidding
 from rollslip_studies.steady_slip.findings import (
@@ -52,6 +55,16 @@ def _describe_running(dataset: "xr.Dataset") -> str:
     return describe_running(slip, dataset["skidding_slip"].item(), reserve, reserve_status)
 
 
+def _slip_row(dataset: "xr.Dataset", slip: float, status: str) -> Row:
+    """Return the row of the slip of rollers set in the cage, which that with play in the pockets need not be near."""
+    row = slip_row(dataset, slip, status, known=1, within=_WITHIN)
+    models = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("models", {})
+    if models.get("neighbour_friction") is not None or not slip > 0.0:
+        return row
+    note = "; ".join(filter(None, (row.note, "without play in the pockets")))
+    return attrs.evolve(row, note=note, tolerance=math.inf)
+
+
 class EffectiveFrictionAccount(PlainAccount):
     """Account of study effective-friction: its curves, the onset of skidding, the steady slip and errors."""
 
@@ -68,7 +81,7 @@ class EffectiveFrictionAccount(PlainAccount):
         slip = dataset["steady_cage_slip"].item()
         status = dataset["steady_status"].item()
         rows = [
-            slip_row(dataset, slip, str(status), known=1, within=_WITHIN),
+            _slip_row(dataset, slip, str(status)),
             UNCOMPUTED_MINIMUM_LOAD,
         ]
         if "drag_reserve" in dataset:

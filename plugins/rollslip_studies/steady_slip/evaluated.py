@@ -211,7 +211,7 @@ def slip_with_play(dataset: "xr.Dataset") -> Callable[[float], float]:
     def at_same_torque(slip: float) -> float:
         torque = np.interp(slip, slips, set_torques)
         reaches = np.flatnonzero(torques >= torque)
-        if not slip < slips[-1] or not reaches.size or reaches[0] == 0:
+        if not 0.0 < slip < slips[-1] or not reaches.size or reaches[0] == 0:
             return slip
         around = [reaches[0] - 1, reaches[0]]
         return max(slip, float(np.interp(torque, torques[around], slips[around])))
