@@ -11,6 +11,8 @@ meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the 
 - The steps are those of the linearly implicit Euler method, in s and w between the bars, in s alone at a bar.  They are
   stable where a contact is stiff.  Slopes of traction below zero are left to the explicit part.
 - A step in which a roller meets a bar is divided there.
+- The position changes by the mean of the speeds at both ends of a step, so that a roller under a constant torque comes
+  back to a bar at the speed at which it left.
 - The mean of H is that of the change of momentum which it causes, so that it equals the mean of R_m P of a closed orbit
   whatever the step.
 - Loads are linear between equal steps of the angle.  The outer contact carries what its table says of the speed of the
@@ -20,7 +22,7 @@ meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the 
 import numpy as np
 
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport M_PI, NAN, copysign, fabs, floor, fmax
+from libc.math cimport M_PI, NAN, copysign, fabs, floor, fmax, fmin, sqrt
 
 from bearing_h cimport *
 from rollslip_raceway cimport rs_box_reaches, rs_film_speed
@@ -163,7 +165,7 @@ cdef roller_t _free_step(
     cdef double determinant = spin_spin * orbit_orbit - mixed * mixed
     end.spin = roller.spin + dt * (orbit_orbit * t.spin - mixed * t.orbit) / determinant
     end.speed = roller.speed + dt * (spin_spin * t.orbit - mixed * t.spin) / determinant
-    end.position = roller.position + dt * g.orbit_radius * (end.speed - cage_speed)
+    end.position = roller.position + dt * g.orbit_radius * (0.5 * (roller.speed + end.speed) - cage_speed)
     end.bar = 0
     return end
 
@@ -176,11 +178,13 @@ cdef double _step_between_bars(
     cdef roller_t end = _free_step(g, cage_speed, dt, t, roller)
     # the side is that of the speed and not of the position, which is zero without play
     cdef double side = copysign(1.0, end.speed - cage_speed)
-    cdef double way = end.position - roller.position
-    cdef double impulse, moment
+    cdef double start = side * (roller.speed - cage_speed)
+    cdef double way = (half_play - side * roller.position) / g.orbit_radius   # to the bar
+    cdef double gain, impulse, moment
     cdef bint meets = side * end.position >= half_play
-    if meets and shortened:
-        dt = dt * (side * half_play - roller.position) / way if way != 0.0 else 0.0
+    if meets and start >= 0.0 and shortened:
+        gain = (side * (end.speed - cage_speed) - start) / dt
+        dt = fmin(dt, 2.0 * way / (start + sqrt(start * start + 2.0 * gain * way))) if way > 0.0 else 0.0
         end = _free_step(g, cage_speed, dt, t, roller)
     sums[DRIVE] += g.orbital_inertia * (end.speed - roller.speed)
     if meets:

@@ -36,7 +36,7 @@ from rollslip_studies.motion.torque_balance import TorqueBalance
 
 # Effects of other values were measured on the slips of the bearings in tests/studies/test_pockets.py.
 
-#: Number of steps of a turn of the cage. Half as many change slips by up to 2.2e-3, twice as many by up to 1.0e-3, the
+#: Number of steps of a turn of the cage. Half as many change slips by up to 1.4e-3, twice as many by up to 6e-4, the
 #: order of the method, for twice the time; chosen, below the tolerance of results.
 STEPS: Final = 2000
 #: Change of the mean torque from one turn of the cage to the next, relative to it, at which a motion is periodic. Ten
