@@ -5,14 +5,18 @@ middle of the pocket.  Signs and torques are those of ``carried.pyx``, but G wit
 
     J s' = G - M,  m R_m^2 w' = H - R_m P,  x' = R_m (w - w_c),  psi = w_c t + x/R_m
 
-P = 0 between the bars.  A roller at a bar has w = w_c and R_m P = H while H presses it there.  A bar that a roller
-meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the pocket.
+P = 0 between the bars.  A roller at a bar has w = w_c and R_m P = H while H presses it there.  A roller that meets a
+bar rebounds at w' = w_c - e (w - w_c), with the restitution e, zero by default.  M = mu_p |P| r is the friction in
+the pocket.
 
 - The steps are those of the linearly implicit Euler method, in s and w between the bars, in s alone at a bar.  They are
   stable where a contact is stiff.  Slopes of traction below zero are left to the explicit part.
 - A step in which a roller meets a bar is divided there.
 - The position changes by the mean of the speeds at both ends of a step, so that a roller under a constant torque comes
   back to a bar at the speed at which it left.
+- A roller that turns round and meets a bar within the same step stays there, so that rebounds, which become smaller,
+  end.  The step has no effect but by its error: such a rebound takes less than a step, and the mean of the force on the
+  bar is that of a roller which stays.
 - The mean of H is that of the change of momentum which it causes, so that it equals the mean of R_m P of a closed orbit
   whatever the step.
 - Loads are linear between equal steps of the angle.  The outer contact carries what its table says of the speed of the
@@ -55,6 +59,8 @@ cdef struct geometry_t:
     double spin_inertia       # J [kg m2]
     double orbital_inertia    # m R_m^2 [kg m2]
     double pocket_friction    # mu_p [1]
+    double half_play          # c/2 [m]
+    double restitution        # e [1]
 
 cdef struct loads_t:
     size_t n             # steps of the angle
@@ -171,29 +177,33 @@ cdef roller_t _free_step(
 
 
 cdef double _step_between_bars(
-    const geometry_t *g, double half_play, double cage_speed, double dt, bint shortened, const torques_t *t,
-    roller_t *roller, double *sums
+    const geometry_t *g, double cage_speed, double dt, bint shortened, const torques_t *t, roller_t *roller,
+    double *sums
 ) noexcept nogil:
     """Advance a roller between the bars; the time of the step, shortened to that of the bar which the roller meets."""
     cdef roller_t end = _free_step(g, cage_speed, dt, t, roller)
     # the side is that of the speed and not of the position, which is zero without play
     cdef double side = copysign(1.0, end.speed - cage_speed)
     cdef double start = side * (roller.speed - cage_speed)
-    cdef double way = (half_play - side * roller.position) / g.orbit_radius   # to the bar
+    cdef double way = (g.half_play - side * roller.position) / g.orbit_radius   # to the bar
+    cdef double rebound = 0.0
     cdef double gain, impulse, moment
-    cdef bint meets = side * end.position >= half_play
-    if meets and start >= 0.0 and shortened:
-        gain = (side * (end.speed - cage_speed) - start) / dt
-        dt = fmin(dt, 2.0 * way / (start + sqrt(start * start + 2.0 * gain * way))) if way > 0.0 else 0.0
-        end = _free_step(g, cage_speed, dt, t, roller)
+    cdef bint meets = side * end.position >= g.half_play
+    if meets and start >= 0.0:
+        rebound = g.restitution
+        if shortened:
+            gain = (side * (end.speed - cage_speed) - start) / dt
+            dt = fmin(dt, 2.0 * way / (start + sqrt(start * start + 2.0 * gain * way))) if way > 0.0 else 0.0
+            end = _free_step(g, cage_speed, dt, t, roller)
     sums[DRIVE] += g.orbital_inertia * (end.speed - roller.speed)
     if meets:
-        impulse = g.orbital_inertia * (end.speed - cage_speed)
+        rebound *= end.speed - cage_speed
+        impulse = g.orbital_inertia * (end.speed - cage_speed + rebound)
         moment = _moment(g, cage_speed, impulse, &end)
         end.spin -= moment / g.spin_inertia
-        end.speed = cage_speed
-        end.position = side * half_play
-        end.bar = <int>side
+        end.speed = cage_speed - rebound
+        end.position = side * g.half_play
+        end.bar = 0 if rebound != 0.0 else <int>side
         sums[PUSH] += impulse
         sums[FRICTION] += moment
     roller[0] = end
@@ -201,8 +211,7 @@ cdef double _step_between_bars(
 
 
 cdef int _turn(
-    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double half_play, int steps, roller_t *roller,
-    double *sums
+    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, int steps, roller_t *roller, double *sums
 ) noexcept nogil:
     """March a roller over a turn of the cage, and find the `MEANS`; 1 as `_torques`."""
     cdef torques_t torques
@@ -225,7 +234,7 @@ cdef int _turn(
                 _step_at_bar(g, loads.speed, dt, &torques, roller, sums)
                 n = DRIVING if roller.bar * sense > 0.0 else PUSHED
             else:
-                dt = _step_between_bars(g, half_play, loads.speed, dt, part == 0, &torques, roller, sums)
+                dt = _step_between_bars(g, loads.speed, dt, part == 0, &torques, roller, sums)
             sums[n] += dt
             rest -= dt
             if rest <= 0.0:
@@ -236,42 +245,52 @@ cdef int _turn(
 
 
 cdef int _march(
-    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double half_play, int steps, int max_turns,
-    double tolerance, double *sums
+    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, int steps, int max_turns, double tolerance,
+    double *sums
 ) noexcept nogil:
     """March a roller from the bar behind it, rolling on the outer ring, until a turn repeats; -1 if none does.
 
     1 as `_torques`.
     """
     cdef roller_t roller
+    cdef double[N_SUMS] later
     cdef double before = NAN
-    cdef int _
+    cdef int k, n
     roller.spin = g.outer_radius * (loads.speed - g.outer_speed) / g.roller_radius - loads.speed
     roller.speed = loads.speed
     roller.bar = -1 if loads.speed > 0.0 else 1
-    roller.position = roller.bar * half_play
-    for _ in range(max_turns):
-        if _turn(g, raceways, loads, half_play, steps, &roller, sums):
+    roller.position = roller.bar * g.half_play
+    for n in range(N_SUMS):
+        later[n] = 0.0
+    for k in range(max_turns):
+        if _turn(g, raceways, loads, steps, &roller, sums):
             return 1
         if fabs(sums[DRIVE] - before) <= tolerance * fabs(sums[DRIVE]):
             return 0
         before = sums[DRIVE]
+        if k >= max_turns // 2:
+            for n in range(N_SUMS):
+                later[n] += sums[n]
+    for n in range(N_SUMS):
+        sums[n] = later[n] / <double>(max_turns - max_turns // 2)
     return -1
 
 
 def march(
     bearing: Mapping[str, float], inner, outer, const double[::1] cage_speeds, const double[:, :, ::1] forces,
-    double play, int steps, int max_turns, double tolerance,
+    double play, int steps, int max_turns, double tolerance, double restitution=0.0,
 ) -> tuple[Array, Array]:
     """Return the `MEANS` of a roller at each cage speed, (n, 6), and whether its motion repeats, 1 or 0, (n,).
 
-    Means are NaN where it leaves the tables.
+    Means are NaN where it leaves the tables.  Those of a motion that does not repeat are over the second half of the
+    turns, which leaves out how the motion began.
 
     ``bearing`` has the values that `geometry_t` names.  ``inner`` and ``outer`` are conventional raceways
     with a table (``raceway.pyx``).  ``forces`` are those of both rings at each of the speeds, at equal steps of the
     angle over the orbit, both ends included, (n, 2, m + 1).  ``play`` is the full play c [m]; a turn of the cage takes
     ``steps`` steps.  The march ends when the mean torque changes by less than ``tolerance`` of itself from one turn to
-    the next, or after ``max_turns``.  Torques have the sign of the speeds.
+    the next, or after ``max_turns``.  ``restitution`` is that at the bars.  Torques have the
+    sign of the speeds.
     """
     cdef geometry_t g
     cdef loads_t loads
@@ -281,6 +300,8 @@ def march(
         raise ValueError(f"forces of {cage_speeds.shape[0]} cage speeds are of shape (n, 2, m + 1)")
     if min(steps, max_turns) < 1:
         raise ValueError(f"{max_turns} turns of {steps} steps: there must be at least one of each")
+    if not 0.0 <= restitution <= 1.0:
+        raise ValueError(f"the restitution is {restitution:g}: it must be 0 to 1")
     g.inner_radius = bearing["inner_radius"]
     g.outer_radius = bearing["outer_radius"]
     g.roller_radius = bearing["roller_radius"]
@@ -290,6 +311,8 @@ def march(
     g.spin_inertia = bearing["spin_inertia"]
     g.orbital_inertia = bearing["orbital_inertia"]
     g.pocket_friction = bearing["pocket_friction"]
+    g.half_play = 0.5 * play
+    g.restitution = restitution
     for ring, raceway in enumerate((inner, outer)):
         raceways[ring] = (<rs_raceway *>PyCapsule_GetPointer(raceway, RS_RACEWAY))[0]
         raceways[ring].rollers = 1
@@ -304,7 +327,7 @@ def march(
         loads.inner = &forces[n, 0, 0]
         loads.outer = &forces[n, 1, 0]
         with nogil:
-            status = _march(&g, raceways, &loads, 0.5 * play, steps, max_turns, tolerance, &sums[n, 0])
+            status = _march(&g, raceways, &loads, steps, max_turns, tolerance, &sums[n, 0])
         if status > 0:
             sums[n, :] = NAN
         if status < 0:

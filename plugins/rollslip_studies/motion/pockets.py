@@ -11,8 +11,8 @@ along the orbit, the force P of the roller on its pocket and its friction M ther
 does not change, so that the mean of R_m P is that of H. The drags T and the rollers balance where T + Z <H - M> = 0.
 
 1. Tabulate loads over the angle, and friction over force and speeds, as motions in time do.
-2. March a roller round the orbit, at many slips at once, until its motion repeats. Bars do not rebound: a film of oil
-   damps them.
+2. March a roller round the orbit, at many slips at once, until its motion repeats. Rollers do not rebound from the
+   bars, since a film of oil damps them; from bars of dry metal they rebound with a restitution e.
 3. Search the smallest slip, from above zero, at which the balance changes its sign.
 
 Without play the result is that of rollers that are set in the cage.
@@ -138,16 +138,39 @@ class Pockets:
         self._steps = steps
         self._periodic = periodic
 
-    def march(self, slips: Array) -> PocketMotions:
-        """Return the steady motions of a roller at cage slips, (n,)."""
-        k = self.assembly.kinematics
-        speeds = k.epicyclic_cage_speed * (1.0 - slips)
+    def march(self, slips: Array, *, restitution: float = 0.0) -> PocketMotions:
+        """Return the steady motions of a roller at cage slips, (n,).
+
+        Motions with rebounds need not repeat. Then all are means over the second half of the largest number of turns.
+
+        Parameters
+        ----------
+        slips : (n,)
+            Cage slips.
+        restitution : float
+            Speed after an impact at a bar over that before, e; 1 at most.
+        """
+        means, is_periodic = self._march(slips, restitution)
+        drive, friction, push, driving, crossing, pushed = means.T
+        sense = self._sense * self.assembly.scene.bearing.rollers
+        return PocketMotions(
+            torque=sense * (drive - friction),
+            push=sense * (push - friction),
+            driving=driving,
+            crossing=crossing,
+            pushed=pushed,
+            is_periodic=is_periodic,
+        )
+
+    def _march(self, slips: Array, restitution: float) -> tuple[Array, Array]:
+        """Return what compiled code finds at cage slips, with the sign of speeds."""
+        speeds = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - slips)
         angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES + 1)
         forces = [
             self._loads.at(angles, self.assembly.centrifugal_force_at(speed))[..., 0]
             for speed in speeds.tolist()
         ]
-        means, is_periodic = compiled.march(
+        return compiled.march(
             self._bearing,
             *self._raceways,
             speeds,
@@ -156,16 +179,7 @@ class Pockets:
             self._steps,
             _MAX_TURNS,
             self._periodic,
-        )
-        drive, friction, push, driving, crossing, pushed = means.T
-        sense = math.copysign(self.assembly.scene.bearing.rollers, k.epicyclic_cage_speed)
-        return PocketMotions(
-            torque=sense * (drive - friction),
-            push=sense * (push - friction),
-            driving=driving,
-            crossing=crossing,
-            pushed=pushed,
-            is_periodic=is_periodic,
+            restitution,
         )
 
     def mean_drive(self, slips: Array) -> Array:
@@ -177,6 +191,11 @@ class Pockets:
         other = copy.copy(self)
         other.play = play
         return other
+
+    @property
+    def _sense(self) -> float:
+        """Sign of the speed of the cage."""
+        return math.copysign(1.0, self.assembly.kinematics.epicyclic_cage_speed)
 
     @property
     def _bearing(self) -> dict[str, float]:
