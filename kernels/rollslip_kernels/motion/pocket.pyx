@@ -35,6 +35,14 @@ cdef enum:
     N_RINGS = 2
     N_COLUMNS = 7   # of `rs_held`
 
+cdef enum:   # columns of the record of a turn
+    TURN
+    POSITION
+    TORQUE
+    SPIN
+    SPEED
+    N_RECORDED
+
 cdef enum:   # sums over a turn
     DRIVE
     FRICTION
@@ -48,6 +56,11 @@ cdef enum:   # sums over a turn
 #: and its torque R_m P on the bars [N m]; fractions of the turn in which it drives the cage, crosses the play and is
 #: pushed by the cage.
 MEANS: tuple[str, ...] = ("drive", "friction", "push", "driving", "crossing", "pushed")
+
+#: Columns of the record of a turn, in order: turns of the roller from the line of load, its position over half of the
+#: play, its spin and its orbital speed [rad/s], each at the end of a step; its mean torque R_m P on the bars [N m] in
+#: the step, impulses included.
+RECORDED: tuple[str, ...] = ("turn", "position", "torque", "spin", "speed")
 
 cdef struct geometry_t:
     double inner_radius       # R_i [m]
@@ -211,18 +224,20 @@ cdef double _step_between_bars(
 
 
 cdef int _turn(
-    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, int steps, roller_t *roller, double *sums
+    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, int steps, roller_t *roller, double *sums,
+    double *record
 ) noexcept nogil:
-    """March a roller over a turn of the cage, and find the `MEANS`; 1 as `_torques`."""
+    """March a roller over a turn of the cage, find the `MEANS`, and fill a record, unless NULL; 1 as `_torques`."""
     cdef torques_t torques
     cdef double sense = copysign(1.0, loads.speed)
     cdef double step = 2.0 * M_PI / fabs(loads.speed) / <double>steps
-    cdef double rest, dt, turn
+    cdef double rest, dt, turn, push
     cdef int k, n, part
     for n in range(N_SUMS):
         sums[n] = 0.0
     for k in range(steps):
         rest = step
+        push = sums[PUSH]
         for part in range(2):   # the second one after a bar that the roller meets
             turn = sense * (<double>(k + 1) - 0.5 * rest / step) / <double>steps
             turn += 0.5 * roller.position / (M_PI * g.orbit_radius)
@@ -239,6 +254,13 @@ cdef int _turn(
             rest -= dt
             if rest <= 0.0:
                 break
+        if record:
+            turn = sense * <double>(k + 1) / <double>steps + 0.5 * roller.position / (M_PI * g.orbit_radius)
+            record[k * N_RECORDED + TURN] = turn
+            record[k * N_RECORDED + POSITION] = roller.position / g.half_play if g.half_play > 0.0 else roller.bar
+            record[k * N_RECORDED + TORQUE] = (sums[PUSH] - push) / step
+            record[k * N_RECORDED + SPIN] = roller.spin
+            record[k * N_RECORDED + SPEED] = roller.speed
     for n in range(N_SUMS):
         sums[n] /= step * <double>steps
     return 0
@@ -246,11 +268,11 @@ cdef int _turn(
 
 cdef int _march(
     const geometry_t *g, rs_raceway *raceways, const loads_t *loads, int steps, int max_turns, double tolerance,
-    double *sums
+    double *sums, double *record
 ) noexcept nogil:
     """March a roller from the bar behind it, rolling on the outer ring, until a turn repeats; -1 if none does.
 
-    1 as `_torques`.
+    1 as `_torques`.  The record is that of the last turn.
     """
     cdef roller_t roller
     cdef double[N_SUMS] later
@@ -263,7 +285,7 @@ cdef int _march(
     for n in range(N_SUMS):
         later[n] = 0.0
     for k in range(max_turns):
-        if _turn(g, raceways, loads, steps, &roller, sums):
+        if _turn(g, raceways, loads, steps, &roller, sums, record):
             return 1
         if fabs(sums[DRIVE] - before) <= tolerance * fabs(sums[DRIVE]):
             return 0
@@ -278,7 +300,7 @@ cdef int _march(
 
 def march(
     bearing: Mapping[str, float], inner, outer, const double[::1] cage_speeds, const double[:, :, ::1] forces,
-    double play, int steps, int max_turns, double tolerance, double restitution=0.0,
+    double play, int steps, int max_turns, double tolerance, double restitution=0.0, double[:, ::1] record=None,
 ) -> tuple[Array, Array]:
     """Return the `MEANS` of a roller at each cage speed, (n, 6), and whether its motion repeats, 1 or 0, (n,).
 
@@ -289,8 +311,8 @@ def march(
     with a table (``raceway.pyx``).  ``forces`` are those of both rings at each of the speeds, at equal steps of the
     angle over the orbit, both ends included, (n, 2, m + 1).  ``play`` is the full play c [m]; a turn of the cage takes
     ``steps`` steps.  The march ends when the mean torque changes by less than ``tolerance`` of itself from one turn to
-    the next, or after ``max_turns``.  ``restitution`` is that at the bars.  Torques have the
-    sign of the speeds.
+    the next, or after ``max_turns``.  ``restitution`` is that at the bars.  Into ``record``, (steps, 5), the last turn
+    at the last of the speeds is written, as it is `RECORDED`.  Torques have the sign of the speeds.
     """
     cdef geometry_t g
     cdef loads_t loads
@@ -302,6 +324,8 @@ def march(
         raise ValueError(f"{max_turns} turns of {steps} steps: there must be at least one of each")
     if not 0.0 <= restitution <= 1.0:
         raise ValueError(f"the restitution is {restitution:g}: it must be 0 to 1")
+    if record is not None and (record.shape[0] != steps or record.shape[1] != N_RECORDED):
+        raise ValueError(f"a record of {steps} steps is of shape ({steps}, {N_RECORDED})")
     g.inner_radius = bearing["inner_radius"]
     g.outer_radius = bearing["outer_radius"]
     g.roller_radius = bearing["roller_radius"]
@@ -320,6 +344,7 @@ def march(
     repeats = np.ones(cage_speeds.shape[0])
     cdef double[:, ::1] sums = means
     cdef double[::1] is_periodic = repeats
+    cdef double *turn = NULL if record is None else &record[0, 0]
     cdef int status
     loads.n = forces.shape[2] - 1
     for n in range(cage_speeds.shape[0]):
@@ -327,7 +352,7 @@ def march(
         loads.inner = &forces[n, 0, 0]
         loads.outer = &forces[n, 1, 0]
         with nogil:
-            status = _march(&g, raceways, &loads, steps, max_turns, tolerance, &sums[n, 0])
+            status = _march(&g, raceways, &loads, steps, max_turns, tolerance, &sums[n, 0], turn)
         if status > 0:
             sums[n, :] = NAN
         if status < 0:

@@ -92,6 +92,20 @@ class PocketMotions:
     )
 
 
+@attrs.frozen(eq=False)
+class PocketOrbit:
+    """One turn of the steady motion of a roller at one cage slip, in n steps; NaN where it leaves the tables."""
+
+    angle: Array  #: Of the roller from the line of load at the end of each step, 0 to 2 pi [rad], (n,).
+    position: Array  #: At the end of each step, over half of the play: 1 at the bar that it drives, -1 behind, (n,).
+    torque: Array  #: On the bars [N m], positive where it drives, R_m P, mean of each step with its impacts, (n,).
+    spin: Array  #: At the end of each step, over that of the epicyclic motion, (n,).
+    speed: (
+        Array  #: Along the orbit at the end of each step, over that of the epicyclic motion, (n,).
+    )
+    is_periodic: bool  #: Whether the motion repeats within the largest number of turns.
+
+
 class Pockets:
     """Rollers of a bearing with play in their pockets.
 
@@ -162,7 +176,34 @@ class Pockets:
             is_periodic=is_periodic,
         )
 
-    def _march(self, slips: Array, restitution: float) -> tuple[Array, Array]:
+    def orbit(self, slip: float, *, restitution: float = 0.0) -> PocketOrbit:
+        """Return the last turn of the steady motion of a roller at a cage slip.
+
+        Parameters
+        ----------
+        slip : float
+            Cage slip.
+        restitution : float
+            As of the march.
+        """
+        k = self.assembly.kinematics
+        record = np.full((self._steps, len(compiled.RECORDED)), np.nan)
+        means, is_periodic = self._march(np.array([slip]), restitution, record)
+        if np.isnan(means).any():
+            record[:] = np.nan
+        turn, position, torque, spin, speed = record.T
+        return PocketOrbit(
+            angle=2.0 * np.pi * (turn % 1.0),
+            position=self._sense * position,
+            torque=self._sense * torque,
+            spin=spin / (k.epicyclic_roller_speed - k.epicyclic_cage_speed),
+            speed=speed / k.epicyclic_cage_speed,
+            is_periodic=bool(is_periodic[0]),
+        )
+
+    def _march(
+        self, slips: Array, restitution: float, record: Array | None = None
+    ) -> tuple[Array, Array]:
         """Return what compiled code finds at cage slips, with the sign of speeds."""
         speeds = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - slips)
         angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES + 1)
@@ -180,6 +221,7 @@ class Pockets:
             _MAX_TURNS,
             self._periodic,
             restitution,
+            record,
         )
 
     def mean_drive(self, slips: Array) -> Array:
