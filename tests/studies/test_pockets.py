@@ -5,6 +5,7 @@ import math
 import attrs
 import numpy as np
 import pytest
+import xarray as xr
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
@@ -19,6 +20,7 @@ from rollslip_studies.motion.pockets import BalanceWithPlay, Pockets, steady_sli
 from rollslip_studies.steady_slip.evaluated import slip_with_play, without_play
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
 from rollslip_studies.steady_slip.play import Play
+from rollslip_studies.steady_slip.play_figures import pocket_figure
 from rollslip_studies.steady_slip.study import SteadySlip
 
 #: Name -> scene.
@@ -375,6 +377,39 @@ def test_the_orbit_without_play_is_at_bars_and_beyond_the_tables_unknown():
     fast = new("NU2312", oil="iso-vg-220", speed="6000 rpm", load="0.5 kN", temperature="70 degC")
     orbit = Pockets(assemble(fast).with_resistance()).orbit(0.95)
     assert np.isnan([orbit.angle, orbit.position, orbit.torque, orbit.spin, orbit.speed]).all()
+
+
+def test_the_figure_of_a_turn_has_its_fractions_and_its_impacts():
+    balance, slip = balanced(SCENES["b"])
+    bars = Pockets(balance.assembly)
+    found = steady_slip_with_play(balance, slip, 0.95, bars)
+    orbit = bars.orbit(found.slip)
+    dataset = xr.Dataset(
+        {
+            "pocket_position": ("pocket_angle", orbit.position, {"long_name": "position"}),
+            "pocket_force": ("pocket_angle", orbit.torque, {"long_name": "force on the bars"}),
+            "driving_fraction": found.driving,
+            "crossing_fraction": found.crossing,
+            "pushed_fraction": found.pushed,
+        },
+        coords={"pocket_angle": orbit.angle},
+    )
+    ((name, _, figure),) = pocket_figure(dataset)
+    assert name == "steady-slip-pocket"
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels[0] == f"drives the cage, {percent(found.driving)} of the turn"
+    assert len(labels) == 4
+    drives, crosses, pushed, meets = figure.axes[1].lines
+    # the force without impacts is that of driving, and none on the way
+    assert 0.5 * found.driving < np.isfinite(drives.get_ydata()).mean() < 1.1 * found.driving
+    assert np.nanmin(drives.get_ydata()) > 0.0
+    assert set(crosses.get_ydata()[np.isfinite(crosses.get_ydata())]) == {0.0}
+    assert np.nanmin(pushed.get_ydata()) > -0.1 * np.nanmax(drives.get_ydata())
+    assert meets.get_xdata().tolist() == sorted(meets.get_xdata())
+    assert len(meets.get_xdata()) == 2
+    dataset["pocket_position"][:] = np.nan
+    assert not [*pocket_figure(dataset)]
+    assert not [*pocket_figure(dataset.drop_vars("pocket_position"))]
 
 
 @pytest.mark.slow
