@@ -614,6 +614,8 @@ def _assumed_keys(scene: str) -> Iterator[str]:
 
 def _varied_quantity(item: Mapping[str, Any]) -> str:
     """Return a quantity that scatters, with its range: "Eyring stress 1.1 to 8.9 MPa", "petroff-land x 0.32 to 3.2"."""
+    if "text" in item:  # a choice instead of a number
+        return str(item["text"])
     *_, table, key = item["key"].split(".")
     bounds = item["ends"]
     name: str = key.replace("_", " ")

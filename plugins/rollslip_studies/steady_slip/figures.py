@@ -33,6 +33,7 @@ from rollslip.units import converted, shown_unit
 from rollslip_studies.effective_friction.ring_figures import ring_figure
 from rollslip_studies.steady_slip.findings import has_steady, varied
 from rollslip_studies.steady_slip.minimum_load import RULES, minimum_loads_of_makers
+from rollslip_studies.steady_slip.play_figures import pocket_figure
 
 __all__ = ["catalogue_loads", "mark_loads", "steady_figures"]
 
@@ -67,6 +68,7 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
             f"Normal force and roller slip over the orbit at the steady cage slips, {friction}."
         )
         yield "steady-slip-orbit", caption, _orbit(dataset)
+        yield from pocket_figure(dataset)
         yield from ring_figure(dataset)
         # one bar would only repeat a sentence
         if (
@@ -100,6 +102,15 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
     drag = dataset["drag_torque"].to_numpy()
     curve = PchipInterpolator(slip, driving)(fine)
     sheet.line(100 * fine, curve, "driving torque of the rollers", color=MODEL_COLOURS[0])
+    if "driving_torque_without_play" in dataset:
+        sheet.line(
+            100 * slip,
+            dataset["driving_torque_without_play"].to_numpy(),
+            "without play in the pockets",
+            color=MODEL_COLOURS[0],
+            linewidth=0.8,
+            linestyle=DASHES[1],
+        )
     sheet.line(
         100 * slip, drag, "drag torque", color=MODEL_COLOURS[1], linewidth=1.0, linestyle=DASHES[3]
     )

@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.results.dataset import about
 from rollslip.results.text import Status
 from rollslip_studies.motion.pockets import (
     NO_CHANGE,
@@ -38,6 +40,9 @@ _NEGLIGIBLE_PLAY: Final = 0.01
 #: Slips at which the limit drag torque with play is sought, over that without play: the play takes the maximum to
 #: larger slips, by a factor of 1.4 where it lowers it by 5 %. Twice as many slips change it by less than 1e-3; chosen.
 _NEAR_MAXIMUM: Final = np.geomspace(1.0, 2.5, 12)
+#: Steps of a turn of a roller to a stored one: 400 are enough for a figure. Half as many store twice the numbers; the
+#: steps of the march are a multiple. Chosen.
+_STORED: Final = 5
 
 
 class Play:
@@ -137,8 +142,16 @@ class Play:
                 dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
             )
         }
+        coords: dict[str, Any] = {}
         if self._skids or found.status == Status.FOUND:
             values |= self._steady(dataset)
+        if found.status == Status.FOUND:
+            angle, values["pocket_position"], values["pocket_force"] = self._orbit(found.slip)
+            coords["pocket_angle"] = (
+                "pocket_angle",
+                angle,
+                about("rad", "position from the line of load, in the sense of the orbit"),
+            )
         values |= self._limit_drag(dataset)
         values |= self._reserve(dataset, values)
         if self._acceptable is not None:
@@ -146,8 +159,19 @@ class Play:
             values |= {"acceptable_reserve": factor, "acceptable_reserve_status": status}
             known = dataset["minimum_load"]
             variables |= self.minimum_load(float(known), known.attrs, at_load)
-        return dataset.assign(
+        return dataset.assign_coords(coords).assign(
             variables | {name: OUTPUTS[name].variable(value) for name, value in values.items()}
+        )
+
+    def _orbit(self, slip: float) -> tuple[Array, Array, Array]:
+        """Return angles [rad] of a turn, positions in the pocket and mean forces on its bars [N], (n,) each."""
+        assert self._balance is not None
+        orbit = self._balance.pockets.orbit(slip)
+        force = orbit.torque / self.set_balance.assembly.kinematics.orbit_radius
+        return (
+            orbit.angle[_STORED - 1 :: _STORED],
+            orbit.position[_STORED - 1 :: _STORED],
+            force.reshape(-1, _STORED).mean(axis=1),
         )
 
     def _steady(self, dataset: "xr.Dataset") -> dict[str, Any]:
