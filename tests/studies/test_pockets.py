@@ -18,9 +18,9 @@ from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.motion import pockets
 from rollslip_studies.motion.pockets import BalanceWithPlay, Pockets, steady_slip_with_play
 from rollslip_studies.steady_slip.evaluated import slip_with_play, without_play
+from rollslip_studies.steady_slip.figures import _pocket_figure
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
 from rollslip_studies.steady_slip.play import Play
-from rollslip_studies.steady_slip.play_figures import pocket_figure
 from rollslip_studies.steady_slip.study import SteadySlip
 
 #: Name -> scene.
@@ -394,7 +394,7 @@ def test_the_figure_of_a_turn_has_its_fractions_and_its_impacts():
         },
         coords={"pocket_angle": orbit.angle},
     )
-    ((name, _, figure),) = pocket_figure(dataset)
+    ((name, _, figure),) = _pocket_figure(dataset)
     assert name == "steady-slip-pocket"
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[0] == f"drives the cage, {percent(found.driving)} of the turn"
@@ -408,8 +408,8 @@ def test_the_figure_of_a_turn_has_its_fractions_and_its_impacts():
     assert (np.diff(drives.get_xdata()) >= 0.0).all()
     assert len(meets.get_xdata()) == 2
     dataset["pocket_position"][:] = np.nan
-    assert not [*pocket_figure(dataset)]
-    assert not [*pocket_figure(dataset.drop_vars("pocket_position"))]
+    assert not [*_pocket_figure(dataset)]
+    assert not [*_pocket_figure(dataset.drop_vars("pocket_position"))]
 
 
 @pytest.mark.slow

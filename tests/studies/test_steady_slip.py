@@ -34,13 +34,12 @@ from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.loading_branch import LoadingBranch
 from rollslip_studies.motion.torque_balance import TorqueBalance, running, torque_balance
 from rollslip_studies.steady_slip import findings
-from rollslip_studies.steady_slip.branches import follow
+from rollslip_studies.steady_slip.branches import describe_no_fold, follow
 from rollslip_studies.steady_slip.figures import steady_figures
 from rollslip_studies.steady_slip.findings import SteadySlipAccount, _rows
 from rollslip_studies.steady_slip.losses import viscosity_ratio
 from rollslip_studies.steady_slip.minimum_load import RULES, static_rating
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
-from rollslip_studies.steady_slip.statuses import describe_no_fold
 from rollslip_studies.steady_slip.study import SteadySlip
 
 SHIPPED = load_scene("1032930-50C")

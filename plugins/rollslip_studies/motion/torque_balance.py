@@ -19,7 +19,7 @@ import contextlib
 import math
 import time
 from functools import cached_property
-from typing import Final
+from typing import Final, Protocol
 
 import attrs
 import numpy as np
@@ -80,6 +80,18 @@ _NEARLY_STILL: Final = 0.94
 #: Largest slip of a loading branch unless a larger range is requested: there the cage nearly stands still. Chosen;
 #: with twice the distance from 1, a slip of 0.9, limit drags at larger slips would be missed.
 RANGE: Final = 0.95
+
+
+class CageTorques(Protocol):
+    """Torques of rollers and of drags on a cage against its slip."""
+
+    def torques(self, cage_slips: Array) -> Array:
+        """Return the torques of the rollers at several cage slips [N m], (n,), positive where they drive."""
+        ...
+
+    def drag(self, cage_slip: float) -> float:
+        """Return the torque of all drags at a cage slip [N m], negative where it resists."""
+        ...
 
 
 @attrs.frozen(eq=False, kw_only=True)

@@ -30,9 +30,13 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
+from rollslip.results.text import SWITCHED_OFF
 from rollslip.search import secant_root
+from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.outputs import VARIED
 
 # Settings of the continuation; lengths are relative to the unit box of slip and parameter. Their effects were measured
 # on branches over the load of two scenes of the catalogue, with a constant drag of 0.6 N m: no half or double value
@@ -56,6 +60,10 @@ _TOLERANCE: Final = 1e-7
 #: Step of the differences for the gradient. Twice as much doubles their error by curvature, half as much their error by
 #: rounding; neither changed a point. Chosen between both.
 _DIFFERENCE: Final = 1e-5
+
+#: Part of a range of parameters that a branch may leave out and still count as going through it. It covers the last
+#: step of the continuation, which ends inside the range; twice as much calls shorter branches complete. Chosen.
+_RANGE_TOLERANCE: Final = 1e-3
 
 
 @attrs.frozen(eq=False)
@@ -258,3 +266,55 @@ def _to_edge(z: Array, tangent: Array) -> float:
                 tangent > 0.0, (1.0 - z) / tangent, np.where(tangent < 0.0, -z / tangent, np.inf)
             ).min()
         )
+
+
+def describe_no_fold(
+    name: str,
+    limits: tuple[float, float],
+    branches: list[Branch],
+    table: str,
+    max_cage_slip: float,
+    *,
+    free: bool = False,
+) -> str:
+    """Return why the smallest steady slip has no fold over a range of an operating condition.
+
+    Parameters
+    ----------
+    name : str
+        Name of the operating condition, a key of `VARIED`.
+    limits : tuple of float
+        Its smallest and largest value, in SI units.
+    branches : list of Branch
+        Steady slips over the condition, that of the smallest slip first.
+    table : str
+        Table of the scene with the settings of the study.
+    max_cage_slip : float
+        Largest cage slip of the branches [-].
+    free : bool
+        Whether nothing drags the cage.
+
+    Examples
+    --------
+    >>> describe_no_fold("radial_load", (100.0, 200.0), [], "study.steady-slip", 0.9)
+    'no limit of the radial load is known: no steady slip at 100 N and none at 200 N; none was sought between them'
+    """
+    unit, what = VARIED[name]
+    low, high = (format_quantity(value, unit) for value in limits)
+    if free:
+        return f"no limit of the {what}: {SWITCHED_OFF}"
+    unknown = f"no limit of the {what} is known"
+    if not branches:
+        return (
+            f"{unknown}: no steady slip at {low} and none at {high}; none was sought between them"
+        )
+    slip = branches[0].slip
+    value = branches[0].parameter
+    if np.isclose(slip[[0, -1]], max_cage_slip).any():
+        at = format_quantity(float(value[np.argmax(slip)]), unit, 4)
+        further = search_range_hint(f"{table}.max_cage_slip", max_cage_slip, MAX_CAGE_SLIP)
+        return f"{unknown}: at {at} the steady slip leaves the range, {max_cage_slip:g}{further}"
+    if np.ptp(value) < (1.0 - _RANGE_TOLERANCE) * (limits[1] - limits[0]):
+        ends = " and ".join(format_quantity(float(end), unit, 4) for end in np.sort(value[[0, -1]]))
+        return f"{unknown}: the least steady slip has no fold between {ends}, and ends there"
+    return f"no limit of the {what}: the least steady slip has no fold between {low} and {high}"

@@ -33,7 +33,6 @@ from rollslip.units import converted, shown_unit
 from rollslip_studies.effective_friction.ring_figures import ring_figure
 from rollslip_studies.steady_slip.findings import has_steady, varied
 from rollslip_studies.steady_slip.minimum_load import RULES, minimum_loads_of_makers
-from rollslip_studies.steady_slip.play_figures import pocket_figure
 
 __all__ = ["catalogue_loads", "mark_loads", "steady_figures"]
 
@@ -54,6 +53,17 @@ _OPEN: Final[dict[str, Any]] = {
     "markeredgewidth": 0.9,
 }
 
+#: What a roller does -> style. The crossing is dashed, so that the figure is readable in grey.
+_STYLES: Final[dict[str, dict[str, Any]]] = {
+    "drives the cage": {"color": MODEL_COLOURS[0]},
+    "crosses the play": {"color": MODEL_COLOURS[1], "linestyle": "dashed"},
+    "is pushed by the cage": {"color": "0.45"},
+}
+#: Variables of the fractions of a turn, in the same order.
+_FRACTIONS: Final = ("driving_fraction", "crossing_fraction", "pushed_fraction")
+#: Style of the mark of an impact.
+_MEETS: Final[dict[str, Any]] = {"marker": "x", "markersize": 4}
+
 
 def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Yield name, caption and figure of each figure."""
@@ -68,7 +78,7 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
             f"Normal force and roller slip over the orbit at the steady cage slips, {friction}."
         )
         yield "steady-slip-orbit", caption, _orbit(dataset)
-        yield from pocket_figure(dataset)
+        yield from _pocket_figure(dataset)
         yield from ring_figure(dataset)
         # one bar would only repeat a sentence
         if (
@@ -335,3 +345,54 @@ def _in_shown_unit(dataset: "xr.Dataset", name: str) -> tuple[Array, str, str]:
     unit = str(dataset[name].attrs["units"])
     shown = shown_unit(float(np.nanmax(np.abs(values))), unit)
     return converted(values, unit, shown), unit_label(shown), _SYMBOLS[name]
+
+
+def _pocket_figure(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Yield name, caption and figure of a turn of a roller with play in its pocket; nothing if there is none.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        With ``pocket_position`` over half of the play, 1 at the bar that the roller drives, and ``pocket_force`` on the
+        bars [N], both over ``pocket_angle`` [rad], and with the fractions of the turn.
+    """
+    if "pocket_position" in dataset and np.isfinite(dataset["pocket_position"]).all():
+        yield (
+            "steady-slip-pocket",
+            "Position of a roller in its pocket, and its force on the bars, over a turn at the steady cage slip with "
+            "play in the pockets.",
+            _pocket(dataset),
+        )
+
+
+def _pocket(dataset: "xr.Dataset") -> "Figure":
+    """Draw position and force over the angle, with marks at impacts, whose mean force depends on the step."""
+    sheet = Sheet(TWO_COLUMNS, 1, 2)
+    positions, forces = sheet.axes
+    came = dataset["pocket_position"] != dataset["pocket_position"].roll(pocket_angle=1)
+    turn = dataset.assign(
+        impact=came & (np.abs(dataset["pocket_position"]) >= 1.0),
+        shown=(np.degrees(dataset["pocket_angle"]) + 180.0) % 360.0 - 180.0,
+    ).sortby("shown")
+    shown = turn["shown"].to_numpy()
+    position = turn["pocket_position"].to_numpy()
+    impact = turn["impact"].to_numpy()
+    force = np.where(impact, np.nan, turn["pocket_force"].to_numpy())
+    at = (position >= 1.0, np.abs(position) < 1.0, position <= -1.0)
+    for chosen, (label, style), fraction in zip(at, _STYLES.items(), _FRACTIONS, strict=True):
+        # lines of the position reach to the next part
+        joined = chosen | np.roll(chosen, 1) | np.roll(chosen, -1)
+        positions.plot(shown, np.where(joined, position, np.nan), **style)
+        forces.plot(shown, np.where(chosen, force, np.nan), **style)
+        sheet.key(f"{label}, {percent(float(dataset[fraction]))} of the turn", **style)
+    if impact.any():
+        sheet.mark(shown[impact], position[impact], "meets a bar", axes=positions, **_MEETS)
+        forces.plot(shown[impact], 0.0 * shown[impact], color="black", linestyle="none", **_MEETS)
+    for axes in (positions, forces):
+        axes.set_xlabel("Position from the line of load [°]")
+        axes.set_xlim(-180.0, 180.0)
+        axes.set_xticks(range(-180, 181, 90))
+    positions.set_yticks([-1.0, 0.0, 1.0])
+    positions.set_ylabel(axis_label(dataset["pocket_position"], "$2x/c$", unit_label("")))
+    forces.set_ylabel(axis_label(dataset["pocket_force"], "$P$", "N"))
+    return sheet.done(columns=2, height=TWO_COLUMNS[1] - ROW)

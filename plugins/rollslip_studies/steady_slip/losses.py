@@ -9,7 +9,7 @@ leads there; the deviation is the error estimate.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,13 +21,10 @@ from rollslip.results.text import Status
 from rollslip.studies.bounds import JOINT_FACTOR, MINIMUM_ERROR_FACTOR, richardson_factor
 from rollslip.studies.steady_slip.torque import Duty, formula_variables
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
+from rollslip_studies.motion.torque_balance import CageTorques, Orbit, TorqueBalance
 from rollslip_studies.steady_slip.evaluated import SECANT_STEP, estimate_by_secant
 from rollslip_studies.steady_slip.minimum_load import largest_excess
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
-
-if TYPE_CHECKING:
-    from rollslip_studies.motion.pockets import BalanceWithPlay
 
 #: Slip below which its error is not estimated, because an answer prints "below 0.1 %".
 _MIN_ESTIMATED_SLIP: Final = 1e-3
@@ -102,14 +99,12 @@ def viscosity_ratio(assembly: Assembly) -> tuple[float, str]:
     return nu / (reference * (1e3 * duty.pitch_diameter) ** -0.5), Status.FOUND
 
 
-def acceptable_reserve(
-    balance: "TorqueBalance | BalanceWithPlay", slip: float
-) -> tuple[float, str]:
+def acceptable_reserve(balance: CageTorques, slip: float) -> tuple[float, str]:
     """Return the torque of the rollers over the drag at a slip [-], and its status; NaN where nothing drags the cage.
 
     Parameters
     ----------
-    balance : TorqueBalance or BalanceWithPlay
+    balance : CageTorques
         Torque balance of the bearing.
     slip : float
         Acceptable cage slip [-].

@@ -22,7 +22,7 @@ The rules of makers are rules of thumb for any oil, speed and cage. They differ 
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -37,10 +37,7 @@ from rollslip.scene.relations import skf_minimum_load
 from rollslip.scene.values import Scene
 from rollslip.search import illinois_root, polynomial_maximum, secant_root
 from rollslip.units import GRAVITY, format_quantity
-from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
-
-if TYPE_CHECKING:
-    from rollslip_studies.motion.pockets import BalanceWithPlay
+from rollslip_studies.motion.torque_balance import RANGE, CageTorques, TorqueBalance
 
 __all__ = [
     "RULES",
@@ -155,7 +152,7 @@ def minimum_load(
 
 
 def load_from_known(
-    balance: "Callable[[float], BalanceWithPlay]",
+    balance: Callable[[float], CageTorques],
     known: float,
     slips: Sequence[float],
     slip: float,
@@ -183,7 +180,7 @@ def load_from_known(
 
 
 def largest_excess(
-    balance: "TorqueBalance | BalanceWithPlay", slips: Sequence[float], slip: float
+    balance: CageTorques, slips: Sequence[float], slip: float
 ) -> tuple[float, float]:
     """Return the slip up to a given one with the largest excess torque, and that torque [N m].
 

@@ -67,12 +67,9 @@ PLAY_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "driving_torque_without_play": Output(
             "cage_slip", "N m", "torque with which rollers set in the cage drive it"
         ),
-        "pocket_position": Output(
-            "pocket_angle",
-            "1",
-            "position of a roller in its pocket over half of the play, 1 at the bar that it drives",
-        ),
-        "pocket_force": Output("pocket_angle", "N", "force of a roller on the bars of its pocket"),
+        # over half of the play: 1 at the bar that a roller drives
+        "pocket_position": Output("pocket_angle", "1", "position in the pocket"),
+        "pocket_force": Output("pocket_angle", "N", "force on the bars of the pocket"),
         "play_status": Output("", "1", "what was found of rollers with play in their pockets"),
     }
 )

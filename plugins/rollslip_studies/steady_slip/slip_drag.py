@@ -15,16 +15,21 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
-from rollslip.results.text import Status
-from rollslip_studies.motion.loading_branch import Jump, LoadingBranch
+from rollslip.results.text import SWITCHED_OFF, Status
+from rollslip_studies.motion.loading_branch import Jump, LoadingBranch, SteadyMotion
 from rollslip_studies.motion.spins import logit_slip, slip_from_logit
-from rollslip_studies.motion.torque_balance import TorqueBalance, describe_no_skidding
+from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance, describe_no_skidding
 from rollslip_studies.steady_slip.outputs import OUTPUTS
 
 #: Ratio of the error of a cubic at a point that was left out to its error between neighbours. For points at equal
 #: distances h the products of distances are 4 h^4 and 9/16 h^4, a ratio of 7; 4 allows for unequal distances. Twice as
 #: much halves the stated error of the curve.
 _LEFT_OUT_ERROR_RATIO: Final = 4.0
+
+#: Slope of the excess torque over slip at which a stable and an unstable slip count as one, a fold: relative to the
+#: largest torque of the loading branch. Twice as much calls twice as near slips a fold; chosen, above the error of a
+#: slope between points of the branch.
+_FOLD_SLOPE: Final = 1e-3
 
 
 def slip_drag_variables(
@@ -150,3 +155,38 @@ def _left_out_errors(slip: Array, values: Array) -> Array:
             if i != j:
                 weights[:, i] *= (slip[inner] - x[:, j]) / (x[:, i] - x[:, j])
     return np.asarray(np.abs((weights * y).sum(axis=1) - values[1:-1]))
+
+
+def describe_steady_status(
+    balance: TorqueBalance, branch: LoadingBranch, slips: list[float]
+) -> str:
+    """Return `Status.FOUND` where there are steady slips on the loading branch, else why there are none."""
+    if balance.rolls_freely:
+        return f"{SWITCHED_OFF}, so the cage runs at its epicyclic speed"
+    if slips:
+        return Status.FOUND
+    if branch.torque_without_slip + balance.drag(0.0) > 0.0:
+        return (
+            f"{Status.DRIVEN}: it runs at more than twice its epicyclic speed; "
+            f"no slip up to {branch.end:g} is steady"
+        )
+    slip, torque = branch.maximum
+    carried = (
+        f"the drag is larger than the cage can carry up to a cage slip of {branch.end:g} "
+        f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of {slip:.3g}"
+    )
+    if slip == branch.end:
+        end = "slip leaves the range" if branch.refusal else Status.SKIDS
+        return f"{carried}, where it still rises): {end}"
+    return f"{carried}): {Status.SKIDS}"
+
+
+def describe_stability(branch: LoadingBranch, state: Orbit, steady: SteadyMotion) -> str:
+    """Return "stable" where more slip leaves more torque to speed the cage up, else why a steady slip is not stable."""
+    if abs(steady.slope) <= _FOLD_SLOPE * branch.maximum[1]:
+        return "a fold: a stable and an unstable slip meet"
+    if steady.slope < 0.0:
+        return "unstable: with more slip the rollers drive the cage less than the drag brakes it"
+    return (
+        "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
+    )

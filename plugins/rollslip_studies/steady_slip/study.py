@@ -61,7 +61,7 @@ from rollslip_studies.motion.torque_balance import (
 )  # fmt: skip
 from rollslip_studies.motion.train import slower_by_play
 from rollslip_studies.steady_slip import band
-from rollslip_studies.steady_slip.branches import Branch, follow
+from rollslip_studies.steady_slip.branches import Branch, describe_no_fold, follow
 from rollslip_studies.steady_slip.evaluated import (
     evaluated_slices,
     film_variables,
@@ -87,11 +87,10 @@ from rollslip_studies.steady_slip.outputs import (
     VARIED,
     followed_outputs,
 )
-from rollslip_studies.steady_slip.slip_drag import slip_drag_variables
-from rollslip_studies.steady_slip.statuses import (
-    describe_no_fold,
+from rollslip_studies.steady_slip.slip_drag import (
     describe_stability,
     describe_steady_status,
+    slip_drag_variables,
 )
 
 if TYPE_CHECKING:
