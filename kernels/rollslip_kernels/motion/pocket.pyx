@@ -5,18 +5,14 @@ middle of the pocket.  Signs and torques are those of ``carried.pyx``, but G wit
 
     J s' = G - M,  m R_m^2 w' = H - R_m P,  x' = R_m (w - w_c),  psi = w_c t + x/R_m
 
-P = 0 between the bars.  A roller at a bar has w = w_c and R_m P = H while H presses it there.  A roller that meets a
-bar rebounds at w' = w_c - e (w - w_c), with the restitution e, zero by default.  M = mu_p |P| r is the friction in
-the pocket.
+P = 0 between the bars.  A roller at a bar has w = w_c and R_m P = H while H presses it there.  A bar that a roller
+meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the pocket.
 
 - The steps are those of the linearly implicit Euler method, in s and w between the bars, in s alone at a bar.  They are
   stable where a contact is stiff.  Slopes of traction below zero are left to the explicit part.
 - A step in which a roller meets a bar is divided there.
 - The position changes by the mean of the speeds at both ends of a step, so that a roller under a constant torque comes
   back to a bar at the speed at which it left.
-- A roller that turns round and meets a bar within the same step stays there, so that rebounds, which become smaller,
-  end.  The step has no effect but by its error: such a rebound takes less than a step, and the mean of the force on the
-  bar is that of a roller which stays.
 - The mean of H is that of the change of momentum which it causes, so that it equals the mean of R_m P of a closed orbit
   whatever the step.
 - Loads are linear between equal steps of the angle.  The outer contact carries what its table says of the speed of the
@@ -73,7 +69,6 @@ cdef struct geometry_t:
     double orbital_inertia    # m R_m^2 [kg m2]
     double pocket_friction    # mu_p [1]
     double half_play          # c/2 [m]
-    double restitution        # e [1]
 
 cdef struct loads_t:
     size_t n             # steps of the angle
@@ -199,24 +194,20 @@ cdef double _step_between_bars(
     cdef double side = copysign(1.0, end.speed - cage_speed)
     cdef double start = side * (roller.speed - cage_speed)
     cdef double way = (g.half_play - side * roller.position) / g.orbit_radius   # to the bar
-    cdef double rebound = 0.0
     cdef double gain, impulse, moment
     cdef bint meets = side * end.position >= g.half_play
-    if meets and start >= 0.0:
-        rebound = g.restitution
-        if shortened:
-            gain = (side * (end.speed - cage_speed) - start) / dt
-            dt = fmin(dt, 2.0 * way / (start + sqrt(start * start + 2.0 * gain * way))) if way > 0.0 else 0.0
-            end = _free_step(g, cage_speed, dt, t, roller)
+    if meets and shortened and start >= 0.0:
+        gain = (side * (end.speed - cage_speed) - start) / dt
+        dt = fmin(dt, 2.0 * way / (start + sqrt(start * start + 2.0 * gain * way))) if way > 0.0 else 0.0
+        end = _free_step(g, cage_speed, dt, t, roller)
     sums[DRIVE] += g.orbital_inertia * (end.speed - roller.speed)
     if meets:
-        rebound *= end.speed - cage_speed
-        impulse = g.orbital_inertia * (end.speed - cage_speed + rebound)
+        impulse = g.orbital_inertia * (end.speed - cage_speed)
         moment = _moment(g, cage_speed, impulse, &end)
         end.spin -= moment / g.spin_inertia
-        end.speed = cage_speed - rebound
+        end.speed = cage_speed
         end.position = side * g.half_play
-        end.bar = 0 if rebound != 0.0 else <int>side
+        end.bar = <int>side
         sums[PUSH] += impulse
         sums[FRICTION] += moment
     roller[0] = end
@@ -275,32 +266,24 @@ cdef int _march(
     1 as `_torques`.  The record is that of the last turn.
     """
     cdef roller_t roller
-    cdef double[N_SUMS] later
     cdef double before = NAN
-    cdef int k, n
+    cdef int _
     roller.spin = g.outer_radius * (loads.speed - g.outer_speed) / g.roller_radius - loads.speed
     roller.speed = loads.speed
     roller.bar = -1 if loads.speed > 0.0 else 1
     roller.position = roller.bar * g.half_play
-    for n in range(N_SUMS):
-        later[n] = 0.0
-    for k in range(max_turns):
+    for _ in range(max_turns):
         if _turn(g, raceways, loads, steps, &roller, sums, record):
             return 1
         if fabs(sums[DRIVE] - before) <= tolerance * fabs(sums[DRIVE]):
             return 0
         before = sums[DRIVE]
-        if k >= max_turns // 2:
-            for n in range(N_SUMS):
-                later[n] += sums[n]
-    for n in range(N_SUMS):
-        sums[n] = later[n] / <double>(max_turns - max_turns // 2)
     return -1
 
 
 def march(
     bearing: Mapping[str, float], inner, outer, const double[::1] cage_speeds, const double[:, :, ::1] forces,
-    double play, int steps, int max_turns, double tolerance, double restitution=0.0, double[:, ::1] record=None,
+    double play, int steps, int max_turns, double tolerance, double[:, ::1] record=None,
 ) -> tuple[Array, Array]:
     """Return the `MEANS` of a roller at each cage speed, (n, 6), and whether its motion repeats, 1 or 0, (n,).
 
@@ -311,7 +294,7 @@ def march(
     with a table (``raceway.pyx``).  ``forces`` are those of both rings at each of the speeds, at equal steps of the
     angle over the orbit, both ends included, (n, 2, m + 1).  ``play`` is the full play c [m]; a turn of the cage takes
     ``steps`` steps.  The march ends when the mean torque changes by less than ``tolerance`` of itself from one turn to
-    the next, or after ``max_turns``.  ``restitution`` is that at the bars.  Into ``record``, (steps, 5), the last turn
+    the next, or after ``max_turns``.  Into ``record``, (steps, 5), the last turn
     at the last of the speeds is written, as it is `RECORDED`.  Torques have the sign of the speeds.
     """
     cdef geometry_t g
@@ -322,8 +305,6 @@ def march(
         raise ValueError(f"forces of {cage_speeds.shape[0]} cage speeds are of shape (n, 2, m + 1)")
     if min(steps, max_turns) < 1:
         raise ValueError(f"{max_turns} turns of {steps} steps: there must be at least one of each")
-    if not 0.0 <= restitution <= 1.0:
-        raise ValueError(f"the restitution is {restitution:g}: it must be 0 to 1")
     if record is not None and (record.shape[0] != steps or record.shape[1] != N_RECORDED):
         raise ValueError(f"a record of {steps} steps is of shape ({steps}, {N_RECORDED})")
     g.inner_radius = bearing["inner_radius"]
@@ -336,7 +317,6 @@ def march(
     g.orbital_inertia = bearing["orbital_inertia"]
     g.pocket_friction = bearing["pocket_friction"]
     g.half_play = 0.5 * play
-    g.restitution = restitution
     for ring, raceway in enumerate((inner, outer)):
         raceways[ring] = (<rs_raceway *>PyCapsule_GetPointer(raceway, RS_RACEWAY))[0]
         raceways[ring].rollers = 1

@@ -11,8 +11,8 @@ along the orbit, the force P of the roller on its pocket and its friction M ther
 does not change, so that the mean of R_m P is that of H. The drags T and the rollers balance where T + Z <H - M> = 0.
 
 1. Tabulate loads over the angle, and friction over force and speeds, as motions in time do.
-2. March a roller round the orbit, at many slips at once, until its motion repeats. Rollers do not rebound from the
-   bars, since a film of oil damps them; from bars of dry metal they rebound with a restitution e.
+2. March a roller round the orbit, at many slips at once, until its motion repeats. Bars do not rebound: a film of oil
+   damps them.
 3. Search the smallest slip, from above zero, at which the balance changes its sign.
 
 Without play the result is that of rollers that are set in the cage.
@@ -152,19 +152,9 @@ class Pockets:
         self._steps = steps
         self._periodic = periodic
 
-    def march(self, slips: Array, *, restitution: float = 0.0) -> PocketMotions:
-        """Return the steady motions of a roller at cage slips, (n,).
-
-        Motions with rebounds need not repeat. Then all are means over the second half of the largest number of turns.
-
-        Parameters
-        ----------
-        slips : (n,)
-            Cage slips.
-        restitution : float
-            Speed after an impact at a bar over that before, e; 1 at most.
-        """
-        means, is_periodic = self._march(slips, restitution)
+    def march(self, slips: Array) -> PocketMotions:
+        """Return the steady motions of a roller at cage slips, (n,)."""
+        means, is_periodic = self._march(slips)
         drive, friction, push, driving, crossing, pushed = means.T
         sense = self._sense * self.assembly.scene.bearing.rollers
         return PocketMotions(
@@ -176,19 +166,17 @@ class Pockets:
             is_periodic=is_periodic,
         )
 
-    def orbit(self, slip: float, *, restitution: float = 0.0) -> PocketOrbit:
+    def orbit(self, slip: float) -> PocketOrbit:
         """Return the last turn of the steady motion of a roller at a cage slip.
 
         Parameters
         ----------
         slip : float
             Cage slip.
-        restitution : float
-            As of the march.
         """
         k = self.assembly.kinematics
         record = np.full((self._steps, len(compiled.RECORDED)), np.nan)
-        means, is_periodic = self._march(np.array([slip]), restitution, record)
+        means, is_periodic = self._march(np.array([slip]), record)
         if np.isnan(means).any():
             record[:] = np.nan
         turn, position, torque, spin, speed = record.T
@@ -201,9 +189,7 @@ class Pockets:
             is_periodic=bool(is_periodic[0]),
         )
 
-    def _march(
-        self, slips: Array, restitution: float, record: Array | None = None
-    ) -> tuple[Array, Array]:
+    def _march(self, slips: Array, record: Array | None = None) -> tuple[Array, Array]:
         """Return what compiled code finds at cage slips, with the sign of speeds."""
         speeds = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - slips)
         angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES + 1)
@@ -220,7 +206,6 @@ class Pockets:
             self._steps,
             _MAX_TURNS,
             self._periodic,
-            restitution,
             record,
         )
 
