@@ -12,6 +12,7 @@
      | COL_film_thermoviscosity)
 #define NO_EFFECT 1e-17   /* a group below it changes no bit; it keeps quotients of it from 0/0 */
 #define EULER 0.5772156649015329
+#define MAX_STEPS 60   /* of any iteration, and never reached: 8 are enough */
 #endif
 
 /* Cold Newtonian stress [Pa], and softening by the surfaces and across the film */

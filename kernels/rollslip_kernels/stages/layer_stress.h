@@ -8,13 +8,53 @@
  * - P >= 2 max(1, s)/D, so it holds for D <= max(1, s)/20, which is known beforehand.  Others take the general law.
  * - A start by two steps in single precision, good to 1e-5, then one Halley step in ln Z.
  * - Without elasticity, D = 0, S is Z, and what concerns the layer is left out: `elastic` is a constant where inlined.
- * - The coefficients and their errors come from tools/references/near_stress.py. */
+ * - The coefficients and their errors come from tools/references/layer_stress.py. */
 #ifndef LEAST_LAYERS
 #define LEAST_LAYERS 40.0
 #define LAYER_STEP 4e-5   /* of the start: the third power of a larger one would show */
+/* Where the start in single precision serves: sigma, D and Phi sigma over sigma up to these */
+#define LAYER_SIGMA 1e8
+#define LAYER_DEBORAH 1e4
+#define LAYER_HEATING 1.001e3   /* Phi is 1e3 after rounding */
+#define LAYER_LINEAR 1e-9   /* sigma below which the law is linear to 1e-9 */
+#define FLOAT_LANES 16
+#define ONE_B 0.41421356237309503   /* exp(-S) and tanh(S/2) where B = 1 */
+#define PI2_6 1.6449340668482264
+
+RS_INLINE float single_of_bits(uint32_t bits) {
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+RS_INLINE uint32_t bits_of_single(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+/* x = (1 + f) 2^k, 1 + f in [sqrt(1/2), sqrt(2)), for 0 < x < inf; f */
+RS_INLINE float single_split(float x, float *k) {
+    uint32_t one = UINT32_C(0x3f800000), bits = bits_of_single(x), biased = (bits - UINT32_C(0x3f3504f3) + one) >> 23;
+    *k = single_of_bits(biased | UINT32_C(0x4b000000)) - (8388608.0f + 127.0f);
+    return single_of_bits(bits - (biased << 23) + one) - 1.0f;
+}
+
+/* log(x) for 0 < x < inf to 4e-4 */
+RS_INLINE float single_log(float x) {
+    float k, f = single_split(x, &k);
+    return k * 0.69314718f + f * ((0.99973107f - 0.50232366f * f) + f * f * (0.35363207f - 0.22362563f * f));
+}
+
+/* exp(x) for |x| < 80 to 8e-5 */
+RS_INLINE float single_exp(float x) {
+    float n = x * 1.44269504f + 12582912.0f, f = x - (n - 12582912.0f) * 0.69314718f;   /* no f^2: it may be denormal */
+    float p = 0.99992456f + f * (0.99998493f + f * (0.50502229f + f * 0.16767012f));
+    return p * single_of_bits((bits_of_single(n) << 23) + UINT32_C(0x3f800000));
+}
 
 RS_INLINE float layer_log(float x) {   /* 0 < x < inf, 2e-7 of 1, near 1 relative */
-    float k, f = near_split(x, &k), f2 = f * f;
+    float k, f = single_split(x, &k), f2 = f * f;
     float p = RS_FMAF(RS_FMAF(RS_FMAF(0.1165780614f, f2, RS_FMAF(-0.1857384013f, f, 0.2052544362f)), f2,
                               RS_FMAF(-0.2492033626f, f, 0.3331356329f)), f2, RS_FMAF(-0.5000087739f, f, 1.000001027f));
     return RS_FMAF(k, 0.69314718f, f * p);
@@ -23,7 +63,7 @@ RS_INLINE float layer_log(float x) {   /* 0 < x < inf, 2e-7 of 1, near 1 relativ
 /* 1 - exp(-x) and exp(-x), 0 <= x < 80, to 5e-7 */
 RS_INLINE float layer_gone(float x, float *left) {
     float n = RS_FMAF(x, -1.44269504f, 12582912.0f), m = n - 12582912.0f;
-    float f = RS_FMAF(m, -0.693359375f, -x), scale = near_float((near_bits(n) << 23) + UINT32_C(0x3f800000)), p;
+    float f = RS_FMAF(m, -0.693359375f, -x), scale = single_of_bits((bits_of_single(n) << 23) + UINT32_C(0x3f800000)), p;
     f = RS_FMAF(m, 2.12194440e-4f, f);
     p = f * RS_FMAF(RS_FMAF(RS_FMAF(0.008363173132f, f, 0.04187564485f), f, 0.1666657703f), f * f,
                     RS_FMAF(0.4999937214f, f, 1.0f));
@@ -40,6 +80,27 @@ RS_INLINE float layer_gone(float x, float *left) {
     X(0x1.0a72f064a7ebdp+0, -0x1.9d1ad1ce71ea0p-1) X(0x1.147ae14785b6dp+0, -0x1.305b05b033971p+0) \
     X(0x1.1c71c71c71d9cp+1, -0x1.355555555579cp+0) X(0x1.0000000000000p+1, -0x1.c000000000000p+1)
 #endif
+
+/* The inelastic stress to a few percent: Lambert's W(w s)/w where the film is hot, else asinh(s) and the first heat */
+RS_INLINE void PATH(inelastic_start)(
+    size_t n, const float *__restrict s, const float *__restrict w, float *__restrict hot, float *__restrict stress
+) {
+    EACH(i, n) {
+        float x = s[i], grow = x + sqrtf(1.0f + x * x);
+        float log_grow = (float)(int32_t)bits_of_single(grow) * 8.262958e-8f - 87.989971f;   /* from the exponent, to 0.06 */
+        int heated = w[i] * x >= 0.1f && w[i] >= log_grow;
+        stress[i] = heated ? 1.0f + w[i] * x : grow;
+        hot[i] = heated ? 1.0f : 0.0f;
+    }
+    EACH(i, n) stress[i] = single_log(stress[i]);
+    EACH(i, n) {
+        float x = s[i], L = stress[i], ends = 1.0f + 0.110767f * (L * L);
+        int heated = hot[i] > 0.0f;
+        float over = heated ? L * (ends + 0.64359f * L) : x < 1e-3f ? x : L;
+        float under = heated ? w[i] * (ends + 1.13514f * L) : 1.0f + w[i] * (x < 1.0f ? x : 1.0f);
+        stress[i] = over / under;
+    }
+}
 
 /* One step in single precision; with_layer: with the entry layer */
 RS_INLINE void PATH(layer_step)(
@@ -77,7 +138,7 @@ RS_INLINE void PATH(layer_step)(
     }
 }
 
-/* S for NEAR_LINEAR <= s <= NEAR_SIGMA, w <= NEAR_HEATING s, D <= max(1, s)/20; beyond[i] > 0 if the start was far */
+/* S for LAYER_LINEAR <= s <= LAYER_SIGMA, w <= LAYER_HEATING s, D <= max(1, s)/20; beyond[i] > 0 if the start was far */
 RS_INLINE void PATH(layer_root)(
     size_t n, given s, given deborah, given w, filled stress, filled beyond, const int elastic
 ) {

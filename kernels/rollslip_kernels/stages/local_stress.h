@@ -136,7 +136,7 @@ RS_INLINE void PATH(local_first)(size_t n, local_start *__restrict a) {
         float *__restrict stress = a->s[j], *__restrict cool = a->cool[j];
         EACH(i, n) {
             float x = l[i] < 40.0f ? l[i] : 40.0f;
-            stress[i] = 0.5f * near_exp(x > -79.0f ? x : -79.0f);   /* sigma */
+            stress[i] = 0.5f * single_exp(x > -79.0f ? x : -79.0f);   /* sigma */
         }
         EACH(i, n) {
             float x = stress[i], root = sqrtf(1.0f + x * x);
