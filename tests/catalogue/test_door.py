@@ -221,7 +221,8 @@ def test_an_error_in_the_middle_of_a_block_says_whose_it_is_in_every_thread(tmp_
         from concurrent.futures import ThreadPoolExecutor
         from rollslip import Chain, Conditions, Slices, get_model
         start = threading.Barrier(8)
-        blend = Chain(get_model("traction", "lambda-blend", boundary="later", boundary_limit=1.0), block=2)
+        laws = dict(boundary="later", hydrodynamic="maxwell-eyring")
+        blend = Chain(get_model("traction", "lambda-blend", boundary_limit=1.0, **laws), block=2)
         conditions = Conditions(
             roughness=1e-6, modulus=2e11, effusivity=1e4, conductivity=0.1, eyring_stress=4e6, shear_modulus=3e8,
             radius=0.007,

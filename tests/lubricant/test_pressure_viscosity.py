@@ -21,6 +21,7 @@ from rollslip_kernels.slices import Slices
 from rollslip_plugins.data.lubricants import mil_prf_7808
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_plugins.traction.blend import LambdaBlend
+from rollslip_plugins.traction.eyring import Muraki
 from strategies import NumpyForm, evaluated, forms, law_of
 from tabled import REFERENCES, rows_of
 
@@ -270,7 +271,7 @@ def test_the_law_reaches_a_model_and_its_children_that_ask_for_it():
 
     changed = with_law(LambdaBlend(hydrodynamic=Local()), Roelands())
     assert changed.hydrodynamic.law == Roelands()
-    untouched = LambdaBlend()
+    untouched = LambdaBlend(hydrodynamic=Muraki())
     assert with_law(untouched, Roelands()) is untouched
 
 

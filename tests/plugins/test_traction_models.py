@@ -30,7 +30,7 @@ BOUNDARY = [
     Constant(coefficient=0.2, transition=0.05),
 ]
 BLENDS = [
-    LambdaBlend(),
+    LambdaBlend(hydrodynamic=MaxwellEyring()),  # which reads the groups that films are drawn with
     LambdaBlend(
         boundary=Constant(),
         hydrodynamic=MaxwellEyring(),

@@ -71,8 +71,9 @@ ALLOWED = {
 #: What two forms of one law may differ by, and what a result may differ by where only its sum's order changes.
 ALIKE = 1e-12
 
-#: Model -> the parameters without which it cannot be made.
+#: Model -> the parameters without which it cannot be made, or is not known in 50 digits.
 MADE = {
+    "lambda-blend": {"hydrodynamic": "maxwell-eyring"},
     "yasutomi": {
         "glass_temperature": 244.95, "a1": 134.2, "a2": 1.929e-9, "b1": 4.815, "b2": 1.6e-10, "c1": 16.01, "c2": 20.69
     },
