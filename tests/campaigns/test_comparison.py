@@ -493,7 +493,7 @@ def test_without_a_blend_in_the_scene_the_whole_traction_is_exchanged():
         scene, traction=["eyring", "lambda-blend"], study="friction-curve"
     ).plan()
     assert traction_of(made, "eyring").name == "eyring"
-    assert traction_of(made, "lambda-blend").hydrodynamic.name == "maxwell-eyring"
+    assert traction_of(made, "lambda-blend").hydrodynamic.name == "maxwell-eyring-local"
     assert made.exchanged == ""
 
 

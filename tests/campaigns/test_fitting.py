@@ -397,7 +397,7 @@ def test_parameters_of_oil_and_models_have_names():
     assert (oil.eyring_stress, oil.at(340.0).conductivity) == (1e6, 0.2)
     assert oil.at(340.0).viscosity == 2 * problem.lubricant.at(340.0).viscosity
     assert traction == get_model(
-        "traction", "lambda-blend", hydrodynamic={"model": "maxwell-eyring", "flash": 0.9},
+        "traction", "lambda-blend", hydrodynamic={"model": "maxwell-eyring-local", "flash": 0.9},
         boundary={"model": "kragelsky", "limit": 0.05}, exponent=3.0,
     )  # fmt: skip
     assert problem.traction.exponent == 6.0

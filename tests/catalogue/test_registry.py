@@ -36,6 +36,7 @@ from rollslip.studies.surface_damage.model import DamageModel
 from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import MaxwellEyring
+from rollslip_plugins.traction.local import MaxwellEyringLocal
 
 PROMISED = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"][
     "entry-points"
@@ -572,7 +573,7 @@ def test_models_can_be_nested_by_name_by_table_and_as_objects():
     assert blend.boundary == Constant(coefficient=0.1)
     assert blend.hydrodynamic.boundary == Kragelsky()
     assert blend.hydrodynamic.hydrodynamic == MaxwellEyring(flash=1.0)
-    assert get_model("traction", "lambda-blend").hydrodynamic == MaxwellEyring()
+    assert get_model("traction", "lambda-blend").hydrodynamic == MaxwellEyringLocal()
 
 
 @pytest.mark.parametrize("child", ["moes", "kragelski"])

@@ -33,7 +33,7 @@ def test_what_is_left_to_a_law_follows_its_constants_too():
 
 def test_a_value_that_laws_share_stands_once():
     found = traction({"flash": 0.5}, **{"models.traction": "lambda-blend"})
-    assert (found.hydrodynamic.name, found.hydrodynamic.flash) == ("maxwell-eyring", 0.5)
+    assert (found.hydrodynamic.name, found.hydrodynamic.flash) == ("maxwell-eyring-local", 0.5)
     assert traction({"flash": 0.5, "muraki": {"flash": 0.6}}).hydrodynamic.flash == 0.6
 
 

@@ -40,8 +40,9 @@ from rollslip.studies.validity import (
 from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 from rollslip_plugins.film.line_contact import solve_line_contact
 from rollslip_plugins.pressure_viscosity import Barus, Roelands
-from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
+from rollslip_plugins.traction.eyring import Eyring, Muraki
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
+from rollslip_plugins.traction.local import MaxwellEyringLocal
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from tabled import TABLES, rows_of
 
@@ -583,10 +584,10 @@ def test_the_end_of_a_motion_is_judged_too():
     assert "at the end of the motion" in said
 
 
-def test_a_scene_that_names_no_law_gets_the_exact_one_and_no_word_of_approximation():
+def test_a_scene_that_names_no_law_gets_that_at_the_local_pressure_and_no_word_of_approximation():
     scene = evolve(PAPER, QUICK | {"models.traction": "lambda-blend"})
     made = plan(scene, "effective-friction")
-    assert made.assembly.traction.hydrodynamic == MaxwellEyring()
+    assert made.assembly.traction.hydrodynamic == MaxwellEyringLocal(law=Barus())  # the oil's
     found = run(scene, "effective-friction")
     assert not any("approximates" in text for text in warned(found))
     assert json.loads(found.attrs["validity"])["approximation"] is None
