@@ -34,9 +34,9 @@ def note(name):
     """What a scene of the paper says of itself beside the defaults."""
     slip, _, torque = found(by_default(name))
     return (
-        "models, law and drags are the paper's or assumed for it; by the defaults of rollslip (Roelands, exact law, "
-        f"light contacts, heated inlets, every drag of an oil bath) this cage slips {100 * slip:.0f} %, and the "
-        f"friction torque is {torque:.1f} N m"
+        "models, law and drags are the paper's or assumed for it; by the defaults of rollslip (Roelands, local "
+        "pressure, light contacts, heated inlets, every drag of an oil bath) this cage slips "
+        f"{100 * slip:.0f} %, and the friction torque is {torque:.1f} N m"
     )
 
 
