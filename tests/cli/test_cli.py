@@ -64,7 +64,8 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
         "",
         answer[2],
     ]
-    assert re.fullmatch(r"  cage slip            0\.77 % +below 0\.1 to 6\.\d %", answer[2])
+    slip = r"  cage slip            0\.77 % +below 0\.1 to 6\.\d %, without play"
+    assert re.fullmatch(slip, answer[2])
     assert len(answer) <= 15
     assert "  assumed  models, law and drags are the paper's or assumed for it" in short.stdout
     assert LOWER_BOUNDS in " ".join(short.stdout.split())

@@ -423,7 +423,8 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
     """With 8 slices, where the driving torque may be right to a thousandth."""
     number, variable = SEEN[name]
     one = loading_branch_scenes.wide(number) if number else load_scene("gearbox")
-    made = plan(evolve(one, {"accuracy.tolerance": 1e-2}), "steady-slip")
+    changes = {"accuracy.tolerance": 1e-2, "study.steady-slip.pockets": "set"}
+    made = plan(evolve(one, changes), "steady-slip")
     resolution = attrs.evolve(made.choices["steady-slip"].resolution, slices=8, n_positions=5)
     result = execute(made.at("steady-slip", resolution), "steady-slip", fixed_resolution=True)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
@@ -445,7 +446,8 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
     number, slices, n_positions, name, variable
 ):
     """There points of Gauss's rule lie farther apart than equal ones: twice as many would tell half of the error."""
-    made = plan(loading_branch_scenes.wide(number), "steady-slip")
+    scene = evolve(loading_branch_scenes.wide(number), {"study.steady-slip.pockets": "set"})
+    made = plan(scene, "steady-slip")
     resolution = attrs.evolve(
         made.choices["steady-slip"].resolution, slices=slices, n_positions=n_positions
     )

@@ -68,9 +68,15 @@ def _assembly(**changes: Any) -> Assembly:
     return assemble(_scene(), attrs.evolve(_COARSE, **changes))
 
 
+def _run(study: Study, assembly: Assembly) -> "xr.Dataset":
+    """Return the whole result of a study for a bearing."""
+    coarse = study.with_resolution(_COARSE)
+    return coarse.completed(assembly, coarse.run(assembly))
+
+
 @cache
 def _result(study: Study) -> "xr.Dataset":
-    return study.with_resolution(_COARSE).run(_assembly())
+    return _run(study, _assembly())
 
 
 def _differs(first: Any, second: Any) -> bool:
@@ -195,7 +201,7 @@ def check_its_curves_can_be_compared(study: Study) -> None:
 def check_it_gives_the_same_bits_twice(study: Study) -> None:
     """A result must not depend on what ran before."""
     first = _result(study)
-    second = study.with_resolution(_COARSE).run(_assembly())
+    second = _run(study, _assembly())
     for name in map(str, first.data_vars):
         refuse_unless(
             not _differs(first[name], second[name]), f"{name} is another at the second run"
@@ -208,7 +214,7 @@ def check_what_does_not_act_changes_nothing(study: Study) -> None:
     for name, changed in (("slices", 8), ("n_positions", 3), ("table_tolerance", 0.01)):
         if name in study.affected_by:
             continue
-        other = study.with_resolution(_COARSE).run(_assembly(**{name: changed}))
+        other = _run(study, _assembly(**{name: changed}))
         for variable in study.controlled_outputs.values():
             same = not _differs(_value(_result(study), variable), _value(other, variable))
             refuse_unless(same, f"{variable} depends on {name}, which affected_by does not name")
@@ -220,11 +226,7 @@ def check_leaving_outputs_out_changes_no_other(study: Study) -> None:
     retained = {name for name, output in study.outputs.items() if output.default} | set(
         study.controlled_outputs.values()
     )
-    reduced = (
-        study.without_outputs(frozenset(study.outputs.keys() - retained))
-        .with_resolution(_COARSE)
-        .run(_assembly())
-    )
+    reduced = _run(study.without_outputs(frozenset(study.outputs.keys() - retained)), _assembly())
     for name in retained:
         complete = _value(_result(study), name)
         value = _value(reduced, name)

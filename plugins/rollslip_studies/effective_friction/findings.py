@@ -61,7 +61,7 @@ def _slip_row(dataset: "xr.Dataset", slip: float, status: str) -> Row:
     models = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("models", {})
     if models.get("neighbour_friction") is not None or not slip > 0.0:
         return row
-    note = "; ".join(filter(None, (row.note, "without play in the pockets")))
+    note = ", ".join(filter(None, (row.note, "without play")))
     return attrs.evolve(row, note=note, tolerance=math.inf)
 
 
