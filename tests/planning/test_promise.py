@@ -490,7 +490,8 @@ def test_the_thinnest_film_of_a_curve_is_seen_too():
 
 def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_before():
     """Slips of 1 % to 5 % take nearly the same load: by some slices the cage jumps from one to the other."""
-    made = plan(loading_branch_scenes.wide(100_076), "steady-slip")
+    scene = evolve(loading_branch_scenes.wide(100_076), {"study.steady-slip.pockets": "set"})
+    made = plan(scene, "steady-slip")
     result = execute(made, "steady-slip", fixed_resolution=True)
     own = made.choices["steady-slip"].resolution
     reference_resolution = attrs.evolve(

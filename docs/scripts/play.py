@@ -1,0 +1,83 @@
+"""Write the table play.csv of docs/trust/play.rst: slip, minimum load and reserves by law and by play in the pockets.
+
+The two shipped scenes with defaults and ten of ``rollslip new``, with bores of 25 to 320 mm and speeds of 600 to
+14,000 rpm: friction at the mean or at the local pressure, rollers set in the cage or with play. Beside them is the mean
+slip of motions in time with oil films in the pockets, over the second to the fourth quarter.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import rollslip
+from rollslip.planning.new_scene import new
+
+sys.path.insert(0, str(Path(__file__).parent))
+from output import write_table
+
+#: Name -> bearing, oil, speed, load, temperature.
+SCENES = {
+    "NU 205": ("NU205", "iso-vg-32", "9000 rpm", "300 N", "70 degC"),
+    "NU 310": ("NU310", "iso-vg-100", "2000 rpm", "1.2 kN", "80 degC"),
+    "NU 422": ("NU422", "iso-vg-220", "600 rpm", "3 kN", "50 degC"),
+    "NU 1012": ("NU1012", "iso-vg-32", "8000 rpm", "800 N", "80 degC"),
+    "NU 1012 fast": ("NU1012", "iso-vg-32", "14000 rpm", "1 kN", "90 degC"),
+    "NU 2210": ("NU2210", "iso-vg-68", "3000 rpm", "1.5 kN", "70 degC"),
+    "NU 2216": ("NU2216", "iso-vg-68", "4500 rpm", "3 kN", "75 degC"),
+    "NU 2220": ("NU2220", "iso-vg-150", "1800 rpm", "4 kN", "70 degC"),
+    "NU 236": ("NU236", "iso-vg-220", "1000 rpm", "12 kN", "60 degC"),
+    "NU 1064": ("NU1064", "iso-vg-320", "600 rpm", "15 kN", "60 degC"),
+}
+#: Column -> what is changed.
+CASES = {
+    "mean_set": ("maxwell-eyring", "set"),
+    "local_set": ("maxwell-eyring-local", "set"),
+    "mean_play": ("maxwell-eyring", "play"),
+    "local_play": ("maxwell-eyring-local", "play"),
+}
+#: Motion in time beside them; its duration [s] is several times that of a cage to its steady slip.
+MOTION = {
+    "study.dynamics.level": "pocket",
+    "study.dynamics.friction": "conventional",
+    "cage.pocket_contact": "film",
+    "study.dynamics.points": 2001,
+}
+
+
+def scenes():
+    """Yield name and scene."""
+    for name in ("gearbox", "turbine"):
+        yield name, rollslip.load_scene(name)
+    for name, (bearing, oil, speed, load, temperature) in SCENES.items():
+        yield name, new(bearing, oil=oil, speed=speed, load=load, temperature=temperature)
+
+
+def row(name, scene):
+    """Return the row of a scene."""
+    values = {"scene": name}
+    for case, (law, pockets) in CASES.items():
+        changed = rollslip.evolve(
+            scene,
+            {"models.traction.hydrodynamic": law, "study.steady-slip.pockets": pockets},
+        )
+        found = rollslip.run(changed, "steady-slip")
+        values[f"slip_{case}"] = 100.0 * float(found.steady_slip[0])
+        values[f"load_{case}"] = float(found.minimum_load)
+        values[f"reserve_{case}"] = float(found.acceptable_reserve)
+        values[f"torque_{case}"] = float(found.friction_torque[0])
+    band = found.band["steady_slip"]
+    values["low"] = 100.0 * band["low"]
+    values["high"] = 100.0 * (np.inf if band["high"] is None else band["high"])
+    duration = 60.0 / abs(scene.operation.inner_speed * 30.0 / np.pi) * 60.0
+    moved = rollslip.run(
+        rollslip.evolve(scene, MOTION | {"study.dynamics.duration": duration}), "dynamics"
+    )
+    slips = 100.0 * moved.cage_slip.to_numpy()
+    values["motion"] = float(slips[slips.size // 4 :].mean())
+    values["motion_drift"] = float(slips[slips.size // 2 :].mean()) / values["motion"] - 1.0
+    return values
+
+
+if __name__ == "__main__":
+    write_table("play", [row(name, scene) for name, scene in scenes()])
