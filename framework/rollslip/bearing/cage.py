@@ -131,8 +131,9 @@ class Cage:
         possible=(0, 1e9),
     )
     pocket_contact: str = field(
-        default="metal",
-        doc="what a roller meets in its pocket: the wall, or a film of oil first",
+        default="film",
+        doc="what a roller meets in its pocket: a film of oil before the wall, or the wall alone (metal), where the "
+        "pocket gets no oil; metal halves small slips (D)",
         validator=choice_of("metal", "film"),
     )
     guidance: str = field(
