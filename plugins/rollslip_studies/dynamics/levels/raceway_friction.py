@@ -63,9 +63,9 @@ _ROLLING_SCALE: Final = 0.5
 #: Initial number of nodes of rolling speed, of force, and of sliding speed on each side of zero. Axes are doubled where
 #: needed, so that twice as many save refinements and make tables of loose tolerances larger. Chosen.
 _FIRST_NODES = (5, 17, 24)
-#: Maximum number of nodes of a table in all: 19 MB, built in 2 s. Friction at the local pressure has kinks over force, at
-#: which an error halves as nodes double: with a quarter, four of six bearings at a tolerance of 1 % evaluate slices at
-#: every step, which takes up to 30 times as long; doubled, only short motions lose, by the time of building.
+#: Maximum number of nodes of a table in all: 19 MB, built in 2 s. Friction at the local pressure has kinks over force,
+#: at which an error halves as nodes double. With a quarter of them four of six bearings evaluate slices at every step
+#: at a tolerance of 1 %, which takes 5 to 10 times as long; doubled, short motions lose the time of building.
 _MAX_NODES = 2_400_000
 #: Ratio of the error after a refinement to the smallest one before, above which the refinement failed. Chosen: a cubic
 #: of a smooth function would gain a factor of 16, at a kink a factor of 2.
