@@ -1,31 +1,35 @@
-"""Choose friction, level of detail, integrator and step tolerance of a motion, where a scene leaves them open.
+"""Choose level of detail, friction, integrator and step tolerance of a motion, where a scene leaves them open.
 
-Four choices trade time against the error of the cage speed. Each has an a priori estimate from trial motions with few
-slices (a hundredth of the time of many), or a rule:
+The choices trade time against errors of the cage slip and the cage speed. Each has an a priori estimate from trial
+motions with few slices (a hundredth of the time of many), or a rule:
 
-1. Friction: integrate the motion at level cage-set with effective and with conventional friction over all of its
-   duration. Take effective friction if the cage speeds differ by at most 0.3 of the tolerance.
-2. Take conventional friction all the same where the cage is near skidding. The limit drags of the two frictions differ
+1. Slips are compared, not speeds: where the slip is 1 %, speeds that differ by 3e-4 mean slips that differ by 3 %.
+   Below `SMALLEST_SLIP` the difference is relative to that slip.
+2. Level: integrate levels cage-set and pocket over three orbits of the cage. Take cage-set if the mean slips over each
+   orbit differ by at most 0.2 of the tolerance. Impacts in the pockets are chaotic: instantaneous speeds do not
+   converge with the steps, means over orbits do.
+3. Friction: take conventional friction where a table of it serves, since it costs seconds. Else integrate the motion
+   at level cage-set with both frictions over all of its duration. Take effective friction if the cage slips differ by
+   at most 0.3 of the tolerance, and by at most 5 %, and if the motion with conventional friction takes longer than some
+   seconds.
+4. Take conventional friction all the same where the cage is near skidding. The limit drags of the two frictions differ
    by 2.7 % (median) and up to 23 % over 62 random bearings (docs/trust/skidding.rst): near the limit one of the cages
    skids and the other does not, however well their speeds agreed until then.
-3. Level: integrate levels cage-set and pocket over three orbits of the cage. Take cage-set if the means over each orbit
-   differ by at most 0.2 of the tolerance. Impacts in the pockets are chaotic: instantaneous speeds do not converge with
-   the steps, means over orbits do.
-4. Integrator: no trial. The strongest damping, from the eigenvalues of the Jacobian of the speeds by the speeds, says
+5. Integrator: no trial. The strongest damping, from the eigenvalues of the Jacobian of the speeds by the speeds, says
    whether the motion is stiff: whether damping or accuracy (the contacts to be resolved) limits an explicit step. A
    stiff motion takes the integrator of the study, which is implicit; others an explicit one (`_Trials.integrator`).
-5. Step tolerance: two motions of 5 ms, at the usual tolerance and at a thousandth of it, give the error of the cage
+6. Step tolerance: two motions of 5 ms, at the usual tolerance and at a thousandth of it, give the error of the cage
    speed at the end of that time (the difference from a reference solution).
-6. Errors of later intervals add to it while those of earlier ones decay, since the drive of the cage pulls it back. The
+7. Errors of later intervals add to it while those of earlier ones decay, since the drive of the cage pulls it back. The
    factor for the whole motion is the integral of that decay over time, from two cages with different speeds at the
    start (`error_accumulation`).
-7. The error is taken to be proportional to the tolerance; scale the tolerance so that 0.2 of the requested one is used.
-8. Where rollers hit their pockets, motions with different steps diverge, as neighbouring motions of any chaotic system
+8. The error is taken to be proportional to the tolerance; scale the tolerance so that 0.2 of the requested one is used.
+9. Where rollers hit their pockets, motions with different steps diverge, as neighbouring motions of any chaotic system
    do, until the play in the pockets bounds their difference. Twice the largest divergence of motions with other
    tolerances within an orbit of the cage is reported as error, too; no tolerance removes it.
-9. Along a history, later times are sampled as well, from states without slip: a motion that is smooth at one speed may
+10. Along a history, later times are sampled as well, from states without slip: a motion that is smooth at one speed may
    have impacts, or be stiff, at another. Contacts are damped most while the rings rest.
-10. What cannot be estimated, because a trial motion fails, is taken with all detail (`FALLBACKS`), and with the step
+11. What cannot be estimated, because a trial motion fails, is taken with all detail (`FALLBACKS`), and with the step
    tolerance of the reference resolution; its error is then infinite.
 
 Only explicit methods that resolve contacts are taken at levels with contacts: others get the cage speed right and may
@@ -50,28 +54,43 @@ from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import reference_resolution
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel
+from rollslip.results.text import duration
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.motion.time_integration import Trajectory
 from rollslip_studies.motion.torque_balance import describe_near_skidding
 
 #: Settings that a plan chooses -> the most detailed choice that needs no further data from a scene; None where that is
 #: the choice of the study.
-FALLBACKS: Final = {"friction": "conventional", "level": "pocket", "integrator": None}
+FALLBACKS: Final = {"level": "pocket", "friction": "conventional", "integrator": None}
 
+#: Cage slip to which errors of a slip are relative at least: smaller ones are printed as "below 0.1 %". Doubled, a slip
+#: of 0.1 % may be off by twice the tolerance; halved, trials resolve slips that nobody sees.
+SMALLEST_SLIP: Final = 1e-3
 
-# Fractions of the tolerance of the cage speed that the simplifications of a motion may use.
+# Fractions of the tolerances of cage slip and cage speed that the simplifications of a motion may use.
 #
 # They add up to 0.7. The rest is for slices and tables, whose errors are those of the friction.
 
-#: Effective in place of conventional friction. Doubled, effective friction, which is faster, is chosen more often,
-#: and the errors together may exceed the tolerance. Chosen; the largest, since this choice saves the largest part
-#: of the time.
+#: Effective in place of conventional friction. Doubled, effective friction is chosen more often, and the errors
+#: together may exceed the tolerance. Chosen; the largest, since this choice saves the largest part of the time.
 _FRICTION_FRACTION: Final = 0.3
-#: Level cage-set in place of pocket. Doubled, cage-set is chosen for looser pockets. Chosen: the play of the
-#: shipped bearing moves the mean speed by 7e-5, a third of what the usual tolerance of 1e-3 then allows.
+#: Level cage-set in place of pocket. Doubled, cage-set is chosen for looser pockets, and the errors together may exceed
+#: the tolerance. Chosen: in the bearings of docs/trust/dynamics.rst play changes the slip by 2 % to 400 %, so that
+#: cage-set is for tight pockets, large slips and loose tolerances.
 _LEVEL_FRACTION: Final = 0.2
 #: Steps in time. Doubled, steps grow by 15 % (order 5) to 40 % (leapfrog). Chosen.
 _STEPS_FRACTION: Final = 0.2
+
+# Limits of effective friction, whatever the tolerance.
+
+#: Difference of the cage slips, relative to the slip, up to which effective friction is chosen. It counts for
+#: tolerances above a sixth. Doubled, effective friction is chosen there where it adds a tenth to a small slip; halved,
+#: it counts for tolerances of 8 %. Chosen.
+_MAX_FRICTION_DIFFERENCE: Final = 0.05
+#: Processor time [s] of a motion up to which conventional friction is taken, however close effective friction is.
+#: Halved, motions that take 5 s become less exact to save some seconds; doubled, users wait for up to 20 s for what
+#: effective friction gives within the tolerance. Chosen: some seconds.
+_MAX_CONVENTIONAL_SECONDS: Final = 10.0
 
 # Resolution of trial motions, and how long they are compared.
 
@@ -213,6 +232,9 @@ class MotionStudy(Protocol):
     def method(self, assembly: Assembly) -> IntegratorModel:
         """Return the integrator."""
 
+    def cost(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return processor times [s] by name, that of the motion among them."""
+
 
 @attrs.frozen(kw_only=True)
 class MotionChoice:
@@ -234,8 +256,8 @@ class Choice:
     value: Any
     #: Reason, for the plan.
     reason: str
-    #: Estimated error of the cage speed relative to the epicyclic one; None for a choice without loss.
-    error: float | None = None
+    #: Estimated errors of cage speed and cage slip; nothing for a choice without loss.
+    errors: Mapping[str, float] = attrs.field(factory=dict)
 
 
 def with_coarse_slices(assembly: Assembly) -> Assembly:
@@ -327,8 +349,8 @@ def choose_motion(study: MotionStudy, assembly: Assembly, named: Collection[str]
             )
         settings[name] = choice.value
         reasons[name] = choice.reason
-        if choice.error is not None:
-            errors[name] = {"cage_speed": choice.error}
+        if choice.errors:
+            errors[name] = choice.errors
     return MotionChoice(settings=settings, reasons=reasons, errors=errors)
 
 
@@ -345,9 +367,9 @@ class _Trials:
         return with_coarse_slices(self.assembly)
 
     @property
-    def requested(self) -> float:
-        """Tolerance of the cage speed."""
-        return self.assembly.scene.accuracy.of("cage_speed")
+    def slip_tolerance(self) -> float:
+        """Tolerance of the cage slip."""
+        return self.assembly.scene.accuracy.of("cage_slip")
 
     def moving(self, study: MotionStudy) -> MovingBearing:
         """Return the equations of motion, cached by friction and level."""
@@ -360,7 +382,8 @@ class _Trials:
     ) -> tuple[Array, Trajectory]:
         """Return cage speeds at some times, relative to the epicyclic one, and the motion that has them."""
         moving = self.moving(study)
-        tolerance = min(_TRIAL_TOLERANCE_RATIO * self.requested, _MAX_TRIAL_TOLERANCE)
+        requested = self.assembly.scene.accuracy.of("cage_speed")
+        tolerance = min(_TRIAL_TOLERANCE_RATIO * requested, _MAX_TRIAL_TOLERANCE)
         found = study.trial_motion(moving, times, tolerance, before)
         if found.outcome != "finished":
             raise ConvergenceError(
@@ -369,70 +392,80 @@ class _Trials:
         speeds = moving.split(found.y)["cage_speed"] / self.coarse.kinematics.epicyclic_cage_speed
         return np.asarray(speeds), found
 
-    def friction(self, study: MotionStudy) -> Choice:
-        """Choose effective friction if it moves the cage as conventional friction does, and not near skidding.
-
-        The trial ends as soon as the difference of the cage speeds exceeds what is allowed.
-        """
-        allowed = _FRICTION_FRACTION * self.requested
-        conventional, effective = (
-            study.with_settings(friction=friction, level="cage-set")
-            for friction in ("conventional", "effective")
-        )
-        reference = simplified_traction = None
-        difference = 0.0
-        max_slip = 0.0
-        times = np.linspace(0.0, study.duration, _TRIAL_SAMPLES + 1)[1:]
-        for interval in np.split(times, _TRIAL_CHECKS):
-            reference_speed, reference = self.cage_speeds(conventional, interval, reference)
-            simplified_speed, simplified_traction = self.cage_speeds(
-                effective, interval, simplified_traction
-            )
-            change = np.abs(reference_speed - simplified_speed)
-            difference = max(difference, float(change.max()))
-            max_slip = max(max_slip, 1.0 - float(reference_speed.min()))
-            if difference > allowed:
-                break
-        after = "" if interval[-1] == study.duration else f" after {interval[-1]:.2g} s already"
-        found = f"with few slices the two frictions give cage speeds that differ by up to {difference:.1e}{after}"
-        if difference > allowed:
-            return Choice(
-                "conventional",
-                f"{found}, more than the {allowed:.1e} allowed for effective friction",
-            )
-        if reason_near_skidding := describe_near_skidding(self.coarse, max_slip):
-            return Choice("conventional", f"{found}, but {reason_near_skidding}")
-        return Choice(
-            "effective", f"{found}, less than the {allowed:.1e} allowed for that", difference
-        )
-
     def level(self, study: MotionStudy) -> Choice:
-        """Choose cage-set if play in the pockets does not change the mean speed of the cage in any orbit."""
+        """Choose cage-set if play in the pockets does not change the mean slip of the cage in any orbit."""
         speed = abs(self.coarse.kinematics.epicyclic_cage_speed)
         orbits = int(min(study.duration * speed / (2.0 * math.pi), _TRIAL_ORBITS))
         span = orbits * 2.0 * math.pi / speed if orbits else study.duration
         times = np.linspace(0.0, span, max(orbits, 1) * _TRIAL_SAMPLES + 1)
         friction = "constant" if study.friction == "constant" else "effective"
         cage_set, pocket = (
-            self.cage_speeds(study.with_settings(friction=friction, level=level), times)[0]
+            1.0
+            - self.cage_speeds(study.with_settings(friction=friction, level=level), times)[0][1:]
             for level in ("cage-set", "pocket")
         )
-        difference = pocket - cage_set
-        largest_mean = float(np.abs(difference[1:].reshape(-1, _TRIAL_SAMPLES).mean(axis=1)).max())
-        allowed = _LEVEL_FRACTION * self.requested
+        means = [slip.reshape(-1, _TRIAL_SAMPLES).mean(axis=1) for slip in (cage_set, pocket)]
+        errors = _slip_errors(*means)
+        allowed = _LEVEL_FRACTION * self.slip_tolerance
         found = (
-            f"play in the pockets changes the mean speed of the cage by up to {largest_mean:.1e} (and lets it "
-            f"oscillate by {np.ptp(difference):.1e})"
+            "play in the pockets changes the mean slip of the cage by up to "
+            f"{100.0 * errors['cage_slip']:.2g} % of it (and lets it oscillate by {np.ptp(pocket - cage_set):.1e})"
         )
-        planar = "; planar is taken only if the scene names it, with its masses"
-        if largest_mean <= allowed:
+        limit = (
+            f"the {100.0 * allowed:.2g} % allowed for leaving it out; planar is taken only if the scene names it, with "
+            "its masses"
+        )
+        if errors["cage_slip"] <= allowed:
+            return Choice("cage-set", f"{found}, less than {limit}", errors)
+        return Choice("pocket", f"{found}, more than {limit}")
+
+    def friction(self, study: MotionStudy) -> Choice:
+        """Choose effective friction if it saves time, gives the same cage slip, and the cage is not near skidding.
+
+        The trial ends as soon as the difference of the cage slips exceeds what is allowed.
+        """
+        conventional = study.with_settings(friction="conventional")
+        if not conventional.moving(self.assembly).friction.uses_slices:
             return Choice(
-                "cage-set",
-                f"{found}, less than the {allowed:.1e} allowed for leaving it out{planar}",
-                largest_mean,
+                "conventional", "a table of it takes hardly longer than effective friction"
             )
+        allowed = min(_FRICTION_FRACTION * self.slip_tolerance, _MAX_FRICTION_DIFFERENCE)
+        reference = simplified = None
+        errors = dict[str, float]()
+        max_slip = 0.0
+        times = np.linspace(0.0, study.duration, _TRIAL_SAMPLES + 1)[1:]
+        for interval in np.split(times, _TRIAL_CHECKS):
+            reference_speed, reference = self.cage_speeds(
+                conventional.with_settings(level="cage-set"), interval, reference
+            )
+            simplified_speed, simplified = self.cage_speeds(
+                study.with_settings(friction="effective", level="cage-set"), interval, simplified
+            )
+            later = _slip_errors(1.0 - reference_speed, 1.0 - simplified_speed)
+            errors = {name: max(error, errors.get(name, 0.0)) for name, error in later.items()}
+            max_slip = max(max_slip, 1.0 - float(reference_speed.min()))
+            if errors["cage_slip"] > allowed:
+                break
+        after = "" if interval[-1] == study.duration else f" after {interval[-1]:.2g} s already"
+        found = (
+            "with few slices the two frictions give cage slips that differ by up to "
+            f"{100.0 * errors['cage_slip']:.2g} % of the slip{after}"
+        )
+        if errors["cage_slip"] > allowed:
+            return Choice(
+                "conventional",
+                f"{found}, more than the {100.0 * allowed:.2g} % allowed for effective friction",
+            )
+        if reason_near_skidding := describe_near_skidding(self.coarse, max_slip):
+            return Choice("conventional", f"{found}, but {reason_near_skidding}")
+        seconds = conventional.cost(self.assembly)["motion"]
+        if seconds <= _MAX_CONVENTIONAL_SECONDS:
+            return Choice("conventional", f"{found}, but conventional friction takes seconds only")
         return Choice(
-            "pocket", f"{found}, more than the {allowed:.1e} allowed for leaving it out{planar}"
+            "effective",
+            f"{found}, less than the {100.0 * allowed:.2g} % allowed for that, and conventional friction takes "
+            f"{duration(seconds)}",
+            errors,
         )
 
     def integrator(self, study: MotionStudy) -> Choice:
@@ -486,6 +519,16 @@ class _Trials:
         return Choice(
             "leapfrog", f"{oscillates}: explicit steps that resolve contacts are sufficient"
         )
+
+
+def _slip_errors(slip: Array, other: Array) -> dict[str, float]:
+    """Return the largest difference of two cage slips, as error of the cage speed and of the slip."""
+    difference = np.abs(other - slip)
+    largest = np.maximum(np.maximum(np.abs(slip), np.abs(other)), SMALLEST_SLIP)
+    return {
+        "cage_speed": float(difference.max()),
+        "cage_slip": float((difference / largest).max()),
+    }
 
 
 def _damping(moving: MovingBearing, t: float, y: Array) -> float:
