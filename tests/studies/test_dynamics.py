@@ -16,7 +16,7 @@ from rollslip.results.dataset import open_result, save
 from rollslip_studies.dynamics.findings import energy_closure, momentum_closure
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
-from rollslip_studies.dynamics.termination import steady_slip_of
+from rollslip_studies.dynamics.termination import MeanSlip, steady_slip_of
 from rollslip_studies.motion.torque_balance import running, torque_balance
 from rollslip_studies.steady_slip.study import SteadySlip
 from twelve_rollers import FAST, FRICTIONS, LEVELS, SHIPPED, bearing
@@ -107,14 +107,15 @@ def test_steady_is_said_where_the_slip_is_within_the_tolerance_of_its_end(durati
     """Slip that goes to 5 % with a time constant of 0.4 s, swinging a little with every orbit of 20 ms."""
     t = np.linspace(0.0, duration, 2001)
     slip = 0.05 * (1.0 - np.exp(-t / 0.4)) + 1e-5 * np.sin(2 * np.pi * t / 0.02)
-    mean, status = steady_slip_of(t, slip, np.full(t.size, 2 * np.pi / 0.02), 1e-3)
+    found = steady_slip_of(t, slip, np.full(t.size, 2 * np.pi / 0.02), 1e-3)
     if steady:
-        assert status == "steady"
-        assert mean == pytest.approx(0.05, rel=1e-3)
+        assert found.status == "steady"
+        assert found.slip == pytest.approx(0.05, rel=1e-3)
     else:
-        assert np.isnan(mean)
+        assert np.isnan(found.slip)
         told = re.fullmatch(
-            r"not steady yet: it was (.*) % over the last orbit and goes to about (.*) %", status
+            r"not steady yet: it was (.*) % over the last orbit and goes to about (.*) %",
+            found.status,
         )
         assert float(told[1]) == pytest.approx(100.0 * slip[t > duration - 0.02].mean(), rel=1e-3)
         assert float(told[2]) == pytest.approx(5.0, rel=0.05)
@@ -127,13 +128,13 @@ def test_what_is_not_settled_is_told_with_digits_that_show_it(tolerance):
     end = 0.07136 * (1.0 + 3.0 * tolerance)
     # over the orbits of 20 ms at the end the rest falls by half every 120 ms, the length of a span
     slip = end - (end - 0.07136) * 0.5 ** ((t - 0.99) / 0.12)
-    mean, status = steady_slip_of(
+    found = steady_slip_of(
         t, slip, np.full(t.size, 2 * np.pi / 0.02), tolerance, lambda s: f"; take {s:g} s"
     )
-    assert np.isnan(mean)
+    assert np.isnan(found.slip)
     told = re.fullmatch(
         r"not steady yet: it was (.*) % over the last orbit and goes to about (.*) %; take 2 s",
-        status,
+        found.status,
     )
     assert float(told[1]) < float(told[2])
     assert float(told[2]) == pytest.approx(100.0 * end, rel=tolerance)
@@ -142,16 +143,18 @@ def test_what_is_not_settled_is_told_with_digits_that_show_it(tolerance):
 def test_steady_is_not_said_of_short_sparse_or_growing_slip():
     t = np.linspace(0.0, 1.0, 501)
     turning = np.full(501, 2 * np.pi / 0.02)
-    assert "shorter than three orbits" in steady_slip_of(0.05 * t, 0.0 * t, turning, 1e-3)[1]
-    assert "too few instants" in steady_slip_of(t[::100], 0.0 * t[::100], turning[::100], 1e-3)[1]
-    assert steady_slip_of(t, 0.01 * np.exp(t), turning, 1e-3)[1].startswith(
+    assert "shorter than three orbits" in steady_slip_of(0.05 * t, 0.0 * t, turning, 1e-3).status
+    assert (
+        "too few instants" in steady_slip_of(t[::100], 0.0 * t[::100], turning[::100], 1e-3).status
+    )
+    assert steady_slip_of(t, 0.01 * np.exp(t), turning, 1e-3).status.startswith(
         "not steady: it moves from"
     )
-    assert "stands still" in steady_slip_of(t, 1.0 + 0.0 * t, 0.0 * t, 1e-3)[1]
-    assert steady_slip_of(0.05 * t, 0.0 * t, turning, 1e-3, lambda s: f"; take {s:g} s")[
-        1
-    ].endswith("three orbits of the rollers, which take 0.06 s; take 0.08 s")
-    assert steady_slip_of(t, 0.0 * t, turning, 1e-3) == (0.0, "steady")
+    assert "stands still" in steady_slip_of(t, 1.0 + 0.0 * t, 0.0 * t, 1e-3).status
+    assert steady_slip_of(
+        0.05 * t, 0.0 * t, turning, 1e-3, lambda s: f"; take {s:g} s"
+    ).status.endswith("three orbits of the rollers, which take 0.06 s; take 0.08 s")
+    assert steady_slip_of(t, 0.0 * t, turning, 1e-3) == MeanSlip("steady", 0.0, 1e-6)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -163,18 +166,18 @@ def test_a_slip_that_fluctuates_without_a_trend_has_a_mean_with_its_error(seed):
     for k in range(1, t.size):
         noise[k] = 0.9 * noise[k - 1] + 0.436 * 0.004 * random.normal()
     turning = np.full(t.size, 2 * np.pi / 0.02)
-    mean, status = steady_slip_of(t, 0.02 + noise, turning, 1e-5)
+    found = steady_slip_of(t, 0.02 + noise, turning, 1e-5)
     said = re.fullmatch(
         r"steady on average over 96 orbits: standard error (.*) %, "
         r"standard deviation of the fluctuation (.*) %",
-        status,
+        found.status,
     )
     # of 4 s about 200 independent values, of which half are used: 0.4 %/sqrt(100) = 0.04 %
     assert 0.01 < float(said[1]) < 0.08
     assert float(said[2]) == pytest.approx(0.4, rel=0.15)
-    assert abs(100.0 * mean - 2.0) < 4.0 * float(said[1])
+    assert abs(100.0 * found.slip - 2.0) < 4.0 * float(said[1])
     trend = 0.02 + noise + 0.002 * t
-    assert np.isnan(steady_slip_of(t, trend, turning, 1e-5)[0])
+    assert np.isnan(steady_slip_of(t, trend, turning, 1e-5).slip)
 
 
 @pytest.mark.parametrize(("level", "friction"), EVERY)

@@ -521,7 +521,7 @@ def test_the_slip_of_running_away_along_the_way_is_that_of_the_bearing_held_ther
         load = f"{float(dropped.radial_load[k])!r} N"
         held = assemble(scene({"operation.radial_load": load}))
         study = EffectiveFriction.from_scene(held.scene)
-        away = over_time.onset_of(study, study.loaded(held, over_time.N_POSITIONS))
+        away, _ = over_time.onset_of(study, study.loaded(held, over_time.N_POSITIONS))
         assert float(dropped.skidding_slip_along[k]) == pytest.approx(away.slip, abs=2e-3)
         assert float(dropped.limit_drag_along[k]) == pytest.approx(away.drag, rel=2e-3)
 

@@ -74,7 +74,7 @@ def _asked_alike(bearing):
     simple = quick.run(bearing)
     whole = SteadySlip().run(bearing)
     heat = ThermalBalance().run(bearing)
-    away = onset_of(quick, quick.loaded(bearing, 1))
+    away, _ = onset_of(quick, quick.loaded(bearing, 1))
 
     def same(*values):
         np.testing.assert_array_equal(values, np.full(len(values), values[0]))

@@ -15,7 +15,7 @@ from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history_findings import format_energy
-from rollslip_studies.steady_slip.findings import next_of_others
+from rollslip_studies.steady_slip.findings import next_of_others, reserve_row
 from rollslip_studies.surface_damage import findings as damage
 
 #: Part of the names of events that are passages of the slip at which skidding begins.
@@ -45,6 +45,11 @@ _NEAR_SKIDDING: Final = 0.5
 #: Least ratio of a speed to that without slip from which the latter is computed. Halved, rounding counts twice as much.
 #: Chosen.
 _MIN_SPEED_RATIO: Final = 1e-3
+#: Rank of the slip and the reserve among those of other studies; that of study steady-slip is higher.
+_RANK: Final = 1
+#: Relative error of both, up to which another study agrees: films in the pockets, and a cage that moves freely.
+#: Halved, studies are often said to disagree; doubled, never. Chosen, of 4 % in docs/trust/dynamics.rst.
+_TOLERANCE: Final = 0.1
 #: Status of skidding of results of versions that did not compute it.
 _UNKNOWN_STATUS: Final = "this result does not say where skidding begins; run it again"
 #: Kinds of events, and passages of the skidding slip, that have a sentence each; further ones are counted. Doubled,
@@ -125,7 +130,8 @@ class DynamicsAccount(Account):
                          "time", "time_beyond_skidding"), "s"),
         **dict.fromkeys(("critical_cage_slip", "energy_closure", "final_cage_slip", "largest_cage_slip",
                          "smallest_cage_slip", "smallest_margin_to_skidding", "momentum_closure", "skidding_slip",
-                         "smallest_film_parameter_inner", "smallest_film_parameter_outer", "steady_cage_slip"), "1"),
+                         "smallest_film_parameter_inner", "smallest_film_parameter_outer", "steady_cage_slip",
+                         "steady_slip_error", "drag_reserve"), "1"),
         **dict.fromkeys(("energy_turned_over", "frictional_work_inner", "frictional_work_outer", "heat_carried_away",
                          "heat_made", "heat_stored"), "J"),
         "limit_drag": "N m", "sliding_distance_inner": "m", "sliding_distance_outer": "m",
@@ -136,13 +142,15 @@ class DynamicsAccount(Account):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the slip at the end, along a history the largest slip, and the measures of damage."""
-        slip = (
-            history_findings.row(dataset) if history_findings.has_history(dataset) else row(dataset)
+        slips = (
+            [history_findings.row(dataset)]
+            if history_findings.has_history(dataset)
+            else steady_rows(dataset)
         )
         ended_early = dataset.attrs["outcome"] in ("failed", "interrupted")
         faults = (outcome(dataset).partition(": ")[2],) if ended_early else ()
         return Answer(
-            rows=(slip, *damage.rows(dataset)), commands=next_of_others(dataset), faults=faults
+            rows=(*slips, *damage.rows(dataset)), commands=next_of_others(dataset), faults=faults
         )
 
     @staticmethod
@@ -177,7 +185,9 @@ class DynamicsAccount(Account):
             "integrator": str(a["integrator"]),
             "end_time": float(dataset["time"][-1]),
             "steady_cage_slip": float(a["steady_cage_slip"]),
+            "steady_slip_error": float(a.get("steady_slip_error", math.nan)),
             "steady_status": str(a["steady_status"]),
+            "drag_reserve": float(a.get("drag_reserve", math.nan)),
             "largest_cage_slip": float(np.nanmax(slip)) if np.isfinite(slip).any() else math.nan,
             "final_cage_slip": float(slip[-1]),
             **dict(zip(ONSET, _skidding_onset(a), strict=True)),
@@ -361,18 +371,37 @@ def _mean_of(dataset: "xr.Dataset") -> str:
     return "mean of the last orbit" if status == "steady" else f"mean of a motion that is {status}"
 
 
-def row(dataset: "xr.Dataset") -> Row:
-    """Return the row of the steady slip, without a value if the motion is not steady."""
-    slip = float(dataset.attrs["steady_cage_slip"]) if _is_steady(dataset) else math.nan
+def steady_rows(dataset: "xr.Dataset") -> list[Row]:
+    """Return the rows of the steady slip and of the reserve to skidding; one without a value if nothing is steady.
+
+    The band of the slip covers its error by the fluctuation, not the scatter of data.
+    """
+    a = dataset.attrs
+    slip = float(a["steady_cage_slip"]) if _is_steady(dataset) else math.nan
     if math.isnan(slip):
-        return Row(
-            key="cage_slip",
-            label="cage slip",
-            text="not steady",
-            note=_describe_steady_slip(dataset),
-        )
-    return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), note=_mean_of(dataset),
-               rank=1, tolerance=0.1)  # fmt: skip
+        return [
+            Row(
+                key="cage_slip",
+                label="cage slip",
+                text="not steady",
+                note=_describe_steady_slip(dataset),
+            )
+        ]
+    error = float(a.get("steady_slip_error", math.nan))
+    steady = Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip),
+                 note=f"{_mean_of(dataset)}; scatter of data left out",
+                 band=None if math.isnan(error) else (abs(slip) - error, abs(slip) + error),
+                 rank=_RANK, tolerance=_TOLERANCE)  # fmt: skip
+    if "drag_reserve" not in a:
+        return [steady]
+    reserve = reserve_row(
+        float(a["drag_reserve"]),
+        str(a["reserve_status"]),
+        known=_RANK,
+        within=_TOLERANCE,
+        slip=slip,
+    )
+    return [steady, reserve]
 
 
 def _describe_steady_slip(dataset: "xr.Dataset") -> str:

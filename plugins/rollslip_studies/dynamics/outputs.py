@@ -111,6 +111,13 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "", "N m", "limit drag torque", status="skidding_status", attribute=True
         ),
         "skidding_status": Output("", "1", "status of the onset of skidding", attribute=True),
+        "steady_slip_error": Output(
+            "", "1", "error of the steady cage slip by its fluctuation", status="steady_status", attribute=True
+        ),
+        "drag_reserve": Output(
+            "", "1", "limit drag torque over the drag at the steady slip", status="reserve_status", attribute=True
+        ),
+        "reserve_status": Output("", "1", "status of the drag reserve", attribute=True),
         "critical_cage_slip": Output(
             "", "1", "cage slip at largest traction of the inner ring's curve", status="critical_status", default=True,
             attribute=True,

@@ -39,9 +39,16 @@ from rollslip_studies.dynamics.history.varying import (
 )
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.outputs import OUTPUTS
+from rollslip_studies.dynamics.termination import MeanSlip
 from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.effective_friction.study import EffectiveFriction
-from rollslip_studies.motion.torque_balance import SkiddingOnset
+from rollslip_studies.motion.torque_balance import (
+    Reserve,
+    Running,
+    SkiddingOnset,
+    TorqueBalance,
+    reserve,
+)
 
 #: Number of varying conditions -> steady operations along the axis of each; 81 at most are computed. Doubled, the
 #: onset of skidding takes two times (one condition) to 16 times (four) as long. Chosen.
@@ -274,7 +281,7 @@ class _OperationGrid:
         raceways = self.study.loaded(
             with_operation(bearing, operation), self.assembly.resolution.n_positions or N_POSITIONS
         )
-        onset = onset_of(self.study, raceways)
+        onset, _ = onset_of(self.study, raceways)
         critical = critical_of(self.study, raceways)
         if onset.status != Status.FOUND:
             self.problems.add(onset.status)
@@ -353,16 +360,42 @@ def watched_slip(
     return None if np.isnan(slip).all() else attrs.evolve(table(times, slip), breaks=())
 
 
-def onset_of(study: EffectiveFriction, raceways: LoadedRaceways) -> SkiddingOnset:
-    """Return the onset of skidding; NaN with a reason where it is not computed."""
+def onset_of(
+    study: EffectiveFriction, raceways: LoadedRaceways
+) -> tuple[SkiddingOnset, TorqueBalance | None]:
+    """Return the onset of skidding and its torque balance; NaN with a reason and None where it is not computed."""
+    if study.skidding_range:
+        balance = study.torque_balance(raceways.assembly, raceways.distribution.psi.shape[0])
+        return study.skidding_onset(balance), balance
     rings = raceways.assembly.rings
-    onset = study.skidding_onset(raceways.assembly, raceways.distribution.psi.shape[0])
-    if onset is not None:
-        return onset
     reason = f"study.{study.name}.skidding_range is 0"
     if rings and rings.turning:
         reason = "a form turns with its ring"
-    return SkiddingOnset(math.nan, math.nan, f"the onset of skidding was not computed: {reason}")
+    status = f"the onset of skidding was not computed: {reason}"
+    return SkiddingOnset(math.nan, math.nan, status), None
+
+
+def reserve_of(
+    study: EffectiveFriction, onset: SkiddingOnset, balance: TorqueBalance | None, slip: float
+) -> Reserve:
+    """Return the drag reserve to skidding of a cage that runs at a steady slip; NaN with a reason without one.
+
+    Parameters
+    ----------
+    study : EffectiveFriction
+        Settings of the search for skidding.
+    onset : SkiddingOnset
+        The onset of skidding.
+    balance : TorqueBalance or None
+        The torque balance of that onset.
+    slip : float
+        Steady cage slip of the motion; NaN where it is not steady.
+    """
+    if math.isnan(slip) or balance is None:
+        return Reserve(math.nan, "no slip is steady" if math.isnan(slip) else onset.status)
+    return reserve(
+        balance, onset, Running(slip, -balance.drag(slip), Status.FOUND), study.skidding_range
+    )
 
 
 def critical_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
@@ -600,8 +633,8 @@ def with_single_values(dataset: "xr.Dataset") -> "xr.Dataset":
     )
 
 
-def steady_slip_along(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float, str]:
-    """Return a steady slip and its status; NaN if the operation changed in the last three eighths of a run.
+def steady_slip_along(moving: Any, times: Array, steady: MeanSlip) -> MeanSlip:
+    """Return a steady slip; NaN with a reason if the operation changed in the last three eighths of a run.
 
     Parameters
     ----------
@@ -609,15 +642,15 @@ def steady_slip_along(moving: Any, times: Array, status: tuple[float, str]) -> t
         The equations of motion.
     times : ndarray
         Stored times [s], (m,).
-    status : tuple of float and str
-        Slip and status of the end of the motion, for an operation that does not change (`steady_slip_of`).
+    steady : MeanSlip
+        Steady slip at the end of the motion, for an operation that does not change (`steady_slip_of`).
     """
     if reason := moving.assembly.cage.drags.in_time:
-        return math.nan, reason
+        return MeanSlip(reason)
     if not isinstance(moving, VaryingMotion):
-        return status
+        return steady
     if math.isnan(moving.epicyclic_speeds(times)[0][-1]):
-        return math.nan, "the rings are nearly at rest at the end"
+        return MeanSlip("the rings are nearly at rest at the end")
     operation: Mapping[str, Array] = moving.history.at(
         times[times >= times[-1] - 0.375 * (times[-1] - times[0])]
     )
@@ -627,10 +660,9 @@ def steady_slip_along(moving: Any, times: Array, status: tuple[float, str]) -> t
         name for name, values in operation.items() if np.ptp(values) > errors.get(name, 0.0)
     ]
     if not changing:
-        return status
-    return (
-        math.nan,
-        f"the operation changes until the end ({', '.join(changing).replace('_', ' ')})",
+        return steady
+    return MeanSlip(
+        f"the operation changes until the end ({', '.join(changing).replace('_', ' ')})"
     )
 
 

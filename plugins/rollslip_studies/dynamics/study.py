@@ -492,7 +492,7 @@ class Dynamics(Study):
             assembly, assembly.resolution.n_positions or over_time.N_POSITIONS
         )
         critical = over_time.critical_of(settings, raceways)
-        onset = over_time.onset_of(settings, raceways)
+        onset, balance = over_time.onset_of(settings, raceways)
         limit = over_time.watched_slip(settings, assembly, history)
         moving = self.moving_along(history, assembly, critical_slip=onset.slip, limit=limit)
         is_known = not math.isnan(onset.slip) or limit is not None
@@ -506,9 +506,12 @@ class Dynamics(Study):
         nodes = {}
         if heat is not None:
             nodes["node"] = ("node", [*heat.model.nodes], about("1", "part of the bearing"))
+        dataset = self._dataset(assembly, moving, found, outputs, integrator)
+        to_skidding = over_time.reserve_of(
+            settings, onset, balance, dataset.attrs["steady_cage_slip"]
+        )
         return (
-            self._dataset(assembly, moving, found, outputs, integrator)
-            .assign(regimes)
+            dataset.assign(regimes)
             .assign(self.variables(**temperatures))
             .assign_coords(nodes)
             .assign_attrs(heat_attributes)
@@ -517,6 +520,8 @@ class Dynamics(Study):
                     "skidding_slip": onset.slip,
                     "limit_drag": onset.drag,
                     "skidding_status": onset.status,
+                    "drag_reserve": to_skidding.factor,
+                    "reserve_status": to_skidding.status,
                     "critical_cage_slip": critical.slip,
                     "critical_status": critical.status,
                     "first_maximum_slip": critical.first_slip,
@@ -723,7 +728,7 @@ class Dynamics(Study):
         )
         variables |= self.variables(**history)
         is_finished = found.outcome == "finished"  # else a longer run would end there, too
-        steady, steady_status = steady_slip_of(
+        steady = steady_slip_of(
             t,
             variables["cage_slip"][1],
             moving.split(found.y)["cage_speed"],
@@ -735,7 +740,7 @@ class Dynamics(Study):
             ),
             f"; store more with --set {self.table}.points={4 * self.points}",
         )
-        steady, steady_status = over_time.steady_slip_along(moving, t, (steady, steady_status))
+        steady = over_time.steady_slip_along(moving, t, steady)
         return xr.Dataset(
             variables,
             stored_coordinates(moving, found),
@@ -759,8 +764,9 @@ class Dynamics(Study):
                 "real_time_factor": float(t[-1] - t[0]) / found.wall_time
                 if found.wall_time > 0.0
                 else math.inf,
-                "steady_cage_slip": steady,
-                "steady_status": steady_status,
+                "steady_cage_slip": steady.slip,
+                "steady_slip_error": steady.error,
+                "steady_status": steady.status,
                 "drag": json.dumps(
                     [{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]
                 ),

@@ -18,6 +18,7 @@ from rollslip.bearing.regimes import NAMES
 from rollslip.errors import DomainError, PluginError
 from rollslip.results.dataset import about, xr
 from rollslip.studies.answers import LoadedSlices
+from rollslip_studies.dynamics.choice import SMALLEST_SLIP
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.friction_curve.study import balanced_load
@@ -40,9 +41,9 @@ _CONTACT_OUTPUTS: Final = ("normal_force", "traction_force", "sliding_speed", "f
 #: more than 19 times the last change. Nearer to 1, limits are reported of slips that have hardly begun to converge.
 #: Chosen.
 _MAX_CHANGE_RATIO: Final = 0.95
-#: Slip to which the tolerance is relative at least. Halved, slips below a per cent must be steady to less in absolute
-#: terms than is of use. Chosen.
-_MIN_REFERENCE_SLIP: Final = 1e-2
+#: Quantile of 95 % of the normal distribution: the mean of a fluctuating slip is within so many standard errors with a
+#: probability of 90 %, that of the bands of other results.
+_NORMAL_QUANTILE: Final = 1.645
 #: Number of spans of whole orbits over the last half of a run whose means tell trend and scatter of a slip. Four tell a
 #: scatter to 40 %, eight to 27 %; sixteen need runs of 32 orbits. Chosen.
 _TREND_SPANS: Final = 8
@@ -319,6 +320,15 @@ def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]
     return found
 
 
+@attrs.frozen
+class MeanSlip:
+    """The steady slip at the end of a motion."""
+
+    status: str  # begins with "steady", else the reason why the slip is not known to be steady
+    slip: float = math.nan  # mean cage slip
+    error: float = math.nan  # of the mean, with a probability of 90 %
+
+
 def steady_slip_of(
     t: Array,
     slip: Array,
@@ -326,8 +336,8 @@ def steady_slip_of(
     tolerance: float,
     longer: Callable[[float], str] = lambda seconds: "",
     more: str = "",
-) -> tuple[float, str]:
-    """Return the mean slip over the last orbit if the slip is steady, else NaN, with a status.
+) -> MeanSlip:
+    """Return the mean slip over the last orbit if the slip is steady, else NaN, with status and error.
 
     Means over three equal spans of whole orbits, about the last three eighths of the run, give the limit of the slip by
     Aitken's delta-squared process. The slip is steady where the three means agree, or where the limit agrees with the
@@ -351,33 +361,31 @@ def steady_slip_of(
 
     Returns
     -------
-    tuple of float and str
-        Slip and a status that begins with "steady", or NaN and the reason why the slip is not known to be steady.
+    MeanSlip
+        Slip, error and a status that begins with "steady", or NaN and the reason why it is not known to be steady.
     """
     if speed[-1] == 0.0:
-        return (
-            math.nan,
-            "not known to be steady: the cage stands still at the end, and no orbit of the rollers can be told",
+        return MeanSlip(
+            "not known to be steady: the cage stands still at the end, and no orbit of the rollers can be told"
         )
     orbit = 2.0 * math.pi / abs(float(speed[-1]))
     duration = float(t[-1] - t[0])
     if duration < 3.0 * orbit:
         needed = f"three orbits of the rollers, which take {3.0 * orbit:.3g} s"
-        return (
-            math.nan,
-            f"not known to be steady: the run is shorter than {needed}{longer(4.0 * orbit)}",
+        return MeanSlip(
+            f"not known to be steady: the run is shorter than {needed}{longer(4.0 * orbit)}"
         )
     length = orbit * max(1.0, duration // (8.0 * orbit))
     spans = [(t > t[-1] - k * length) & (t <= t[-1] - (k - 1) * length) for k in (3, 2, 1)]
     if not all(map(np.any, (*spans, last := t > t[-1] - orbit))):
-        return math.nan, f"not known to be steady: too few instants are stored to tell{more}"
+        return MeanSlip(f"not known to be steady: too few instants are stored to tell{more}")
     mean = float(slip[last].mean())
     first, second, third = (float(slip[span].mean()) for span in spans)
-    allowed = tolerance * max(abs(mean), _MIN_REFERENCE_SLIP)
+    allowed = tolerance * max(abs(mean), SMALLEST_SLIP)
     earlier = second - first
     later = third - second
     if max(abs(earlier), abs(later), abs(mean - third)) <= allowed:
-        return mean, "steady"
+        return MeanSlip("steady", mean, allowed)
     if (fluctuating := _mean_of_fluctuating(t, slip, orbit)) is not None:
         return fluctuating
     # enough digits that values which differ by more than the tolerance look different
@@ -389,19 +397,18 @@ def steady_slip_of(
     bound = _MAX_CHANGE_RATIO * earlier
     if not 0.0 <= later < bound and not bound < later <= 0.0:
         values = f"from {percent(first)} over {percent(second)} to {percent(third)}"
-        return (
-            math.nan,
-            f"not steady: it moves {values}, the means of the last three spans{longer(2.0 * duration)}",
+        return MeanSlip(
+            f"not steady: it moves {values}, the means of the last three spans{longer(2.0 * duration)}"
         )
     limit = third + later**2 / (earlier - later)
     if abs(limit - mean) <= allowed:
-        return mean, "steady"
+        return MeanSlip("steady", mean, allowed)
     change = f"it was {percent(mean)} over the last orbit and goes to about {percent(limit)}"
-    return math.nan, f"not steady yet: {change}{longer(2.0 * duration)}"
+    return MeanSlip(f"not steady yet: {change}{longer(2.0 * duration)}")
 
 
-def _mean_of_fluctuating(t: Array, slip: Array, orbit: float) -> tuple[float, str] | None:
-    """Return mean and status of a slip that fluctuates without a trend over the last half of a run, else None.
+def _mean_of_fluctuating(t: Array, slip: Array, orbit: float) -> MeanSlip | None:
+    """Return mean, status and error of a slip that fluctuates without a trend over the last half of a run, else None.
 
     Means over spans of whole orbits are fitted by a line. There is no trend where its slope is within its scatter.
     Half of the change by a trend that is small against the fluctuation is part of the error of the mean.
@@ -428,7 +435,9 @@ def _mean_of_fluctuating(t: Array, slip: Array, orbit: float) -> tuple[float, st
         return None
     error = math.hypot(float(means.std(ddof=1)) / math.sqrt(_TREND_SPANS), 0.5 * change)
     n_orbits = round(_TREND_SPANS * length / orbit)
-    return float(means.mean()), (
+    return MeanSlip(
         f"steady on average over {n_orbits} orbits: standard error {100.0 * error:.2g} %, "
-        f"standard deviation of the fluctuation {100.0 * swing:.2g} %"
+        f"standard deviation of the fluctuation {100.0 * swing:.2g} %",
+        float(means.mean()),
+        _NORMAL_QUANTILE * error,
     )

@@ -533,19 +533,13 @@ class EffectiveFriction(Study):
                     )
         return found
 
-    def skidding_onset(self, assembly: Assembly, n_positions: int) -> SkiddingOnset | None:
-        """Return the onset of skidding up to the largest slip of the search; None if skidding is not searched."""
-        if not self.skidding_range:
-            return None
-        return self._onset(self._rollers(assembly, n_positions))
-
-    def _rollers(self, assembly: Assembly, n_positions: int) -> TorqueBalance:
+    def torque_balance(self, assembly: Assembly, n_positions: int) -> TorqueBalance:
         """Return the torque balance of the bearing; raise `SceneError` where its motion is not periodic."""
         check_repeats(assembly, f"with study.{self.name}.skidding_range = 0")
         return torque_balance(assembly, n_positions)
 
-    def _onset(self, balance: TorqueBalance) -> SkiddingOnset:
-        """Return the onset of skidding of a torque balance."""
+    def skidding_onset(self, balance: TorqueBalance) -> SkiddingOnset:
+        """Return the onset of skidding of a torque balance, up to the largest slip of the search."""
         return skidding_onset(balance, self.skidding_range, f"study.{self.name}.skidding_range")
 
     def _balanced(
@@ -554,8 +548,8 @@ class EffectiveFriction(Study):
         """Return variables of the onset of skidding and of the steady slip; empty if skidding is not searched."""
         if not self.skidding_range:
             return {}
-        balance = self._rollers(assembly, n_positions)
-        onset = self._onset(balance)
+        balance = self.torque_balance(assembly, n_positions)
+        onset = self.skidding_onset(balance)
         variables = self.variables(
             skidding_slip=onset.slip, limit_drag=onset.drag, skidding_status=np.array(onset.status)
         )
