@@ -23,6 +23,7 @@ __all__ = [
     "LOWER_BOUNDS",
     "OTHER_BOUNDS",
     "REPORTED_FROM",
+    "SMALLEST_SLIP",
     "SWITCHED_OFF",
     "Status",
     "capitalise",
@@ -117,6 +118,9 @@ OTHER_BOUNDS: Final = "laws are outside their range of validity, too, where the 
 #: Number of warnings of exceeded ranges that an answer shows; the others are counted. Doubling it fills half a screen;
 #: chosen.
 _MAX_SHOWN_BOUNDS: Final = 3
+#: Slip below which it is printed as "below 0.1 %", and to which errors of smaller slips are relative. Doubled, a slip
+#: of 0.1 % may be off by twice the tolerance; halved, trials resolve slips that nobody reads. Chosen.
+SMALLEST_SLIP: Final = 1e-3
 #: Size of a negative slip up to which a cage counts as running without slip. Chosen: doubling it calls
 #: cages undriven that run up to 0.02 % ahead of pure rolling.
 _NEGLIGIBLE_SLIP: Final = 1e-4
@@ -441,7 +445,7 @@ def percent(fraction: float) -> str:
     >>> percent(0.0434), percent(7e-6), percent(0.934)
     ('4.3 %', 'below 0.1 %', '93 %')
     """
-    return "below 0.1 %" if abs(fraction) < 1e-3 else f"{two_digits(100.0 * fraction)} %"
+    return "below 0.1 %" if abs(fraction) < SMALLEST_SLIP else f"{two_digits(100.0 * fraction)} %"
 
 
 def duration(seconds: float) -> str:

@@ -54,7 +54,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import reference_resolution
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel
-from rollslip.results.text import duration
+from rollslip.results.text import SMALLEST_SLIP, duration
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.motion.time_integration import Trajectory
 from rollslip_studies.motion.torque_balance import describe_near_skidding
@@ -62,10 +62,6 @@ from rollslip_studies.motion.torque_balance import describe_near_skidding
 #: Settings that a plan chooses -> the most detailed choice that needs no further data from a scene; None where that is
 #: the choice of the study.
 FALLBACKS: Final = {"level": "pocket", "friction": "conventional", "integrator": None}
-
-#: Cage slip to which errors of a slip are relative at least: smaller ones are printed as "below 0.1 %". Doubled, a slip
-#: of 0.1 % may be off by twice the tolerance; halved, trials resolve slips that nobody sees.
-SMALLEST_SLIP: Final = 1e-3
 
 # Fractions of the tolerances of cage slip and cage speed that the simplifications of a motion may use.
 #

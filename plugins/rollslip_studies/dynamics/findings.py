@@ -10,7 +10,12 @@ import numpy as np
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.dataset import xr
-from rollslip.results.text import EFFECTIVE_FRICTION_ERROR, describe_skidding, percent
+from rollslip.results.text import (
+    EFFECTIVE_FRICTION_ERROR,
+    SMALLEST_SLIP,
+    describe_skidding,
+    percent,
+)
 from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
@@ -42,6 +47,10 @@ _COUNTS: Final = ("steps", "rejected", "rate_evaluations", "jacobians", "contact
 #: Fraction of the skidding slip from which on effective friction is doubted: its limit drag is off by up to 23 %
 #: (docs/trust/skidding.rst). Doubled, the advice comes only when the cage skids. Chosen.
 _NEAR_SKIDDING: Final = 0.5
+#: Slip below which effective friction is doubted, and what it adds there at most (docs/tables/effective_slip.csv).
+#: Doubled, slips are doubted to which it adds 3 %.
+_SMALL_SLIP: Final = 0.05
+_SMALL_SLIP_ERROR: Final = "40 %"
 #: Least ratio of a speed to that without slip from which the latter is computed. Halved, rounding counts twice as much.
 #: Chosen.
 _MIN_SPEED_RATIO: Final = 1e-3
@@ -158,7 +167,7 @@ class DynamicsAccount(Account):
         """Return the sentences on a motion by topic, the most important first; no sentence has its full stop."""
         sentences = {
             "motion": [outcome(dataset)],
-            "steady slip": [_describe_steady_slip(dataset)],
+            "steady slip": [_describe_steady_slip(dataset), *_describe_friction_error(dataset)],
             "skidding": _describe_skidding(dataset),
             "slip at largest traction": [_describe_critical_slip(dataset)],
             "largest slip": [_describe_largest_slips(dataset)],
@@ -283,17 +292,18 @@ def describe_differences(datasets: "Mapping[str, xr.Dataset]") -> list[str]:
     """Describe how motions of one bearing differ from the first: steady slip, speeds, time of the integration."""
     (first, reference), *others = datasets.items()
     sentences = [f"{name}: {_describe_steady_slip(dataset)}" for name, dataset in datasets.items()]
-    reference_speed = 1.0 - float(reference.attrs["steady_cage_slip"])
+    reference_slip = float(reference.attrs["steady_cage_slip"])
     reference_factor = float(reference.attrs["real_time_factor"])
     for name, dataset in others:
         gap = np.abs(relative_difference(reference, dataset, "cage_speed")).max(initial=0.0)
         sentences.append(
             f"the cage speed of {name} is never further than {_percent(gap)} of its largest from that of {first}"
         )
-        if _is_steady(reference) and _is_steady(dataset) and reference_speed != 0.0:
-            ratio = (1.0 - float(dataset.attrs["steady_cage_slip"])) / reference_speed
+        if _is_steady(reference) and _is_steady(dataset):
+            change = float(dataset.attrs["steady_cage_slip"]) - reference_slip
+            change /= max(abs(reference_slip), SMALLEST_SLIP)
             sentences.append(
-                f"the steady cage speed of {name} differs by {100 * (ratio - 1.0):+.2g} %"
+                f"the steady cage slip of {name} differs by {100 * change:+.2g} % of that of {first}"
             )
         factor = float(dataset.attrs["real_time_factor"])
         if min(factor, reference_factor) > 0.0 and max(factor, reference_factor) < math.inf:
@@ -363,6 +373,18 @@ def outcome(dataset: "xr.Dataset") -> str:
 def _is_steady(dataset: "xr.Dataset") -> bool:
     """Return whether the slip of a motion is steady at its end."""
     return str(dataset.attrs["steady_status"]).startswith("steady")
+
+
+def _describe_friction_error(dataset: "xr.Dataset") -> list[str]:
+    """Describe the error of effective friction where the slip is small."""
+    a = dataset.attrs
+    slip = float(a["steady_cage_slip"])
+    if a["friction"] != "effective" or not SMALLEST_SLIP <= slip < _SMALL_SLIP:
+        return []
+    return [
+        f"effective friction may add up to {_SMALL_SLIP_ERROR} to slips below {_percent(_SMALL_SLIP)}: run with --set "
+        f"study.{a['study']}.friction=conventional to be sure"
+    ]
 
 
 def _mean_of(dataset: "xr.Dataset") -> str:

@@ -17,8 +17,8 @@ from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import NAMES
 from rollslip.errors import DomainError, PluginError
 from rollslip.results.dataset import about, xr
+from rollslip.results.text import SMALLEST_SLIP
 from rollslip.studies.answers import LoadedSlices
-from rollslip_studies.dynamics.choice import SMALLEST_SLIP
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.friction_curve.study import balanced_load
