@@ -77,6 +77,7 @@ def test_what_is_silent_is_estimated_from_the_bearing():
     )
     assert bearing().cage == free
     assert free.pocket_clearance == pytest.approx(0.225e-3, rel=1e-12)
+    assert free.pocket_contact == "film"
     assert (free.land_radius, free.land_width, free.land_clearance) == (None, None, None)
     # the shoulder stands 3 mm over the raceway, of 82.5 and 97.5 mm
     assert inner.land_radius == pytest.approx(0.0855, rel=1e-12)

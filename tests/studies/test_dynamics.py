@@ -6,18 +6,26 @@ import numpy as np
 import pytest
 
 import rollslip
-from rollslip import evolve
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError
 from rollslip.fields import FieldError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.results.dataset import open_result, save
-from rollslip_studies.dynamics.findings import energy_closure, momentum_closure
+from rollslip.results.text import Status
+from rollslip_studies.dynamics.findings import DynamicsAccount, energy_closure, momentum_closure
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.dynamics.termination import MeanSlip, steady_slip_of
-from rollslip_studies.motion.torque_balance import running, torque_balance
+from rollslip_studies.motion.torque_balance import (
+    Running,
+    reserve,
+    running,
+    skidding_onset,
+    torque_balance,
+)
 from rollslip_studies.steady_slip.study import SteadySlip
 from twelve_rollers import FAST, FRICTIONS, LEVELS, SHIPPED, bearing
 
@@ -155,6 +163,33 @@ def test_steady_is_not_said_of_short_sparse_or_growing_slip():
         0.05 * t, 0.0 * t, turning, 1e-3, lambda s: f"; take {s:g} s"
     ).status.endswith("three orbits of the rollers, which take 0.06 s; take 0.08 s")
     assert steady_slip_of(t, 0.0 * t, turning, 1e-3) == MeanSlip("steady", 0.0, 1e-6)
+
+
+def test_a_steady_motion_has_a_reserve_to_skidding_and_a_verdict():
+    """Also one that is steady on average: its error is the band of the slip."""
+    settings = {"level": "pocket", "friction": "effective", "duration": "0.8 s", "points": 801}
+    scene = evolve(
+        load_scene("gearbox"), {f"study.dynamics.{name}": value for name, value in settings.items()}
+    )
+    found = rollslip.run(scene, "dynamics")
+    slip = found.attrs["steady_cage_slip"]
+    assert found.attrs["steady_status"] == "steady"
+    assert 0.01 < slip < 0.03
+    balance = torque_balance(assemble(scene), 4)
+    runs = Running(slip, -balance.drag(slip), Status.FOUND)
+    expected = reserve(balance, skidding_onset(balance, 0.95, ""), runs).factor
+    assert found.attrs["drag_reserve"] == pytest.approx(expected, rel=0.02)
+    average = {"steady_status": "steady on average over 8 orbits", "steady_slip_error": 1e-3}
+    for changes, band in (({}, 1e-2 * slip), (average, 1e-3)):
+        answer = rollslip.answer(found.assign_attrs(changes))
+        assert answer.verdict == "OK"
+        assert answer["cage_slip"].band == pytest.approx((slip - band, slip + band))
+        assert answer["drag_reserve"].value > 2.0
+    (doubt,) = DynamicsAccount.topics(found)["steady slip"][1:]
+    assert doubt.startswith("effective friction may add up to 40 %")
+    assert not DynamicsAccount.topics(found.assign_attrs(friction="conventional"))["steady slip"][
+        1:
+    ]
 
 
 @pytest.mark.parametrize("seed", range(5))
