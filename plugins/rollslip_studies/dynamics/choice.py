@@ -71,8 +71,8 @@ FALLBACKS: Final = {"level": "pocket", "friction": "conventional", "integrator":
 #: together may exceed the tolerance. Chosen; the largest, since this choice saves the largest part of the time.
 _FRICTION_FRACTION: Final = 0.3
 #: Level cage-set in place of pocket. Doubled, cage-set is chosen for looser pockets, and the errors together may exceed
-#: the tolerance. Chosen: in the bearings of docs/trust/dynamics.rst play changes the slip by 2 % to 400 %, so that
-#: cage-set is for tight pockets, large slips and loose tolerances.
+#: the tolerance. Chosen: in the bearings of docs/trust/dynamics.rst play makes slips below 2 % 1.3 to 8 times as
+#: large, so that cage-set is for tight pockets, large slips and loose tolerances.
 _LEVEL_FRACTION: Final = 0.2
 #: Steps in time. Doubled, steps grow by 15 % (order 5) to 40 % (leapfrog). Chosen.
 _STEPS_FRACTION: Final = 0.2

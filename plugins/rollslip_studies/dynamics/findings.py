@@ -48,7 +48,7 @@ _COUNTS: Final = ("steps", "rejected", "rate_evaluations", "jacobians", "contact
 #: (docs/trust/skidding.rst). Doubled, the advice comes only when the cage skids. Chosen.
 _NEAR_SKIDDING: Final = 0.5
 #: Slip below which effective friction is doubted, and what it adds there at most (docs/tables/effective_slip.csv).
-#: Doubled, slips are doubted to which it adds 3 %.
+#: Doubled, slips of up to 10 % are doubted, of which it changes two by 2 and 13 %.
 _SMALL_SLIP: Final = 0.05
 _SMALL_SLIP_ERROR: Final = "40 %"
 #: Least ratio of a speed to that without slip from which the latter is computed. Halved, rounding counts twice as much.
