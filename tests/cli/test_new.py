@@ -270,10 +270,11 @@ def test_every_commented_value_of_the_cage_is_the_one_that_counts():
         "guidance",
         "pocket_clearance",
         "pocket_stiffness",
+        "pocket_contact",
         "drag",
     }
     cage, own = (plan(one).assembly.cage for one in (evolve(scene, {"cage": written}), scene))
-    for name in ("make", "guidance", "pocket_stiffness"):
+    for name in ("make", "guidance", "pocket_stiffness", "pocket_contact"):
         assert getattr(cage, name) == getattr(own, name)
     for name in ("mass", "inertia", "pocket_clearance"):
         assert getattr(cage, name) == pytest.approx(getattr(own, name), rel=5e-3)

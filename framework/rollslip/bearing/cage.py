@@ -133,7 +133,7 @@ class Cage:
     pocket_contact: str = field(
         default="film",
         doc="what a roller meets in its pocket: a film of oil before the wall, or the wall alone (metal), where the "
-        "pocket gets no oil; metal halves small slips (D)",
+        "pocket gets no oil; with metal slips are up to a fifth less",
         validator=choice_of("metal", "film"),
     )
     guidance: str = field(
