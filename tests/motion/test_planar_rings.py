@@ -511,7 +511,11 @@ def plain(damped=True, rollers=7, lobes=True, turning=False):
         "harmonics": 2,
         "damping_ratio": 0.05 if damped else 0.0,
     }
-    cage = ("pocket_clearance", 0.01), ("pocket_radial_clearance", 0.01)
+    cage = (
+        ("pocket_clearance", 0.01),
+        ("pocket_radial_clearance", 0.01),
+        ("pocket_contact", "metal"),
+    )
     scene = bent_scene(rollers, outer=outer, inner=inner, more=(*more, *form), cage=cage)
     return motion(scene, coefficient=0.0, gravity=0.0, contact_damping=1.0 if damped else 0.0)
 
