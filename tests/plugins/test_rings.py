@@ -1065,11 +1065,9 @@ def test_a_plan_tells_by_how_much_loads_of_round_rings_change(outside, clearance
 def drag(**changes):
     made = plan(scene(**changes), "effective-friction")
     assembly = made.assemblies["effective-friction"]
-    return (
-        made.studies["effective-friction"]
-        .skidding_onset(assembly, assembly.resolution.n_positions)
-        .drag
-    )
+    study = made.studies["effective-friction"]
+    balance = study.torque_balance(assembly, assembly.resolution.n_positions)
+    return study.skidding_onset(balance).drag
 
 
 @pytest.mark.parametrize("outside", [None, 0.21])
