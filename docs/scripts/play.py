@@ -5,6 +5,7 @@ The two shipped scenes with defaults and ten of ``rollslip new``, with bores of 
 slip of motions in time with oil films in the pockets, over the second to the fourth quarter.
 """
 
+import json
 import sys
 from pathlib import Path
 
@@ -36,7 +37,7 @@ CASES = {
     "mean_play": ("maxwell-eyring", "play"),
     "local_play": ("maxwell-eyring-local", "play"),
 }
-#: Motion in time beside them; its duration [s] is several times that of a cage to its steady slip.
+#: Motion in time beside them.
 MOTION = {
     "study.dynamics.level": "pocket",
     "study.dynamics.friction": "conventional",
@@ -53,6 +54,11 @@ def scenes():
         yield name, new(bearing, oil=oil, speed=speed, load=load, temperature=temperature)
 
 
+def shown(value):
+    """Return a value with three digits; a text as it is."""
+    return value if isinstance(value, str) else f"{value:.3g}"
+
+
 def row(name, scene):
     """Return the row of a scene."""
     values = {"scene": name}
@@ -66,10 +72,11 @@ def row(name, scene):
         values[f"load_{case}"] = float(found.minimum_load)
         values[f"reserve_{case}"] = float(found.acceptable_reserve)
         values[f"torque_{case}"] = float(found.friction_torque[0])
-    band = found.band["steady_slip"]
+    band = json.loads(found.attrs["band"])["steady_slip"]
     values["low"] = 100.0 * band["low"]
     values["high"] = 100.0 * (np.inf if band["high"] is None else band["high"])
-    duration = 60.0 / abs(scene.operation.inner_speed * 30.0 / np.pi) * 60.0
+    # 100 turns of the inner ring
+    duration = 100.0 * 2.0 * np.pi / abs(scene.operation.inner_speed)
     moved = rollslip.run(
         rollslip.evolve(scene, MOTION | {"study.dynamics.duration": duration}), "dynamics"
     )
@@ -80,4 +87,5 @@ def row(name, scene):
 
 
 if __name__ == "__main__":
-    write_table("play", [row(name, scene) for name, scene in scenes()])
+    rows = [row(name, scene) for name, scene in scenes()]
+    write_table("play", list(rows[0]), [[shown(value) for value in row.values()] for row in rows])

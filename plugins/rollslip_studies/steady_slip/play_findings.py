@@ -8,10 +8,11 @@ from rollslip.units import format_quantity
 
 
 def slip_without_play(dataset: "xr.Dataset") -> str:
-    """Return the slip of rollers set in the cage where that with play is another one; else an empty text."""
+    """Return the slip of rollers set in the cage where it is printed otherwise than that with play; else empty."""
     if "play_status" not in dataset or dataset["play_status"].item() != Status.FOUND:
         return ""
-    return f"without play {percent(float(dataset['slip_without_play']))}"
+    slip = percent(float(dataset["slip_without_play"]))
+    return f"without play {slip}" if slip != percent(float(dataset["steady_slip"][0])) else ""
 
 
 def assumed_without_play(dataset: "xr.Dataset") -> tuple[str, ...]:
