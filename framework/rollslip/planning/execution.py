@@ -208,7 +208,7 @@ def compute(
             progress(
                 f"again, on {describe_resolution(finer.resolution)}", left=plan.seconds_of(study)
             )
-    dataset = running.completed(plan.assemblies[study], dataset)
+    dataset = running.completed(assembly, dataset)
     dataset = dataset.assign(law_outputs(running, assembly, dataset))
     dataset.attrs |= {
         _ERROR_ATTRIBUTES.get(part, f"{part}_error"): max(errors.values())

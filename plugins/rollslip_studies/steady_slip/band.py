@@ -106,8 +106,8 @@ _PLAY_FACTORS: Final = (0.6, 1.6)
 #: Exponent of a slip over the play, for each part of the slip that the play adds. In six scenes slips at 0.6 and 1.6
 #: times the play are within 12 % of those of a march; a smaller one would narrow the band.
 _PLAY_EXPONENT: Final = 1.2
-#: Part of the slip that the play adds which bars of metal take away, as rollers rebound from them: 0.16 to 0.45 in four
-#: motions in time (tests/studies/test_pockets.py). A larger one would lower the lower end of the band.
+#: Part of the slip that the play adds which bars of metal take away, as rollers rebound from them: 0.14 to 0.66 in six
+#: motions in time, 0.4 in the middle (docs/tables/effective_slip.csv). A larger one would lower the end of the band.
 _LESS_BY_METAL: Final = 0.45
 
 

@@ -83,7 +83,7 @@ def _describe(measure: "xr.Dataset") -> list[str]:
     bound = "at most" if measure["sense"].item() == "largest" else "down to"
     slip = "along the motion"
     if "slip" in measure:
-        slip = f"at a cage slip of {100.0 * float(measure['slip']):.3g} %"
+        slip = f"at a cage slip of {100.0 * float(measure['slip']):.3g} %, without play in the pockets,"
     sentences = [f"the {meaning}: {text}" for text in missing]
     if known:
         values = ", and ".join(known)
@@ -197,7 +197,8 @@ class SurfaceDamageAccount(Account):
             value=slip,
             rank=1,
             text="not found" if status else percent(slip),
-            note=status,
+            note=status or "without play in the pockets",
+            tolerance=math.inf,
         )
         return Answer(rows=(cage_slip, *rows(dataset)), commands=next_of_others(dataset))
 

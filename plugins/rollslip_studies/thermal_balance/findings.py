@@ -118,6 +118,7 @@ class ThermalBalanceAccount(Account):
                     label="cage slip there",
                     value=slip,
                     text=percent(slip),
+                    note="without play in the pockets",
                 ),
             ),
             assumed=tuple(filter(None, [describe_estimated(dataset)])),
@@ -213,7 +214,7 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
         sentences.append(
             f"heat is in balance at {temperatures} "
             f"({balance['stability'].item()}): {_watt(loss)} are lost{brought}, {away}; the cage slip is "
-            f"{100.0 * float(balance['steady_slip']):.3g} %{given}"
+            f"{100.0 * float(balance['steady_slip']):.3g} %{given}, without play in the pockets"
         )
     if guessed := describe_estimated(dataset):
         sentences[-1] += f"; {guessed}"

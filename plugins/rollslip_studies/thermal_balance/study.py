@@ -64,7 +64,9 @@ class ThermalBalance(Study):
                 "fastest growth of a disturbance of the temperatures",
                 status="status",
             ),
-            "steady_slip": Output("balance", "1", "steady cage slip", status="status"),
+            "steady_slip": Output(
+                "balance", "1", "steady cage slip of rollers set in the cage", status="status"
+            ),
             "loss": Output("source balance", "W", "power lost to friction", status="status"),
             "carried_away": Output(
                 "sink balance", "W", "heat that leaves the bearing", status="status"
