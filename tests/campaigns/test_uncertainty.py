@@ -36,6 +36,7 @@ from rollslip_campaigns.uncertainty import margin as allowable
 from rollslip_campaigns.uncertainty.findings import UncertaintyAccount
 from rollslip_campaigns.uncertainty.margin import expected_seconds, run_margin
 from rollslip_studies.effective_friction.study import CLOSURES
+from rollslip_studies.steady_slip.evaluated import slip_with_play
 
 #: Few slices and slips: what is tested is what is made of the points.
 SCENE = rollslip.evolve(
@@ -210,6 +211,26 @@ def _points(status, slips):
         },
         {"ring": ["inner", "outer"], "sample": np.arange(len(slips))},
     )
+
+
+def test_samples_have_play_in_the_pockets():
+    """Their slips are those of rollers set in the cage by the curves of a run; loads change as that of the run."""
+    scene = rollslip.evolve(load_scene("gearbox"), {"accuracy.slices": 21})
+    nominal = rollslip.run(scene, "steady-slip")
+    options = {"samples": 16, "loads": 3}
+    play = uncertainty(scene, **options)["value"]
+    set_ = uncertainty(rollslip.evolve(scene, {"study.steady-slip.pockets": "set"}), **options)[
+        "value"
+    ]
+    with_play = slip_with_play(nominal)
+    slips = set_.sel(quantity="steady slip").to_numpy()
+    found = play.sel(quantity="steady slip").to_numpy()
+    assert found == pytest.approx([with_play(slip) for slip in slips.tolist()], rel=2e-2)
+    assert (found > slips).all()
+    ratio = float(nominal["minimum_load"] / nominal["minimum_load_without_play"])
+    loads = (play / set_).sel(quantity="minimum load").to_numpy()
+    assert loads[np.isfinite(loads)] == pytest.approx(ratio, rel=5e-3)
+    assert ratio > 1.1
 
 
 def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatch):

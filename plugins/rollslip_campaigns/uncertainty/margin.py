@@ -50,6 +50,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
 from rollslip.results.dataset import UNITS, about, xr
 from rollslip.results.text import duration_range
+from rollslip.scene.changes import evolve
 from rollslip.structure import raise_problems
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
@@ -81,6 +82,7 @@ from rollslip_campaigns.uncertainty.samples import (
     minimum_loads,
 )
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
+from rollslip_studies.steady_slip.evaluated import slip_with_play
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.scatter import with_scatter
 
@@ -182,10 +184,11 @@ class Margin:
         return CONFIDENCE if self.until is None else STOPPING_CONFIDENCE
 
     @cached_property
-    def _with_play(self) -> Callable[[float], float]:
-        """Slip with play in the pockets by that of rollers set in the cage, at the nominal values of the scene."""
-        scene = self.critical.scene
-        return SteadySlip.from_scene(scene).play_effect(assemble(scene))
+    def _nominal(self) -> "xr.Dataset":
+        """Result of study steady-slip at the nominal values of the scene."""
+        assembly = assemble(self.critical.scene)
+        study = SteadySlip.from_scene(self.critical.scene)
+        return study.completed(assembly, study.run(assembly))
 
     def friction_samples(self, points: "xr.Dataset") -> dict[str, Array]:
         """Return the samples of study effective-friction by quantity, (n,) each, their slips with play in the pockets.
@@ -199,8 +202,23 @@ class Margin:
         """
         values = friction_samples(points)
         if STEADY in values:
-            values[STEADY] = np.array([self._with_play(slip) for slip in values[STEADY].tolist()])
+            with_play = slip_with_play(self._nominal)
+            values[STEADY] = np.array([with_play(slip) for slip in values[STEADY].tolist()])
         return values
+
+    def minimum_loads(self, points: "xr.Dataset") -> Array:
+        """Return the samples of the minimum load [N], (n,), with play in the pockets by its effect at nominal values.
+
+        Parameters
+        ----------
+        points : Dataset
+            Points of a sweep, of rollers set in the cage.
+        """
+        loads = minimum_loads(points)
+        nominal = self._nominal
+        if float(nominal.get("minimum_load_without_play", np.nan)) > 0.0:
+            loads *= float(nominal["minimum_load"] / nominal["minimum_load_without_play"])
+        return loads
 
     def quantile(self, values: Array, probability: float) -> Estimate:
         """Return a quantile of samples with its interval.
@@ -251,7 +269,7 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
     return Margin(
         critical=critical,
         load=plan_sweep(
-            scene,
+            evolve(scene, {f"study.{SteadySlip.name}.pockets": "set"}),
             samples=loads,
             sampling="replicated-sobol",
             study=SteadySlip.name,
@@ -420,7 +438,7 @@ def _dataset(
     if "load" in points:  # the minimum load is the third quantity
         values = {
             **{key: values.pop(key) for key in (RESERVE, STEADY) if key in values},
-            LOAD: minimum_loads(points["load"]),
+            LOAD: plan.minimum_loads(points["load"]),
             **values,
         }
     variables |= _estimate_variables("allowable", batches[-1][1], "allowable slip")

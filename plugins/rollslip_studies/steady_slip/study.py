@@ -66,7 +66,6 @@ from rollslip_studies.steady_slip.evaluated import (
     evaluated_slices,
     film_variables,
     require_driven,
-    slip_with_play,
     without_play,
 )
 from rollslip_studies.steady_slip.losses import (
@@ -427,17 +426,6 @@ class SteadySlip(Study):
         balance = self._balance(assembly.with_resistance(), int(dataset.attrs["n_positions"]))
         play = self._play(balance, slips)
         return play.completed(dataset, self._at_load(play.set_balance))
-
-    def play_effect(self, assembly: Assembly) -> Callable[[float], float]:
-        """Return the slip with play in the pockets of a bearing as a function of that of rollers set in the cage.
-
-        Parameters
-        ----------
-        assembly : Assembly
-            The bearing.
-        """
-        study = self.with_settings(acceptable_slip=None, **dict.fromkeys(VARIED, ()))
-        return slip_with_play(study.completed(assembly, study.run(assembly)))
 
     def partial_result(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
         """Return steady slips, or the minimum load, with their status as `run` does; None for other outputs."""
