@@ -37,6 +37,8 @@ CASES = {
     "mean_play": ("maxwell-eyring", "play"),
     "local_play": ("maxwell-eyring-local", "play"),
 }
+#: Duration of a motion in time [s] where 40 turns of the inner ring are not enough.
+DURATIONS = {"turbine": 1.0}
 #: Motion in time beside them.
 MOTION = {
     "study.dynamics.level": "pocket",
@@ -70,8 +72,7 @@ def row(name, scene):
     band = json.loads(found.attrs["band"])["steady_slip"]
     values["low"] = 100.0 * band["low"]
     values["high"] = 100.0 * (np.inf if band["high"] is None else band["high"])
-    # 40 turns of the inner ring
-    duration = 40.0 * 2.0 * np.pi / abs(scene.operation.inner_speed)
+    duration = DURATIONS.get(name, 40.0 * 2.0 * np.pi / abs(scene.operation.inner_speed))
     moved = rollslip.run(
         rollslip.evolve(scene, MOTION | {"study.dynamics.duration": duration}), "dynamics"
     )
@@ -108,7 +109,11 @@ def tables(rows):
         ]
         for row in rows
     ]
-    header = ["scene", *(f"load, {name}" for name in names), *(f"reserve, {name}" for name in names)]
+    header = [
+        "scene",
+        *(f"load, {name}" for name in names),
+        *(f"reserve, {name}" for name in names),
+    ]
     write_table("play_answers", [*header, "torque, mean pressure", "torque, local"], answers)
 
 

@@ -35,6 +35,7 @@ NINE = {
         "pocket_radial_clearance": "0.3 mm",
         "pocket_stiffness": "5e7 N/m",
         "pocket_damping": "0.3 s/m",
+        "pocket_contact": "metal",
         "drag": [
             {"model": "constant-torque", "size": "0.05 N m", "transition": "0.001 rad/s"},
             {"model": "pocket-friction", "coefficient": 0.08},

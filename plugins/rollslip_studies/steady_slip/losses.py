@@ -32,7 +32,7 @@ _MIN_ESTIMATED_SLIP: Final = 1e-3
 _MAX_ESTIMATED_RESERVE: Final = 1e3
 #: Reserve to slipping that its error is relative to at least: below it the cage slips more than is acceptable, whatever
 #: its digits. Half of it would refine bearings for the digits of smaller reserves, which are printed as they are.
-_LEAST_RESERVE: Final = 1.0
+_MIN_RESERVE: Final = 1.0
 #: Factor from the deviation of the limit drag torque, on a bearing of twice the resolution, to its error. Where rollers
 #: jump between motions the torque converges with the first order, its error is twice the deviation; the joint order of
 #: the other numbers is in their own factor, and is taken out here.
@@ -152,7 +152,7 @@ def _errors(
     acceptable = dataset.attrs.get("acceptable_slip", math.nan)
     if abs(own := float(dataset.get("acceptable_reserve", math.nan))) < _MAX_ESTIMATED_RESERVE:
         finer, _ = acceptable_reserve(balance, acceptable)
-        yield "reserve to slipping", abs(own - finer) / max(abs(finer), _LEAST_RESERVE)
+        yield "reserve to slipping", abs(own - finer) / max(abs(finer), _MIN_RESERVE)
     if math.isfinite(float(dataset["limit_drag"])):
         yield from _limit_drag_errors(balance, dataset)
     elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _MAX_ESTIMATED_RESERVE:

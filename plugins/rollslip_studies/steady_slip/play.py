@@ -86,7 +86,9 @@ class Play:
             return SlipWithPlay(self._reason)
         if self._is_negligible(self._slip):
             return SlipWithPlay(NO_CHANGE)
-        return steady_slip_with_play(self._balance, self._slip, self._max_slip)
+        found = steady_slip_with_play(self._balance, self._slip, self._max_slip)
+        # rollers that never leave the bar have the same slip, but for the error of the tables of friction
+        return SlipWithPlay(NO_CHANGE) if found.slip <= self._slip else found
 
     @property
     def _skids(self) -> bool:
