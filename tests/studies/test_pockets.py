@@ -22,6 +22,7 @@ from rollslip_studies.steady_slip.figures import _pocket_figure
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
 from rollslip_studies.steady_slip.play import Play
 from rollslip_studies.steady_slip.study import SteadySlip
+from tabled import TABLES, rows_of
 
 #: Name -> scene.
 SCENES = {
@@ -545,3 +546,16 @@ def test_a_coarse_table_serves_where_a_fine_one_is_out_of_reach():
     coarse = balanced(evolve(heavy, {"accuracy.slices": 9}))
     assert Pockets(coarse[0].assembly).reason
     assert found_by_study(*coarse).slip == pytest.approx(fine.slip, rel=1e-2)
+
+
+def test_the_table_of_the_page_has_slips_that_motions_in_time_have():
+    """Of docs/scripts/play.py, over bores of 25 to 320 mm and 600 to 14,000 rpm; found are -5.0 to 4.2 %."""
+    rows = rows_of(TABLES / "play.csv")
+    assert len(rows) == 12
+    for row in rows:
+        slip, motion, without = (
+            float(row[name].removesuffix(" %"))
+            for name in ("local, play", "motion in time", "local, set")
+        )
+        assert slip == pytest.approx(motion, rel=TIME_TOLERANCE)
+        assert without < 0.97 * motion

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rollslip.errors import RollslipError
@@ -213,6 +214,13 @@ def _losses(dataset: "xr.Dataset") -> "Figure":
     )
 
 
+def _set_turn(axes: Axes) -> None:
+    """Set the abscissa of axes to a turn."""
+    axes.set_xlabel("Position from the line of load [°]")
+    axes.set_xlim(-180.0, 180.0)
+    axes.set_xticks(range(-180, 181, 90))
+
+
 def _orbit(dataset: "xr.Dataset") -> "Figure":
     """Draw normal forces and roller slip over the orbit at each steady slip."""
     sheet = Sheet(TWO_COLUMNS, 1, 2)
@@ -233,9 +241,7 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
     for ring, colour in RING_COLOURS.items():
         sheet.key(f"{ring} ring", color=colour)
     for axes in (forces, slips):
-        axes.set_xlabel("Position from the line of load [°]")
-        axes.set_xlim(-180.0, 180.0)
-        axes.set_xticks(range(-180, 181, 90))
+        _set_turn(axes)
     forces.set_ylim(bottom=0.0)
     forces.set_ylabel(axis_label(dataset["normal_force"], "$Q$", "N"))
     slips.set_ylabel(axis_label(dataset["roller_slip"], r"$S_\mathrm{r}$", "%"))
@@ -389,9 +395,7 @@ def _pocket(dataset: "xr.Dataset") -> "Figure":
         sheet.mark(shown[impact], position[impact], "meets a bar", axes=positions, **_MEETS)
         forces.plot(shown[impact], 0.0 * shown[impact], color="black", linestyle="none", **_MEETS)
     for axes in (positions, forces):
-        axes.set_xlabel("Position from the line of load [°]")
-        axes.set_xlim(-180.0, 180.0)
-        axes.set_xticks(range(-180, 181, 90))
+        _set_turn(axes)
     positions.set_yticks([-1.0, 0.0, 1.0])
     positions.set_ylabel(axis_label(dataset["pocket_position"], "$2x/c$", unit_label("")))
     forces.set_ylabel(axis_label(dataset["pocket_force"], "$P$", "N"))
