@@ -85,7 +85,9 @@ def _asked_alike(bearing):
     same(float(simple.steady_drag), float(whole.torque[0]))
     same(float(simple.drag_reserve), float(whole.drag_reserve))
     same(simple.reserve_status.item(), whole.reserve_status.item())
-    some, _ = SteadySlip().partial_result(bearing, frozenset({"steady_slip", "status"}))
+    some, _ = SteadySlip(pockets="set").partial_result(
+        bearing, frozenset({"steady_slip", "status"})
+    )
     same(float(some["steady_slip"][1][0]), float(whole.steady_slip[0]))
     (at_once, _), *_ = EffectiveFriction.run_batch(
         [(quick, bearing)], frozenset({"limit_drag", "drag_reserve"})
@@ -103,7 +105,7 @@ def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
     bearing = few(HARD[name])
     (steady, *_) = SteadySlip().steady(bearing)[1]
     load = bearing.scene.operation.radial_load
-    found, _ = SteadySlip(acceptable_slip=steady.slip).partial_result(
+    found, _ = SteadySlip(acceptable_slip=steady.slip, pockets="set").partial_result(
         bearing, frozenset({"minimum_load"})
     )
     assert found["minimum_load"][1] == pytest.approx(load, rel=2e-4)  # it is found to 1e-4
@@ -114,7 +116,9 @@ def test_the_least_load_of_a_slip_that_the_cage_on_its_loading_branch_jumps_over
     bearing = few(HARD["two motions"])
     jump = torque_balance(bearing, 1).loading_branch().skidding_jump
     slip = math.sqrt(jump.slip * jump.slip_after)
-    found, _ = SteadySlip(acceptable_slip=slip).partial_result(bearing, frozenset({"minimum_load"}))
+    found, _ = SteadySlip(acceptable_slip=slip, pockets="set").partial_result(
+        bearing, frozenset({"minimum_load"})
+    )
     load = found["minimum_load"][1]
     status = found["minimum_load_status"][1]
     at = float(status.removeprefix(f"{Status.FOUND_AT_SKIDDING} ").removesuffix(" on"))
