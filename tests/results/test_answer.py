@@ -560,21 +560,6 @@ def test_what_another_law_does_to_the_answer_is_what_a_run_with_it_gives():
     assert found.as_dict()["notes"][0]["changes"]["slip"] == list(notes["W20"].changes["slip"])
 
 
-@pytest.mark.slow
-def test_a_law_without_compiled_form_is_a_factor_at_the_motion_of_the_steady_slip(monkeypatch):
-    """The same law with its compiled form and without it: a first step against a solution, near where it begins."""
-    scene = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 9})
-    solved, *_ = [
-        one for one in answer_of(rollslip.run(scene, "steady-slip")).notes if one.code == "W23"
-    ]
-    monkeypatch.setattr("rollslip_studies.steady_slip.band._runs_python", lambda law: True)
-    first, *_ = [
-        one for one in answer_of(rollslip.run(scene, "steady-slip")).notes if one.code == "W23"
-    ]
-    assert first.changes["slip"] != solved.changes["slip"]
-    assert first.changes["slip"][1] == pytest.approx(solved.changes["slip"][1], rel=0.03)
-
-
 @pytest.mark.quick
 @pytest.mark.parametrize("width", [60, 66, 72, 80, 90, 100])
 def test_all_rows_stay_on_a_narrow_terminal_and_what_is_below_them_is_shortened(width):

@@ -15,6 +15,7 @@ from rollslip.cli.main import cli
 from rollslip.results.accounts import account_of
 from rollslip.results.answer import _varied_quantity, collect_notes
 from rollslip.scene.reading import load_scene
+from rollslip_plugins.traction.eyring import MaxwellEyring
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.band import Band, QuantityEffect, bands, with_bands
 from scattered import constant, uncertain
@@ -168,6 +169,17 @@ def test_what_another_law_makes_of_a_slip_is_a_number_or_not_said(
     assert ("it skids" in said) == (rows > 0 and slip is None)
     assert "not evaluated" in said
     assert len(notes) >= 5
+
+
+def test_another_law_without_compiled_form_is_evaluated_like_one_with_it(steady, monkeypatch):
+    def consequence():
+        rows = band.consequences(SCENE, band._coarse_assembly(SCENE), steady, 0.0077)
+        return next(row["changes"] for row in rows if row["code"] == "W23")
+
+    compiled = consequence()
+    monkeypatch.setattr(MaxwellEyring, "kernel", lambda law: None)
+    for name, values in consequence().items():
+        assert values == pytest.approx(compiled[name], rel=1e-6), name
 
 
 @pytest.mark.parametrize("slip", [0.0, math.nan, math.inf, -1e-3])

@@ -20,9 +20,8 @@ interactions. Samples (`rollslip uncertainty`) have them.
 
 The effect of an exceeded validity range is found on the same coarse model: the law that the range names in its place
 (`Validity.replacement`) replaces the law, and the steady slip, the reserve and the friction torque are evaluated once
-more. A law without compiled form is evaluated once, on a few slices of each ring in the motion at the steady slip; the
-ratio of both frictions, interpolated over the load, is then a factor on the friction. A range without such a law is not
-evaluated.
+more. All built-in ranges name laws with a compiled form; one without is evaluated in the same way and takes longer. A
+range without such a law is not evaluated.
 
 References
 ----------
@@ -32,19 +31,16 @@ JCGM 100:2008, "Guide to the expression of uncertainty in measurement" (GUM), se
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import read_cage
-from rollslip.bearing.chain import Chain
-from rollslip.bearing.raceway import Array
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import ConvergenceError, DomainError, RollslipError, SceneError
-from rollslip.models import FINITE, SliceModel
+from rollslip.models import SliceModel
 from rollslip.results.curves import or_none
 from rollslip.results.text import Status
 from rollslip.scene.changes import Quantity, evolve
@@ -55,7 +51,6 @@ from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, torque_balance
 from rollslip_studies.steady_slip.evaluated import (
-    evaluated_slices,
     slip_with_play,
     without_play,
 )
@@ -429,33 +424,12 @@ def _combine(
 
 # Effects of exceeded validity ranges ----------------------------------------------------------------------------------
 
-#: Quantiles of the force of a ring, over the load of its slices, at which a law without compiled form is evaluated.
-#: Twice as many take twice the evaluations, each of up to a second; chosen, as the ratio of two laws is smooth in load.
-_FORCE_QUANTILES: Final = (0.05, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
 #: Name of the steady slip among the values that two laws are compared by.
 SLIP: Final = "slip"
 #: Name of the reserve to the acceptable slip among them.
 RESERVE: Final = "reserve to slipping"
 #: Name of the friction torque among them.
 TORQUE: Final = "friction torque"
-
-
-@attrs.frozen(eq=False)
-class _FrictionFactor(SliceModel):
-    """Friction times a factor over the load, by ring; the radius [m] of a contact identifies its ring."""
-
-    #: Radius [m] -> loads of slices [N/m] and factors [-].
-    rings: Mapping[float, tuple[Array, Array]]
-
-    name: ClassVar[str] = "factor"
-    reads = frozenset({"friction", "load", "radius"})
-    writes = frozenset({"friction"})
-    domain = MappingProxyType(dict.fromkeys(sorted(reads), FINITE))
-
-    def evaluate(self, slices: Any) -> None:
-        """Multiply the friction."""
-        if (known := self.rings.get(slices.conditions.radius)) is not None:
-            slices.friction[...] *= np.interp(slices.load, *known)
 
 
 def consequences(
@@ -505,9 +479,6 @@ def consequences(
             row["instead"] = instead.partition(".")[0]
             try:
                 other = _with_other_law(scene, coarse, key, model, instead)
-                law = other.models.get(key.split(".")[1])
-                if law is not None and _runs_python(law):
-                    other = _with_friction_factor(coarse, other, balance, before[SLIP])
                 changed = torque_balance(other, n_positions=1, inertia=False, similar=balance)
                 after = _compared_values(changed, before[SLIP], acceptable)
             except RollslipError as refusal:
@@ -592,45 +563,4 @@ def _with_other_law(
         own = {parameter: own[parameter] for parameter in shared}
     return assemble(
         evolve(scene, {key: {"model": name, **own} if own else name}), coarse.resolution
-    )
-
-
-def _runs_python(model: SliceModel) -> bool:
-    """Whether a law or a law among its parameters has no compiled form."""
-    return any(law.kernel() is None for _, law in _nested_laws("", model))
-
-
-def _with_friction_factor(
-    coarse: Assembly, other: Assembly, balance: TorqueBalance, slip: float
-) -> Assembly:
-    """Return the bearing with its friction times the ratio of another bearing's to its own, in the motion at a slip."""
-    rings = {}
-    for loaded in evaluated_slices(balance, [balance.orbit(slip)]):
-        own, its = (
-            next(raceway for raceway in bearing.raceways if raceway.ring == loaded.ring)
-            for bearing in (coarse, other)
-        )
-        order = np.argsort(loaded.load)
-        below = np.cumsum(loaded.force[order])
-        at = order[np.unique(np.searchsorted(below, np.array(_FORCE_QUANTILES) * below[-1]))]
-        speeds = [
-            np.broadcast_to(speed, loaded.load.shape)[at]
-            for speed in (loaded.rolling, loaded.sliding)
-        ]
-        places = {name: column[at] for name, column in loaded.places.items()}
-        frictions = [
-            np.abs(raceway.evaluate(loaded.load[at], *speeds, **places).friction)
-            for raceway in (its, own)
-        ]
-        with np.errstate(all="ignore"):
-            factor = np.nan_to_num(frictions[0] / frictions[1], nan=1.0, posinf=1.0)
-        rings[own.conditions.radius] = loaded.load[at], factor
-    chain = Chain(
-        *coarse.inner.chain.models, _FrictionFactor(rings), compiled=coarse.resolution.compiled
-    )
-    return attrs.evolve(
-        coarse,
-        inner=attrs.evolve(coarse.inner, chain=chain),
-        outer=attrs.evolve(coarse.outer, chain=chain),
-        map_cache={},
     )
