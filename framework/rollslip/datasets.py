@@ -16,6 +16,7 @@ from rollslip.fields import (
     in_range,
     non_negative,
     positive,
+    refuse_if,
 )
 from rollslip.references import Citation
 from rollslip.toml import FrozenTable
@@ -116,16 +117,23 @@ class Profile:
     )
 
     def __attrs_post_init__(self) -> None:
-        if self.shape == "circular" and self.radius is None:
-            raise FieldError(
-                "radius", "missing, but required for shape = 'circular', such as '5 m'"
-            )
-        if self.shape != "circular" and self.radius is not None:
-            raise FieldError("radius", f"only read for shape = 'circular', not for {self.shape!r}")
+        refuse_if(
+            self.shape == "circular" and self.radius is None,
+            "radius",
+            "missing, but required for shape = 'circular', such as '5 m'",
+        )
+        refuse_if(
+            self.shape != "circular" and self.radius is not None,
+            "radius",
+            f"only read for shape = 'circular', not for {self.shape!r}",
+        )
         if self.shape != "table":
             for name in ("position", "drop"):
-                if getattr(self, name):
-                    raise FieldError(name, f"only read for shape = 'table', not for {self.shape!r}")
+                refuse_if(
+                    getattr(self, name),
+                    name,
+                    f"only read for shape = 'table', not for {self.shape!r}",
+                )
             return
         if len(self.position) < 2:
             raise FieldError(
@@ -136,10 +144,16 @@ class Profile:
                 "drop",
                 f"needs one value for each of {len(self.position)} places, not {len(self.drop)}",
             )
-        if any(
-            right <= left for left, right in zip(self.position, self.position[1:], strict=False)
-        ):
-            raise FieldError("position", "must ascend from one end of the roller to the other")
+        refuse_if(
+            (
+                any(
+                    right <= left
+                    for left, right in zip(self.position, self.position[1:], strict=False)
+                )
+            ),
+            "position",
+            "must ascend from one end of the roller to the other",
+        )
 
 
 def _boundary(what: str) -> Any:
@@ -272,13 +286,14 @@ class Mounting:
 
     def __attrs_post_init__(self) -> None:
         for part in ("shaft", "housing"):
-            if (
-                getattr(self, f"{part}_fit") is not None
-                and getattr(self, f"{part}_interference") is not None
-            ):
-                raise FieldError(
-                    f"{part}_interference", f"{part}_fit says the same; leave one of them out"
-                )
+            refuse_if(
+                (
+                    getattr(self, f"{part}_fit") is not None
+                    and getattr(self, f"{part}_interference") is not None
+                ),
+                f"{part}_interference",
+                f"{part}_fit says the same; leave one of them out",
+            )
 
 
 @attrs.frozen(kw_only=True)
@@ -312,12 +327,12 @@ class FormPart:
         kinds = [
             name for name in ("lobes", "angles", "file") if getattr(self, name) not in (None, ())
         ]
-        if len(kinds) != 1:
-            raise FieldError(
-                "lobes", "give one of lobes (with amplitude), angles (with heights) or file"
-            )
-        if self.lobes is None and self.amplitude != 0.0:
-            raise FieldError("amplitude", "only read with lobes")
+        refuse_if(
+            len(kinds) != 1,
+            "lobes",
+            "give one of lobes (with amplitude), angles (with heights) or file",
+        )
+        refuse_if(self.lobes is None and self.amplitude != 0.0, "amplitude", "only read with lobes")
         if self.heights or self.angles:
             if len(self.angles) != len(self.heights) or len(self.angles) < 4:
                 raise FieldError(
@@ -326,10 +341,11 @@ class FormPart:
                     f"{len(self.heights)}",
                 )
             ascending = all(b > a for a, b in zip(self.angles, self.angles[1:], strict=False))
-            if not ascending or self.angles[-1] - self.angles[0] >= 2.0 * math.pi:
-                raise FieldError(
-                    "angles", "must ascend within less than one turn: the first follows on the last"
-                )
+            refuse_if(
+                not ascending or self.angles[-1] - self.angles[0] >= 2.0 * math.pi,
+                "angles",
+                "must ascend within less than one turn: the first follows on the last",
+            )
 
 
 @attrs.frozen(kw_only=True)

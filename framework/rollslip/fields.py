@@ -63,6 +63,12 @@ class FieldError(RollslipError, ValueError):
         return type(self), (self.field, self.reason)
 
 
+def refuse_if(condition: object, field: str, reason: str) -> None:
+    """Raise a `FieldError` where a condition holds."""
+    if condition:
+        raise FieldError(field, reason)
+
+
 @attrs.frozen(kw_only=True)
 class Scatter:
     """Uncertainty of a datum of an oil or a bearing, or of the default of a field, with its source."""

@@ -14,7 +14,16 @@ import attrs
 import numpy as np
 
 from rollslip.datasets import Bearing, Mounting
-from rollslip.fields import FieldError, at_least, field, in_range, non_negative, parameter, positive
+from rollslip.fields import (
+    FieldError,
+    at_least,
+    field,
+    in_range,
+    non_negative,
+    parameter,
+    positive,
+    refuse_if,
+)
 from rollslip.files import named_text
 from rollslip.references import Reference
 from rollslip.rings import RingModel, RingShapes, Stops
@@ -346,10 +355,11 @@ class Annulus(RingModel):
         mounting = bearing.mounting or Mounting()
         d, D = bearing.boundaries
         if ring == "outer":
-            if self.bore is not None:
-                raise FieldError(
-                    "bore", "is that of a shaft, of the inner ring; give 'outside' of the housing"
-                )
+            refuse_if(
+                self.bore is not None,
+                "bore",
+                "is that of a shaft, of the inner ring; give 'outside' of the housing",
+            )
             raceway = bearing.outer_raceway_diameter
             seat = D
             other = mounting.housing_material or steel
@@ -359,10 +369,11 @@ class Annulus(RingModel):
                     "outside", f"must be at least the ring's own, {D:.4g} m, not {beyond:.4g} m"
                 )
         else:
-            if self.outside is not None:
-                raise FieldError(
-                    "outside", "is that of a housing, of the outer ring; give 'bore' of the shaft"
-                )
+            refuse_if(
+                self.outside is not None,
+                "outside",
+                "is that of a housing, of the outer ring; give 'bore' of the shaft",
+            )
             raceway = bearing.inner_raceway_diameter
             seat = d
             other = mounting.shaft_material or steel
@@ -540,11 +551,11 @@ class Thin(RingModel):
         """Return the springs of a seat with clearance; None for a seat without one."""
         if self.fit_clearance is None:
             return None
-        if not self.seat_stiffness > 0.0:
-            raise FieldError(
-                "seat_stiffness",
-                "must be above 0 with a fit_clearance: nothing else stops the ring",
-            )
+        refuse_if(
+            not self.seat_stiffness > 0.0,
+            "seat_stiffness",
+            "must be above 0 with a fit_clearance: nothing else stops the ring",
+        )
         return Stops(
             2.0 * math.pi / _STOPS * np.arange(_STOPS, dtype=float),
             self.seat_stiffness * radius * 2.0 * math.pi / _STOPS,
@@ -624,25 +635,26 @@ class Compliance(RingModel):
             raise FieldError(
                 "file", f"{self.file}: rows of N numbers are expected, N times: {error}"
             ) from None
-        if C.ndim != 2 or C.shape[0] != C.shape[1] or len(C) < _MIN_ROWS:
-            raise FieldError(
-                "file", f"{self.file}: a square matrix of 8 rows or more is expected, not {C.shape}"
-            )
+        refuse_if(
+            C.ndim != 2 or C.shape[0] != C.shape[1] or len(C) < _MIN_ROWS,
+            "file",
+            f"{self.file}: a square matrix of 8 rows or more is expected, not {C.shape}",
+        )
         largest = np.abs(C).max()
-        if not 0.0 < largest < math.inf or np.abs(C - C.T).max() > _MAX_ASYMMETRY * largest:
-            raise FieldError(
-                "file",
-                f"{self.file}: must be finite and symmetric, for work to be the same both ways (Maxwell)",
-            )
+        refuse_if(
+            not 0.0 < largest < math.inf or np.abs(C - C.T).max() > _MAX_ASYMMETRY * largest,
+            "file",
+            f"{self.file}: must be finite and symmetric, for work to be the same both ways (Maxwell)",
+        )
         return np.asarray(0.5 * (C + C.T))
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return the eigenvectors of the matrix in a basis of Fourier terms; see `RingModel.shapes`."""
-        if turns:
-            raise FieldError(
-                "model",
-                "a matrix stands in the line of load, but this ring turns: take 'annulus' or 'thin'",
-            )
+        refuse_if(
+            turns,
+            "model",
+            "a matrix stands in the line of load, but this ring turns: take 'annulus' or 'thin'",
+        )
         C = self.matrix()
         N = len(C)
         values = np.linalg.eigvalsh(C)

@@ -41,7 +41,7 @@ _MEANING = re.compile(
 )
 #: What is said by way of these is a refusal.
 _ERROR = re.compile(
-    r"\w*(Error|Nonconformance|Inapplicable)|raise|says|refuse_unless|same|add_note|_fault|_Stuck|BrokenExecutor|fault"
+    r"\w*(Error|Nonconformance|Inapplicable)|raise|says|refuse_unless|refuse_if|same|add_note|_fault|_Stuck|BrokenExecutor|fault"
 )
 _SOURCE = re.compile(r"references =|equation =|[A-Z0-9]+ =|Template")
 #: A type, a query, a page or names of dimensions are no sentences.

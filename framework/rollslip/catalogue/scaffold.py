@@ -25,7 +25,7 @@ from rollslip.catalogue.discovery import catalogue
 from rollslip.catalogue.kinds import Template as KindTemplate
 from rollslip.catalogue.kinds import built_in_module, check_kind, get_kind, usable_kinds
 from rollslip.errors import OutputError, PluginError
-from rollslip.fields import FieldError
+from rollslip.fields import FieldError, refuse_if
 
 __all__ = ["new", "package"]
 
@@ -136,10 +136,11 @@ def _models(name: str, kinds: str) -> dict[str, str]:
     models = dict[str, str]()
     for entry in kinds.split(","):
         kind, _, model = entry.partition(":")
-        if kind in models:
-            raise FieldError(
-                "kind", f"a package takes one {kind} from a template; write a second one beside it"
-            )
+        refuse_if(
+            kind in models,
+            "kind",
+            f"a package takes one {kind} from a template; write a second one beside it",
+        )
         models[kind] = model or name.removeprefix("rollslip-")
     return models
 
@@ -226,45 +227,49 @@ def _check_name(name: str) -> None:
             f"{name!r} is not made of lower-case letters and digits with single hyphens, a letter first{hint}",
         )
     module = name.replace("-", "_")
-    if keyword.iskeyword(module) or keyword.issoftkeyword(module):
-        raise FieldError(
-            "name", f"{name!r} is a keyword of Python and cannot name a module; choose another"
-        )
-    if module in sys.stdlib_module_names or module in ("tests", "test", "setup"):
-        raise FieldError(
-            "name",
-            f"a module {module!r} would hide Python's own or that of the tests; choose another",
-        )
-    if importlib.util.find_spec(module) is not None:
-        raise FieldError(
-            "name",
-            f"a module {module!r} is installed already, and one would hide the other; choose another name",
-        )
+    refuse_if(
+        keyword.iskeyword(module) or keyword.issoftkeyword(module),
+        "name",
+        f"{name!r} is a keyword of Python and cannot name a module; choose another",
+    )
+    refuse_if(
+        module in sys.stdlib_module_names or module in ("tests", "test", "setup"),
+        "name",
+        f"a module {module!r} would hide Python's own or that of the tests; choose another",
+    )
+    refuse_if(
+        importlib.util.find_spec(module) is not None,
+        "name",
+        f"a module {module!r} is installed already, and one would hide the other; choose another name",
+    )
 
 
 def _check_model(kind: str, model: str, called: str, template: KindTemplate) -> None:
     """Raise `FieldError` for the name of a model whose class would hide another one, or that exists already."""
     cls = _class_name(model)
-    if not cls.isidentifier():
-        raise FieldError(
-            "name",
-            f"{called!r} would make a class {cls!r}, which begins with a digit; choose another",
-        )
-    if cls.startswith("Test"):
-        raise FieldError(
-            "name",
-            f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise",
-        )
+    refuse_if(
+        not cls.isidentifier(),
+        "name",
+        f"{called!r} would make a class {cls!r}, which begins with a digit; choose another",
+    )
+    refuse_if(
+        cls.startswith("Test"),
+        "name",
+        f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise",
+    )
     texts = [_read(template.package, file) for file in _files(kind, template, "", False).values()]
     imports = re.findall(r"^ *(?:from|import) .*", "\n".join(texts), re.MULTILINE)
-    if re.search(rf"\b{cls}\b", "\n".join(imports)):
-        raise FieldError(
-            "name", f"{called!r} would make a class {cls!r} beside rollslip's own; choose another"
-        )
+    refuse_if(
+        re.search(rf"\b{cls}\b", "\n".join(imports)),
+        "name",
+        f"{called!r} would make a class {cls!r} beside rollslip's own; choose another",
+    )
     for offer in catalogue():
-        if (offer.kind, offer.name) == (kind, model):
-            raise FieldError(
-                "name",
+        refuse_if(
+            (offer.kind, offer.name) == (kind, model),
+            "name",
+            (
                 f"package {offer.package} offers a {kind} called {model!r} already, and of two of one name "
-                "rollslip takes none; choose another",
-            )
+                "rollslip takes none; choose another"
+            ),
+        )

@@ -15,7 +15,7 @@ from attrs.validators import optional
 
 from rollslip.datasets import Scatter
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, Span, choice_of, field, non_negative, positive
+from rollslip.fields import FieldError, Span, choice_of, field, non_negative, positive, refuse_if
 from rollslip.lubricant.base_oil import BASE_OILS
 from rollslip.lubricant.pressure import ALPHAS, PressureViscosity, default_law
 from rollslip.lubricant.temperature import TemperatureLaw
@@ -214,12 +214,14 @@ class Lubricant:
         )
         object.__setattr__(self, "pressure_viscosity_law", law)
         factors = (self.pressure_viscosity_factor, self.pressure_thermoviscosity_factor)
-        if factors != (1.0, 1.0) and not math.isnan(self.pressure_viscosity_law.coefficient(low)):
-            raise FieldError(
-                "pressure_viscosity_law",
+        refuse_if(
+            factors != (1.0, 1.0) and not math.isnan(self.pressure_viscosity_law.coefficient(low)),
+            "pressure_viscosity_law",
+            (
                 f"{self.pressure_viscosity_law.name!r} fixes alpha itself, so factors on it have no effect; leave out "
-                "pressure_viscosity_factor and pressure_thermoviscosity_factor",
-            )
+                "pressure_viscosity_factor and pressure_thermoviscosity_factor"
+            ),
+        )
 
     def constants_for(self, law: str, known: Collection[str]) -> dict[str, object]:
         """Return the constants of the oil for a law.

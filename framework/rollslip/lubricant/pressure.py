@@ -20,7 +20,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.fields import FieldError, choice_of, non_negative, positive
+from rollslip.fields import choice_of, non_negative, positive, refuse_if
 from rollslip.models import SliceModel
 from rollslip_kernels.slices import Conditions, Slices
 
@@ -71,10 +71,11 @@ class PressureViscosity(SliceModel):
         own = {
             a.name: a.metadata["of_oil"] for a in attrs.fields(type(law)) if "of_oil" in a.metadata
         }
-        if factor != 1.0 and "factor" not in own.values():
-            raise FieldError(
-                "pressure_exponent_factor", f"law {self.name!r} takes none; leave it out"
-            )
+        refuse_if(
+            factor != 1.0 and "factor" not in own.values(),
+            "pressure_exponent_factor",
+            f"law {self.name!r} takes none; leave it out",
+        )
         values = {"alpha": alpha, "factor": factor}
         changes = {
             name: values[key] for name, key in own.items() if getattr(self, name) != values[key]

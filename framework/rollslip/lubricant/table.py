@@ -27,6 +27,7 @@ from rollslip.fields import (
     non_negative,
     own_unit,
     positive,
+    refuse_if,
     within_possible,
 )
 from rollslip.lubricant.base_oil import (
@@ -101,8 +102,11 @@ class OilPoint:
     )
 
     def __attrs_post_init__(self) -> None:
-        if (self.viscosity is None) == (self.kinematic_viscosity is None):
-            raise FieldError("viscosity", "give either viscosity or kinematic_viscosity")
+        refuse_if(
+            (self.viscosity is None) == (self.kinematic_viscosity is None),
+            "viscosity",
+            "give either viscosity or kinematic_viscosity",
+        )
 
 
 @frozen(kw_only=True)
@@ -128,8 +132,9 @@ class OverTemperature:
                 "value",
                 f"needs one value for each of {len(self.temperature)}, not {len(self.value)}",
             )
-        if any(low >= high for low, high in pairwise(self.temperature)):
-            raise FieldError("temperature", "must rise")
+        refuse_if(
+            any(low >= high for low, high in pairwise(self.temperature)), "temperature", "must rise"
+        )
 
 
 @frozen
@@ -299,48 +304,52 @@ class OilTable:
         self._check_sources_of_viscosity(own)
         self._check_points(own)
         estimable = self.base_oil is not None and own
-        if self.points and self.viscosity_law is None and not estimable:
-            raise FieldError(
-                "viscosity_law",
-                "missing; the points need 'walther' or 'vogel', or base_oil, of which it is 'walther'",
-            )
-        if not self.points and self.viscosity_law:
-            raise FieldError("points", "missing; viscosity_law serves to fit them")
-        if own and isinstance(self.viscosity, float) and self.thermoviscosity is None:
-            raise FieldError(
-                "thermoviscosity",
-                "missing; one viscosity does not say how it falls with temperature, on which heated films rest; give "
-                "it, or points at two temperatures, or iso_grade and base_oil",
-            )
+        refuse_if(
+            self.points and self.viscosity_law is None and not estimable,
+            "viscosity_law",
+            "missing; the points need 'walther' or 'vogel', or base_oil, of which it is 'walther'",
+        )
+        refuse_if(
+            not self.points and self.viscosity_law,
+            "points",
+            "missing; viscosity_law serves to fit them",
+        )
+        refuse_if(
+            own and isinstance(self.viscosity, float) and self.thermoviscosity is None,
+            "thermoviscosity",
+            "missing; one viscosity does not say how it falls with temperature, on which heated films rest; give "
+            "it, or points at two temperatures, or iso_grade and base_oil",
+        )
         kinematic = any(point.viscosity is None for point in self.points)
-        if (
-            self.density is None
-            and (kinematic or self.viscosity_law == "walther")
-            and not estimable
-        ):
-            raise FieldError(
-                "density",
-                "missing; it stands between kinematic and dynamic viscosity; give it, or base_oil",
-            )
+        refuse_if(
+            (
+                self.density is None
+                and (kinematic or self.viscosity_law == "walther")
+                and not estimable
+            ),
+            "density",
+            "missing; it stands between kinematic and dynamic viscosity; give it, or base_oil",
+        )
 
     def _check_sources_of_viscosity(self, own: bool) -> None:
         """Refuse a table without viscosity, or with two sources of it."""
-        if own and not self.points and self.viscosity is None and self.iso_grade is None:
-            raise FieldError(
-                "name",
-                "missing; name a shipped oil, or give viscosity, or points with kinematic_viscosity, or iso_grade, "
-                "with base_oil for what a data sheet does not say",
-            )
-        if self.points and self.viscosity is not None:
-            raise FieldError(
-                "viscosity", "not beside points, which are the viscosity; leave one of them out"
-            )
+        refuse_if(
+            own and not self.points and self.viscosity is None and self.iso_grade is None,
+            "name",
+            "missing; name a shipped oil, or give viscosity, or points with kinematic_viscosity, or iso_grade, "
+            "with base_oil for what a data sheet does not say",
+        )
+        refuse_if(
+            self.points and self.viscosity is not None,
+            "viscosity",
+            "not beside points, which are the viscosity; leave one of them out",
+        )
         if self.iso_grade is not None:
-            if not own or self.points or self.viscosity is not None:
-                raise FieldError(
-                    "iso_grade",
-                    "not beside a name, points or viscosity, which say more; leave it out",
-                )
+            refuse_if(
+                not own or self.points or self.viscosity is not None,
+                "iso_grade",
+                "not beside a name, points or viscosity, which say more; leave it out",
+            )
             if self.base_oil is None:
                 raise FieldError(
                     "base_oil",
@@ -607,10 +616,9 @@ def _temperature_range(
         if isinstance(value, OverTemperature):
             low = max(low, value.temperature[0])
             high = min(high, value.temperature[-1])
-            if low >= high:
-                raise FieldError(
-                    key, "has no temperatures in common with the rest of the oil's data"
-                )
+            refuse_if(
+                low >= high, key, "has no temperatures in common with the rest of the oil's data"
+            )
     return low, high
 
 

@@ -28,7 +28,7 @@ import attrs
 
 from rollslip.datasets import Bearing, Material, MountedClearance, Mounting, Scatter
 from rollslip.errors import PluginError
-from rollslip.fields import FieldError
+from rollslip.fields import FieldError, refuse_if
 from rollslip.structure import Location
 from rollslip.units import as_written, format_quantity
 
@@ -379,11 +379,11 @@ def _named_fit(m: Mounting, part: str, diameter: float) -> tuple[str, float, flo
             key,
             f"no fit of a {part} is called {as_written(name)}; there are {there}, or give an interference",
         )
-    if fit.islower() != (part == "shaft"):
-        raise FieldError(
-            key,
-            f"{name!r} is not a fit of a {part}: shafts have small letters, housings capital ones",
-        )
+    refuse_if(
+        fit.islower() != (part == "shaft"),
+        key,
+        f"{name!r} is not a fit of a {part}: shafts have small letters, housings capital ones",
+    )
     try:
         return fit, *interference(fit, diameter)
     except ValueError as error:

@@ -25,6 +25,7 @@ from rollslip.fields import (
     in_range,
     non_negative,
     positive,
+    refuse_if,
 )
 from rollslip.scene.supply import Lubrication
 from rollslip.structure import FrozenTable, resolved
@@ -139,10 +140,11 @@ class Operation:
     )
 
     def __attrs_post_init__(self) -> None:
-        if self.carrier is not None and self.gravity_direction is not None:
-            raise FieldError(
-                "gravity_direction", "it turns round where a carrier does; leave out one of them"
-            )
+        refuse_if(
+            self.carrier is not None and self.gravity_direction is not None,
+            "gravity_direction",
+            "it turns round where a carrier does; leave out one of them",
+        )
         if self.inner_speed == self.outer_speed:
             speed = format_quantity(self.inner_speed, "rad/s")
             raise FieldError(
@@ -194,8 +196,11 @@ class Separator:
     )
 
     def __attrs_post_init__(self) -> None:
-        if self.name == "cage" and self.coefficient is not None:
-            raise FieldError("coefficient", "only read for model = 'none', not for 'cage'")
+        refuse_if(
+            self.name == "cage" and self.coefficient is not None,
+            "coefficient",
+            "only read for model = 'none', not for 'cage'",
+        )
 
 
 def model_kind(key: str) -> str:

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.fields import FieldError, choice_of, parameter, positive
+from rollslip.fields import choice_of, parameter, positive, refuse_if
 from rollslip.models import submodel
 from rollslip.references import Reference
 from rollslip.search import Array
@@ -175,8 +175,11 @@ class BulkAndFlash(DamageModel):
     )
 
     def __attrs_post_init__(self) -> None:
-        if not isinstance(self.flash, FlashTemperature):
-            raise FieldError("flash", f"must be model 'flash-temperature', not {self.flash.name!r}")
+        refuse_if(
+            not isinstance(self.flash, FlashTemperature),
+            "flash",
+            f"must be model 'flash-temperature', not {self.flash.name!r}",
+        )
 
     def _bulk(self, contacts: Contacts) -> Array:
         """Return the common bulk temperature of both surfaces [K], (n,)."""

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, choice_of, parameter, positive, within_possible
+from rollslip.fields import choice_of, parameter, positive, refuse_if, within_possible
 from rollslip.models import (
     FINITE,
     NON_NEGATIVE,
@@ -199,11 +199,11 @@ class InletCorrection(FilmModel):
     )
 
     def __attrs_post_init__(self) -> None:
-        if self.film.inlet_heating or self.film.inlet_starvation:
-            raise FieldError(
-                "film",
-                f"the inlet of {self.film.name!r} is corrected already; give the film inside it",
-            )
+        refuse_if(
+            self.film.inlet_heating or self.film.inlet_starvation,
+            "film",
+            f"the inlet of {self.film.name!r} is corrected already; give the film inside it",
+        )
 
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]

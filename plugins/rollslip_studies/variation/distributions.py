@@ -20,7 +20,7 @@ import attrs
 import numpy as np
 
 from rollslip.errors import did_you_mean, nearest
-from rollslip.fields import FieldError, in_range, parameter, positive
+from rollslip.fields import FieldError, in_range, parameter, positive, refuse_if
 from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.search import Array
 from rollslip.structure import Location, structure
@@ -53,8 +53,11 @@ class Distribution(abc.ABC):
     at_most: Any = own_unit("values above do not occur")
 
     def __attrs_post_init__(self) -> None:
-        if None not in (self.at_least, self.at_most) and not self.at_least < self.at_most:
-            raise FieldError("at_most", "must be above at_least")
+        refuse_if(
+            None not in (self.at_least, self.at_most) and not self.at_least < self.at_most,
+            "at_most",
+            "must be above at_least",
+        )
 
     @abc.abstractmethod
     def centred(self, nominal: float | None) -> "Distribution":
@@ -68,10 +71,11 @@ class Distribution(abc.ABC):
         high = 1.0
         if self.at_most is not None:
             high = float(self._fraction(np.asarray(self.at_most, dtype=float)))
-        if not high > low:
-            raise FieldError(
-                "at_least", "leaves nothing of the distribution; move at_least or at_most"
-            )
+        refuse_if(
+            not high > low,
+            "at_least",
+            "leaves nothing of the distribution; move at_least or at_most",
+        )
         values = self._quantile(low + np.asarray(probability, dtype=float) * (high - low))
         if self.at_least is None and self.at_most is None:
             return values
@@ -88,8 +92,11 @@ class Distribution(abc.ABC):
 
 def _required(value: Any, name: str, nominal: float | None) -> float:
     """Return a parameter, by default the value of the scene; FieldError if there is neither."""
-    if value is None and nominal is None:
-        raise FieldError(name, "missing, and the scene has no value of its own to take for it")
+    refuse_if(
+        value is None and nominal is None,
+        name,
+        "missing, and the scene has no value of its own to take for it",
+    )
     return float(nominal if value is None else value)  # type: ignore[arg-type]
 
 
@@ -141,10 +148,11 @@ class Normal(Distribution):
         _check_alternatives(self.deviation, self.scatter, ("deviation", "scatter"))
         mean = _required(self.mean, "mean", nominal)
         deviation = self.deviation if self.scatter is None else self.scatter * abs(mean)
-        if not deviation > 0.0:
-            raise FieldError(
-                "deviation", "must be above 0; of a mean of 0 a relative scatter says nothing"
-            )
+        refuse_if(
+            not deviation > 0.0,
+            "deviation",
+            "must be above 0; of a mean of 0 a relative scatter says nothing",
+        )
         return attrs.evolve(self, mean=mean, deviation=deviation, scatter=None)
 
     def _quantile(self, probability: Array) -> Array:
@@ -172,12 +180,12 @@ class LogNormal(Distribution):
     def centred(self, nominal: float | None) -> "LogNormal":
         """Return the distribution with its median."""
         median = _required(self.median, "median", nominal)
-        if not median > 0.0:
-            raise FieldError("median", "must be above 0")
-        if self.scatter is None and self.deviation_of_ln is None:
-            raise FieldError(
-                "scatter", "missing, but required (standard deviation over mean); such as 0.1"
-            )
+        refuse_if(not median > 0.0, "median", "must be above 0")
+        refuse_if(
+            self.scatter is None and self.deviation_of_ln is None,
+            "scatter",
+            "missing, but required (standard deviation over mean); such as 0.1",
+        )
         _check_alternatives(self.scatter, self.deviation_of_ln, ("scatter", "deviation_of_ln"))
         return attrs.evolve(self, median=median)
 
@@ -218,10 +226,12 @@ class Uniform(Distribution):
             half_width = abs(centre) * self.scatter
             bounds = {"low": centre - half_width, "high": centre + half_width}
             return attrs.evolve(self, **bounds, scatter=None).centred(None)
-        if self.scatter is not None or self.low is None or self.high is None:
-            raise FieldError("low", "give low and high, or scatter alone")
-        if not self.low < self.high:
-            raise FieldError("high", "must be above low")
+        refuse_if(
+            self.scatter is not None or self.low is None or self.high is None,
+            "low",
+            "give low and high, or scatter alone",
+        )
+        refuse_if(not self.low < self.high, "high", "must be above low")
         return self
 
     def _quantile(self, probability: Array) -> Array:
@@ -242,8 +252,7 @@ class LogUniform(Distribution):
         """Return the distribution after a check of its bounds."""
         low = _required(self.low, "low", None)
         high = _required(self.high, "high", None)
-        if not 0.0 < low < high:
-            raise FieldError("high", "must be above low, and low above 0")
+        refuse_if(not 0.0 < low < high, "high", "must be above low, and low above 0")
         return self
 
     def _quantile(self, probability: Array) -> Array:
@@ -311,8 +320,11 @@ class Correlation:
     )
 
     def __attrs_post_init__(self) -> None:
-        if len(self.between) != 2 or self.between[0] == self.between[1]:
-            raise FieldError("between", "two different keys are expected")
+        refuse_if(
+            len(self.between) != 2 or self.between[0] == self.between[1],
+            "between",
+            "two different keys are expected",
+        )
 
 
 @attrs.frozen(eq=False)
