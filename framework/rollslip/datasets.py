@@ -135,15 +135,16 @@ class Profile:
                     f"only read for shape = 'table', not for {self.shape!r}",
                 )
             return
-        if len(self.position) < 2:
-            raise FieldError(
-                "position", f"a table needs at least 2 places, not {len(self.position)}"
-            )
-        if len(self.drop) != len(self.position):
-            raise FieldError(
-                "drop",
-                f"needs one value for each of {len(self.position)} places, not {len(self.drop)}",
-            )
+        refuse_if(
+            len(self.position) < 2,
+            "position",
+            f"a table needs at least 2 places, not {len(self.position)}",
+        )
+        refuse_if(
+            len(self.drop) != len(self.position),
+            "drop",
+            f"needs one value for each of {len(self.position)} places, not {len(self.drop)}",
+        )
         refuse_if(
             (
                 any(
@@ -334,12 +335,14 @@ class FormPart:
         )
         refuse_if(self.lobes is None and self.amplitude != 0.0, "amplitude", "only read with lobes")
         if self.heights or self.angles:
-            if len(self.angles) != len(self.heights) or len(self.angles) < 4:
-                raise FieldError(
-                    "heights",
+            refuse_if(
+                len(self.angles) != len(self.heights) or len(self.angles) < 4,
+                "heights",
+                (
                     f"a table needs 4 places or more and as many heights, not {len(self.angles)} and "
-                    f"{len(self.heights)}",
-                )
+                    f"{len(self.heights)}"
+                ),
+            )
             ascending = all(b > a for a, b in zip(self.angles, self.angles[1:], strict=False))
             refuse_if(
                 not ascending or self.angles[-1] - self.angles[0] >= 2.0 * math.pi,

@@ -18,7 +18,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.errors import OutputError, SceneError, nearest
-from rollslip.fields import FieldError
+from rollslip.fields import FieldError, refuse_if
 from rollslip.units import NUMBER, UnitError, as_written, expectation, quantity
 
 _REMEDY: Final = "free space, or name another place"
@@ -98,11 +98,11 @@ _PIPE_TIMEOUT: Final = 10.0
 def named_text(file: str) -> str:
     """Return the text of a file that a parameter names by its full path; raise `FieldError` for the field ``file``."""
     path = Path(file)
-    if not path.is_absolute():
-        raise FieldError(
-            "file",
-            f"must be a full path, not {as_written(file)}, which from this folder would be '{path.resolve()}'",
-        )
+    refuse_if(
+        not path.is_absolute(),
+        "file",
+        f"must be a full path, not {as_written(file)}, which from this folder would be '{path.resolve()}'",
+    )
     try:
         return path.read_text(encoding="utf-8-sig")  # some editors put a mark at the start
     except UnicodeDecodeError:

@@ -43,10 +43,6 @@ class Stops:
     gap: float
 
 
-def _none(shapes: "RingShapes") -> Array:
-    return np.zeros(shapes.stiffness.size)
-
-
 @attrs.frozen(eq=False)
 class RingShapes:
     """Shapes in which the raceway of a ring deforms, away from the rollers.
@@ -62,7 +58,9 @@ class RingShapes:
     #: Stiffness of each shape [N/m], (m,): K q = sum Q B(psi) in equilibrium. Zero where only stops resist it.
     stiffness: Array = attrs.field(factory=lambda: np.zeros(0))
     #: Forces on the shapes other than those of the rollers [N], (m,).
-    pushes: Array = attrs.field(default=attrs.Factory(_none, takes_self=True))
+    pushes: Array = attrs.field(
+        default=attrs.Factory(lambda shapes: np.zeros(shapes.stiffness.size), takes_self=True)
+    )
     #: A seat with clearance.
     stops: Stops | None = None
     #: Mass of each shape [kg], (m,), in the kinetic energy sum M (dq/dt)^2/2. None where it is unknown; plane motion

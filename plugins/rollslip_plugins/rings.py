@@ -364,10 +364,11 @@ class Annulus(RingModel):
             seat = D
             other = mounting.housing_material or steel
             beyond = self.outside or mounting.housing_outside_diameter or _UNBOUNDED_RATIO * D
-            if beyond < D * (1.0 - 1e-9):
-                raise FieldError(
-                    "outside", f"must be at least the ring's own, {D:.4g} m, not {beyond:.4g} m"
-                )
+            refuse_if(
+                beyond < D * (1.0 - 1e-9),
+                "outside",
+                f"must be at least the ring's own, {D:.4g} m, not {beyond:.4g} m",
+            )
         else:
             refuse_if(
                 self.outside is not None,
@@ -378,10 +379,11 @@ class Annulus(RingModel):
             seat = d
             other = mounting.shaft_material or steel
             beyond = mounting.shaft_bore if self.bore is None else self.bore
-            if beyond > d * (1.0 + 1e-9):
-                raise FieldError(
-                    "bore", f"must be at most the ring's own, {d:.4g} m, not {beyond:.4g} m"
-                )
+            refuse_if(
+                beyond > d * (1.0 + 1e-9),
+                "bore",
+                f"must be at most the ring's own, {d:.4g} m, not {beyond:.4g} m",
+            )
             beyond = max(beyond, d / _UNBOUNDED_RATIO)
         own = (raceway / 2.0, seat / 2.0, steel.elastic_modulus, steel.poisson_ratio)
         if abs(beyond - seat) <= 1e-9 * seat:
@@ -541,10 +543,9 @@ class Thin(RingModel):
             raceway = bearing.inner_raceway_diameter
             h = self.thickness or abs(raceway - d) / 2.0
             R = raceway / 2.0 - 0.5 * h
-        if h / 2.0 >= R:
-            raise FieldError(
-                "thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m"
-            )
+        refuse_if(
+            h / 2.0 >= R, "thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m"
+        )
         return R, self.width or bearing.width, h
 
     def _stops(self, radius: float) -> Stops | None:
@@ -658,12 +659,14 @@ class Compliance(RingModel):
         C = self.matrix()
         N = len(C)
         values = np.linalg.eigvalsh(C)
-        if values[0] < -_MIN_COMPLIANCE * values[-1]:
-            raise FieldError(
-                "file",
+        refuse_if(
+            values[0] < -_MIN_COMPLIANCE * values[-1],
+            "file",
+            (
                 f"{self.file}: is not positive: forces would draw work from the ring (eigenvalue {values[0]:.3g} of "
-                f"{values[-1]:.3g} m/N); check signs, and that w and F both point away from the rollers",
-            )
+                f"{values[-1]:.3g} m/N); check signs, and that w and F both point away from the rollers"
+            ),
+        )
         highest = min((N - 1) // 2, max(2, bearing.rollers // 2))
         angles = 2.0 * math.pi / N * np.arange(N)
         waves = [

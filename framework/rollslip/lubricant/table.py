@@ -122,16 +122,16 @@ class OverTemperature:
     value: tuple[float, ...] = own_unit("the property at each")
 
     def __attrs_post_init__(self) -> None:
-        if len(self.temperature) < 2:
-            raise FieldError(
-                "temperature",
-                f"a table needs two or more temperatures, not {len(self.temperature)}",
-            )
-        if len(self.value) != len(self.temperature):
-            raise FieldError(
-                "value",
-                f"needs one value for each of {len(self.temperature)}, not {len(self.value)}",
-            )
+        refuse_if(
+            len(self.temperature) < 2,
+            "temperature",
+            f"a table needs two or more temperatures, not {len(self.temperature)}",
+        )
+        refuse_if(
+            len(self.value) != len(self.temperature),
+            "value",
+            f"needs one value for each of {len(self.temperature)}, not {len(self.value)}",
+        )
         refuse_if(
             any(low >= high for low, high in pairwise(self.temperature)), "temperature", "must rise"
         )
@@ -350,11 +350,11 @@ class OilTable:
                 "iso_grade",
                 "not beside a name, points or viscosity, which say more; leave it out",
             )
-            if self.base_oil is None:
-                raise FieldError(
-                    "base_oil",
-                    f"missing; a grade alone is not an oil: {', '.join(BASE_OILS)} (kind of base oil)",
-                )
+            refuse_if(
+                self.base_oil is None,
+                "base_oil",
+                f"missing; a grade alone is not an oil: {', '.join(BASE_OILS)} (kind of base oil)",
+            )
         elif self.viscosity_index is not None and not (own and self._is_point_at_40):
             raise FieldError(
                 "viscosity_index", "goes with iso_grade, or with one point at 40 degC; leave it out"

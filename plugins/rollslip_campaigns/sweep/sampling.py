@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.errors import RollslipError, SceneError
-from rollslip.fields import FieldError
+from rollslip.fields import FieldError, refuse_if
 from rollslip.scene.changes import Quantity, parse_set
 from rollslip.search import Array
 from rollslip.toml import as_list, thawed
@@ -277,27 +277,31 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
     check_typed(text, ends, unit)
     low, high = evenly(*ends, 2, unit)
     given = unit_given(ends[0], unit)
-    if not low < high:
-        raise FieldError(key, f"{as_written(text)}: the first end must be below the second")
-    if logarithmic and not low > 0.0:
-        raise FieldError(key, f"{as_written(text)}: a logarithmic range must begin above 0")
+    refuse_if(not low < high, key, f"{as_written(text)}: the first end must be below the second")
+    refuse_if(
+        logarithmic and not low > 0.0,
+        key,
+        f"{as_written(text)}: a logarithmic range must begin above 0",
+    )
     if not count:
-        if not sampled:
-            raise FieldError(
-                key, f"{as_written(text)} has no count; write LOW:HIGH:COUNT, or ask for samples"
-            )
-        if quantity.whole:
-            raise FieldError(
-                key, f"{as_written(text)}: whole numbers are not sampled; give a count or a list"
-            )
+        refuse_if(
+            not sampled,
+            key,
+            f"{as_written(text)} has no count; write LOW:HIGH:COUNT, or ask for samples",
+        )
+        refuse_if(
+            quantity.whole,
+            key,
+            f"{as_written(text)}: whole numbers are not sampled; give a count or a list",
+        )
         for end, value in (("its low end", low), ("its high end", high)):
             _checked(quantity, value, end, given)
         return LogUniform(low=low, high=high) if logarithmic else Uniform(low=low, high=high)
-    if not count.isascii() or not count.isdecimal() or not 2 <= int(count) <= _MAX_COUNT:
-        raise FieldError(
-            key,
-            f"{as_written(text)}: {as_written(count)} is not a number of values from 2 to {_MAX_COUNT}",
-        )
+    refuse_if(
+        not count.isascii() or not count.isdecimal() or not 2 <= int(count) <= _MAX_COUNT,
+        key,
+        f"{as_written(text)}: {as_written(count)} is not a number of values from 2 to {_MAX_COUNT}",
+    )
     n = int(count)
     if logarithmic:
         between = [low * math.exp(k / (n - 1) * math.log(high / low)) for k in range(1, n - 1)]
@@ -324,15 +328,16 @@ def range_parts(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
     parts = [part.strip() for part in text.split(":")]
     logarithmic = parts[-1] == "log"
     numbers = parts[:-1] if logarithmic else parts
-    if len(numbers) not in (2, 3) or not all(parts):
-        raise FieldError(
-            key, f"{as_written(text)} is not a range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log"
-        )
-    if "," in text:
-        raise FieldError(
-            key,
-            f"{as_written(text)} has a comma; write decimals with a point, and no range in a list",
-        )
+    refuse_if(
+        len(numbers) not in (2, 3) or not all(parts),
+        key,
+        f"{as_written(text)} is not a range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log",
+    )
+    refuse_if(
+        "," in text,
+        key,
+        f"{as_written(text)} has a comma; write decimals with a point, and no range in a list",
+    )
     low, high, count = numbers if len(numbers) == 3 else (*numbers, "")
     return (low, high), count, logarithmic
 

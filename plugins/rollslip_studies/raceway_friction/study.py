@@ -27,7 +27,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.quadrature import load_rule
 from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
-from rollslip.fields import FieldError, parameter, positive
+from rollslip.fields import FieldError, parameter, positive, refuse_if
 from rollslip.results.dataset import about, xr
 from rollslip.scene.changes import evolve
 from rollslip.studies.answers import Output, RunContext
@@ -134,10 +134,11 @@ class RacewayFriction(Study):
     )  # fmt: skip
 
     def __attrs_post_init__(self) -> None:
-        if self.largest_ratio < self.smallest_ratio:
-            raise FieldError(
-                "smallest_ratio", f"{self.smallest_ratio:g} is above the largest ratio"
-            )
+        refuse_if(
+            self.largest_ratio < self.smallest_ratio,
+            "smallest_ratio",
+            f"{self.smallest_ratio:g} is above the largest ratio",
+        )
         if (
             self.slowest is not None
             and self.fastest is not None

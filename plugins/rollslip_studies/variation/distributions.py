@@ -102,8 +102,9 @@ def _required(value: Any, name: str, nominal: float | None) -> float:
 
 def _check_alternatives(first: Any, second: Any, names: tuple[str, str]) -> None:
     """Raise a FieldError unless exactly one of two parameters is given."""
-    if (first is None) == (second is None):
-        raise FieldError(names[0], f"give either {names[0]} or {names[1]}")
+    refuse_if(
+        (first is None) == (second is None), names[0], f"give either {names[0]} or {names[1]}"
+    )
 
 
 def _normal_quantile(probability: Array) -> Array:
@@ -277,10 +278,11 @@ class Triangular(Distribution):
         low = _required(self.low, "low", None)
         high = _required(self.high, "high", None)
         mode = _required(self.mode, "mode", nominal)
-        if not (low <= mode <= high and low < high):
-            raise FieldError(
-                "mode", f"low, mode and high must ascend, not {low:g}, {mode:g}, {high:g}"
-            )
+        refuse_if(
+            not (low <= mode <= high and low < high),
+            "mode",
+            f"low, mode and high must ascend, not {low:g}, {mode:g}, {high:g}",
+        )
         return attrs.evolve(self, mode=mode)
 
     def _quantile(self, probability: Array) -> Array:
