@@ -37,8 +37,7 @@ def cores() -> int:
 @cache
 def threads() -> int:
     """Return the number of threads that share a large table: ROLLSLIP_THREADS, or that of the usable cores."""
-    text = os.environ.get("ROLLSLIP_THREADS")
-    if text is None:
+    if (text := os.environ.get("ROLLSLIP_THREADS")) is None:
         return cores()
     if not (text.isascii() and text.isdecimal() and int(text) > 0):
         raise RollslipError(

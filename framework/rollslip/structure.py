@@ -471,8 +471,7 @@ def resolved(scene: Any) -> dict[str, object]:
     """
     table: dict[str, object] = {}
     for name, key, rest in _keys(type(scene)):  # type: ignore[arg-type]  # mypy takes a class for unhashable
-        value = getattr(scene, name)
-        if value is None:
+        if (value := getattr(scene, name)) is None:
             continue
         plain = _plain(value)
         if rest and isinstance(plain, dict):

@@ -86,8 +86,7 @@ def thawed(value: object) -> Any:
         array, "tolist"
     ):
         plain = array.tolist()
-        unit = getattr(value, "attrs", {}).get("units")
-        if not unit:
+        if not (unit := getattr(value, "attrs", {}).get("units")):
             return plain
         return [f"{x!r} {unit}" for x in plain] if isinstance(plain, list) else f"{plain!r} {unit}"
     return list(map(thawed, value)) if isinstance(value, list | tuple | range) else value

@@ -506,8 +506,7 @@ def _from_text(text: str, unit: str) -> Fraction:
         value = None
     if number is None or value is None:
         raise UnitError(f"{as_written(text)} is not a number with a unit, here {expectation(unit)}")
-    symbol = stripped[number.end() :].strip()
-    if not symbol:
+    if not (symbol := stripped[number.end() :].strip()):
         if unit == "1":
             return value
         raise UnitError(f"{as_written(text)} has no unit, here {expectation(unit, number[0])}")

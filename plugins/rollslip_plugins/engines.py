@@ -154,8 +154,7 @@ def _prepare_worker() -> None:
 
 def _end_with_parent() -> None:
     """Wait for the end of the parent process, and end this one."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
+    if (parent := multiprocessing.parent_process()) is not None:
         parent.join()
         os._exit(1)
 

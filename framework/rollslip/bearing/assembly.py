@@ -430,8 +430,7 @@ def assemble(
     where = Location(scene.origins)
     load_cache = dict[tuple[Hashable, ...], Any]()
     if like is not None and _has_same_loads(scene, resolution, like):
-        changed = _with_changed_oil(scene, like, where)
-        if changed is not None:
+        if (changed := _with_changed_oil(scene, like, where)) is not None:
             return changed
         load_cache = like.load_cache
     problems: list[str] = []
@@ -560,8 +559,7 @@ def _has_same_loads(scene: Scene, resolution: Resolution, like: Assembly) -> boo
 def _with_changed_oil(scene: Scene, like: Assembly, where: Location) -> Assembly | None:
     """Return the assembly of a scene with other oil properties; None where the laws of the oil differ too."""
     problems = list[str]()
-    oil = _lubricant(scene, where, problems)
-    if oil is None:
+    if (oil := _lubricant(scene, where, problems)) is None:
         raise SceneError(problems)
     old = like.lubricant
     same_laws = (oil.pressure_viscosity_law, oil.slopes, oil.models) == (

@@ -261,8 +261,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     ISO/TS 16281:2008; ISO 5593 (clearance); T. A. Harris, M. N. Kotzalas, Essential Concepts of Bearing Technology.
     """
     n_positions, rollers = case.psi.shape
-    rings = case.rings
-    if rings is None:
+    if (rings := case.rings) is None:
         shapes = 0
         split = 2
         reach = 0.0

@@ -128,8 +128,7 @@ def _similar_names(kind: str, name: str) -> list[str]:
     if not get_kind(kind).data:
         return difflib.get_close_matches(name, names, n=3, cutoff=0.4)
     by_form = {folded(known): known for known in reversed(names)}
-    forms = difflib.get_close_matches(folded(name), by_form, n=3, cutoff=0.4)
-    if forms:
+    if forms := difflib.get_close_matches(folded(name), by_form, n=3, cutoff=0.4):
         return [by_form[form] for form in forms]
     # "Shell Morlina S2 B 68": the number identifies the oil better than the maker
     numbers = set(_NUMBERS.findall(name))

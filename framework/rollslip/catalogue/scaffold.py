@@ -151,8 +151,7 @@ def _template(kind: str, compiled: bool) -> KindTemplate:
         check_kind(kind)
     except PluginError as error:
         raise FieldError("kind", str(error)) from error
-    template = get_kind(kind).template
-    if template is None:
+    if (template := get_kind(kind).template) is None:
         start = built_in_module(kind) or "another package that offers one"
         raise FieldError(
             "kind",

@@ -82,8 +82,7 @@ def register(thing: T, *, replace: bool = False) -> T:
     PluginError
         If it has no kind, is not complete, or its name exists already.
     """
-    kind = kind_of(thing)
-    if kind is None:
+    if (kind := kind_of(thing)) is None:
         bases = ", ".join(known.base.__name__ for known in usable_kinds())
         raise PluginError(
             f"{thing!r} cannot be registered: a class derived from, or a value of, one of {bases} can; "

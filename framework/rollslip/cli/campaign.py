@@ -157,8 +157,7 @@ def _run(requested: Campaign, about: str, results: Results) -> None:
             click.echo(first)
         console.print_found(dataset, "  " if resumes_folder else "")
         results.print_summary(dataset)
-    hints = requested.retry_hints(dataset, results.target)
-    if hints is not None:
+    if (hints := requested.retry_hints(dataset, results.target)) is not None:
         for line in hints:
             click.echo(f"{line} {_resume_hint(results)}", err=True)
         sys.exit(SOME_FAILED)

@@ -201,8 +201,7 @@ def viscosity_index(at_40: float, at_100: float) -> float:
     """
     Y = 1e6 * at_100
     U = 1e6 * at_40
-    row = next((row for row in reversed(_L_AND_H) if row[0] <= Y), None)
-    if row is None:
+    if (row := next((row for row in reversed(_L_AND_H) if row[0] <= Y), None)) is None:
         return math.nan
     _, a, b, c, d, e, f = row
     L = (a * Y + b) * Y + c

@@ -198,8 +198,7 @@ def compute(
         error = estimate_error(running, assembly, choice, dataset, first)
         if fixed_resolution:
             break
-        finer = refine_resolution(running, assembly, choice, error)
-        if finer is None:
+        if (finer := refine_resolution(running, assembly, choice, error)) is None:
             break
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)
         first = first or error

@@ -98,10 +98,8 @@ def _example_value(row: SchemaRow) -> str:
     """Return the default of a key as text, else an example of its unit, else of its type."""
     if row.default not in ("required", "derived", ""):
         return row.default
-    if row.unit:
-        match = re.search(r"such as (.+)$", expectation(row.unit))
-        if match:
-            return match.group(1).strip("'")
+    if row.unit and (match := re.search(r"such as (.+)$", expectation(row.unit))):
+        return match.group(1).strip("'")
     if row.type == "whole number":
         minimum = re.search(r"from (\d+)", row.usual)
         return minimum.group(1) if minimum else "1"

@@ -594,8 +594,7 @@ def describe_assumptions(dataset: "xr.Dataset") -> tuple[str, ...]:
     names = ", ".join(dict.fromkeys(_assumed_keys(attributes.get("scene", "")))).replace("_", " ")
     if names:
         assumed.append(f"{names} as rollslip new has it")
-    own_cage = attributes.get("own_cage")
-    if own_cage:
+    if own_cage := attributes.get("own_cage"):
         assumed.append(f"cage {own_cage.partition(', ')[2].partition(';')[0]}")
     if assumed:
         texts.append("; ".join(assumed))
@@ -716,8 +715,7 @@ def _note(message: Mapping[str, Any], consequences: Mapping[str, Mapping[str, An
     """Return the note of a message on a range, with the changes by another law, if these were evaluated."""
     code = message.get("code", "")
     row = consequences.get(code, {"changes": {}} if consequences else {})
-    changes = row.get("changes")
-    if changes is not None:
+    if (changes := row.get("changes")) is not None:
         changes = {
             name: (before, math.inf if after is None else after)
             for name, (before, after) in changes.items()

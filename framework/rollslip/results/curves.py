@@ -176,8 +176,7 @@ def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
 
 def curves(dataset: "xr.Dataset") -> list[Curve]:
     """Return the friction curves of a dataset, none if its study has no such curves."""
-    names = Curves.from_dataset(dataset)
-    if names is None:
+    if (names := Curves.from_dataset(dataset)) is None:
         return []
     return [
         _curve(dataset.isel({names.over: position}), names, label)

@@ -312,8 +312,7 @@ def shown_short(value: object) -> str:
 
 def _check_seal(content: bytes, path: Path) -> int:
     """Raise an error for a file that was changed; return its format, 0 for older files, which have no checksum."""
-    seal = _SEALED.search(content, max(0, len(content) - 200))
-    if seal is None:
+    if (seal := _SEALED.search(content, max(0, len(content) - 200))) is None:
         return 0
     if int(seal[1]) > FORMAT:
         raise OutputError(

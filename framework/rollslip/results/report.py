@@ -223,8 +223,7 @@ def _findings(datasets: "Datasets") -> str:
     body = ""
     for name, dataset in datasets.items():
         parts = [*account_of(dataset).story(dataset), describe_law_outputs(dataset)]
-        text = "".join(_finding(part) for part in parts if part)
-        if text:
+        if text := "".join(_finding(part) for part in parts if part):
             body += _tag("h3", name) + text
     level = confidence(datasets.values())
     if level and body:

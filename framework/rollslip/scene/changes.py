@@ -243,8 +243,7 @@ def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyP
         if type(None) in get_args(kind):
             kind = next((member for member in get_args(kind) if attrs.has(member)), kind)
         below = table.get(part)
-        element = _element_type(kind, below)
-        if element is not None:
+        if (element := _element_type(kind, below)) is not None:
             kind = element
             table[part] = [below] if isinstance(below, str | dict) else list(below or ())
         elif not isinstance(below, dict):

@@ -86,8 +86,7 @@ def _parameter(value: object, key: str) -> Any:
 
 def _split_quantity(text: str) -> Any:
     """Return number and unit of a text, or the text itself where both would not give it again."""
-    found = _QUANTITY.fullmatch(text)
-    if found is None:
+    if (found := _QUANTITY.fullmatch(text)) is None:
         return text
     number = float(found[1]) if "." in found[1] else int(found[1])
     return {"value": number, "unit": found[2]} if str(number) == found[1] else text

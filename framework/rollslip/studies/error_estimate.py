@@ -634,8 +634,7 @@ def choose_by_doubling(
             previous = result
             result = solve(**{part: number})
             errors[part] = errors_between(controlled_outputs, previous, result)
-            exceeded = exceeding(errors[part], accuracy, fraction)
-            if not exceeded:
+            if not (exceeded := exceeding(errors[part], accuracy, fraction)):
                 break
         else:
             changes = " and ".join(

@@ -33,8 +33,7 @@ def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Vari
     dataset : xarray.Dataset
         The result.
     """
-    laws = _laws_with_outputs(assembly)
-    if not laws:
+    if not (laws := _laws_with_outputs(assembly)):
         return {}
     groups, dims = _contacts_by_group(study, assembly, dataset)
     variables = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]()

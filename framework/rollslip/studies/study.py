@@ -248,8 +248,7 @@ class Study(DiscretisedStudy, abc.ABC):
         RollslipError
             If errors cannot be estimated.
         """
-        curve_study = self.curve_study(assembly)
-        if curve_study is None:
+        if (curve_study := self.curve_study(assembly)) is None:
             return choose_by_doubling(self.run, self.controlled_outputs, self.affected_by, assembly)
         return choose_by_curves(curve_study, assembly, cheaper_laws=cheaper_laws)
 

@@ -231,8 +231,7 @@ def check_values_across_a_contact_agree_with_the_measure(model: DamageModel) -> 
     """What is told of the inside of a contact is one value a place, and holds what the measure says of the whole."""
     places = np.linspace(-1.0, 1.0, 201)
     for contacts in _contacts():
-        across = model.across(contacts, places)
-        if across is None:
+        if (across := model.across(contacts, places)) is None:
             raise Inapplicable("it has one value for a contact")
         across = np.asarray(across, dtype=float)
         refuse_unless(

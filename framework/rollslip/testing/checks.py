@@ -508,8 +508,7 @@ def dimension(unit: str) -> tuple[float, float, float, float]:
     total = np.zeros(4)
     for sign, factors in zip((1.0, -1.0), unit.partition("/")[::2], strict=True):
         for word in factors.strip(" ()").split():
-            factor = _FACTOR.fullmatch(word)
-            if factor is None:
+            if (factor := _FACTOR.fullmatch(word)) is None:
                 raise UnitError(f"{unit!r} is not a unit that is known here")
             total += sign * float(factor[2] or 1) * np.array(_unit(factor[1])[1][:4])
     metre, kilogram, second, kelvin = map(float, total)

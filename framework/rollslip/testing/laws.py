@@ -141,8 +141,7 @@ def check_separated_surfaces_carry_no_load(model: SliceModel) -> None:
     for form, shaped in forms_of(model):
         base = table(shaped, 16)
         for approach in (0.0, -0.0, -1e-9, -1e-3):
-            separated = changed(base, shaped, approach=approach)
-            if separated is None:
+            if (separated := changed(base, shaped, approach=approach)) is None:
                 raise Nonconformance(
                     f"{form} form refuses an approach of {approach:g}: surfaces may be apart"
                 )
@@ -245,8 +244,7 @@ def check_is_odd_in_slip(filled: Slices, form: str, shaped: SliceModel) -> None:
 @on_drawn_slices
 def check_is_zero_at_zero_slip(filled: Slices, form: str, shaped: SliceModel) -> None:
     """Pure rolling needs no force here; rolling resistance is another term."""
-    still = changed(filled, shaped, sliding_speed=0.0)
-    if still is None:
+    if (still := changed(filled, shaped, sliding_speed=0.0)) is None:
         raise Nonconformance(f"{form} form refuses pure rolling; at {shown(shaped, filled, 0)}")
     if (i := first_of(still.friction != 0)) is not None:
         raise Nonconformance(
@@ -286,8 +284,7 @@ def check_without_pressure_the_oil_is_as_it_was(
     filled: Slices, form: str, shaped: SliceModel
 ) -> None:
     """A law says how viscosity rises: at no pressure eta is eta0 and its fall with temperature beta0."""
-    still = changed(filled, shaped, pressure=0.0)
-    if still is None:
+    if (still := changed(filled, shaped, pressure=0.0)) is None:
         raise Nonconformance(f"{form} form refuses no pressure; at {shown(shaped, filled, 0)}")
     ambient = copy_of(still)
     ambient.film_viscosity[:] = still.conditions.viscosity
@@ -337,8 +334,7 @@ def check_log_kernel_gives_the_logarithm(
     filled: Slices, form: str, shaped: PressureViscosity
 ) -> None:
     """``log_kernel``, which laws at several pressures of a contact call, gives ln(eta) in place of eta."""
-    capsule = shaped.log_kernel()
-    if capsule is None:
+    if (capsule := shaped.log_kernel()) is None:
         raise Inapplicable("it has no log_kernel")
     found = copy_of(filled)
     Chain([(capsule, {}, shaped.writes)]).run(found)
@@ -441,8 +437,7 @@ def check_torque_takes_power_out_of_a_cage_between_still_rings(model: DragModel)
 @rule(DragModel)
 def check_compiled_torque_equals_python(model: DragModel) -> None:
     """Two forms of one law: ``kernel()`` is None or a capsule ``rs_drag`` of ``rollslip.h`` with the same numbers."""
-    capsule = model.kernel()
-    if capsule is None:
+    if (capsule := model.kernel()) is None:
         raise Inapplicable("it has no kernel")
     if problem := compiled.problem(capsule):
         raise Nonconformance(f"its kernel() {problem}")

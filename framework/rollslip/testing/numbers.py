@@ -116,8 +116,7 @@ def check_friction_does_not_jump_in_slip(model: TractionModel) -> None:
 
 
 def _friction(slices: Slices, model: SliceModel, speed: Array, **others: float) -> Array:
-    filled = changed(slices, model, sliding_speed=speed, **others)
-    if filled is None:
+    if (filled := changed(slices, model, sliding_speed=speed, **others)) is None:
         raise Inapplicable("it refuses some slips of loaded bearings")
     return np.asarray(filled.friction)
 

@@ -227,8 +227,7 @@ def _describe_monotonicity(dataset: "xr.Dataset") -> list[str]:
     n = int(np.isfinite(dataset["result"].to_numpy()).sum())
     if n < 2:
         return []
-    turns = _turning_points(dataset)
-    if not turns:
+    if not (turns := _turning_points(dataset)):
         return [
             f"{name} is monotonic over the {n} values with a result: none of them suggests further passages"
         ]

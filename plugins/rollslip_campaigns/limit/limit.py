@@ -399,8 +399,7 @@ def _read_points(search: Limit, folder: Path) -> tuple[dict[int, float], set[int
 
 def _result(search: Limit, arrays: Mapping[str, Any]) -> float:
     """Worst value of the output at a point, NaN if it has none."""
-    values = arrays.get(search.requirement.output)
-    if values is None:
+    if (values := arrays.get(search.requirement.output)) is None:
         return math.nan
     if np.asarray(values).dtype.kind not in "fiu":
         raise refuse_text_output(search.requirement.output)

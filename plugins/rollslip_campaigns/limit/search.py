@@ -98,8 +98,7 @@ def read_requirement(
     measures : collection of DamageModel
         Measures of damage of the scene. An output of damage needs exactly one, whose unit it has.
     """
-    match = _PATTERN.fullmatch(text)
-    if match is None:
+    if (match := _PATTERN.fullmatch(text)) is None:
         raise SceneError(
             [
                 f"keep: {text!r} is not a limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"

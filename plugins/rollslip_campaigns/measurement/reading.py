@@ -69,8 +69,7 @@ _MIN_CITATION_LENGTH = 3
 
 def load_measurements(folder: str | os.PathLike[str]) -> list[Measurement]:
     """Return the data sets in the subfolders of a folder, in the order of their names."""
-    folders = sorted(path.parent for path in Path(folder).glob(f"*/{FILE}"))
-    if not folders:
+    if not (folders := sorted(path.parent for path in Path(folder).glob(f"*/{FILE}"))):
         raise SceneError([f"{readable(os.fspath(folder))}: no folder in it has a file {FILE}"])
     return list(map(load_measurement, folders))
 
@@ -82,8 +81,7 @@ def load_measurement(folder: str | os.PathLike[str]) -> Measurement:
     raw, origins = parse(text, source)
     problems: list[str] = []
     where = Location(origins)
-    table = structure(MeasurementTable, raw, where, problems)
-    if table is None:
+    if (table := structure(MeasurementTable, raw, where, problems)) is None:
         raise SceneError(problems)
     measurement = _Reader(base, table, where, problems).measurement()
     if problems:
@@ -299,8 +297,7 @@ class _Reader:
 
     def _series(self, table: SeriesTable, where: Location) -> Series | None:
         """Return a series, or None after collecting faults that prevent it."""
-        unit = self._unit(table, where)
-        if unit is None:
+        if (unit := self._unit(table, where)) is None:
             return None
         if not table.uncertainty.strip():
             self.problems.append(
@@ -534,8 +531,7 @@ class _Reader:
 def _nested_value(table: Mapping[str, Any], path: list[str]) -> Any:
     """Return the value at a path in nested tables, also under a key with dots; None where there is none."""
     for n in (len(path), *range(1, len(path))):
-        value = table.get(".".join(path[:n]))
-        if value is not None:
+        if (value := table.get(".".join(path[:n]))) is not None:
             if n == len(path):
                 return value
             return _nested_value(as_table(value), path[n:])

@@ -329,7 +329,6 @@ def load_rig(path: str | os.PathLike[str]) -> Rig:
     source, text = text_named(path)
     raw, origins = parse(text, source)
     problems: list[str] = []
-    rig = structure(Rig, raw, Location(origins), problems)
-    if rig is None:
+    if (rig := structure(Rig, raw, Location(origins), problems)) is None:
         raise SceneError(problems)
     return attrs.evolve(rig, source=source, text=text, origins=origins)

@@ -255,8 +255,7 @@ def _compile_library(code: Mapping[str, str]) -> tuple[bytes | None, str]:
     """Return the compiled library and "", or None and the reason why there is none."""
     command = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
     candidates = map(shutil.which, (command, "cc", "gcc", "clang"))
-    compiler = next(filter(None, candidates), None)
-    if compiler is None:
+    if (compiler := next(filter(None, candidates), None)) is None:
         return None, "no C compiler is found"
     with TemporaryDirectory() as folder:
         for name, text in code.items():

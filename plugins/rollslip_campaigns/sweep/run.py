@@ -428,8 +428,7 @@ class _Run:
                     self._cancel_queued()
                 else:
                     self._submit_tasks(engine, executor, pending)
-                lost = self._collect_results()
-                if lost is None:
+                if (lost := self._collect_results()) is None:
                     continue
                 error, numbers = lost
                 if engine.killed(error) and not isinstance(error, BrokenExecutor):

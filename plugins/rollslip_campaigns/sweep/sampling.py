@@ -194,8 +194,7 @@ def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribu
     """
     if isinstance(raw, str) and ":" in raw and (quantity.unit is not None or quantity.whole):
         return _range(quantity, raw, sampled)
-    listed = as_list(raw)
-    if not listed:
+    if not (listed := as_list(raw)):
         raise FieldError(quantity.key, "the list is empty; give at least one value")
     values = [
         _checked(quantity, value, f"value {k} of {len(listed)}" if len(listed) > 1 else "")

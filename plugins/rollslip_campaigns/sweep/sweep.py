@@ -253,8 +253,7 @@ def _read_table(
         if path[:1] != ("sweep",) or path[1:2] not in {(k,) for k in requested}
     }
     place = Location(origins).at("sweep")
-    table = structure(SweepTable, table_values, place, problems)
-    if table is None:
+    if (table := structure(SweepTable, table_values, place, problems)) is None:
         raise SceneError(problems)
     if table.samples is None and "sampling" in table_values:
         problems.append(
@@ -275,8 +274,7 @@ def _read_axes(
     axes = list[Axis]()
     ranges = dict[str, Distribution]()
     for key, values, location in {full_key(item[0]): item for item in varied}.values():
-        quantity = known.get(key)
-        if quantity is None:
+        if (quantity := known.get(key)) is None:
             problems.append(location.message(describe_unknown_key(key, known)))
             continue
         try:

@@ -292,8 +292,7 @@ def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
     samples = requested.samples
     if samples is None:
         samples = _DEFAULT_SAMPLES if requested.until is None else _MAX_SAMPLES
-    loads = requested.loads
-    if loads is None:
+    if (loads := requested.loads) is None:
         has_acceptable_slip = "acceptable_slip" in requested.base_scene.study.get(
             SteadySlip.name, {}
         )

@@ -264,8 +264,7 @@ def _read_row(
         return f"series {as_written(key[0])}, line {key[1]} once more"
     if cells.get("unit", rows[key].unit) != rows[key].unit:
         return f"unit: {as_written(cells['unit'])}; predictions are in {rows[key].unit!r}"
-    value = _number(cells.get("predicted", ""))
-    if value is None:
+    if (value := _number(cells.get("predicted", ""))) is None:
         return f"predicted: a number is expected, not {as_written(cells.get('predicted', ''))}"
     sigma = _number(cells.get("uncertainty") or "0")
     if sigma is None or sigma < 0.0:

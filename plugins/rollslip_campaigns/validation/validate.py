@@ -170,8 +170,7 @@ def _combinations(requested: "ValidationSettings | RankingSettings") -> tuple[Co
     for kind, names in laws.items():
         for name in names:
             find(kind, name)
-    named = {kind: names for kind, names in laws.items() if names}
-    if not named:
+    if not (named := {kind: names for kind, names in laws.items() if names}):
         return (AS_STATED,)
     return (
         AS_STATED,

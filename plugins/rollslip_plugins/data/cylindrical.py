@@ -252,8 +252,7 @@ class CylindricalRollerBearings(Family):
 
     def canonical_name(self, written: str) -> str | None:
         """Return the designation of the catalogue for another spelling: "NU2210E-C3" for "NU 2210 ECP/C3"."""
-        read = read_designation(written)
-        if read is None:
+        if (read := read_designation(written)) is None:
             return None
         plain = read.old or (read.series in _LITERAL_SERIES and not read.reinforced)
         series = read.series if plain else f"{read.series}E"

@@ -93,8 +93,7 @@ class FullComplementBearings(Family):
 
     def _read(self, written: str) -> tuple[str, str, str | None] | None:
         """Return series, code of the bore and, if it is given, the group of clearance."""
-        match = _WRITTEN.fullmatch(packed(written))
-        if match is None:
+        if (match := _WRITTEN.fullmatch(packed(written))) is None:
             return None
         prefix = next(name for name in ("ncf", "njg", "sl", "sh") if match[name])
         series = match[prefix]
@@ -117,8 +116,7 @@ class FullComplementBearings(Family):
 
     def __getitem__(self, name: str) -> BearingData:
         """Return a bearing by its designation."""
-        read = self._read(name)
-        if read is None:
+        if (read := self._read(name)) is None:
             raise KeyError(name)
         series = read[0]
         return _bearing(name, series, *self._sizes[series, read[1]], read[2] or "CN")

@@ -82,8 +82,7 @@ def check_converges_with_its_order(model: IntegratorModel) -> None:
 
     Measured with SciPy 1.17 on a decaying rotation: RK23 3.00, RK45 5.07, DOP853 7.99, Radau 5.00.
     """
-    order = getattr(model, "order", None)
-    if order is None:
+    if (order := getattr(model, "order", None)) is None:
         raise Inapplicable("its order is not fixed")
     right, exact = _decay()
     errors = []

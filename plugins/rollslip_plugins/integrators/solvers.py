@@ -188,8 +188,7 @@ def _function(jac: Any) -> Callable[[float, Array], Any] | None:
 
 def _filling(jac: Any) -> Callable[[float, Array, Array, Array], None] | None:
     """Return a Jacobian as a function that fills an array, as CVODE calls it; None for None."""
-    dense = _function(jac)
-    if dense is None:
+    if (dense := _function(jac)) is None:
         return None
 
     def fill(t: float, y: Array, rates: Array, into: Array) -> None:

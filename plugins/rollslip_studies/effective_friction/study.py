@@ -422,8 +422,7 @@ class EffectiveFriction(Study):
         pending = list[tuple[int, Array, LoadedRaceways]]()
         for k, (study, assembly) in enumerate(cases):
             slip = slip_grid(study.max_cage_slip, study.points)
-            n_positions = assembly.resolution.n_positions
-            if n_positions is None:
+            if (n_positions := assembly.resolution.n_positions) is None:
                 _, (friction, _), critical, _ = study._converged(assembly, slip)
                 found[k] = slip, friction, critical
             else:

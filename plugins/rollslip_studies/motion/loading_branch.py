@@ -723,8 +723,7 @@ def find_loading_branch(
     while True:
         try:
             branch = search.follow(slips)
-            branch = _drop_doubtful(branch)
-            if branch:
+            if branch := _drop_doubtful(branch):
                 branch = _drop_doubtful(search.refine(branch))
             break
         except (DomainError, ConvergenceError) as error:

@@ -284,8 +284,7 @@ class _Run:
             last = float(self.times[-1]) if self.times.size else self.t
             for end in sorted(b for b in {*self.problem.breaks, last} if self.t < b <= last):
                 gap = _BREAK_GAP * max(abs(end), end - self.t) if end < last else 0.0
-                message = self._integrate_to(end, end - gap)
-                if message:
+                if message := self._integrate_to(end, end - gap):
                     outcome = "stopped" if self.stop_state is not None else "failed"
                     break
         except KeyboardInterrupt:

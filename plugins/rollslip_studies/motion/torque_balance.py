@@ -436,8 +436,7 @@ def skidding_onset(balance: TorqueBalance, max_slip: float, range_key: str) -> S
             math.nan, math.nan, f"{Status.NOT_KNOWN} where skidding begins: {error}"
         )
     slip, torque = branch.maximum
-    jump = branch.skidding_jump
-    if jump is None:
+    if (jump := branch.skidding_jump) is None:
         status = describe_no_skidding(branch, range_key)
         return SkiddingOnset(math.nan, math.nan, status, max_torque=torque, max_torque_slip=slip)
     return SkiddingOnset(

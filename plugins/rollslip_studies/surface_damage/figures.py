@@ -29,8 +29,7 @@ _MAX_LIMIT_RATIO: Final = 3.0
 
 def damage_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw the figures; yield name, caption and figure of each."""
-    known = _with_values(dataset)
-    if known:
+    if known := _with_values(dataset):
         yield (
             "damage-along",
             f"Worst value on a roller over its orbit at a cage slip of {100.0 * float(dataset['slip']):.3g} %; "

@@ -137,8 +137,7 @@ def over_motion(
     bearing_at : callable
         Returns the bearing at the temperatures of a stored time, by its index.
     """
-    measures = damage_of(assembly)
-    if not measures:
+    if not (measures := damage_of(assembly)):
         return {}, {}
     times = dataset["time"].to_numpy()
     indices = np.linspace(0, times.size - 1, min(times.size, _MAX_POINTS)).round().astype(int)

@@ -161,8 +161,7 @@ class SurfaceDamage(Study):
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the damage models, each with its kind; nothing if nothing is measured."""
-        measures = damage_of(assembly)
-        if not measures:
+        if not (measures := damage_of(assembly)):
             return ()
         return *self._steady.models(assembly), *(("damage", model) for model in measures)
 
@@ -299,8 +298,7 @@ class SurfaceDamage(Study):
         DomainError
             If a law has no value at the slip.
         """
-        measures = damage_of(assembly)
-        if not measures:
+        if not (measures := damage_of(assembly)):
             status = (
                 "models.damage names no measure, so none was taken; name one or several, 'rollslip models damage' "
                 "lists them"

@@ -193,8 +193,7 @@ class Heated:
         self.evaluations += 1
         try:
             bearing = self._bearing(changes)
-            neighbour = self._state_by_secants(bearing, changes)
-            if neighbour is not None:
+            if (neighbour := self._state_by_secants(bearing, changes)) is not None:
                 return neighbour
             balance, steady, status = self._study.steady(bearing)
             stable = next((motion for motion in steady if motion.slope > 0.0), None)

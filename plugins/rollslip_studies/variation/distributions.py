@@ -504,8 +504,7 @@ def shown(distribution: Distribution, unit: str) -> str:
     name = next(name for name, cls in DISTRIBUTIONS.items() if cls is type(distribution))
     parts = []
     for attribute in attrs.fields(type(distribution)):
-        value = getattr(distribution, attribute.name)
-        if value is not None:
+        if (value := getattr(distribution, attribute.name)) is not None:
             text = f"{value:g}"
             if attribute.name == "deviation" and unit == "K":
                 text = f"{value:g} K"

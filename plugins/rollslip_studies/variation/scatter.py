@@ -104,8 +104,7 @@ def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     if scene.uncertainty:
         return scene, ()
     assembly = assemble(scene)
-    scatters = scattering(assembly)
-    if not scatters:
+    if not (scatters := scattering(assembly)):
         raise SceneError(
             [
                 "uncertainty: the scene has no such table, and nothing is known of the scatter of oil "

@@ -168,8 +168,7 @@ def formula_variables(assembly: Assembly) -> tuple[dict[str, Any], dict[str, Any
 
     Both are empty without formulas. The torque is NaN where its status says what the formula lacks.
     """
-    formulas = torque_formulas(assembly.scene)
-    if not formulas:
+    if not (formulas := torque_formulas(assembly.scene)):
         return {}, {}
     duty = Duty.of(assembly)
     totals = []

@@ -103,8 +103,7 @@ class ThermalModel(CitedModel):
 
 def thermal_model(scene: Scene) -> ThermalModel | None:
     """Return the model that a scene names under ``models.thermal``; None where the scene gives the temperatures."""
-    choice = scene.models.thermal
-    if choice is None:
+    if (choice := scene.models.thermal) is None:
         return None
     where = Location(scene.origins, ("models", "thermal"))
     model: ThermalModel = right_model("thermal", {"model": choice.name, **choice.parameters}, where)
