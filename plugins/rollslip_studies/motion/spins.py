@@ -46,6 +46,7 @@ from rollslip.bearing.equilibrium import (
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, SceneError
+from rollslip.search import Rows
 from rollslip.structure import Location
 from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.motion.spin import NUDGED, SLIDES
@@ -54,7 +55,6 @@ from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.train import Train
 
 Flags: TypeAlias = NDArray[np.bool_]
-Rows: TypeAlias = NDArray[np.intp]
 #: What compiled code takes of a friction curve: nodes, limits, scale of sliding, forces and resistances.
 CompiledCurve: TypeAlias = tuple[Array, tuple[float, float], float, Array, Array]
 
