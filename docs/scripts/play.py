@@ -1,4 +1,4 @@
-"""Write the tables play.csv and play_answers.csv of docs/trust/play.rst: answers by law and by play in the pockets.
+"""Write the tables play.csv, play_answers.csv and play_trends.csv of docs/trust/play.rst: answers by law and by play.
 
 The two shipped scenes with defaults and ten of ``rollslip new``, with bores of 25 to 320 mm and speeds of 600 to
 14,000 rpm: friction at the mean or at the local pressure, rollers set in the cage or with play. Beside them is the mean
@@ -82,6 +82,43 @@ def row(name, scene):
     return values
 
 
+#: Name of a quantity of scene gearbox -> its key, and values.
+TRENDS = {
+    "radial load": ("operation.radial_load", ("0.75 kN", "1.5 kN", "3 kN", "6 kN", "12 kN")),
+    "speed": ("operation.inner_speed", ("375 rpm", "750 rpm", "1500 rpm", "3000 rpm", "6000 rpm")),
+    "temperature": (
+        "operation.temperature",
+        ("40 degC", "60 degC", "80 degC", "100 degC", "120 degC"),
+    ),
+    "oil": (
+        "lubricant.name",
+        ("iso-vg-32", "iso-vg-68", "iso-vg-100", "iso-vg-220", "iso-vg-320"),
+    ),
+    "radial clearance": (
+        "bearing.radial_clearance",
+        ("-10 um", "0 um", "33 um", "60 um", "90 um"),
+    ),
+    "play of a pocket": (
+        "cage.pocket_clearance",
+        ("30 um", "120 um", "240 um", "475 um", "950 um"),
+    ),
+}
+
+
+def trends():
+    """Write the table of slips with play, and without, over one quantity at a time."""
+    gearbox = rollslip.load_scene("gearbox")
+    rows = []
+    for name, (key, values) in TRENDS.items():
+        cells = []
+        for value in values:
+            found = rollslip.run(rollslip.evolve(gearbox, {key: value}), "steady-slip")
+            slips = (found.steady_slip[0], found.slip_without_play)
+            cells.append("{} ({}) %".format(*(f"{100.0 * float(slip):.2g}" for slip in slips)))
+        rows.append([f"{name}: {', '.join(values)}", *cells])
+    write_table("play_trends", ["gearbox", *"12345"], rows)
+
+
 def percent(value):
     """Return per cent with three digits."""
     return f"{float(value):.3g} %"
@@ -119,3 +156,4 @@ def tables(rows):
 
 if __name__ == "__main__":
     tables([row(name, scene) for name, scene in scenes()])
+    trends()

@@ -1,6 +1,7 @@
 """Slip with play in the pockets: against rollers set in the cage, another method, motions in time, and finer steps."""
 
 import math
+import re
 
 import attrs
 import numpy as np
@@ -559,3 +560,25 @@ def test_the_table_of_the_page_has_slips_that_motions_in_time_have():
         )
         assert slip == pytest.approx(motion, rel=TIME_TOLERANCE)
         assert without < 0.97 * motion
+
+
+@pytest.mark.parametrize(
+    ("quantity", "sense"),
+    [
+        ("radial load", -1.0),
+        ("speed", 1.0),
+        ("temperature", 1.0),
+        ("oil", -1.0),
+        ("play of a pocket", 1.0),
+    ],
+)
+def test_slips_of_the_page_rise_and_fall_as_it_says(quantity, sense):
+    """Slips with play are larger, and change less, except over the play itself."""
+    rows = rows_of(TABLES / "play_trends.csv")
+    (row,) = (row for row in rows if row["gearbox"].startswith(f"{quantity}:"))
+    cells = [re.findall(r"[\d.]+", row[str(k)]) for k in range(1, 6)]
+    play, without = np.array(cells, dtype=float).T
+    assert (sense * np.diff(play) > 0.0).all()
+    assert (play > without).all()
+    if quantity != "play of a pocket":
+        assert abs(math.log(play[-1] / play[0])) < abs(math.log(without[-1] / without[0]))
