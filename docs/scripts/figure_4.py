@@ -57,7 +57,8 @@ def motion(changes):
 
 def frictions():
     """Fig. 4: conventional and effective friction from the same start."""
-    steady = float(run(SCENE, "steady-slip").steady_slip[0])
+    set_in_cage = evolve(SCENE, {"study.steady-slip.pockets": "set"})
+    steady = float(run(set_in_cage, "steady-slip").steady_slip[0])
     found = {name: motion(changes) for name, changes in FRICTIONS.items()}
     reference = found["conventional"]
     rows = []
@@ -169,7 +170,7 @@ def steady():
     for name, changes in STEADY.items():
         scene = evolve(SCENE, {"accuracy.slices": 15, "study.dynamics.duration": 8.0, **changes})
         data = run(scene, "dynamics")
-        found = run(scene, "steady-slip")
+        found = run(evolve(scene, {"study.steady-slip.pockets": "set"}), "steady-slip")
         speed = abs((1 - slip_of(data)) / (1 - float(found.steady_slip[0])) - 1)
         rows.append(
             (

@@ -67,7 +67,7 @@ CHOICES = {
 
 
 def scene(name):
-    """A scene as it is written."""
+    """A scene as it is written, with friction at the mean pressure."""
     oil, speed, load = SCENES[name]
     requested = {
         "bearing": name,
@@ -77,7 +77,8 @@ def scene(name):
         "temperature": "70 degC",
         "cage": "polyamide",
     }
-    return parse_scene(new_scene(name, **(ASSUMED | requested)), name)
+    written = parse_scene(new_scene(name, **(ASSUMED | requested)), name)
+    return evolve(written, {"models.traction.hydrodynamic": "maxwell-eyring"})
 
 
 def found(one, inertia=True):
