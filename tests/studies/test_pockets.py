@@ -18,6 +18,7 @@ from rollslip_kernels.motion.raceway import table_friction
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.motion import pockets
 from rollslip_studies.motion.pockets import BalanceWithPlay, Pockets, steady_slip_with_play
+from rollslip_studies.steady_slip import play as play_answers
 from rollslip_studies.steady_slip.evaluated import slip_with_play, without_play
 from rollslip_studies.steady_slip.figures import _pocket_figure
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
@@ -476,6 +477,16 @@ def test_the_answer_says_what_the_slip_is_without_play(results):
     assert f"without play {percent(float(usual['steady_slip'][0]))}" in rows["cage_slip"].note
     sentences = account_of(play).topics(play)["steady slip"]
     assert sentences[1].startswith("without play in the pockets the cage slip would be")
+
+
+def test_a_minimum_load_that_is_not_found_with_play_says_so(results, monkeypatch):
+    study, assembly, usual, _ = results
+    monkeypatch.setattr(play_answers, "load_from_known", lambda *values: math.nan)
+    found = study.completed(assembly, usual)
+    assert float(found["minimum_load"]) == float(usual["minimum_load"])
+    assert found["minimum_load_status"].item() == "found, without play in the pockets"
+    assert "found, without" not in str(account_of(found).answer(found).rows)
+    assert ", without play in the pockets" in account_of(found).topics(found)["minimum load"][0]
 
 
 def test_rollers_set_in_the_cage_are_left_as_they_are():

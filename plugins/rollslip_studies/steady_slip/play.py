@@ -159,8 +159,9 @@ class Play:
         if self._acceptable is not None:
             factor, status = acceptable_reserve(self._balance, self._acceptable)
             values |= {"acceptable_reserve": factor, "acceptable_reserve_status": status}
-            known = dataset["minimum_load"]
-            variables |= self.minimum_load(float(known), known.attrs, at_load)
+            load = dataset["minimum_load"]
+            load_status = str(dataset["minimum_load_status"].item())
+            variables |= self.minimum_load(float(load), load_status, load.attrs, at_load)
         return dataset.assign_coords(coords).assign(
             variables | {name: OUTPUTS[name].variable(value) for name, value in values.items()}
         )
@@ -222,27 +223,32 @@ class Play:
             largest = (known["driving_torque"][brakes] / drags[brakes]).max(initial=0.0)
             status = f"{Status.SKIDS}: its drags are more than the rollers carry"
             return {"drag_reserve": min(largest, 1.0), "reserve_status": status}
-        if self.found.status != Status.FOUND:
-            return {}
         factor = float(dataset["drag_reserve"])
-        carried = [-self.set_balance.drag(slip) for slip in (self._slip, self.found.slip)]
-        if Status.of(str(dataset["reserve_status"].item())) is Status.AT_LEAST:
-            carried = [max(drag, float(drags[0])) for drag in carried]
-        if math.isfinite(factor) and carried[1] > 0.0:
-            factor = factor * carried[0] / carried[1]
+        if self.found.status == Status.FOUND:
+            carried = [-self.set_balance.drag(slip) for slip in (self._slip, self.found.slip)]
+            if Status.of(str(dataset["reserve_status"].item())) is Status.AT_LEAST:
+                carried = [max(drag, float(drags[0])) for drag in carried]
+            if math.isfinite(factor) and carried[1] > 0.0:
+                factor = factor * carried[0] / carried[1]
         if "limit_drag" in known:
             factor = factor * known["limit_drag"] / float(dataset["limit_drag"])
         return {"drag_reserve": factor}
 
     def minimum_load(
-        self, known: float, attributes: Mapping[str, Any], at_load: Callable[[float], TorqueBalance]
+        self,
+        known: float,
+        status: str,
+        attributes: Mapping[str, Any],
+        at_load: Callable[[float], TorqueBalance],
     ) -> dict[str, Any]:
-        """Return the variable of the minimum load with play; empty where it is that without.
+        """Return the variable of the minimum load with play, or its status where it is not known; empty without play.
 
         Parameters
         ----------
         known : float
             Minimum load of rollers set in the cage [N].
+        status : str
+            Its status.
         attributes : mapping
             Attributes of its variable, with the slips at which it was evaluated.
         at_load : callable
@@ -267,4 +273,5 @@ class Play:
             if load > 0.0:
                 dims, load, own = OUTPUTS["minimum_load"].variable(load)
                 return {"minimum_load": (dims, load, {**attributes, **own})}
-        return {}
+        output = OUTPUTS["minimum_load_status"]
+        return {"minimum_load_status": output.variable(f"{status}, without play in the pockets")}

@@ -435,7 +435,8 @@ class SteadySlip(Study):
             if self.pockets == "play":
                 play = self._play(balance, [])
                 _, load, attributes = variables["minimum_load"]
-                variables |= play.minimum_load(load, attributes, self._at_load(balance))
+                status = variables["minimum_load_status"][1]
+                variables |= play.minimum_load(load, status, attributes, self._at_load(balance))
             return variables, {}
         if not outputs <= {"steady_slip", "status"}:
             return None
