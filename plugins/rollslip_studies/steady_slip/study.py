@@ -121,6 +121,8 @@ _BRANCH_MOTIONS: Final = 50
 _FOLLOWED_MOTIONS: Final = 350
 #: Loading branches of a search for the minimum load, where rollers have several motions at the acceptable slip. Chosen.
 _MINIMUM_LOAD_BRANCHES: Final = 9
+#: Loading branches in whose time rollers with play are tabulated and marched: 1 to 2.5 in scenes of the catalogue.
+_PLAY_BRANCHES: Final = 2
 #: Outputs that depend on the play of the pockets.
 _AFFECTED_BY_PLAY: Final = frozenset(PLAY_OUTPUTS) | {
     "steady_slip",
@@ -163,7 +165,10 @@ class SteadySlip(Study):
     )
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {"orbits": "a steady motion of the rollers for every slip"}
+        {
+            "orbits": "a steady motion of the rollers for every slip",
+            "pockets": "tables of friction, and rollers that cross the play of their pockets",
+        }
     )
     with_cage: ClassVar[bool] = True
     measured: ClassVar[Mapping[str, Measurable]] = MEASURED
@@ -264,7 +269,11 @@ class SteadySlip(Study):
         branches = _BRANCHES + _FOLLOWED_MOTIONS * len(self._followed_ranges) / _BRANCH_MOTIONS
         if self.acceptable_slip is not None and balance.has_several_motions(self.acceptable_slip):
             branches += _MINIMUM_LOAD_BRANCHES
-        return {"orbits": balance.seconds() * branches}
+        branch = balance.seconds()
+        costs = {"orbits": branch * branches}
+        if self.pockets == "play":
+            costs["pockets"] = branch * _PLAY_BRANCHES
+        return costs
 
     def without_outputs(self, outputs: frozenset[str]) -> "SteadySlip":
         """Return a study that does not compute outputs, those of followed slips and of the minimum load."""
