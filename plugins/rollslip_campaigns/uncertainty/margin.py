@@ -47,7 +47,7 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
-from rollslip.errors import SceneError
+from rollslip.errors import RollslipError, SceneError
 from rollslip.results.dataset import UNITS, about, xr
 from rollslip.results.text import duration_range
 from rollslip.scene.changes import evolve
@@ -185,10 +185,13 @@ class Margin:
 
     @cached_property
     def _nominal(self) -> "xr.Dataset":
-        """Result of study steady-slip at the nominal values of the scene."""
+        """Result of study steady-slip at the nominal values of the scene; empty where it has none."""
         assembly = assemble(self.critical.scene)
         study = SteadySlip.from_scene(self.critical.scene)
-        return study.completed(assembly, study.run(assembly))
+        try:
+            return study.completed(assembly, study.run(assembly))
+        except RollslipError:
+            return xr.Dataset()
 
     def friction_samples(self, points: "xr.Dataset") -> dict[str, Array]:
         """Return the samples of study effective-friction by quantity, (n,) each, their slips with play in the pockets.

@@ -20,14 +20,16 @@ Without play the result is that of rollers that are set in the cage.
 
 import copy
 import math
+from contextlib import suppress
 from typing import Final
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
-from rollslip.errors import ConvergenceError
+from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.text import SWITCHED_OFF, Status
 from rollslip_kernels.motion import pocket as compiled
 from rollslip_studies.dynamics.levels.load_map import build_load_map
@@ -274,7 +276,7 @@ class BalanceWithPlay:
         """Return the torques on the cage at several slips [N m], (n,).
 
         They are those of rollers set in the cage where a march leaves the tables or does not repeat. That happens at
-        large slips, where the play changes a torque by less than 1 %.
+        large slips, where the play changes a torque by less than 1 %. They are NaN where a law has no value either.
 
         Parameters
         ----------
@@ -288,8 +290,31 @@ class BalanceWithPlay:
         if is_known.all():
             return motions.torque
         if without is None:
-            without = self.balance.torques(cage_slips)
+            without = self._torques_without_play(cage_slips, ~is_known)
         return np.where(is_known, motions.torque, without)
+
+    def _torques_without_play(self, cage_slips: Array, where: NDArray[np.bool_]) -> Array:
+        """Return the torques of rollers set in the cage at some of several slips [N m], (n,), else NaN."""
+        torques = np.full(cage_slips.shape, np.nan)
+        with suppress(DomainError, ConvergenceError):
+            torques[where] = self.balance.torques(cage_slips[where])
+        return torques
+
+    def excess(self, cage_slips: Array) -> Array:
+        """Return the torques of the rollers in excess of the drags at several slips [N m], (n,); NaN as above.
+
+        Those of motions that do not repeat are means over their last turn.
+
+        Parameters
+        ----------
+        cage_slips : ndarray
+            Cage slips, (n,).
+        """
+        torques = self.pockets.mean_drive(cage_slips)
+        is_left = np.isnan(torques)
+        if is_left.any():
+            torques[is_left] = self._torques_without_play(cage_slips, is_left)[is_left]
+        return np.asarray(torques + np.array([self.drag(slip) for slip in cage_slips.tolist()]))
 
 
 def reason_without_play(balance: TorqueBalance) -> str:
@@ -376,36 +401,28 @@ def steady_slip_with_play(with_play: BalanceWithPlay, slip: float, max_slip: flo
 
 def _search(with_play: BalanceWithPlay, first_slip: float, max_slip: float) -> SlipWithPlay:
     """Return the first slip, from a small one on, at which the excess torque changes from negative to positive."""
-    pockets = with_play.pockets
-
-    def excess(slips: Array) -> Array:
-        torques = pockets.mean_drive(slips)
-        is_left = np.isnan(torques)
-        if is_left.any():
-            torques[is_left] = with_play.balance.torques(slips[is_left])
-        drags = [with_play.drag(slip) for slip in slips.tolist()]
-        return np.asarray(torques + np.array(drags))
-
     ratios = np.array([_RATIO**n for n in range(_BATCH)])
     slips = np.minimum(first_slip * ratios, max_slip)
-    torques = excess(slips)
+    torques = with_play.excess(slips)
     if torques[0] >= 0.0:
         reason = f"with play it is less than {100.0 * first_slip:.3g} %"
         is_small = first_slip < _SMALL_SLIP
         return SlipWithPlay(reason if is_small else f"{Status.NOT_KNOWN}: {reason}")
     while not (torques >= 0.0).any():
+        if np.isnan(torques[-1]):
+            return SlipWithPlay(f"{Status.NOT_KNOWN}: a law has no value below {slips[-1]:.3g}")
         if slips[-1] == max_slip:
             return SlipWithPlay(f"{Status.NO_STEADY_SLIP} up to {max_slip:.3g}")
         slips = np.minimum(slips[-1] * ratios, max_slip)
-        torques = excess(slips)
+        torques = with_play.excess(slips)
     for _ in range(_REFINEMENTS):
         upper = int(np.argmax(torques >= 0.0))
         slips = np.geomspace(slips[upper - 1], slips[upper], _BATCH)
-        torques = excess(slips)
+        torques = with_play.excess(slips)
     upper = int(np.argmax(torques >= 0.0))
     low, high = torques[upper - 1 : upper + 1]
     root = slips[upper - 1] * (slips[upper] / slips[upper - 1]) ** (low / (low - high))
-    motion = pockets.march(np.array([root]))
+    motion = with_play.pockets.march(np.array([root]))
     if np.isnan(motion.torque[0]):  # contacts leave the tables of friction
         return SlipWithPlay(NO_CHANGE)
     if not motion.is_periodic[0]:

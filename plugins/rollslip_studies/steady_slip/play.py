@@ -77,7 +77,10 @@ class Play:
 
     def _is_negligible(self, slip: float) -> bool:
         """Whether the play changes a slip by less than 1 %."""
-        return slip > 0.0 and relative_play(self.set_balance, slip) < _NEGLIGIBLE_PLAY
+        if slip > 0.0:
+            with suppress(ConvergenceError, DomainError):
+                return relative_play(self.set_balance, slip) < _NEGLIGIBLE_PLAY
+        return False
 
     @cached_property
     def found(self) -> SlipWithPlay:
@@ -208,7 +211,7 @@ class Play:
         slips = slips[slips < 1.0]
         torques = self._balance.torques(slips)
         without = float(self.set_balance.torques(slips[:1])[0])
-        largest = int(np.argmax(torques))
+        largest = int(np.nanargmax(torques))
         factor = min(float(torques[largest]) / without, 1.0)
         return {
             "limit_drag": factor * float(dataset["limit_drag"]),
