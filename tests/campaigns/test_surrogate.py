@@ -522,9 +522,10 @@ def test_the_cage_moves_as_by_the_laws_where_both_rings_turn(place):
         "inner_speed=900 rpm:1400 rpm",
         "outer_speed=-200 rpm:250 rpm",
     ]
-    # with few slices too many nodes would be needed where a ring turns backwards
+    # with few slices too many nodes would be needed where a ring turns backwards; friction has kinks over the load,
+    # so that the finest tables leave 1.2 %
     scene = rollslip.load_scene("gearbox")
-    _, path = made(place / "both", over, scene=scene)
+    _, path = made(place / "both", over, scene=scene, error=0.015)
     times = 1e-3 * np.arange(601)
     true = MeanRoller(scene).motion(times, 0.1, both_rings)
     assert (
