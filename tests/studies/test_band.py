@@ -247,4 +247,4 @@ def test_the_band_reaches_to_bars_of_metal_and_to_other_play(with_play):
         row["key"] for row in narrower["changes"]
     }
     assert band["low"] < narrower["low"] < slip < narrower["high"] < band["high"]
-    assert "bars of metal" in _varied_quantity(changes["cage.pocket_contact"])
+    assert _varied_quantity(changes["cage.pocket_contact"]) == "pocket contact metal to film"

@@ -250,29 +250,25 @@ def test_the_orbit_is_closed_and_is_that_of_the_march(bearing):
     closed = pockets.march(np.array([slip]))
     rollers = balance.assembly.scene.bearing.rollers
     assert rollers * orbit.torque.mean() == pytest.approx(closed.push[0], rel=1e-12)
-    assert orbit.is_periodic
     assert np.abs(orbit.position).max() == pytest.approx(1.0, abs=1e-3)
     # a step is divided where a roller meets a bar or leaves it
     at_bars = (orbit.position >= 1.0).mean(), (orbit.position <= -1.0).mean()
     assert at_bars == pytest.approx((closed.driving[0], closed.pushed[0]), abs=5e-3)
-    for values in (orbit.position, orbit.spin, orbit.speed, np.unwrap(orbit.angle)):
+    for values in (orbit.position, np.unwrap(orbit.angle)):
         jump = np.angle(np.exp(1j * (values[0] - values[-1])))
         assert abs(jump) <= 1.1 * np.abs(np.diff(values)).max()
-    # rollers drive under load, where they roll, and the spin lags elsewhere
+    # rollers drive under load
     drives = orbit.position >= 1.0
     assert drives.any()
     assert (np.cos(orbit.angle[drives]) > 0.0).all()
     assert (orbit.torque[drives] >= -1e-12).all()
-    assert orbit.spin.max() == pytest.approx(1.0, abs=0.02)
-    assert orbit.spin.min() < 0.99
-    assert orbit.speed.mean() == pytest.approx(1.0 - slip, rel=1e-3)
 
 
 def test_the_orbit_of_the_mirror_image_is_that_of_the_bearing():
     balance, slip = balanced(SCENES["b"])
     mirrored, _ = balanced(evolve(SCENES["b"], {"operation.inner_speed": "-2000 rpm"}))
     orbit, mirror = (Pockets(b.assembly).orbit(5.0 * slip) for b in (balance, mirrored))
-    for name in ("angle", "position", "torque", "spin", "speed"):
+    for name in ("angle", "position", "torque"):
         assert getattr(mirror, name) == pytest.approx(getattr(orbit, name), rel=1e-6, abs=1e-9)
 
 
@@ -283,8 +279,6 @@ def test_rollers_that_orbit_against_the_inner_ring_drive_at_the_bar_ahead():
     assert drives.any()
     assert (orbit.torque[drives] > 0.0).all()
     assert (np.diff(np.unwrap(orbit.angle)) < 0.0).all()
-    assert orbit.spin.max() == pytest.approx(1.0, abs=0.02)
-    assert orbit.speed.mean() == pytest.approx(0.98, rel=1e-3)
 
 
 def test_the_orbit_without_play_is_at_bars_and_beyond_the_tables_unknown():
@@ -293,7 +287,7 @@ def test_the_orbit_without_play_is_at_bars_and_beyond_the_tables_unknown():
     assert set(orbit.position.tolist()) <= {-1.0, 0.0, 1.0}
     fast = new("NU2312", oil="iso-vg-220", speed="6000 rpm", load="0.5 kN", temperature="70 degC")
     orbit = Pockets(assemble(fast).with_resistance()).orbit(0.95)
-    assert np.isnan([orbit.angle, orbit.position, orbit.torque, orbit.spin, orbit.speed]).all()
+    assert np.isnan([orbit.angle, orbit.position, orbit.torque]).all()
 
 
 def test_the_figure_of_a_turn_has_its_fractions_and_its_impacts():

@@ -35,8 +35,6 @@ cdef enum:   # columns of the record of a turn
     TURN
     POSITION
     TORQUE
-    SPIN
-    SPEED
     N_RECORDED
 
 cdef enum:   # sums over a turn
@@ -53,10 +51,9 @@ cdef enum:   # sums over a turn
 #: pushed by the cage.
 MEANS: tuple[str, ...] = ("drive", "friction", "push", "driving", "crossing", "pushed")
 
-#: Columns of the record of a turn, in order: turns of the roller from the line of load, its position over half of the
-#: play, its spin and its orbital speed [rad/s], each at the end of a step; its mean torque R_m P on the bars [N m] in
-#: the step, impulses included.
-RECORDED: tuple[str, ...] = ("turn", "position", "torque", "spin", "speed")
+#: Columns of the record of a turn, in order: turns of the roller from the line of load and its position over half of
+#: the play at the end of a step; its mean torque R_m P on the bars [N m] in the step, impulses included.
+RECORDED: tuple[str, ...] = ("turn", "position", "torque")
 
 cdef struct geometry_t:
     double inner_radius       # R_i [m]
@@ -250,8 +247,6 @@ cdef int _turn(
             record[k * N_RECORDED + TURN] = turn
             record[k * N_RECORDED + POSITION] = roller.position / g.half_play if g.half_play > 0.0 else roller.bar
             record[k * N_RECORDED + TORQUE] = (sums[PUSH] - push) / step
-            record[k * N_RECORDED + SPIN] = roller.spin
-            record[k * N_RECORDED + SPEED] = roller.speed
     for n in range(N_SUMS):
         sums[n] /= step * <double>steps
     return 0
@@ -294,7 +289,7 @@ def march(
     with a table (``raceway.pyx``).  ``forces`` are those of both rings at each of the speeds, at equal steps of the
     angle over the orbit, both ends included, (n, 2, m + 1).  ``play`` is the full play c [m]; a turn of the cage takes
     ``steps`` steps.  The march ends when the mean torque changes by less than ``tolerance`` of itself from one turn to
-    the next, or after ``max_turns``.  Into ``record``, (steps, 5), the last turn
+    the next, or after ``max_turns``.  Into ``record``, (steps, 3), the last turn
     at the last of the speeds is written, as it is `RECORDED`.  Torques have the sign of the speeds.
     """
     cdef geometry_t g

@@ -18,7 +18,6 @@ does not change, so that the mean of R_m P is that of H. The drags T and the rol
 Without play the result is that of rollers that are set in the cage.
 """
 
-import copy
 import math
 from contextlib import suppress
 from typing import Final
@@ -30,7 +29,7 @@ from numpy.typing import NDArray
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.text import SWITCHED_OFF, Status
+from rollslip.results.text import SMALLEST_SLIP, SWITCHED_OFF, Status
 from rollslip_kernels.motion import pocket as compiled
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
@@ -68,10 +67,8 @@ _RATIO: Final = 1.5
 #: Half of it changes slips by up to 4e-6; chosen.
 _FIRST_SLIP: Final = 0.5
 #: Fraction of the largest force on the inner ring from which a roller counts as loaded in `relative_play`. Half or
-#: twice as much changes that by some 5 %; chosen.
+#: twice as much changes that by up to 6 % in the scenes of docs/scripts/play.py; chosen.
 _LOADED: Final = 0.01
-#: Slip below which an answer prints no number, so that it need not be known with play.
-_SMALL_SLIP: Final = 1e-3
 #: Status of a slip that is the same without play. At the large slips at which contacts leave the tables of friction it
 #: is, too.
 NO_CHANGE: Final = "the play changes the slip by less than 1 %"
@@ -101,11 +98,6 @@ class PocketOrbit:
     angle: Array  #: Of the roller from the line of load at the end of each step, 0 to 2 pi [rad], (n,).
     position: Array  #: At the end of each step, over half of the play: 1 at the bar that it drives, -1 behind, (n,).
     torque: Array  #: On the bars [N m], positive where it drives, R_m P, mean of each step with its impacts, (n,).
-    spin: Array  #: At the end of each step, over that of the epicyclic motion, (n,).
-    speed: (
-        Array  #: Along the orbit at the end of each step, over that of the epicyclic motion, (n,).
-    )
-    is_periodic: bool  #: Whether the motion repeats within the largest number of turns.
 
 
 class Pockets:
@@ -176,19 +168,15 @@ class Pockets:
         slip : float
             Cage slip.
         """
-        k = self.assembly.kinematics
         record = np.full((self._steps, len(compiled.RECORDED)), np.nan)
-        means, is_periodic = self._march(np.array([slip]), record)
+        means, _ = self._march(np.array([slip]), record)
         if np.isnan(means).any():
             record[:] = np.nan
-        turn, position, torque, spin, speed = record.T
+        turn, position, torque = record.T
         return PocketOrbit(
             angle=2.0 * np.pi * (turn % 1.0),
             position=self._sense * position,
             torque=self._sense * torque,
-            spin=spin / (k.epicyclic_roller_speed - k.epicyclic_cage_speed),
-            speed=speed / k.epicyclic_cage_speed,
-            is_periodic=bool(is_periodic[0]),
         )
 
     def _march(self, slips: Array, record: Array | None = None) -> tuple[Array, Array]:
@@ -214,12 +202,6 @@ class Pockets:
     def mean_drive(self, slips: Array) -> Array:
         """Return the mean torque of all rollers on the cage at cage slips [N m], (n,)."""
         return self.march(slips).torque
-
-    def with_play(self, play: float) -> "Pockets":
-        """Return the same rollers with another play [m]."""
-        other = copy.copy(self)
-        other.play = play
-        return other
 
     @property
     def _sense(self) -> float:
@@ -275,8 +257,8 @@ class BalanceWithPlay:
     def torques(self, cage_slips: Array, without: Array | None = None) -> Array:
         """Return the torques on the cage at several slips [N m], (n,).
 
-        They are those of rollers set in the cage where a march leaves the tables or does not repeat. That happens at
-        large slips, where the play changes a torque by less than 1 %. They are NaN where a law has no value either.
+        They are those of rollers set in the cage where a march leaves the tables, which happens at large slips, where
+        the play changes a torque by less than 1 %, and where it does not repeat. They are NaN where a law has no value.
 
         Parameters
         ----------
@@ -376,7 +358,7 @@ def relative_play(balance: TorqueBalance, slip: float) -> float:
     slip : float
         Cage slip, above 0.
     """
-    force = balance.orbit(slip).force[0]
+    force = balance.contacts(slip)[0].contacts.carried
     loaded = 2.0 * math.pi * float((force > _LOADED * force.max()).mean())
     way = slip * balance.assembly.kinematics.orbit_radius * loaded
     return balance.assembly.cage.pocket_clearance / way
@@ -406,7 +388,7 @@ def _search(with_play: BalanceWithPlay, first_slip: float, max_slip: float) -> S
     torques = with_play.excess(slips)
     if torques[0] >= 0.0:
         reason = f"with play it is less than {100.0 * first_slip:.3g} %"
-        is_small = first_slip < _SMALL_SLIP
+        is_small = first_slip < SMALLEST_SLIP
         return SlipWithPlay(reason if is_small else f"{Status.NOT_KNOWN}: {reason}")
     while not (torques >= 0.0).any():
         if np.isnan(torques[-1]):

@@ -42,7 +42,7 @@ from rollslip.catalogue.registry import get_class
 from rollslip.errors import ConvergenceError, DomainError, RollslipError, SceneError
 from rollslip.models import SliceModel
 from rollslip.results.curves import or_none
-from rollslip.results.text import Status
+from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.values import Scene
 from rollslip.search import secant_root
@@ -92,14 +92,16 @@ _SLIP_FLOOR: Final = 1e-5
 #: Slip below which the torque at the floor is evaluated first, because a cage that hardly slips may be driven at the
 #: quantile of a quantity. Twice as much costs one more evaluation of some bearings and changes no band of these scenes.
 #: Chosen: 0.1 %, as printed.
-_SMALL_SLIP: Final = 1e-3
+_SMALL_SLIP: Final = SMALLEST_SLIP
 # Pockets. The play is estimated from the design of the cage, and whether an oil film or metal stops a roller is not
 # known:
 
-#: Factors on the play of a pocket at the quantiles, by the range of makers' designs (D).
+#: Factors on the play of a pocket at the quantiles. No catalogue gives a play: between the typical one of brass and
+#: that of polyamide is a factor of 1.7, and makers differ as much (D). Wider ones would widen the band.
 _PLAY_FACTORS: Final = (0.6, 1.6)
-#: Exponent of a slip over the play, for each part of the slip that the play adds. In six scenes slips at 0.6 and 1.6
-#: times the play are within 12 % of those of a march; a smaller one would narrow the band.
+#: Exponent of a slip over the play, for each part of the slip that the play adds. In the twelve scenes of
+#: docs/scripts/play.py slips at 0.6 and 1.6 times the play are within 9 % of those of a march, but for one by 19 %. A
+#: smaller exponent would narrow the band.
 _PLAY_EXPONENT: Final = 1.2
 #: Part of the slip that the play adds which bars of metal take away, as rollers rebound from them: 0.14 to 0.66 in six
 #: motions in time, 0.4 in the middle (docs/tables/effective_slip.csv). A larger one would lower the end of the band.
@@ -218,9 +220,8 @@ def _add_pockets(record: dict[str, Any], scene: Scene, dataset: "xr.Dataset") ->
         others.append(
             {
                 "key": "cage.pocket_contact",
-                "text": "bars of metal, or with an oil film",
-                "unit": "1",
-                "ends": [0.0, 1.0],
+                "unit": "",
+                "ends": ["metal", "film"],
                 "values": [slip - _LESS_BY_METAL * by_play, slip],
             }
         )

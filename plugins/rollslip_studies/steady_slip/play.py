@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
@@ -38,11 +37,15 @@ if TYPE_CHECKING:
 #: by up to 0.6 %, at one and a half times by up to 1.4 %; chosen, below the tolerance of results.
 _NEGLIGIBLE_PLAY: Final = 0.01
 #: Slips at which the limit drag torque with play is sought, over that without play: the play takes the maximum to
-#: larger slips, by a factor of 1.4 where it lowers it by 5 %. Twice as many slips change it by less than 1e-3; chosen.
+#: larger slips, by a factor of 1.4 where it lowers it by 5 %. Twice as many slips change it by up to 2.5e-3; chosen.
 _NEAR_MAXIMUM: Final = np.geomspace(1.0, 2.5, 12)
 #: Steps of a turn of a roller to a stored one: 400 are enough for a figure. Half as many store twice the numbers; the
 #: steps of the march are a multiple. Chosen.
 _STORED: Final = 5
+#: Largest minimum load, relative to the load of the bearing, at which the tables of friction of that serve: they reach
+#: to 1.5 times the largest force of its rollers, and with play a minimum load is up to a fifth larger. A smaller one
+#: builds tables anew for more bearings, which takes as long as all else that the play takes. Chosen.
+_SHARED_LOAD: Final = 1.2
 
 
 class Play:
@@ -77,10 +80,7 @@ class Play:
 
     def _is_negligible(self, slip: float) -> bool:
         """Whether the play changes a slip by less than 1 %."""
-        if slip > 0.0:
-            with suppress(ConvergenceError, DomainError):
-                return relative_play(self.set_balance, slip) < _NEGLIGIBLE_PLAY
-        return False
+        return slip > 0.0 and relative_play(self.set_balance, slip) < _NEGLIGIBLE_PLAY
 
     @cached_property
     def found(self) -> SlipWithPlay:
@@ -90,8 +90,10 @@ class Play:
         if self._is_negligible(self._slip):
             return SlipWithPlay(NO_CHANGE)
         found = steady_slip_with_play(self._balance, self._slip, self._max_slip)
-        # rollers that never leave the bar have the same slip, but for the error of the tables of friction
-        return SlipWithPlay(NO_CHANGE) if found.slip <= self._slip else found
+        # where rollers never leave the bar that they drive, only tables of friction change the slip
+        return (
+            SlipWithPlay("the play does not add to the slip") if found.slip <= self._slip else found
+        )
 
     @property
     def _skids(self) -> bool:
@@ -151,13 +153,17 @@ class Play:
         if self._skids or found.status == Status.FOUND:
             values |= self._steady(dataset)
         if found.status == Status.FOUND:
-            angle, values["pocket_position"], values["pocket_force"] = self._orbit(found.slip)
+            orbit = self._balance.pockets.orbit(found.slip)
+            force = orbit.torque / self.set_balance.assembly.kinematics.orbit_radius
+            values["pocket_position"] = orbit.position[_STORED - 1 :: _STORED]
+            values["pocket_force"] = force.reshape(-1, _STORED).mean(axis=1)
             coords["pocket_angle"] = (
                 "pocket_angle",
-                angle,
+                orbit.angle[_STORED - 1 :: _STORED],
                 about("rad", "position from the line of load, in the sense of the orbit"),
             )
-        values |= self._limit_drag(dataset)
+        if math.isfinite(float(dataset["skidding_slip"])):
+            values |= self._limit_drag(self._balance, dataset)
         values |= self._reserve(dataset, values)
         if self._acceptable is not None:
             factor, status = acceptable_reserve(self._balance, self._acceptable)
@@ -167,17 +173,6 @@ class Play:
             variables |= self.minimum_load(float(load), load_status, load.attrs, at_load)
         return dataset.assign_coords(coords).assign(
             variables | {name: OUTPUTS[name].variable(value) for name, value in values.items()}
-        )
-
-    def _orbit(self, slip: float) -> tuple[Array, Array, Array]:
-        """Return angles [rad] of a turn, positions in the pocket and mean forces on its bars [N], (n,) each."""
-        assert self._balance is not None
-        orbit = self._balance.pockets.orbit(slip)
-        force = orbit.torque / self.set_balance.assembly.kinematics.orbit_radius
-        return (
-            orbit.angle[_STORED - 1 :: _STORED],
-            orbit.position[_STORED - 1 :: _STORED],
-            force.reshape(-1, _STORED).mean(axis=1),
         )
 
     def _steady(self, dataset: "xr.Dataset") -> dict[str, Any]:
@@ -202,14 +197,11 @@ class Play:
             "torque": np.array([0.0 - self.set_balance.drag(slip) for slip in slips]),
         }
 
-    def _limit_drag(self, dataset: "xr.Dataset") -> dict[str, float]:
-        """Return the limit drag torque and its slip; empty where the cage does not skid in the range."""
-        slip = float(dataset["skidding_slip"])
-        if math.isnan(slip) or self._balance is None:
-            return {}
-        slips = slip * _NEAR_MAXIMUM
+    def _limit_drag(self, balance: BalanceWithPlay, dataset: "xr.Dataset") -> dict[str, float]:
+        """Return the limit drag torque and its slip, of a cage that skids in the range."""
+        slips = float(dataset["skidding_slip"]) * _NEAR_MAXIMUM
         slips = slips[slips < 1.0]
-        torques = self._balance.torques(slips)
+        torques = balance.torques(slips)
         without = float(self.set_balance.torques(slips[:1])[0])
         largest = int(np.nanargmax(torques))
         factor = min(float(torques[largest]) / without, 1.0)
@@ -260,7 +252,7 @@ class Play:
         if self._balance is None or self._acceptable is None or not known > 0.0:
             return {}
         bearing = self.set_balance.assembly
-        if known > bearing.scene.operation.radial_load:
+        if known > _SHARED_LOAD * bearing.scene.operation.radial_load:
             bearing = at_load(known).assembly
 
         @lru_cache(maxsize=1)
