@@ -37,6 +37,7 @@ from rollslip_campaigns.uncertainty.findings import UncertaintyAccount
 from rollslip_campaigns.uncertainty.margin import expected_seconds, run_margin
 from rollslip_studies.effective_friction.study import CLOSURES
 from rollslip_studies.steady_slip.evaluated import slip_with_play
+from rollslip_studies.steady_slip.study import SteadySlip
 
 #: Few slices and slips: what is tested is what is made of the points.
 SCENE = rollslip.evolve(
@@ -231,6 +232,22 @@ def test_samples_have_play_in_the_pockets():
     loads = (play / set_).sel(quantity="minimum load").to_numpy()
     assert loads[np.isfinite(loads)] == pytest.approx(ratio, rel=5e-3)
     assert ratio > 1.1
+
+
+def test_samples_say_that_play_is_left_out_where_its_effect_is_not_known(monkeypatch):
+    """Rollers that tilt have no tables, and a nominal bearing may fail whose samples do not."""
+    tilted = rollslip.evolve(ACCEPTABLE, {"operation.misalignment": "0.2 mrad"})
+    found = uncertainty(tilted, samples=8, loads=0)
+    assert "rollers tilt" in found.attrs["play_status"]
+    rows = account_of(found).answer(found).rows
+    assert rows[0].note.endswith("samples, without play")
+
+    def fails(study, assembly, context=None):
+        raise SceneError(["no such bearing"])
+
+    monkeypatch.setattr(SteadySlip, "run", fails)
+    found = uncertainty(ACCEPTABLE, samples=8, loads=0)
+    assert found.attrs["play_status"].endswith("no such bearing")
 
 
 def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatch):

@@ -12,7 +12,14 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import UNITS, rows_along, xr
 from rollslip.results.table import in_shown_unit
-from rollslip.results.text import format_force, format_plain, format_slip_band, percent, two_digits
+from rollslip.results.text import (
+    Status,
+    format_force,
+    format_plain,
+    format_slip_band,
+    percent,
+    two_digits,
+)
 from rollslip.units import format_quantity
 
 __all__ = ["UncertaintyAccount", "describe_allowable_slip", "describe_margin", "describe_reserve"]
@@ -79,7 +86,8 @@ class UncertaintyAccount(Account):
                 rank=_ANSWER_RANK,
                 tolerance=math.inf,
                 text=percent(slip) if math.isfinite(slip) else "skidding",
-                note=f"{format_slip_band(low, high)}; median of {int(dataset['samples'].sel(quantity=STEADY))} samples",
+                note=f"{format_slip_band(low, high)}; median of {int(dataset['samples'].sel(quantity=STEADY))} samples"
+                + ", without play" * _has_unknown_play(dataset),
             )
             if not math.isnan(slip)
             else Row(
@@ -339,6 +347,11 @@ def describe_reserve(dataset: "xr.Dataset") -> str:
         f"{text}; in {_format_percent(skids)} of the samples the cage skids "
         f"({_format_percent(skids_low)} to {_format_percent(skids_high)})"
     )
+
+
+def _has_unknown_play(dataset: "xr.Dataset") -> bool:
+    """Whether rollers have play in their pockets, the effect of which on the slip is not known."""
+    return str(dataset.attrs.get("play_status", "")).startswith(Status.NOT_KNOWN)
 
 
 def _describe_steady_slip(dataset: "xr.Dataset") -> str:

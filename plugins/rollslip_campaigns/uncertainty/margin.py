@@ -49,7 +49,7 @@ from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError, SceneError
 from rollslip.results.dataset import UNITS, about, xr
-from rollslip.results.text import duration_range
+from rollslip.results.text import Status, duration_range
 from rollslip.scene.changes import evolve
 from rollslip.structure import raise_problems
 from rollslip_campaigns.sweep.definition import Sweep
@@ -185,13 +185,18 @@ class Margin:
 
     @cached_property
     def _nominal(self) -> "xr.Dataset":
-        """Result of study steady-slip at the nominal values of the scene; empty where it has none."""
+        """Result of study steady-slip at the nominal values of the scene; where it has none, the status says why."""
         assembly = assemble(self.critical.scene)
         study = SteadySlip.from_scene(self.critical.scene)
         try:
             return study.completed(assembly, study.run(assembly))
-        except RollslipError:
-            return xr.Dataset()
+        except RollslipError as error:
+            return xr.Dataset({"play_status": f"{Status.NOT_KNOWN}: {error}"})
+
+    @property
+    def play_status(self) -> str:
+        """What is known of the play in the pockets; empty with rollers set in the cage."""
+        return str(self._nominal["play_status"].item()) if "play_status" in self._nominal else ""
 
     def friction_samples(self, points: "xr.Dataset") -> dict[str, Array]:
         """Return the samples of study effective-friction by quantity, (n,) each, their slips with play in the pockets.
@@ -674,6 +679,7 @@ def _attributes(
         confidence=CONFIDENCE,
         min_samples=min_samples(plan.probability, REPLICATES, plan.confidence),
         acceptable_slip=SteadySlip.from_scene(plan.critical.scene).acceptable_slip or "",
+        play_status=plan.play_status,
         until=plan.until or "",
         points=status_counts,
     )
