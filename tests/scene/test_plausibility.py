@@ -112,9 +112,9 @@ LAWS = [
     ),
     (
         "models.film",
-        {"model": "inlet-correction", "starvation": 0.01},
-        "0.01 is unusual",
-        "(from 0.1 to 1 is usual)",
+        {"model": "inlet-correction", "oil_layer": "5 mm"},
+        "5 mm is unusual",
+        "did you mean '5 um'?",
     ),
     (
         "cage.drag",
@@ -139,8 +139,8 @@ IMPOSSIBLE_LAWS = [
     ("models.traction.exponent", 6e6, "must be from 0 to 1000, not 6e+06"),
     (
         "models.film",
-        {"model": "inlet-correction", "starvation": 1.5},
-        "must be from 0 to 1, not 1.5",
+        {"model": "inlet-correction", "layer_exponent": 15},
+        "must be from 1 to 10, not 15",
     ),
     (
         "cage.drag",

@@ -75,7 +75,7 @@ def test_a_bath_by_hand():
     # 0.4 5/40, times 1 + (2.6e5 12/(3000 70^2))^1.38
     thick = 1.0 + (2.6e5 * 12.0 / (3000.0 * 4900.0)) ** 1.38
     assert of().oil_fraction == pytest.approx(0.05 * thick, rel=1e-12)
-    assert of().starvation == 1.0
+    assert of().oil_layer == 5e-6
     assert of(oil_level=0.01).oil_fraction == pytest.approx(2.0 * of().oil_fraction, rel=1e-12)
     assert of(supply="splash").oil_fraction == pytest.approx(0.5 * of().oil_fraction, rel=1e-12)
     assert of(supply="circulating") == of(supply="jet")
@@ -83,23 +83,12 @@ def test_a_bath_by_hand():
     assert (of(supply="mist").oil_fraction, of(supply="grease").oil_fraction) == (0.01, 0.0)
 
 
-def test_starvation_by_hand():
-    exponent = 12.0 * 3000.0 * 140.0 * math.sqrt(5.1 / 80.0)
-    low = math.exp(-3e-8 * exponent)
-    lean = math.exp(-6e-8 * exponent)
-    assert of(oil_level=0.004).starvation == pytest.approx(low, rel=1e-12)
-    for supply, expected in {
-        "splash": low,
-        "circulating": low,
-        "jet": low,
-        "mist": lean,
-        "grease": lean,
-    }.items():
-        assert of(supply=supply).starvation == pytest.approx(expected, rel=1e-12)
-    for power in (1e-7 * exponent, 10.0):
-        assert of(starvation_constant=power / exponent).starvation == pytest.approx(
-            math.exp(-power), rel=1e-12
-        )
+def test_the_oil_layer_follows_the_supply():
+    """5 um where oil is plentiful, 3 where it is thrown, 1 where it is scarce; a low bath is like thrown oil."""
+    layers = {kind: of(supply=kind).oil_layer for kind in SUPPLIES}
+    assert layers["bath"] == layers["circulating"] == layers["jet"] == 5e-6
+    assert layers["splash"] == of(oil_level=0.004).oil_layer == 3e-6
+    assert layers["mist"] == layers["grease"] == 1e-6
 
 
 def test_a_fast_bearing_throws_off_what_a_jet_brings():
@@ -116,15 +105,6 @@ def test_a_fast_bearing_throws_off_what_a_jet_brings():
     )
 
 
-@given(kind=KINDS, speed=SPEEDS, viscosity=VISCOSITIES, faster=st.floats(1.0, 10.0))
-def test_starvation_is_a_share_that_falls_with_speed_and_viscosity(kind, speed, viscosity, faster):
-    one = of(speed, viscosity, supply=kind)
-    assert 0.0 < one.starvation <= 1.0
-    assert of(faster * speed, viscosity, supply=kind).starvation <= one.starvation
-    assert of(speed, faster * viscosity, supply=kind).starvation <= one.starvation
-    assert of(-speed, viscosity, supply=kind) == one
-
-
 @given(speed=SPEEDS, viscosity=VISCOSITIES, level=st.floats(0.0, 0.09), more=st.floats(0.0, 0.09))
 def test_oil_between_the_rollers_rises_with_the_level_and_is_a_share(speed, viscosity, level, more):
     low, high = sorted((level, more))
@@ -135,7 +115,7 @@ def test_oil_between_the_rollers_rises_with_the_level_and_is_a_share(speed, visc
 @given(first=KINDS, stated=st.floats(0.0, 1.0))
 def test_what_is_stated_stays(first, stated):
     assert of(supply=first, oil_fraction=stated).oil_fraction == stated
-    assert of(supply=first, starvation_constant=0.0).starvation == 1.0
+    assert of(supply=first, oil_layer=2e-5).oil_layer == 2e-5
 
 
 @pytest.mark.parametrize(
@@ -163,27 +143,19 @@ def test_a_scene_says_nothing_of_it_and_has_a_bath():
         evolve(SCENE, {"lubrication.oil_level": "40 m"})
 
 
-def test_want_of_oil_thins_film_and_rolling_resistance_alike():
-    """phi_rs of the scene at its viscosity, in film and drag; a value that is stated wins."""
+def test_one_layer_of_oil_limits_films_and_rolling_resistance():
+    """The layer of the supply is in film and drag; a value that is stated for a model wins."""
     cage = {"mass": "0.4 kg", "inertia": "0.0033 kg m2"}
     scene = evolve(
         SCENE, {"cage": cage, "models.film": "inlet-correction", "lubrication.supply": "mist"}
     )
     bearing = assemble(scene)
-    nu = bearing.lubricant.at(323.15).viscosity / bearing.lubricant.density(323.15)
-    expected = math.exp(-6e-8 * 1e6 * nu * 6371.0 * 360.0 * math.sqrt(5.1 / 120.0))
-    assert oil_supply(scene, bearing.lubricant).starvation == pytest.approx(expected, rel=1e-12)
-    assert bearing.film.starvation == pytest.approx(expected, rel=1e-12)
-    assert bearing.cage.drags.resistance.terms[0].starvation == bearing.film.starvation
-    stated = evolve(scene, {"models.film": {"model": "inlet-correction", "starvation": 0.5}})
-    assert assemble(stated).film.starvation == 0.5
-    # a bearing at another temperature is another one, whatever it is made of
-    warm = evolve(scene, {"operation.temperature": "80 degC"})
-    assert (
-        assemble(warm, like=bearing).film.starvation
-        == assemble(warm).film.starvation
-        > bearing.film.starvation
-    )
+    assert bearing.film.oil_layer == oil_supply(scene, bearing.lubricant).oil_layer == 1e-6
+    assert bearing.cage.drags.resistance.terms[0].oil_layer == 1e-6
+    stated = evolve(scene, {"models.film": {"model": "inlet-correction", "oil_layer": "2 um"}})
+    assert assemble(stated).film.oil_layer == 2e-6
+    plenty = assemble(evolve(scene, {"lubrication.oil_layer": "plenty"}))
+    assert plenty.film.oil_layer == 1.0
 
 
 def test_the_plan_says_where_drags_are_from():

@@ -12,14 +12,22 @@ Where two scenes differ in the oil alone, `assemble` replaces only what depends 
 import logging
 import math
 import operator
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from functools import cached_property, partial
 from typing import Any, Final
 
 import attrs
 import numpy as np
 
-from rollslip.bearing.cage import Cage, read_cage, scene_values, with_drags, with_scene_values
+from rollslip.bearing.approach import film_deflection
+from rollslip.bearing.cage import (
+    Cage,
+    oil_supply,
+    read_cage,
+    scene_values,
+    with_drags,
+    with_scene_values,
+)
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
@@ -321,6 +329,12 @@ class Assembly:
             known = None
         return solve_pitch(self.load_case(n_positions, force), self.raceways, known)
 
+    @property
+    def carrying_clearance(self) -> float:
+        """Radial clearance less the gaps at which contacts begin to carry, on both sides of the bearing [m]."""
+        gaps = self.inner.gap + self.outer.gap
+        return self.scene.bearing.radial_clearance - 2.0 * gaps
+
     def load_case(self, n_positions: int, centrifugal_force: float = 0.0) -> LoadCase:
         """Return the input of the equilibrium at positions over one pitch, with a centrifugal force per roller [N]."""
         b = self.scene.bearing
@@ -329,7 +343,7 @@ class Assembly:
             angular_positions(b.rollers, n_positions),
             b.roller_length,
             self.drop,
-            radial_clearance=b.radial_clearance,
+            radial_clearance=self.carrying_clearance,
             radial_load=o.radial_load,
             misalignment=o.misalignment,
             centrifugal_force=centrifugal_force,
@@ -383,7 +397,10 @@ class Assembly:
         return tilt * k.direction * k.inner_speed * k.inner_radius
 
     def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
-        """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring, by approach [m]."""
+        """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring.
+
+        The approach [m] is measured from the gap at which they begin to carry (`Raceway.gap`).
+        """
         raceway = self.inner if ring == "inner" else self.outer
         flat = approach.ravel()
         touching = np.flatnonzero(~(flat <= 0.0))  # with NaN, which the chain refuses
@@ -432,7 +449,8 @@ def assemble(
     if like is not None and _has_same_loads(scene, resolution, like):
         if (changed := _with_changed_oil(scene, like, where)) is not None:
             return changed
-        load_cache = like.load_cache
+        if like.inner.gap == 0.0:
+            load_cache = like.load_cache
     problems: list[str] = []
     lubricant = _lubricant(scene, where, problems)
     models = _structure_models(scene, lubricant, where, problems)
@@ -469,11 +487,17 @@ def assemble(
     ]
     if resolution.light_contacts and not models["pressure"].of_contact:
         stages.insert(2, models["pressure"])
-    deflection = models["contact"].deflection()
-    check_given((deflection, *stages), conditions["inner"], lubricant, where)
+    check_given((models["contact"].deflection(), *stages), conditions["inner"], lubricant, where)
     chain = Chain(*stages, compiled=resolution.compiled)
-    approach = Chain(deflection, compiled=resolution.compiled)
-    inner, outer = (Raceway(ring, conditions[ring], chain, approach) for ring in RINGS)
+    inner, outer = (
+        Raceway(
+            ring,
+            at,
+            chain,
+            *_deflection(scene, models, kinematics, lubricant, at, resolution.compiled),
+        )
+        for ring, at in conditions.items()
+    )
     return Assembly(
         scene=scene,
         resolution=resolution,
@@ -588,6 +612,25 @@ def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> 
         )
         for raceway in like.raceways
     )
+    load_cache = like.load_cache
+    if inner.gap > 0.0:  # loads depend on the film, and so on the oil
+        load_cache = {}
+        inner, outer = (
+            Raceway(
+                raceway.ring,
+                raceway.conditions,
+                raceway.chain,
+                *_deflection(
+                    scene,
+                    like.models,
+                    like.kinematics,
+                    oil,
+                    raceway.conditions,
+                    like.resolution.compiled,
+                ),
+            )
+            for raceway in (inner, outer)
+        )
     read = like.cage_cache.get("read")
     check_given(
         (*like.inner.deflection.models, *like.inner.chain.models), inner.conditions, oil, where
@@ -598,9 +641,29 @@ def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> 
         lubricant=oil,
         inner=inner,
         outer=outer,
+        load_cache=load_cache,
         map_cache={},
         cage_cache={} if read is None else {"read": read},
     )
+
+
+def _deflection(
+    scene: Scene,
+    models: Mapping[str, Any],
+    kinematics: Kinematics,
+    lubricant: Lubricant,
+    conditions: Conditions,
+    is_compiled: bool,
+) -> tuple[Chain, float]:
+    """Return the law of deflection of the contacts with a ring, and the gap at which they begin to carry [m]."""
+    contact: ContactModel = models["contact"]
+    film: FilmModel = models["film"]
+    if (scene.models.approach or ("film" if film.at_any_load else "dry")) == "dry":
+        return Chain(contact.deflection(), compiled=is_compiled), 0.0
+    speed = float(kinematics.surface_speeds(0.0, 0.0).inner_rolling)
+    layer = oil_supply(scene, lubricant).oil_layer
+    law, gap = film_deflection(contact, film, conditions, speed, layer, is_compiled=is_compiled)
+    return Chain(law, compiled=is_compiled), gap
 
 
 def _lubricant(scene: Scene, where: Location, problems: list[str]) -> Lubricant | None:

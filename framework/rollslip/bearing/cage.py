@@ -266,7 +266,7 @@ def _number(table: Mapping[str, object], key: str, unit: str, default: float) ->
 
 
 def oil_supply(scene: Scene, lubricant: Lubricant) -> OilSupply:
-    """Return oil content and starvation that the lubrication of a scene gives, at the temperature of the operation."""
+    """Return oil content and oil layer that the lubrication of a scene gives, at the temperature of the operation."""
     o = scene.operation
     density = DENSITY if lubricant.density is None else lubricant.density(o.temperature)
     b = scene.bearing
@@ -481,7 +481,7 @@ def scene_values(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> 
         "viscosity": _viscosity(scene, lubricant),
         "density": DENSITY if lubricant.density is None else lubricant.density(o.temperature),
         "oil_fraction": oil.oil_fraction,
-        "starvation": oil.starvation,
+        "oil_layer": oil.oil_layer,
         "rollers": float(b.rollers),
         "roller_diameter": b.roller_diameter,
         "roller_length": b.roller_length,

@@ -43,6 +43,10 @@ Floats: TypeAlias = NDArray[np.float64]
 #: Newton's method converges quadratically to some 1e-14; a tolerance below 1e-13 would refuse some for their rounding.
 #: Chosen between the two.
 _MAX_RESIDUAL = 1e-10
+#: Fraction of the largest force above which a roller counts as loaded: with a film on all of them, hardly any carries
+#: nothing. Halving it counts a roller more at each end of the loaded zone at most. Chosen: far above what a film pushes
+#: from an unloaded roller to the inner ring.
+_LOADED_FRACTION = 0.02
 _REMEDY = (
     "check operation.radial_load, operation.misalignment, operation.inner_speed and bearing.radial_clearance: rollers "
     "and rings must be able to bear them"
@@ -59,6 +63,11 @@ class Contacts(Protocol):
     @property
     def deflection(self) -> Chain:
         """Law of deflection: approach -> load per length w, which rises with it, and stiffness dw/dapproach."""
+
+
+def is_loaded(force: Floats) -> NDArray[np.bool_]:
+    """Return which rollers are in the loaded zone, by their forces on the inner ring [N]."""
+    return np.asarray(force > _LOADED_FRACTION * np.max(force, initial=0.0))
 
 
 def angular_positions(rollers: int, n_positions: int) -> Floats:

@@ -52,8 +52,10 @@ class Raceway:
     conditions: Conditions
     #: Laws of contact, film and traction: load and speeds -> friction.
     chain: Chain
-    #: Law of deflection: approach -> load and stiffness.
+    #: Law of deflection: approach -> load and stiffness. The approach is measured from `gap`.
     deflection: Chain
+    #: Gap of the bodies at which a contact begins to carry, because of its film [m].
+    gap: float = 0.0
 
     def evaluate(
         self, load: Array, rolling_speed: Any, sliding_speed: Any, **places: Any

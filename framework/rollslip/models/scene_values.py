@@ -15,7 +15,7 @@ SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
         "viscosity": ("Pa s", "viscosity of the oil at operation.temperature and ambient pressure"),
         "density": ("kg/m3", "density of the oil"),
         "oil_fraction": ("1", "volume fraction of oil between the rings, of lubrication"),
-        "starvation": ("1", "factor of starved inlets, of lubrication"),
+        "oil_layer": ("m", "oil on both surfaces together before a contact, of lubrication"),
         "rollers": ("1", "number of rollers"),
         "roller_diameter": ("m", "diameter of a roller"),
         "roller_length": ("m", "length of a roller"),
@@ -43,6 +43,7 @@ def from_scene(
     validator: Callable[[Any, Any, Any], object] | None = None,
     usual: tuple[float, float] | None = None,
     possible: tuple[float, float] | None = None,
+    keywords: Mapping[str, object] | None = None,
 ) -> Any:
     """Declare a parameter of a drag or a law that is taken from the scene where it is not set: NaN or "" until then.
 
@@ -50,7 +51,7 @@ def from_scene(
     ----------
     name
         Name of the value, one of `SCENE_VALUES`, which also state its unit.
-    doc, validator, usual, possible
+    doc, validator, usual, possible, keywords
         As in `rollslip.fields.parameter`; `rollslip.fields.within_possible` is a validator for the possible range.
     """
     unit = SCENE_VALUES[name][0]
@@ -69,6 +70,7 @@ def from_scene(
             "from_scene": name,
             "usual": usual,
             "possible": possible,
+            "keywords": keywords or {},
         },
     )
 

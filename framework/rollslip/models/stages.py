@@ -143,6 +143,8 @@ class FilmModel(SliceModel):
     regime: ClassVar[str] = "all"
     #: Smallest and largest error of the film in other regimes [%]; None where it is unknown.
     other_regime_error: ClassVar[tuple[float, float] | None] = None
+    #: Whether it gives the film of a contact at any load, so that rollers may be kept apart from the rings by it.
+    at_any_load: ClassVar[bool] = True
     #: Whether Pareto fronts of error against cost include it where no films are requested.
     on_fronts: ClassVar[bool] = False
 

@@ -317,7 +317,6 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
             "left out, as its direction is not stated; give operation.gravity_direction, 0 deg where the load is "
             "itself a weight"
         )
-    texts += validity.starvation_notes(assembly.film)
     texts += dict.fromkeys(
         note
         for raceway in assembly.raceways

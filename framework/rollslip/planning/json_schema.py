@@ -14,7 +14,7 @@ from typing import Any, Final
 from rollslip.catalogue.discovery import available
 from rollslip.planning.keys import keys
 from rollslip.scene.schema import SchemaRow
-from rollslip.scene.values import SEPARATORS, model_kind
+from rollslip.scene.values import APPROACHES, SEPARATORS, model_kind
 
 __all__ = ["json_schema"]
 
@@ -79,9 +79,8 @@ def _add_key(node: dict[str, Any], name: str, row: SchemaRow) -> None:
     kind = re.fullmatch(r"models\.(\w+)(\.model)?", row.key)
     names: dict[str, Any] = {}
     if kind:
-        names = {
-            "enum": [*(SEPARATORS if kind[1] == "separator" else available(model_kind(kind[1])))]
-        }
+        choices = {"approach": APPROACHES, "separator": SEPARATORS}.get(kind[1])
+        names = {"enum": [*(choices or available(model_kind(kind[1])))]}
     if row.type.startswith("a name, or a table"):
         schema: dict[str, Any] = {
             "anyOf": [

@@ -353,10 +353,10 @@ def _body_forces(assembly: Assembly, has_weight: bool) -> list[Part]:
 
 
 def _inlet(film: FilmModel) -> Part:
-    """Return the line on thermal inlet shear and starvation of the film."""
+    """Return the line on thermal inlet shear and the oil before the film."""
     choice = film.inlet_heating or "isothermal inlet"
     if film.inlet_starvation:
-        choice += f", starved by {film.inlet_starvation}"
+        choice += f", {film.inlet_starvation}"
     line = Part(
         part="thermal inlet shear",
         included=False,

@@ -21,7 +21,7 @@ __all__ = ["NAMED", "surface_name", "unknown_names", "with_named_data", "with_ow
 #: Table that may start from named data -> meaning of such a name.
 NAMED: Final = {"bearing": "a bearing that a plugin offers", "surface": " or ".join(SURFACES)}
 #: Keys of ``[models]`` that name a model of a kind.
-_KINDS: Final = frozenset(key for key, _ in fields_of(Models)) - {"separator"}
+_KINDS: Final = frozenset(key for key, _ in fields_of(Models)) - {"approach", "separator"}
 
 
 def with_named_data(

@@ -1,10 +1,10 @@
-"""Oil supply of a bearing: the oil content of its interior, and the starvation of its inlets.
+"""Oil supply of a bearing: the oil content of its interior, and the layer of oil that its contacts find.
 
 - The kinds of supply are one table, `SUPPLIES`; values that a scene states replace those of the table.
 - SKF's formulas are in mm, mm2/s and 1/min and are evaluated in these units; arguments and results are SI.
 - All results are accurate to a factor only: the oil content was measured in few bearings, and in none of these.
 
-Source: SKF, general catalogue 6000 (2006), friction: kinematic replenishment and starvation, and the drag of a bath.
+Source: SKF, general catalogue 6000 (2006), friction: the drag of a bath.
 """
 
 import math
@@ -15,9 +15,17 @@ from typing import Final, NamedTuple
 import attrs
 from attrs.validators import optional
 
-from rollslip.fields import FieldError, Scatter, choice_of, field, non_negative, positive
+from rollslip.fields import (
+    FieldError,
+    Scatter,
+    choice_of,
+    field,
+    non_negative,
+    positive,
+    within_possible,
+)
 
-__all__ = ["DENSITY", "SUPPLIES", "Lubrication", "OilSupply", "Supply"]
+__all__ = ["DENSITY", "PLENTY", "SUPPLIES", "Lubrication", "OilSupply", "Supply"]
 
 #: Density of an oil that gives none [kg/m3]; mineral oils have 850 to 900, esters up to 1000 (D).
 DENSITY: Final = 870.0
@@ -32,20 +40,19 @@ _FAST = 5e5
 #: Oil content of a jet-lubricated bearing at the highest speeds [1]; measurements give 0.01 to 0.05 (C). Doubling it
 #: doubles the churning there.
 _FAST_FRACTION = 0.03
-#: SKF's replenishment constant K_rs of a low bath and of a jet [1] (A). Doubling it squares the starvation factor.
-_LOW = 3e-8
-#: SKF's replenishment constant K_rs of grease and of oil with air [1] (A). Doubling it squares the starvation factor.
-_LEAN = 6e-8
-#: SKF's geometry constant K_Z of cylindrical roller bearings with a cage [1] (A). Starvation grows with its square root
-#: in the exponent.
-_KZ = 5.1
-#: Limit of the exponent of starvation [1]: exp(-30) is a film without any friction. Halving it would show at high
-#: speeds, doubling it changes nothing but the risk of an underflow.
-_MAX_EXPONENT: Final = 30.0
+#: Oil on both surfaces together that limits no film [m]. Doubling it changes nothing. Chosen: it exceeds all gaps.
+PLENTY: Final = 1.0
+#: Oil on both surfaces together before a contact, where oil is plentiful, where it is thrown, and where it is scarce
+#: [m] (D). Chosen: with 2 to 10 um rollers resist as much as SKF's formula of the friction torque has it; without supply
+#: a layer halves with each roller that passes, and ends at the films that rollers bring from the loaded zone, 0.3 to 2
+#: um.
+_PLENTIFUL_LAYER: Final = 5e-6
+_THROWN_LAYER: Final = 3e-6
+_SCARCE_LAYER: Final = 1e-6
 
 
 class Supply(NamedTuple):
-    """Oil content and starvation of a kind of supply."""
+    """Oil content and oil layer of a kind of supply."""
 
     #: Description, for texts.
     description: str
@@ -55,41 +62,40 @@ class Supply(NamedTuple):
     times: float
     #: Oil content phi of the volume between the rings where there is no level [1].
     fraction: float
-    #: SKF's replenishment constant K_rs [1].
-    starvation: float
+    #: Oil on both surfaces together before a contact [m].
+    layer: float
     #: Fraction of the land of a ring-guided cage that oil fills [1].
     land: float
     #: Source of the numbers, with their grades.
     source: str
 
 
-_SKF = "SKF, general catalogue 6000 (2006), friction: K_rs (A)"
-#: Kind of supply -> its oil content and starvation.
+#: Kind of supply -> its oil content and oil layer.
 SUPPLIES: Final[Mapping[str, Supply]] = MappingProxyType(
     {
         "bath": Supply(
-            "an oil bath, by default up to the middle of the lowest roller", 0.5, 1.0, 0.0, 0.0, 1.0,
-            f"the level from SKF's later bath drag (C); {_SKF} of a low bath, 0 of one that reaches the middle (B)",
+            "an oil bath, by default up to the middle of the lowest roller", 0.5, 1.0, 0.0, _PLENTIFUL_LAYER, 1.0,
+            "the level from SKF's later bath drag (C); the layer from friction torques (D)",
         ),
         "splash": Supply(
-            "oil that gears throw", 0.25, 1.0, 0.0, _LOW, 1.0,
-            f"half the level of a bath (D); {_SKF} of a low bath",
+            "oil that gears throw", 0.25, 1.0, 0.0, _THROWN_LAYER, 1.0,
+            "half the level of a bath (D); the layer between those of a bath and of mist (D)",
         ),
         "circulating": Supply(
-            "oil that is pumped through", 0.5, 2.0, 0.0, _LOW, 1.0,
-            f"SKF: twice the drag of a bath up to the middle of the lowest roller (A); {_SKF} of a jet",
+            "oil that is pumped through", 0.5, 2.0, 0.0, _PLENTIFUL_LAYER, 1.0,
+            "SKF: twice the drag of a bath up to the middle of the lowest roller (A); the layer of a bath (D)",
         ),
         "jet": Supply(
-            "a jet of oil", 0.5, 2.0, 0.0, _LOW, 1.0,
-            f"as circulating (A), above 5e5 mm/min less, down to 3 % (C, 1 to 5 % are reported); {_SKF} of a jet",
+            "a jet of oil", 0.5, 2.0, 0.0, _PLENTIFUL_LAYER, 1.0,
+            "as circulating (A), above 5e5 mm/min less, to 3 % (C, 1 to 5 % are reported); the layer of a bath (D)",
         ),
         "mist": Supply(
-            "oil with air, or drops", 0.0, 1.0, 0.01, _LEAN, 0.25,
-            f"1 % of the volume, a quarter of the land (D); {_SKF}",
+            "oil with air, or drops", 0.0, 1.0, 0.01, _SCARCE_LAYER, 0.25,
+            "1 % of the volume, a quarter of the land (D); the layer of films from the loaded zone (D)",
         ),
         "grease": Supply(
-            "grease that is run in, with the viscosity of its base oil", 0.0, 1.0, 0.0, _LEAN, 0.0,
-            f"no oil between rollers and on the land (D); {_SKF}",
+            "grease that is run in, with the viscosity of its base oil", 0.0, 1.0, 0.0, _SCARCE_LAYER, 0.0,
+            "no oil between rollers and on the land (D); the layer of films from the loaded zone (D)",
         ),
     }
 )  # fmt: skip
@@ -130,18 +136,19 @@ class Lubrication:
         usual=(0, 0.5),
         possible=(0, 1),
     )
-    starvation_constant: float | None = field(
+    oil_layer: float | None = field(
         default=None,
-        unit="1",
-        doc="SKF's replenishment constant K_rs; by default that of the supply, 0 for inlets full of oil",
-        validator=optional(non_negative),
-        usual=(0, 2e-7),
-        possible=(0, 1),
+        unit="m",
+        doc="oil on both surfaces together before a contact; by default that of the supply",
+        validator=optional(within_possible),
+        keywords={"plenty": PLENTY},
+        usual=(1e-7, 1e-3),
+        possible=(1e-12, PLENTY),
         scatter=Scatter(
             distribution="lognormal",
-            parameters={"deviation_of_ln": 0.5},
+            parameters={"deviation_of_ln": 1.0},
             grade="(D)",
-            source="SKF prints two values of K_rs, a factor of 2 apart, for all that is not a full bath",
+            source="friction torques of bearings speak for 2 to 10 um; no layer was measured in one of these bearings",
         ),
     )
 
@@ -153,16 +160,14 @@ class Lubrication:
 
 
 class OilSupply(NamedTuple):
-    """Oil content and starvation of a bearing in operation."""
+    """Oil content and oil layer of a bearing in operation."""
 
     #: Oil content phi of the volume between the rings [1].
     oil_fraction: float
-    #: Starvation factor phi_rs of film and rolling resistance [1].
-    starvation: float
+    #: Oil on both surfaces together before a contact [m].
+    oil_layer: float
     #: Fraction of the land of the cage that oil fills [1].
     land: float
-    #: Replenishment constant K_rs from which the starvation follows [1].
-    starvation_constant: float
 
     @classmethod
     def from_lubrication(
@@ -173,10 +178,10 @@ class OilSupply(NamedTuple):
         speed: float,
         viscosity: float,
     ) -> "OilSupply":
-        """Return oil content and starvation of a bearing.
+        """Return oil content and oil layer of a bearing.
 
         phi = 0.40 H/(D - d) [1 + (2.6e5 nu/(n d_m^2))^1.38] of a bath, 2 times that at H = D_w/2 where oil is pumped,
-        phi_rs = exp(-K_rs nu n (d + D) sqrt(K_Z/(2 (D - d)))), in mm, mm2/s and 1/min, with K_Z = 5.1.
+        in mm, mm2/s and 1/min. A bath below the middle of the lowest roller has the layer of splash.
 
         Parameters
         ----------
@@ -193,14 +198,11 @@ class OilSupply(NamedTuple):
 
         Examples
         --------
-        A bath up to the middle of rollers of 10 mm, D - d = 40 mm: 0.40 5/40 = 0.05. A low one is starved by
-        exp(-3e-8 20 3000 140 sqrt(5.1/80)) = 0.938355.
+        A bath up to the middle of rollers of 10 mm, D - d = 40 mm: 0.40 5/40 = 0.05.
 
         >>> rings, n = (0.05, 0.09), 314.159265
         >>> f"{OilSupply.from_lubrication(Lubrication(), rings, 0.01, n, 1e-9).oil_fraction:.6f}"
         '0.050000'
-        >>> f"{OilSupply.from_lubrication(Lubrication(oil_level=0.002), rings, 0.01, n, 20e-6).starvation:.6f}"
-        '0.938355'
         """
         kind = SUPPLIES[lubrication.supply]
         d = 1e3 * boundaries[0]
@@ -216,16 +218,11 @@ class OilSupply(NamedTuple):
             phi *= 1.0 + (2.6e5 * nu / (n * mean**2)) ** 1.38
         if lubrication.supply == "jet":
             phi = min(phi, max(phi * (_FAST / (n * mean)) ** 4, _FAST_FRACTION))
-        K_rs = kind.starvation
+        layer = kind.layer
         if lubrication.supply == "bath" and level < 0.5 * roller_diameter:
-            K_rs = _LOW
-        if lubrication.starvation_constant is not None:
-            K_rs = lubrication.starvation_constant
-        exponent = K_rs * nu * n * (d + D) * math.sqrt(_KZ / (2.0 * (D - d)))
-        stated = lubrication.oil_fraction
+            layer = _THROWN_LAYER
         return cls(
-            min(phi, 1.0) if stated is None else stated,
-            math.exp(-min(exponent, _MAX_EXPONENT)),
+            min(phi, 1.0) if lubrication.oil_fraction is None else lubrication.oil_fraction,
+            layer if lubrication.oil_layer is None else lubrication.oil_layer,
             kind.land,
-            K_rs,
         )

@@ -208,6 +208,10 @@ def model_kind(key: str) -> str:
     return "ring" if key in ("inner_ring", "outer_ring") else key
 
 
+#: Values of ``models.approach``: a contact carries load through its film, or where the dry bodies touch.
+APPROACHES: Final = ("film", "dry")
+
+
 @attrs.frozen(kw_only=True)
 class Models:
     """The law of each stage of a contact, and other models by kind."""
@@ -223,6 +227,13 @@ class Models:
     )
     traction: ModelChoice = field(
         default=ModelChoice(name="lambda-blend"), doc="friction of a contact"
+    )
+    approach: str | None = field(
+        default=None,
+        validator=attrs.validators.optional(choice_of(*APPROACHES)),
+        bare=True,
+        doc="what keeps rollers and rings apart: the film, or the dry bodies alone; by default the film, unless its "
+        "model serves loaded contacts only",
     )
     separator: Separator | None = field(
         default=None,

@@ -52,7 +52,6 @@ __all__ = [
     "quantity",
     "range_excesses",
     "rolling_slices",
-    "starvation_notes",
     "validity_messages",
     "validity_record",
     "warning_texts",
@@ -565,15 +564,6 @@ def _describe_difference(
         f"{100.0 * difference.mean:+.2g} % in the mean, {100.0 * difference.largest:+.2g} % at most{beyond}; "
         f"remedy: {difference.key} = {difference.reference!r}"
     )
-
-
-def starvation_notes(film: FilmModel) -> list[str]:
-    """Return the note that starved inlets thin the film, for readers who compare it with other programs."""
-    if not film.inlet_starvation:
-        return []
-    return [
-        f"want of oil in the inlets, by lubrication or models.film, thins the film by {film.inlet_starvation}"
-    ]
 
 
 def validity_record(

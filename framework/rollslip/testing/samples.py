@@ -75,7 +75,7 @@ SCENE: Final[Mapping[str, float | str]] = {
     "viscosity": 8.58e-3,
     "density": 930.0,
     "oil_fraction": 0.05,
-    "starvation": 0.9,
+    "oil_layer": 5e-6,
     "rollers": 28.0,
     "roller_diameter": 0.015,
     "roller_length": 0.015,

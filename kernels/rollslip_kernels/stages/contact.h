@@ -146,3 +146,37 @@ STAGE(lundberg_deflection, COL_approach, COL_load | COL_stiffness) {
     }
     return 0;
 }
+
+/* ln(w) is a cubic of Hermite between the knots of the table; w is proportional to the approach below the first knot,
+ * and rises along its tangent above the last one */
+STAGE(tabulated_deflection, COL_approach, COL_load | COL_stiffness) {
+    const deflection_table *q = (const deflection_table *)params;
+    const double *approach = s->approach, *knots = q->approach;
+    double *load = s->load, *stiffness = s->stiffness, first = knots[0], last = knots[DEFLECTION_KNOTS - 1];
+    double first_load = rs_exp(q->log_load[0]), last_load = rs_exp(q->log_load[DEFLECTION_KNOTS - 1]);
+    double first_slope = first_load / first, last_slope = last_load * q->slope[DEFLECTION_KNOTS - 1];
+    double logarithm[BLOCK], slope[BLOCK];
+    size_t n = WHOLE(s->n);
+    for (size_t i = 0; i < n; i++) {
+        size_t low = 0, high = DEFLECTION_KNOTS - 1;
+        while (high - low > 1) {
+            size_t middle = (low + high) / 2;
+            if (approach[i] >= knots[middle]) low = middle;
+            else high = middle;
+        }
+        double width = knots[high] - knots[low], x = (approach[i] - knots[low]) / width;
+        double y = q->log_load[low], rise = q->log_load[high] - y;
+        double left = width * q->slope[low], right = width * q->slope[high];
+        double second = 3.0 * rise - 2.0 * left - right, third = left + right - 2.0 * rise;
+        double inside = x > 0.0 && x < 1.0 ? x : 0.0;
+        logarithm[i] = y + inside * (left + inside * (second + inside * third));
+        slope[i] = (left + inside * (2.0 * second + inside * 3.0 * third)) / width;
+    }
+    EACH(i, n) {
+        double a = approach[i], w = rs_exp(logarithm[i]);
+        double by_knots = w * slope[i];
+        load[i] = a <= first ? (a > 0.0 ? first_slope * a : 0.0) : a < last ? w : last_load + last_slope * (a - last);
+        stiffness[i] = a <= first ? (a > 0.0 ? first_slope : 0.0) : a < last ? by_knots : last_slope;
+    }
+    return 0;
+}

@@ -1,7 +1,12 @@
 """Line contact: half width and pressure, Hertz's and the film's, and deflection laws; formulas: stages/contact.h."""
 
-from rollslip_blocks cimport LIGHT_COLUMNS, LIGHT_LOADS, light_params, rs_active_blocks
+from rollslip_blocks cimport (
+    DEFLECTION_KNOTS, LIGHT_COLUMNS, LIGHT_LOADS, deflection_table, light_params, rs_active_blocks,
+)
 from rollslip_stage cimport rs_new_model
+
+#: Number of knots of `tabulated_deflection`.
+KNOTS: int = DEFLECTION_KNOTS
 
 
 def hertz_line():
@@ -38,3 +43,17 @@ def power_deflection(double coefficient):
 def lundberg_deflection():
     """Return the stage approach -> load, stiffness after Lundberg."""
     return rs_new_model(rs_active_blocks().lundberg_deflection, NULL, 0, None)
+
+
+def tabulated_deflection(const double[::1] approach, const double[::1] log_load, const double[::1] slope):
+    """Return the stage approach -> load, stiffness of a table.
+
+    ``approach`` rises from above zero [m], ``log_load`` is the logarithm of the load per length at it [N/m], ``slope``
+    its derivative [1/m]; `KNOTS` of each.
+    """
+    cdef deflection_table q
+    if not (approach.shape[0] == log_load.shape[0] == slope.shape[0] == KNOTS):
+        raise ValueError(f"the table has {KNOTS} knots")
+    for k in range(DEFLECTION_KNOTS):
+        q.approach[k], q.log_load[k], q.slope[k] = approach[k], log_load[k], slope[k]
+    return rs_new_model(rs_active_blocks().tabulated_deflection, &q, sizeof(q), None)

@@ -196,28 +196,24 @@ STAGE(regime_film, COL_rolling_speed | COL_load, COL_film_thickness | COL_regime
 
 /* C_T of Lt = eta0 beta0 u^2/K_f; the printed constant 3.94 is 1/0.254       [Murch and Wilson]
  * or of p_H/E' and S = |V|/u as well                                         [Zhou and Hoeprich 1991, Eq. 21]
- * h = C_T C_S h_film; a factor that is not positive has no film */
+ * h = C_T h_film; a factor that is not positive has no film */
 STAGE(inlet_factor, COL_rolling_speed | COL_sliding_speed | COL_pressure | COL_film_thickness, COL_film_thickness) {
     const inlet_params *q = (const inlet_params *)params;
     const double *speed = s->rolling_speed, *sliding = s->sliding_speed, *pressure = s->pressure;
     double *film = s->film_thickness, factor[BLOCK];
     double heat = s->viscosity * s->thermoviscosity / s->conductivity, to_stress = 4.0 / RS_PI / s->modulus;
-    double starvation = q->starvation;
     uint64_t none = 0;
     size_t n = WHOLE(s->n);
-    if (q->thermal == NO_FACTOR) {
-        EACH(i, n) film[i] *= starvation;
-        return 0;
-    }
+    if (q->thermal == NO_FACTOR) return 0;
     if (q->thermal == MURCH_WILSON) {
-        EACH(i, n) factor[i] = starvation * HEATED_INLET(rs_pow(heat * (speed[i] * speed[i]), 0.62));
+        EACH(i, n) factor[i] = HEATED_INLET(rs_pow(heat * (speed[i] * speed[i]), 0.62));
     } else {
         EACH(i, n) factor[i] = 1.0 + 2.23 * rs_pow(fabs(sliding[i]) / speed[i], 0.83);
         EACH(i, n) factor[i] = 1.0 + 0.213 * factor[i] * rs_pow(heat * (speed[i] * speed[i]), 0.64);
         EACH(i, n) {
             double stress = to_stress * pressure[i];
             double left = 1.0 - 13.2 * stress * rs_pow(heat * (speed[i] * speed[i]), 0.42);
-            factor[i] = starvation * (left / factor[i]);
+            factor[i] = left / factor[i];
         }
     }
     for (size_t i = 0; i < n; i++) none |= (uint64_t)!(factor[i] > 0.0);
@@ -230,6 +226,7 @@ STAGE(inlet_factor, COL_rolling_speed | COL_sliding_speed | COL_pressure | COL_f
 
 /* below it the other one of film and layer does not matter to the last bit */
 #define LEAST_SHARE 1e-30
+#define PLENTY 1.0   /* [m], a layer that limits no film */
 
 STAGE(inlet_layer, COL_film_thickness, COL_film_thickness) {
     const inlet_params *q = (const inlet_params *)params;
@@ -247,5 +244,5 @@ static int PATH(inlet_film)(const rs_slices *s, const void *params) {
     const inlet_params *q = (const inlet_params *)params;
     int status = q->film.evaluate(s, q->film.params);
     if (status == 0) status = PATH(inlet_factor)(s, params);
-    return status || q->layer == 0.0 ? status : PATH(inlet_layer)(s, params);
+    return status || q->layer >= PLENTY ? status : PATH(inlet_layer)(s, params);
 }

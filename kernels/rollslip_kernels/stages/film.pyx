@@ -32,13 +32,13 @@ def regime(ri: Law, rp: Law, ei: Law, ep: Law):
     return rs_new_model(rs_active_blocks().regime_film, &q, sizeof(q), None)
 
 
-def inlet(film, int thermal, double starvation, double layer, double exponent):
+def inlet(film, int thermal, double layer, double exponent):
     """Return the stage that thins the film of a capsule, which lives as long as it does, by the factors of its inlet.
 
     ``thermal`` is 0 for none, 1 for Murch and Wilson's factor, 2 for Gupta's; ``layer`` is that of the oil on the
-    surfaces [m], 0 for plenty, with its exponent.
+    surfaces [m], 1 m for plenty, with its exponent.
     """
     cdef inlet_params q
     q.film = (<rs_model *>PyCapsule_GetPointer(film, ROLLSLIP_MODEL))[0]
-    q.thermal, q.starvation, q.layer, q.exponent = thermal, starvation, layer, exponent
+    q.thermal, q.layer, q.exponent = thermal, layer, exponent
     return rs_new_model(rs_active_blocks().inlet_film, &q, sizeof(q), film)

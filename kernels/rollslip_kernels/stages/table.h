@@ -12,10 +12,13 @@ enum { LIGHT_LOADS = 10, LIGHT_COLUMNS = 5 };
 typedef struct {
     double power[3], last, knots[LIGHT_LOADS], columns[LIGHT_COLUMNS], rise[LIGHT_COLUMNS][LIGHT_LOADS];
 } light_params;
+/* approach, ln(load per length) and its derivative by the approach at rising approaches */
+enum { DEFLECTION_KNOTS = 320 };
+typedef struct { double approach[DEFLECTION_KNOTS], log_load[DEFLECTION_KNOTS], slope[DEFLECTION_KNOTS]; } deflection_table;
 enum { NO_FACTOR, MURCH_WILSON, GUPTA };
 /* Factor of a heated inlet by Lt^0.62, which film and resistance to rolling share          [Murch and Wilson 1975] */
 #define HEATED_INLET(power) (3.94 / (3.94 + (power)))
-typedef struct { rs_model film; int thermal; double starvation, layer, exponent; } inlet_params;
+typedef struct { rs_model film; int thermal; double layer, exponent; } inlet_params;
 typedef struct { double rigid, elastic, factor; int heated, whole; } rolling_params;
 typedef struct { double factor; int logarithm; } barus_params;   /* factor on ln(eta/eta0); ln(eta) in place of eta */
 typedef struct { double pole_viscosity, pole_pressure, factor; int film, logarithm; } roelands_params;   /* film: alpha is alpha* */
@@ -37,7 +40,7 @@ typedef struct {
 } blend_params;
 
 #define STAGES(X) \
-    X(hertz_line) X(light_contact) X(power_deflection) X(lundberg_deflection) \
+    X(hertz_line) X(light_contact) X(power_deflection) X(lundberg_deflection) X(tabulated_deflection) \
     X(power_film) X(moes_film) X(regime_film) X(inlet_film) \
     X(barus) X(roelands) X(yasutomi) X(rolling_resistance) X(hysteresis) \
     X(muraki) X(maxwell_eyring) X(maxwell_eyring_local) X(eyring) X(kragelsky) X(constant) X(gupta) \

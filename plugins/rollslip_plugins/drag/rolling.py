@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from rollslip.fields import choice_of, parameter
-from rollslip.models import NON_NEGATIVE, POSITIVE, Domain, ResistanceModel, Validity, from_scene
+from rollslip.models import NON_NEGATIVE, POSITIVE, Domain, ResistanceModel, Validity
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag as compiled
@@ -23,8 +23,6 @@ from rollslip_plugins.drag.factor import scattering_factor
 from rollslip_plugins.film.corrections import (
     LAWS,
     heated_inlet,
-    starvation_factor,
-    starved,
     thermal_load,
 )
 from rollslip_plugins.symbols import explained
@@ -120,13 +118,6 @@ class RollingResistance(ResistanceModel):
         validator=choice_of("none", "murch-wilson"),
         doc="reduction by shear heating of the inlet: 'none' or 'murch-wilson'",
     )
-    starvation: float = from_scene(
-        "starvation",
-        validator=starved,
-        doc="factor C_S of a starved inlet",
-        usual=(0.1, 1),
-        possible=(0, 1),
-    )
     extent: str = parameter(
         default="inlet",
         validator=choice_of("inlet", "film"),
@@ -173,7 +164,7 @@ class RollingResistance(ResistanceModel):
         )
         large = np.maximum(x, 1.0)
         small = np.minimum(x, 1.0 / large)
-        factor = np.asarray(self.factor * starvation_factor(self.starvation))
+        factor = np.asarray(self.factor)
         if self.inlet_heating != "none":
             factor = factor * heated_inlet(thermal_load(s))
         if self.extent == "film":
@@ -188,7 +179,7 @@ class RollingResistance(ResistanceModel):
         return compiled.rolling_resistance(
             RIGID,
             ELASTIC,
-            self.factor * starvation_factor(self.starvation),
+            self.factor,
             self.inlet_heating != "none",
             self.extent == "film",
         )

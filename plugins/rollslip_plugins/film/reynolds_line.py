@@ -57,6 +57,7 @@ class ReynoldsLine(FilmModel):
     '2.45e-05'
     """
 
+    at_any_load: ClassVar[bool] = False
     name: ClassVar[str] = "reynolds-line"
     equation: ClassVar[str] = (
         "d/dx [rho h^3/(12 eta) dp/dx] = u d(rho h)/dx, h = h0 + x^2/(2 R) - 4/(pi E') int p(s) ln|x - s| ds, "

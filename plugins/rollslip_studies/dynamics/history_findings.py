@@ -24,9 +24,6 @@ _PRINTED_UNITS: Final = {"load_direction": "deg"}
 #: Negative slip from which on a sentence says that the cage runs ahead of its epicyclic speed. Doubled, twice that slip
 #: is not mentioned. Chosen: the usual tolerance of the cage speed.
 _MIN_NEGATIVE_SLIP: Final = 1e-3
-#: Relative difference of the starvation factors of two speeds from which on a sentence reports both. Doubled, films up
-#: to 2 % off are not mentioned. Chosen.
-_MIN_STARVATION_CHANGE: Final = 0.01
 #: Step of a value, relative to its range, from which on it changes: below it is rounding.
 _MIN_CHANGE: Final = 1e-9
 #: Attributes of a result about temperatures that follow from losses.
@@ -220,7 +217,7 @@ def with_history_topics(
 
 
 def describe_history(dataset: "xr.Dataset") -> list[str]:
-    """Describe how each value of the operation changed, the starvation of the film, and the sliding of the rollers."""
+    """Describe how each value of the operation changed, and the sliding of the rollers."""
     sentences = []
     varies = json.loads(dataset.attrs["history_varies"])
     for name in json.loads(dataset.attrs["history"]):
@@ -238,12 +235,6 @@ def describe_history(dataset: "xr.Dataset") -> list[str]:
         if {first, last} != {low, high}:
             text += f", with {low} at least and {high} at most"
         sentences.append(text)
-    factor, low_speed_factor = json.loads(dataset.attrs.get("starvation", "[1, 1]"))
-    if abs(low_speed_factor - factor) > _MIN_STARVATION_CHANGE * low_speed_factor:
-        sentences.append(
-            f"starvation is that of the largest speed throughout, a factor of {factor:.3g} on the film; at the lowest "
-            f"speed it would be {low_speed_factor:.3g}"
-        )
     works = frictional_work(dataset)
     for ring, distance in sliding_distance(dataset).items():
         mean, largest = (

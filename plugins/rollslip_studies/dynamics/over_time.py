@@ -17,9 +17,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.cage import scene_values
 from rollslip.bearing.critical import Critical, slip_grid
-from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.results.dataset import xr
@@ -479,33 +477,7 @@ def history_variables(
         "history_error": moving.stations.error,
         "slip_status": "known while the cage's epicyclic speed is more than "
         f"{100 * MIN_EPICYCLIC_FRACTION:g} % of its largest, to which slips refer",
-        "starvation": json.dumps(_starvation(moving, operation)),
     }
-
-
-def _starvation(moving: VaryingMotion, operation: Mapping[str, Array]) -> list[float]:
-    """Return the starvation factors C_S of the film in the motion, and at its lowest speed; 1 without starvation.
-
-    Friction is that of one speed, the largest, unless it is tabulated over speeds; then both factors are 1.
-    """
-    bearing = moving.base.assembly
-    speed = np.abs(operation["inner_speed"] - operation["outer_speed"])
-    starved = any(
-        "starvation" in taken_from_scene(model)
-        for model in (*bearing.models.values(), *bearing.cage.named)
-    )
-    if not (starved and moving.stations.speeds_vary) or "speed" in [
-        axis.name for axis in moving.stations.axes
-    ]:
-        return [1.0, 1.0]
-    slowest = int(np.argmin(np.where(speed > 0.0, speed, np.inf)))
-    slow_bearing = with_operation(
-        bearing, {name: float(operation[name][slowest]) for name in ("inner_speed", "outer_speed")}
-    )
-    return [
-        float(str(scene_values(case.scene, case.kinematics, case.lubricant)["starvation"]))
-        for case in (bearing, slow_bearing)
-    ]
 
 
 def plan_parts(
@@ -692,7 +664,7 @@ def final_bearing(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
 
 
 def bearing_at(assembly: Assembly, dataset: "xr.Dataset", index: int) -> Assembly:
-    """Return the bearing with the temperatures at a stored time of a result, and with the starvation of its speeds.
+    """Return the bearing with the temperatures at a stored time of a result.
 
     Parameters
     ----------
@@ -707,12 +679,4 @@ def bearing_at(assembly: Assembly, dataset: "xr.Dataset", index: int) -> Assembl
         name: float(dataset[name][index]) for name in json.loads(dataset.attrs.get("history", "[]"))
     }
     operation = {name: value for name, value in given.items() if name in TEMPERATURES}
-    speeds = {
-        name: given.get(name, getattr(assembly.scene.operation, name))
-        for name in ("inner_speed", "outer_speed")
-    }
-    if speeds["inner_speed"] != speeds["outer_speed"] and any(
-        "starvation" in taken_from_scene(model) for model in assembly.models.values()
-    ):
-        operation |= speeds
     return with_operation(assembly, operation)

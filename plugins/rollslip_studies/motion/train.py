@@ -27,6 +27,7 @@ import math
 import attrs
 import numpy as np
 
+from rollslip.bearing.equilibrium import is_loaded
 from rollslip.bearing.raceway import Array
 
 
@@ -83,5 +84,5 @@ def slower_by_play(play: float, inner: Array, orbit: float) -> float:
     orbit : float
         Radius of the orbit [m].
     """
-    zone = 2.0 * math.pi * orbit * float(np.mean(inner > 0.0))
+    zone = 2.0 * math.pi * orbit * float(np.mean(is_loaded(inner)))
     return play / zone if zone > 0.0 else math.nan

@@ -9,7 +9,7 @@ all loaded slices over the orbit, the sum of their forces, and the sum of their 
 - Friction rises over a small slide-roll ratio V/u and falls slowly beyond. So the nodes of V/u are uniform in
   asinh(V/(a u)), with a fixed scale a: a scale that followed the largest friction would jump between operating points
   at which different maxima are the largest.
-- The supply of oil, and with it the starvation of the inlets, is that of rings between which the bearing rolls at u
+- The supply of oil, and with it the drags that depend on it, is that of rings between which the bearing rolls at u
   without slip: slip changes u by less than (R_o - R_i)/(2 R_o).
 - Friction is evaluated for V > 0; it is odd in V, as all built-in laws are.
 """
@@ -71,7 +71,7 @@ _LOAD_RULE_ERROR: Final = 1e-5
 _RESISTANCE_LOADS: Final = 48
 
 #: Inputs of laws that depend on the supply of oil.
-_SUPPLIED: Final = frozenset({"starvation", "oil_fraction"})
+_SUPPLIED: Final = frozenset({"oil_fraction"})
 
 #: Dimensions of values on the grid of cage and rolling speeds.
 _GRID: Final = "ring cage_node rolling_node"

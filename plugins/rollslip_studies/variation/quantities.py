@@ -39,11 +39,9 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     found = [*_bearing_name(scene)]
     for table in _tables(scene):
         found += _values_of(getattr(scene, table), table)
-    # with the starvation constant of the kind of supply by default
-    constant = oil_supply(scene, assembly.lubricant).starvation_constant
-    found += _values_of(
-        attrs.evolve(scene.lubrication, starvation_constant=constant), "lubrication"
-    )
+    # with the oil layer of the kind of supply by default
+    layer = oil_supply(scene, assembly.lubricant).oil_layer
+    found += _values_of(attrs.evolve(scene.lubrication, oil_layer=layer), "lubrication")
     found += _oil_values(assembly)
     for attribute in attrs.fields(type(scene.models)):
         found += _model_values(assembly, attribute)
@@ -68,6 +66,8 @@ def _model_values(assembly: Assembly, attribute: "attrs.Attribute[Any]") -> Iter
     elif isinstance(choice, ModelChoice):
         yield _choice(key, attribute, choice.name, kind)
         yield from _values_of(assembly.models.get(kind) or _thermal(scene), key)
+    elif isinstance(choice, str):
+        yield _choice(key, attribute, choice, "")
     elif isinstance(choice, Separator):
         yield _choice(key, attribute, choice.name, "")
         yield from _single_value(

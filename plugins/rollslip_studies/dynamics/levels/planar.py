@@ -403,7 +403,7 @@ def planar_motion(
         outer_radius=k.outer_radius,
         roller_radius=k.roller_radius,
         orbit_radius=k.orbit_radius,
-        half_clearance=b.radial_clearance / 2,
+        half_clearance=a.carrying_clearance / 2,
         inner_speed=direction * k.inner_speed,
         outer_speed=direction * k.outer_speed,
         roller_mass=a.roller_mass,

@@ -1,0 +1,144 @@
+"""Load of a contact over the approach of its bodies, with the oil film between them.
+
+Two bodies that approach each other by a (negative: a gap) yield by delta and have a film h between them::
+
+    a = delta(w) - h(w)
+
+The deflection delta rises with the load per length w, and the film h does not, so that each approach has one load. So a
+contact carries load before the bodies would touch, and a roller that hardly anything presses is carried along more of
+its length than a dry one.
+
+The law is a table over the load. Its approach is measured from the gap at which the contact begins to carry, which is
+the film without load: the layer of oil on the surfaces, or `_WIDEST_GAP` where there is oil in plenty. The equilibrium
+then needs no change but a clearance that is smaller by these gaps (`Raceway.gap`). The film is that of a bearing that
+rolls without slip.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import ClassVar
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.chain import Chain
+from rollslip.errors import DomainError
+from rollslip.models import FINITE, ContactModel, FilmModel, SliceModel
+from rollslip.references import Reference
+from rollslip.search import Array
+from rollslip_kernels.slices import Conditions, Slices
+from rollslip_kernels.stages import contact as compiled
+
+#: Deflections of the bodies at the ends of the table [m]: 1e-6 N/m and 1e8 N/m of steel on steel. Below the smallest
+#: one the load is proportional to the approach, above the largest one it rises along the tangent. Chosen: no film and
+#: no bearing has loads beyond them.
+_DEFLECTIONS = (1e-16, 2e-3)
+#: Largest gap in which a film carries load [m]. Chosen: ten times the thickest films of unloaded rollers, 0.1 mm in
+#: large and slow bearings full of oil.
+_WIDEST_GAP = 1e-3
+
+
+@attrs.frozen(eq=False)
+class FilmDeflection(SliceModel):
+    """Load and stiffness of a contact with a film, from the approach beyond the gap at which it begins to carry."""
+
+    name: ClassVar[str] = "film-deflection"
+    equation: ClassVar[str] = "a = delta(w) - h(w)"
+    references: ClassVar[tuple[Reference, ...]] = ()
+    writes = frozenset({"load", "stiffness"})
+    domain: ClassVar[Mapping[str, tuple[float, float]]] = MappingProxyType({"approach": FINITE})
+
+    #: The approach, and the conditions that the table was made for.
+    reads: frozenset[str]
+    #: Approaches of the table [m], rising.
+    approach: Array
+    #: Logarithm of the load per length [N/m] at them.
+    log_load: Array
+    #: Its derivative with respect to the approach [1/m].
+    slope: Array
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill load and stiffness from the approach."""
+        knots = self.approach
+        a = slices.approach
+        low = np.clip(np.searchsorted(knots, a, "right") - 1, 0, knots.size - 2)
+        width = knots[low + 1] - knots[low]
+        x = np.clip((a - knots[low]) / width, 0.0, 1.0)
+        rise = self.log_load[low + 1] - self.log_load[low]
+        left = width * self.slope[low]
+        right = width * self.slope[low + 1]
+        second = 3.0 * rise - 2.0 * left - right
+        third = left + right - 2.0 * rise
+        load = np.exp(self.log_load[low] + x * (left + x * (second + x * third)))
+        stiffness = load * (left + x * (2.0 * second + x * 3.0 * third)) / width
+        first_stiffness = np.exp(self.log_load[0]) / knots[0]
+        last_stiffness = np.exp(self.log_load[-1]) * self.slope[-1]
+        ranges = [a <= 0.0, a <= knots[0], a < knots[-1]]
+        beyond = load + last_stiffness * (a - knots[-1])
+        slices.load[...] = np.select(ranges, [0.0, first_stiffness * a, load], beyond)
+        slices.stiffness[...] = np.select(ranges, [0.0, first_stiffness, stiffness], last_stiffness)
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.tabulated_deflection(self.approach, self.log_load, self.slope)
+
+
+def film_deflection(
+    contact: ContactModel,
+    film: FilmModel,
+    conditions: Conditions,
+    speed: float,
+    oil_layer: float,
+    *,
+    is_compiled: bool = True,
+) -> tuple[FilmDeflection, float]:
+    """Return the law of deflection of a contact with a film, and the gap at which it begins to carry [m].
+
+    Parameters
+    ----------
+    contact : ContactModel
+        Law of the bodies.
+    film : FilmModel
+        Law of the film, which must not rise with the load.
+    conditions : Conditions
+        Geometry, steel and oil of the contacts.
+    speed : float
+        Mean speed of the two surfaces [m/s], that of a bearing that rolls without slip.
+    oil_layer : float
+        Oil on both surfaces together before a contact [m]: no film is thicker.
+    is_compiled : bool
+        Whether laws are evaluated compiled.
+
+    Raises
+    ------
+    DomainError
+        If the film rises with the load faster than the bodies yield.
+    """
+    bodies = Chain(contact.deflection(), compiled=is_compiled)
+    with_film = Chain(contact, film, compiled=is_compiled)
+
+    def evaluated(least: float) -> Slices:
+        deflections = np.geomspace(least, _DEFLECTIONS[1], compiled.KNOTS)
+        slices = Slices(compiled.KNOTS, conditions, approach=deflections, rolling_speed=speed)
+        bodies(slices)
+        with_film(slices)
+        return slices
+
+    slices = evaluated(_DEFLECTIONS[0])
+    wide = np.minimum(slices.film_thickness, oil_layer) > _WIDEST_GAP
+    if wide[0]:
+        slices = evaluated(float(slices.approach[~wide][0]))
+    h = np.minimum(slices.film_thickness, oil_layer)
+    log_load = np.log(slices.load)
+    fall = np.gradient(h, log_load)
+    approach = slices.approach - h + h[0]
+    yielding = slices.load / slices.stiffness
+    if not np.all(np.diff(approach) > 0.0):
+        raise DomainError(
+            f"film {film.name!r} gets thicker with the load faster than the contact yields, so that rollers have no "
+            "equilibrium with it; choose models.approach = 'dry'"
+        )
+    slope = 1.0 / (yielding - np.minimum(fall, 0.0))
+    laws = contact.deflection().reads | contact.reads | film.reads
+    reads = {"approach", *laws.intersection(attrs.fields_dict(Conditions))}
+    return FilmDeflection(frozenset(reads), approach, log_load, slope), float(h[0])
