@@ -80,10 +80,9 @@ def check_equal_models_are_equal_and_have_equal_hashes(model: Any) -> None:
     for attribute in attrs.fields(type(model)):
         value = getattr(model, attribute.name)
         if isinstance(value, float) and attribute.init:
+            near = value * (1 + 1e-9) if 0 < abs(value) < math.inf else 1e-9
             try:
-                other = attrs.evolve(
-                    model, **{attribute.alias: value * (1 + 1e-9) if value else 1e-9}
-                )
+                other = attrs.evolve(model, **{attribute.alias: near})
             except ValueError:
                 continue  # at the end of the parameter's range
             refuse_unless(other != model, f"two models that differ in {attribute.name} are equal")

@@ -7,10 +7,10 @@
 
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid
-from libc.math cimport NAN, fabs, sqrt
+from libc.math cimport INFINITY, NAN, fabs, sqrt
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
-from rollslip_blocks cimport rolling_params, rs_active_blocks
+from rollslip_blocks cimport film_params, power_resistance_params, rs_active_blocks
 from rollslip_drag cimport rs_drag_of, rs_new_drag, rs_torque_then
 from rollslip_errors cimport rs_raise_pending
 from rollslip_stage cimport rs_cut, rs_new_model
@@ -178,13 +178,21 @@ cdef int _total_resistance(const rs_slices *s, const void *params) noexcept nogi
     return 0
 
 
-def rolling_resistance(double rigid, double elastic, double factor, bint heated, bint whole):
-    """Return the stage of hydrodynamic rolling resistance: the numbers of its two limits, and a factor on it.
+def rolling_resistance(double factor, double reach, double layer, bint heated):
+    """Return the stage of hydrodynamic rolling resistance: a factor on it, and where its inlet begins.
 
-    ``heated`` asks for the factor of Murch and Wilson, ``whole`` for the film behind the inlet.
+    ``reach`` is in Hertz widths and films, infinite for a flooded inlet; ``layer`` is the oil before the contact in m, 1 for
+    plenty.
+    ``heated`` asks for the factor of Murch and Wilson.
     """
-    cdef rolling_params q = rolling_params(rigid, elastic, factor, heated, whole)
+    cdef film_params q = film_params(factor, 1.0 / reach, layer if layer < 1.0 else 0.0, heated)
     return rs_new_model(rs_active_blocks().rolling_resistance, &q, sizeof(q), None)
+
+
+def power_resistance(double factor, double elastic, double speed, double load, bint heated):
+    """Return the stage of a rolling resistance whose elastic limit is ``elastic`` (R/alpha) (G U)^speed W^load."""
+    cdef power_resistance_params q = power_resistance_params(factor, elastic, speed, load, heated)
+    return rs_new_model(rs_active_blocks().power_resistance, &q, sizeof(q), None)
 
 
 def hysteresis(double loss):

@@ -19,7 +19,8 @@ enum { NO_FACTOR, MURCH_WILSON, GUPTA };
 /* Factor of a heated inlet by Lt^0.62, which film and resistance to rolling share          [Murch and Wilson 1975] */
 #define HEATED_INLET(power) (3.94 / (3.94 + (power)))
 typedef struct { rs_model film; int thermal; double layer, exponent; } inlet_params;
-typedef struct { double rigid, elastic, factor; int heated, whole; } rolling_params;
+typedef struct { double factor, inverse_reach, layer; int heated; } film_params;   /* layer: 0 is plenty */
+typedef struct { double factor, elastic, speed, load; int heated; } power_resistance_params;
 typedef struct { double factor; int logarithm; } barus_params;   /* factor on ln(eta/eta0); ln(eta) in place of eta */
 typedef struct { double pole_viscosity, pole_pressure, factor; int film, logarithm; } roelands_params;   /* film: alpha is alpha* */
 typedef struct { double glass_temperature, a1, a2, b1, b2, c1, c2, factor; int logarithm; } yasutomi_params;
@@ -42,7 +43,7 @@ typedef struct {
 #define STAGES(X) \
     X(hertz_line) X(light_contact) X(power_deflection) X(lundberg_deflection) X(tabulated_deflection) \
     X(power_film) X(moes_film) X(regime_film) X(inlet_film) \
-    X(barus) X(roelands) X(yasutomi) X(rolling_resistance) X(hysteresis) \
+    X(barus) X(roelands) X(yasutomi) X(rolling_resistance) X(power_resistance) X(hysteresis) \
     X(muraki) X(maxwell_eyring) X(maxwell_eyring_local) X(eyring) X(kragelsky) X(constant) X(gupta) \
     X(carreau) X(limiting_shear) X(newtonian_thermal) X(eyring_thermal) \
     X(power_share) X(exponential_share) X(greenwood_tripp_share) X(blend)
