@@ -1,7 +1,6 @@
 """Heated and starved inlets: the factors against printed formulas and a numerical inlet; compiled and NumPy alike."""
 
 import itertools
-import json
 from types import MappingProxyType
 
 import attrs
@@ -11,7 +10,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, plan, run
+from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError

@@ -433,7 +433,10 @@ def scene_info(scene: Scene) -> Groups:
             ("centrifugal force of a roller", format_quantity(assembly.centrifugal_force, "N", 4)),
         ],
         "load distribution": [
-            ("rollers loaded by the inner ring", str(int(np.count_nonzero(is_loaded(loads.inner_force[0]))))),
+            (
+                "rollers loaded by the inner ring",
+                str(int(np.count_nonzero(is_loaded(loads.inner_force[0])))),
+            ),
             ("largest force, inner ring", format_quantity(float(loads.inner_force.max()), "N", 4)),
             ("largest force, outer ring", format_quantity(float(loads.outer_force.max()), "N", 4)),
             (
