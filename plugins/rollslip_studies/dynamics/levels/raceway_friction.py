@@ -88,9 +88,11 @@ _SCALE_NODES: Final = 64
 #: Gaps [m] between which the force of a roller is interpolated as a start of Newton's method. Chosen: any contact is
 #: between 1 pm and 1 mm.
 _GAPS: Final = np.geomspace(1e-12, 1e-3, 901)
-#: Number of Newton steps for the gap of a force: the force is nearly a power of the gap (10/9), so that two reach
-#: rounding; one more for the profile.
-_NEWTON_STEPS: Final = 3
+#: Largest number of Newton steps for the gap of a force, kept between two of these gaps. Chosen: the force of dry
+#: bodies is nearly a power of the gap, so that three reach rounding; where a film yields, some steps halve the interval.
+_MAX_NEWTON_STEPS: Final = 30
+#: Step of the gap, relative to it, with which the search ends. Chosen: rounding of some operations.
+_GAP_ROUNDING: Final = 1e-14
 
 
 @attrs.frozen(kw_only=True)
@@ -471,13 +473,20 @@ class _RollerFriction:
     def loads(self, force: Array) -> Array:
         """Return the loads per length of the slices at forces [N], (m, n), by Newton's method for the gap."""
         force, index = np.unique(force, return_inverse=True)
-        touching = self.forces > 0.0
-        gap = np.exp(
-            np.interp(np.log(force), np.log(self.forces[touching]), np.log(_GAPS[touching]))
-        )
-        for _ in range(_NEWTON_STEPS):
+        above = np.clip(np.searchsorted(self.forces, force), 1, _GAPS.size - 1)
+        low = _GAPS[above - 1]
+        high = _GAPS[above]
+        gap = 0.5 * (low + high)
+        for _ in range(_MAX_NEWTON_STEPS):
             load, stiffness = self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)
-            gap = gap + (force - load @ self.widths) / (stiffness @ self.widths)
+            lacking = force - load @ self.widths
+            low = np.where(lacking > 0.0, gap, low)
+            high = np.where(lacking > 0.0, high, gap)
+            step = lacking / np.maximum(stiffness @ self.widths, np.finfo(float).tiny)
+            if np.all(np.abs(step) <= _GAP_ROUNDING * gap):
+                break
+            inside = (gap + step >= low) & (gap + step <= high)
+            gap = np.where(inside, gap + step, 0.5 * (low + high))
         return self._loads(gap)[index]
 
     def _of_loads(self, load: Array, sliding: Array, rolling: Array) -> Array:
