@@ -14,7 +14,6 @@ then needs no change but a clearance that is smaller by these gaps (`Raceway.gap
 rolls without slip.
 """
 
-from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -46,7 +45,7 @@ class FilmDeflection(SliceModel):
     equation: ClassVar[str] = "a = delta(w) - h(w)"
     references: ClassVar[tuple[Reference, ...]] = ()
     writes = frozenset({"load", "stiffness"})
-    domain: ClassVar[Mapping[str, tuple[float, float]]] = MappingProxyType({"approach": FINITE})
+    domain = MappingProxyType({"approach": FINITE})
 
     #: The approach, and the conditions that the table was made for.
     reads: frozenset[str]

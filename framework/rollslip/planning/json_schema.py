@@ -79,8 +79,8 @@ def _add_key(node: dict[str, Any], name: str, row: SchemaRow) -> None:
     kind = re.fullmatch(r"models\.(\w+)(\.model)?", row.key)
     names: dict[str, Any] = {}
     if kind:
-        choices = {"approach": APPROACHES, "separator": SEPARATORS}.get(kind[1])
-        names = {"enum": [*(choices or available(model_kind(kind[1])))]}
+        own_names = {"approach": APPROACHES, "separator": SEPARATORS}.get(kind[1])
+        names = {"enum": [*(own_names or available(model_kind(kind[1])))]}
     if row.type.startswith("a name, or a table"):
         schema: dict[str, Any] = {
             "anyOf": [

@@ -68,7 +68,8 @@ def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -
     return [
         Part(
             part="load distribution",
-            choice="quasi-static equilibrium of ring and rollers",
+            choice="quasi-static equilibrium of ring and rollers"
+            + (", with the films between them" if assembly.inner.gap > 0.0 else ""),
             resolution=f"{bearing.rollers} rollers, "
             + (f"{n_positions} roller positions within a pitch" if n_positions else doubled),
             reason=f"one revolution is much shorter than the cage's transient; {why}",
