@@ -7,11 +7,9 @@ import pickle
 import attrs
 import numpy as np
 import pytest
-from numpy.polynomial import Polynomial
-from scipy.integrate import quad
 
 from foreign_stages import RsModel, Stage, _new_capsule
-from rollslip import Chain, Conditions, Slices, get_model
+from rollslip import Chain, Slices, get_model
 from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
 from rollslip.catalogue.kinds import get_kind
 from rollslip.errors import DomainError, PluginError, SceneError
@@ -27,20 +25,12 @@ from rollslip.models import (
 from rollslip.testing import conformance, samples
 from rollslip.units import check_unit
 from rollslip_kernels.stages import drag as compiled
-from rollslip_plugins.drag.rolling import ELASTIC, RIGID, Hysteresis, RollingResistance
+from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, ConstantTorque, CoulombPocket, PetroffLand
-from rollslip_plugins.film.line_contact import solve_line_contact
-from strategies import NumpyForm
-from tabled import REFERENCES, numbers_of
+from strategies import STEEL, resistance_in_both_forms
 
-STEEL = Conditions(
-    radius=0.006875, modulus=2.2857e11, viscosity=8.58e-3, pressure_viscosity=10.74e-9, length=0.015,
-    thermoviscosity=0.03, conductivity=0.15,
-)  # fmt: skip
-FILMS = numbers_of(REFERENCES / "rolling_resistance.csv")
-#: The law alone, in an inlet that is cold and full.
+#: The law alone, in an inlet that is cold.
 COLD = RollingResistance(inlet_heating="none")
-WHOLE = RollingResistance(inlet_heating="none", extent="film")
 #: Lengths in m, viscosity in Pa s.
 LAND = {"ring": "outer", "viscosity": 0.01, "radius": 0.1, "width": 0.01, "clearance": 1e-4}
 #: 20 rollers of 10 mm by 20 mm, in an oil of 900 kg/m3 that fills 2 % of the space; lengths in m.
@@ -52,16 +42,6 @@ ROLLERS = {
     "roller_length": 0.02,
     "orbit_radius": 0.05,
 }
-
-
-def resistance(model, conditions=STEEL, **columns):
-    """Resistance of slices [N/m], in both forms, which must agree."""
-    n = np.broadcast(*columns.values()).size
-    made = [Slices(n, conditions, **columns) for _ in range(2)]
-    Chain(model)(made[0])
-    Chain(NumpyForm(model))(made[1])
-    np.testing.assert_allclose(made[0].resistance, made[1].resistance, rtol=1e-14)
-    return made[0].resistance
 
 
 # Torques -------------------------------------------------------------------------------------------------------------
@@ -111,176 +91,6 @@ def test_torques_are_the_same_compiled(drag):
         assert compiled.torque(capsule, *speeds) == pytest.approx(
             drag.torque(*speeds), rel=1e-15, abs=0.0
         )
-
-
-# Resistance of the oil -----------------------------------------------------------------------------------------------
-
-
-def test_the_rigid_limit_is_that_of_the_half_open_gap():
-    """2.0796 is int h dp/2 over a parabolic gap with Reynolds's exit, by quadrature in 30 digits."""
-    rigid = next(row for row in FILMS if row["M"] == 0)
-    assert pytest.approx(math.sqrt(2) * rigid["force"], rel=1e-10) == RIGID
-    thin = attrs.evolve(STEEL, pressure_viscosity=0.0)
-    u = np.array([0.01, 1.0, 30.0])
-    w = np.array([10.0, 1e3, 5e4])
-    expected = math.sqrt(2) * rigid["force"] * np.sqrt(STEEL.viscosity * u * w)
-    np.testing.assert_allclose(
-        resistance(COLD, thin, load=w, rolling_speed=u), expected, rtol=1e-10
-    )
-
-
-def test_the_elastic_limit_is_goksem_and_hargreavess():
-    G = STEEL.pressure_viscosity * STEEL.modulus
-    w = 1e9
-    u = 0.5
-    U = STEEL.viscosity * u / (STEEL.modulus * STEEL.radius)
-    W = w / (STEEL.modulus * STEEL.radius)
-    expected = 4.318 * STEEL.radius / STEEL.pressure_viscosity * (G * U) ** 0.658 * W**0.0126
-    assert resistance(COLD, load=w, rolling_speed=u)[0] == pytest.approx(expected, rel=1e-6)
-
-
-def test_between_the_limits_is_their_norm_of_power_minus_five():
-    w = np.array([1e3, 1e4, 1e5])
-    u = 25.0
-    thin = attrs.evolve(STEEL, pressure_viscosity=0.0)
-    heavy = STEEL
-    a = resistance(COLD, thin, load=w, rolling_speed=u)
-    G = STEEL.pressure_viscosity * STEEL.modulus
-    U = STEEL.viscosity * u / (STEEL.modulus * STEEL.radius)
-    W = w / (STEEL.modulus * STEEL.radius)
-    b = ELASTIC * STEEL.radius / STEEL.pressure_viscosity * (G * U) ** 0.658 * W**0.0126
-    found = resistance(COLD, heavy, load=w, rolling_speed=u)
-    np.testing.assert_allclose(found, (a**-5 + b**-5) ** -0.2, rtol=1e-13)
-
-
-def solved(M, L, accuracy=1e-3):
-    """int H dP/2 of a solved contact over the whole film and over its inlet, less the film in the middle there."""
-    s = solve_line_contact(M, L, accuracy=accuracy)
-    elements = np.arange(0, s.nodes - 1, 4)[:, None] + np.arange(
-        5
-    )  # of degree 4, with the same places in each
-    x, P, H = (values[elements] for values in (s.x, s.pressure, s.film))
-    at = (x[0] - x[0, 0]) / np.ptp(x[0])
-    basis = [Polynomial.fit(at, row, 4) for row in np.eye(5)]
-    product = np.array([[integral(left * right.deriv()) for right in basis] for left in basis])
-    tail = 6 / abs(s.x[0])  # P = 8/|X|^3 before the first node
-    whole = np.einsum("ki,ij,kj->", H, product, P) / 2 + tail
-    before = x[:, -1] <= 0
-    # the element that holds the middle is left out: film less that of the middle is nothing there
-    inlet = (
-        np.einsum("ki,ij,kj->", H[before] - s.thickness["central"], product, P[before]) / 2 + tail
-    )
-    return whole, inlet
-
-
-def integral(polynomial):
-    """From 0 to 1."""
-    primitive = polynomial.integ()
-    return primitive(1.0) - primitive(0.0)
-
-
-@pytest.mark.parametrize(
-    "row", [row for row in FILMS if row["M"]], ids=lambda row: f"{row['M']:g}-{row['L']:g}"
-)
-def test_a_solved_film_resists_as_finite_volumes_say(row):
-    whole, _ = solved(row["M"], row["L"], 1e-5)
-    assert whole == pytest.approx(row["force"], rel=max(1e-5, 2 * row["uncertainty"]))
-
-
-def errors(points, model=COLD):
-    """Relative error of the formula at points (M, L): of the whole film and of its inlet, each (points,)."""
-    Us = 3e-11
-    modulus = STEEL.modulus
-    radius = STEEL.radius
-    found = []
-    for M, L in points:
-        oil = {
-            "viscosity": Us * modulus * radius / 2,
-            "pressure_viscosity": L / (modulus * Us**0.25),
-        }
-        load = M * math.sqrt(Us) * modulus * radius
-        force = resistance(model, attrs.evolve(STEEL, **oil), load=load, rolling_speed=1.0)[0]
-        found.append(force / (radius * modulus * Us**0.75) / np.array(solved(M, L)) - 1)
-    return np.array(found).T
-
-
-def test_the_extreme_errors_of_the_formula_are_as_stated():
-    """The numbers of the docstring, at the points where they are reached."""
-    whole, inlet = errors([(0.2, 5.0), (20.0, 15.0), (1.0, 10.0), (1.0, 15.0), (20.0, 5.0)])
-    assert whole[:3] == pytest.approx([0.000, -0.356, -0.152], abs=0.001)
-    assert inlet[3:] == pytest.approx([-0.228, 0.147], abs=0.001)
-
-
-def test_the_whole_film_resists_as_solved_ones_do():
-    """The fit behind ``extent = "film"``, at its extremes and between; the law of the inlet is up to 36 % off here."""
-    whole, _ = errors([(20.0, 3.5), (1.0, 12.0), (2.0, 8.0), (5.0, 10.0), (10.0, 15.0)], WHOLE)
-    assert whole == pytest.approx([0.052, -0.015, -0.008, 0.003, 0.015], abs=0.001)
-
-
-@pytest.mark.slow
-def test_the_errors_of_the_whole_film_are_within_those_stated():
-    points = [
-        (M, L)
-        for L in (3.5, 5.0, 8.0, 10.0, 12.0, 15.0, 20.0)
-        for M in (0.05, 0.3, 1.0, 3.0, 5.0, 20.0)
-    ]
-    whole, _ = errors(points, WHOLE)
-    assert min(whole) > -0.02
-    assert max(whole) < 0.07
-
-
-def test_heat_and_want_of_oil_thin_the_inlet_that_resists():
-    """Murch and Wilson's factor, by hand: at Lt = 1 it is 3.94/4.94, at nothing 1."""
-    u = math.sqrt(STEEL.conductivity / (STEEL.viscosity * STEEL.thermoviscosity))
-    speed = np.array([u, 1e-6 * u])
-    hot, cold = (
-        resistance(model, load=1e4, rolling_speed=speed) for model in (RollingResistance(), COLD)
-    )
-    np.testing.assert_allclose(hot / cold, [3.94 / 4.94, 1.0], rtol=1e-7)
-    starved = resistance(RollingResistance(starvation=0.7), load=1e4, rolling_speed=speed)
-    np.testing.assert_allclose(starved, 0.7 * hot, rtol=1e-14)
-
-
-def test_an_inlet_that_is_not_heated_reads_nothing_of_heat():
-    assert RollingResistance().reads - COLD.reads == {"thermoviscosity", "conductivity"}
-    cold = attrs.evolve(STEEL, thermoviscosity=math.nan, conductivity=math.nan)
-    assert np.isfinite(resistance(COLD, cold, load=1e4, rolling_speed=20.0)).all()
-
-
-@pytest.mark.slow
-def test_the_errors_of_the_formula_are_within_those_stated():
-    points = [
-        (M, L) for L in (5.0, 8.0, 10.0, 15.0) for M in (0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
-    ]
-    whole, inlet = errors(points)
-    light = [error for error, (M, L) in zip(whole, points, strict=True) if M <= 1 and L <= 10]
-    assert min(whole) > -0.36
-    assert max(whole) < 0.005
-    assert min(light) > -0.155
-    assert min(inlet) > -0.23
-    assert max(inlet) < 0.15
-
-
-# Hysteresis ----------------------------------------------------------------------------------------------------------
-
-
-def test_hysteresis_is_a_share_of_the_work_of_the_front_half():
-    w = 3e4
-    R = STEEL.radius
-    loss = 0.02
-    slices = Slices(1, STEEL, load=w)
-    Chain(get_model("contact", "palmgren"))(slices)
-    b = slices.half_width[0]
-    # the surfaces close with dx/R as the contact moves on by dx; the pressure is Hertz's
-    work, _ = quad(
-        lambda x: 2 * w / (math.pi * b) * math.sqrt(1 - (x / b) ** 2) * x / R,
-        0,
-        b,
-        epsabs=0,
-        epsrel=1e-12,
-    )
-    found = resistance(Hysteresis(loss=loss), load=w, half_width=b)[0]
-    assert 2 * found == pytest.approx(loss * work, rel=1e-10)
 
 
 # What the scene gives ------------------------------------------------------------------------------------------------
@@ -515,9 +325,9 @@ def test_resistances_add_up_in_one_column():
         "rolling_speed": 20.0,
         "half_width": np.linspace(1e-5, 1e-4, n),
     }
-    expected = sum(resistance(term, **columns) for term in TERMS)
+    expected = sum(resistance_in_both_forms(term, **columns) for term in TERMS)
     total = TotalResistance(terms=TERMS)
-    np.testing.assert_allclose(resistance(total, **columns), expected, rtol=1e-14)
+    np.testing.assert_allclose(resistance_in_both_forms(total, **columns), expected, rtol=1e-14)
     slices = Slices(n, STEEL, **columns)
     Chain(total, block=0)(slices)
     np.testing.assert_allclose(slices.resistance, expected, rtol=1e-14)
@@ -530,11 +340,11 @@ def test_resistances_add_up_in_one_column():
 def test_a_term_that_fails_is_heard():
     total = TotalResistance(terms=TERMS)
     with pytest.raises(RuntimeError, match="not that load"):
-        resistance(total, load=666.0, rolling_speed=1.0, half_width=1e-5)
+        resistance_in_both_forms(total, load=666.0, rolling_speed=1.0, half_width=1e-5)
     with pytest.raises(
         DomainError, match=r"total-resistance: load = 1e\+07 N/m at slice 0 is outside its domain"
     ):
-        resistance(total, load=1e7, rolling_speed=1.0, half_width=1e-5)
+        resistance_in_both_forms(total, load=1e7, rolling_speed=1.0, half_width=1e-5)
     with pytest.raises(ValueError, match="at most 8 can be added, got 9"):
         compiled.total_resistance([Hysteresis().kernel()] * 9)
 

@@ -208,3 +208,21 @@ def contacts(pressure_viscosity=None):
         viscosity=decades(-4, 1),
         pressure_viscosity=decades(-10, -7) if pressure_viscosity is None else pressure_viscosity,
     )
+
+
+# Resistances ---------------------------------------------------------------------------------------------------------
+
+#: A small steel contact in a thin oil.
+STEEL = Conditions(
+    radius=0.006875, modulus=2.2857e11, viscosity=8.58e-3, pressure_viscosity=10.74e-9, length=0.015,
+    thermoviscosity=0.03, conductivity=0.15,
+)  # fmt: skip
+
+
+def resistance_in_both_forms(model, conditions=STEEL, *, rtol=1e-14, **columns):
+    """Return the resistance of slices [N/m] after comparing the compiled with the NumPy form within ``rtol``."""
+    found, expected = (
+        evaluated(form, conditions, **columns).resistance for form in (model, NumpyForm(model))
+    )
+    np.testing.assert_allclose(found, expected, rtol=rtol)
+    return found
