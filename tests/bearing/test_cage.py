@@ -420,10 +420,9 @@ def test_a_cage_whose_drags_are_not_stated_has_those_of_its_supply(table, guidan
 def test_drags_that_are_stated_stay_what_they_are():
     assert not bearing().cage.drags
     stated = bearing(
-        {"model": "rolling-resistance", "starvation": 0.5}, {"model": "churning", "oil_fraction": 0.3},
+        {"model": "churning", "oil_fraction": 0.3},
         scene=evolve(SCENE, {"lubrication": "grease"}),
     )  # fmt: skip
-    assert stated.cage.drags.resistance.starvation == 0.5
     assert stated.cage.drags.torques[0].oil_fraction == 0.3
 
 
@@ -493,7 +492,7 @@ def test_the_drags_are_sorted():
     ).cage.drags
     assert drags == Drags(
         torques=(ConstantTorque(size=0.2),),
-        resistance=TotalResistance(terms=(RollingResistance(starvation=1.0), Hysteresis())),
+        resistance=TotalResistance(terms=(RollingResistance(), Hysteresis())),
         pocket_friction=CoulombPocket(),
     )
     assert [drag.name for drag in drags] == [
@@ -511,7 +510,7 @@ def test_the_drags_are_sorted():
 
 def test_resistance_runs_behind_the_friction():
     plain = bearing()
-    with_both = bearing({"model": "rolling-resistance", "inlet_heating": "none"}, "hysteresis")
+    with_both = bearing({"model": "goksem-hargreaves", "inlet_heating": "none"}, "hysteresis")
     assert plain.with_resistance() is plain
     resisting = with_both.with_resistance()
     loads = np.linspace(5e3, 5e4, 9)

@@ -45,7 +45,7 @@ from scattered import SCATTERED as SCENE
 from scattered import constant, uncertain
 
 #: Standard deviations of the logarithm, of what is known of each (section 0 of what defaults rest on).
-DEVIATIONS = {"petroff-land": 0.7, "churning": 0.65, "rolling-resistance": 0.30, "hysteresis": 0.7}
+DEVIATIONS = {"petroff-land": 0.7, "churning": 0.65, "rolling-resistance": 0.2, "hysteresis": 0.7}
 
 
 # What is declared ----------------------------------------------------------------------------------------------------
@@ -59,6 +59,11 @@ def test_every_drag_scatters_by_as_much_as_it_declares_and_says_why():
         assert dict(one.parameters) == {"deviation_of_ln": deviation}
         assert (one.grade, quantity.value) == ("(D)", 1.0)
         assert len(one.source) > 40
+    reach, _ = found["cage.drag.rolling-resistance.reach"]
+    assert (reach.distribution, dict(reach.parameters)) == (
+        "log-uniform",
+        {"low": 2.0, "high": 6.0},
+    )
     scene, said = with_scatter(SCENE)
     assert set(scene.uncertainty) == set(found)
     assert len(said) == len(found)

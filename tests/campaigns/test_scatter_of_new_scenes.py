@@ -23,7 +23,7 @@ from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import scattering, with_scatter
 
 #: Standard deviations of logarithms by what is known of each: land, churning, rolling, hysteresis.
-DRAGS = {"petroff-land": 0.7, "churning": 0.65, "rolling-resistance": 0.30, "hysteresis": 0.7}
+DRAGS = {"petroff-land": 0.7, "churning": 0.65, "rolling-resistance": 0.2, "hysteresis": 0.7}
 #: Supplies with a K_rs above 0, and SKF's value of each.
 STARVED = {"splash": 3e-8, "circulating": 3e-8, "jet": 3e-8, "mist": 6e-8, "grease": 6e-8}
 KEY = "lubrication.starvation_constant"
@@ -72,7 +72,7 @@ def test_a_new_scene_scatters_in_all_that_is_known_least(supply):
     drags = {
         key.split(".")[2]: declared.parameters["deviation_of_ln"]
         for key, (declared, _) in found.items()
-        if key.startswith("cage.drag")
+        if key.startswith("cage.drag") and key.endswith(".factor")
     }
     assert drags == {name: one for name, one in DRAGS.items() if name not in gone}
     starved = {KEY: STARVED[supply]} if supply in STARVED else {}
@@ -85,7 +85,7 @@ def test_a_new_scene_scatters_in_all_that_is_known_least(supply):
 
 
 @pytest.mark.parametrize(("supply", "constant"), STARVED.items())
-def test_want_of_oil_scatters_on_film_and_rolling_resistance(supply, constant):
+def test_want_of_oil_scatters_on_the_film(supply, constant):
     """phi_rs = exp(-K_rs nu n (d + D) sqrt(5.1/(2 (D - d)))), in mm, mm2/s and 1/min, at K_rs exp(1.645 0.5)."""
     plain = scene(supply=supply)
     low, high = ends(plain, KEY)
@@ -100,8 +100,6 @@ def test_want_of_oil_scatters_on_film_and_rolling_resistance(supply, constant):
             -K_rs * nu * 4500.0 * 220.0 * math.sqrt(5.1 / (2.0 * 60.0))
         )  # NU 2216: 80 x 140
         assert made.models["film"].starvation == pytest.approx(phi, rel=1e-9)
-        rolling = next(drag for drag in made.cage.drags if drag.name == "rolling-resistance")
-        assert rolling.starvation == pytest.approx(phi, rel=1e-9)
 
 
 def test_a_bath_is_full_and_what_is_stated_does_not_scatter():

@@ -120,15 +120,15 @@ def rigid_inlet(edge):
 
 
 def test_a_rigid_contact_keeps_what_an_inlet_that_ends_leaves_it():
-    """The exponential is within -4 to 0 % of quadrature; far out both lose 1.84/k."""
-    found = [rigid_inlet(edge) for edge in (3.0, 4.0, 10.0, 1000.0)]
+    """The exponential is 16 % low at k = 1.5, within 3.2 % from 2.6 on; far out both lose 1.84/k."""
+    found = [rigid_inlet(edge) for edge in (2.0, 3.0, 4.0, 10.0, 1000.0)]
     stiff = attrs.evolve(STEEL, pressure_viscosity=0.0, modulus=1e25)
     flooded = resistance_in_both_forms(FLOODED, stiff, load=1e3, rolling_speed=20.0)
-    for k, left in found:
+    for (k, left), allowed in zip(found, (0.162, 0.032, 0.006, 0.003, 1e-5), strict=True):
         model = attrs.evolve(FLOODED, reach=k)
         short = resistance_in_both_forms(model, stiff, load=1e3, rolling_speed=20.0)
         assert short / flooded == pytest.approx(math.exp(-RIGID_INLET / k), rel=1e-9)
-        assert -0.04 < short / flooded / left - 1 < 0.0
+        assert short / flooded == pytest.approx(left, rel=allowed)
     k, left = found[-1]
     assert (1 - left) * k == pytest.approx(RIGID_INLET, rel=2e-3)
 
@@ -224,6 +224,14 @@ def test_the_errors_of_shortened_inlets_are_as_stated(reach, thick, thin):
     assert [found.min(), found.max()] == pytest.approx(thin, abs=0.001)
 
 
+def test_an_oil_that_pressure_does_not_compress_resists_more():
+    """Barus's law without density: the law is up to 7 % low at L = 10, 20 % at L = 20."""
+    found = [
+        group(FLOODED, 50.0, L) / solved(50.0, L, accuracy=1e-3)[0] - 1 for L in (5.0, 10.0, 20.0)
+    ]
+    assert found == pytest.approx([-0.013, -0.066, -0.203], abs=0.001)
+
+
 def test_the_extreme_errors_of_goksem_and_hargreaves_are_as_stated():
     """The numbers of the docstring, at the points where they are reached; Barus's law without density."""
     points = [(0.2, 5.0), (20.0, 15.0), (1.0, 10.0), (1.0, 15.0), (20.0, 5.0)]
@@ -254,10 +262,14 @@ def slices_of(roller, model):
         left = np.maximum(1 - (gap / layer) ** 4, 0.0) ** 0.25
         return 4.895 * eta * u * R / gap * left
 
-    film = brentq(lambda film: loads(film).mean() * length - load, 1e-8, min(1e-3, layer), xtol=1e-15)
+    film = brentq(
+        lambda film: loads(film).mean() * length - load, 1e-8, min(1e-3, layer), xtol=1e-15
+    )
     w = loads(film)
     oil = Conditions(radius=R, modulus=1e25, viscosity=eta, pressure_viscosity=0.0)
-    found = resistance_in_both_forms(model(layer), oil, load=w[w > 1e-9], rolling_speed=u, rtol=1e-12)
+    found = resistance_in_both_forms(
+        model(layer), oil, load=w[w > 1e-9], rolling_speed=u, rtol=1e-12
+    )
     return found.sum() * length / len(y)
 
 
@@ -268,8 +280,49 @@ def test_slices_with_a_layer_resist_as_two_dimensional_films():
         for row in ROLLERS
     ]
     assert len(found) == 15
-    assert math.sqrt(np.mean(np.square(found))) < 0.10
-    assert max(map(abs, found)) < 0.20
+    assert math.sqrt(np.mean(np.square(found))) < 0.09
+    assert [min(found), max(found)] == pytest.approx([-0.085, 0.17], abs=0.01)
+
+
+def test_an_inlet_does_not_begin_where_the_gap_equals_the_layer():
+    """A rigid contact with rho = 0.5 would keep 0.16, loaded rollers of a 32216 0.67 to 0.78 by 5 to 10 um."""
+    assert math.exp(-RIGID_INLET / math.sqrt(1 / 0.5 - 1)) == pytest.approx(0.16, abs=0.005)
+    assert pytest.approx(0.81, abs=0.005) == (1 + 0.5**2) ** -LAYER
+    b = 74e-6
+    R = 7.2e-3
+    film = 0.7e-6
+    modulus = 2.08e11 / 0.91
+    load = math.pi * modulus * b * b / (8 * R)
+    kept = []
+    for layer, expected in ((5e-6, 2.2), (10e-6, 3.1)):
+        # the gap beside Hertz's contact
+        at = brentq(
+            lambda x, layer=layer: (
+                film + b * b / (2 * R) * (x * math.sqrt(x * x - 1) - math.acosh(x)) - layer
+            ),
+            1.0,
+            100.0,
+        )
+        k = at * b / math.sqrt(b * b + 2 * R * film)
+        assert k == pytest.approx(expected, abs=0.01)
+        for rpm in (500, 4000):
+            u = rpm * math.pi / 30 * 0.04575 * 0.06275 / (2 * 0.05425)
+            fva3 = {"viscosity": 0.0524, "pressure_viscosity": 2.096e-8}
+            oil = attrs.evolve(STEEL, modulus=modulus, radius=R, **fva3)
+            forces = [
+                resistance_in_both_forms(one, oil, load=load, rolling_speed=u)[0]
+                for one in (
+                    FLOODED,
+                    attrs.evolve(FLOODED, reach=k),
+                    attrs.evolve(FLOODED, oil_layer=layer),
+                    attrs.evolve(FLOODED, reach=3.0),
+                )
+            ]
+            kept.append([force / forces[0] for force in forces[1:]])
+    by_gap, by_layer, by_reach = np.array(kept).T
+    assert [by_gap.min(), by_gap.max()] == pytest.approx([0.675, 0.778], abs=0.005)
+    assert [by_layer.min(), by_layer.max()] == pytest.approx([0.94, 1.0], abs=0.005)
+    assert [by_reach.min(), by_reach.max()] == pytest.approx([0.75, 0.77], abs=0.005)
 
 
 def test_the_nearer_one_of_reach_and_layer_counts_and_not_both():
@@ -294,14 +347,14 @@ def test_the_nearer_one_of_reach_and_layer_counts_and_not_both():
 def test_the_film_beside_the_layer_is_known_to_a_half():
     """R Us^(1/2) (2.45/M + 1.05 L^(2/3)) over Moes's formula and over solutions, in light contacts."""
     ratios = []
-    for M in (0.01, 0.1, 0.5):
+    for M in (0.01, 0.1, 0.5, 1.0):
         for L in (0.0, 10.0, 20.0):
             film = 2.45 / M + 1.05 * L ** (2 / 3)
             moes = Moes().film_thickness(M * 1e-5, 1.0, 1.0, 1.0, 0.5e-10, L / 1e-10**0.25) / 1e-5
             ratios.append((film / moes, film / solve_line_contact(M, L).thickness["minimum"]))
     by_moes, by_solution = np.array(ratios).T
-    assert [by_moes.min(), by_moes.max()] == pytest.approx([0.76, 1.15], abs=0.01)
-    assert [by_solution.min(), by_solution.max()] == pytest.approx([0.93, 1.49], abs=0.01)
+    assert [by_moes.min(), by_moes.max()] == pytest.approx([0.65, 1.15], abs=0.01)
+    assert [by_solution.min(), by_solution.max()] == pytest.approx([0.80, 1.49], abs=0.01)
 
 
 # Everywhere ----------------------------------------------------------------------------------------------------------

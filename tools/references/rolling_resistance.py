@@ -10,8 +10,8 @@ With Moes's groups F = R E' Us^(3/4) f, and f = int H dP/2.
 - rolling_resistance_map.csv: the oil of a bearing (Roelands with alpha = 20/GPa and 30 mPa s, the density of Dowson and
   Higginson, E' = 227 GPa), by the finite elements of rollslip's reynolds-line, which the other table checks. The inlet
   begins at ``inlet``, |x|/(R Us^(1/4)), without pressure there; infinite is flooded. ``uncertainty`` is the larger one
-  of two relative differences: to f on elements of twice the size, and to -int P X dX/2, which is f as well. Takes two
-  minutes.
+  of two relative differences: to f on elements of twice the size, and to -int P X dX/2, which is f as well. Takes a
+  minute.
 """
 
 import csv
@@ -120,7 +120,8 @@ def contact(M, L):
     """Return the problem of a contact; the pressure in Pa is L P/alpha."""
     if L == 0:
         return line_contact._Problem(M, None, None, fraction=1.0, floor=2.5e-5)
-    alpha, pole = 20e-9, 1.96e8
+    alpha = 20e-9
+    pole = 1.96e8
     rise = math.log(0.03) + 9.67
     z = alpha * pole / rise
 
@@ -148,7 +149,8 @@ def shortened(state, problem, inlet, elements):
 
 def forces(state, tail):
     """Return int (H - Hm) dP/2 and -int P X dX/2, and where the inlet begins; a tail is P = 8/|X|^3 before it."""
-    grid, unknowns = state.grid, state.unknowns
+    grid = state.grid
+    unknowns = state.unknowns
     x, weights = legendre.leggauss(8)
     of_values = np.linalg.inv(
         legendre.legvander(np.append(-1.0, radau(grid)), DEGREE)

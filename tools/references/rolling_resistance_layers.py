@@ -2,11 +2,11 @@
 
     div(h^3/(12 eta) grad p) = u d(theta h)/dx,   h = h0 + x^2/(2 R) + P(y),   p >= 0, theta <= 1, p (1 - theta) = 0
 
-theta h is the oil in the gap, which conserves mass where the film ruptures and where it begins; before the contact it is
-the layer that both surfaces bring, infinite where the gap is full. P is the profile of ISO/TS 16281, and the sides are
-open. Finite volumes on half the length, theta from upstream, and Newton's method on p + f = hypot(p, f), f = 1 - theta
-(Fischer and Burmeister). ``film`` is h0 and ``force`` int h dp/2 over the roller. With half the cells both change by
-less than 0.5 %. Nothing of rollslip goes in. Takes four minutes.
+theta h is the oil in the gap, which conserves mass where the film ruptures and where it begins; before the contact it
+is the layer that both surfaces bring, infinite where the gap is full. P is the profile of ISO/TS 16281, and the sides
+are open. Finite volumes on half the length, theta from upstream, and Newton's method on p + f = hypot(p, f) with
+f = 1 - theta (Fischer and Burmeister). ``film`` is h0 and ``force`` int h dp/2 over the roller. With half the cells both change by
+less than 0.5 %. Nothing of rollslip goes in. Takes six minutes.
 """
 
 import csv
@@ -34,7 +34,7 @@ def profile(y, length, diameter):
 
 
 def differences(n, first):
-    """Return the matrix of differences over n + 1 faces, with zero outside; the first face is closed if ``first`` is 0."""
+    """Return the differences over n + 1 faces, zero outside; the first face is closed if ``first`` is 0."""
     matrix = sp.diags([np.ones(n), -np.ones(n)], [0, -1], (n + 1, n)).tolil()
     matrix[0, 0] = first
     return matrix.tocsr()
@@ -50,7 +50,8 @@ def solve(roller, layer, h0, cells):
     y_faces = length / 2 * np.sin(np.pi / 2 * np.linspace(0, 1, ny + 1))
     x = (x_faces[1:] + x_faces[:-1])[:, None] / 2
     y = (y_faces[1:] + y_faces[:-1]) / 2
-    dx, dy = np.diff(x_faces)[:, None], np.diff(y_faces)
+    dx = np.diff(x_faces)[:, None]
+    dy = np.diff(y_faces)
 
     def gap(x, y):
         return h0 + x**2 / (2 * R) + profile(y, length, diameter)

@@ -66,8 +66,8 @@ STAGE(rolling_resistance, COL_load | COL_rolling_speed, COL_resistance) {
             inlet[i] = inverse < inlet[i] ? inverse : inlet[i];
         }
     EACH(i, n) {
-        double x = RS_FMA(0.5, PATH(log2_normal)(M[i]), elastic[i]);
-        x = RS_FMA(0.17, PATH(log2_normal)(1.0 + M[i] / 210.0), x);   /* log2 of the other x */
+        double fall = 0.17 * PATH(log2_normal)(1.0 + M[i] / 210.0);
+        double x = fall + RS_FMA(0.5, PATH(log2_normal)(M[i]), elastic[i]);   /* log2(a/e) */
         double power = rs_log2_plus_one(rs_exp2_falling(-4.1 * fabs(x)));
         double less = rs_exp2_falling(RS_FMA(-1.0 / 4.1, power, x > 0.0 ? -x : 0.0));
         double wide = sqrt((8.0 / RS_PI * M[i] + 2.1 * thick[i]) * M[i] + 4.9);
