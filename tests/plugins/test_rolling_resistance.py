@@ -173,7 +173,8 @@ def test_a_solved_film_resists_as_finite_volumes_say(row):
 
 def test_the_map_is_of_the_oil_that_it_names():
     """Roelands with 20/GPa and 30 mPa s and the density of Dowson and Higginson, at E' = 227 GPa."""
-    M, L = 2.0, 10.0
+    M = 2.0
+    L = 10.0
     rise = math.log(0.03) + 9.67
     z = 20e-9 * 1.96e8 / rise
     whole, _ = solved(

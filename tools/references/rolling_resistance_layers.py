@@ -5,8 +5,8 @@
 theta h is the oil in the gap, which conserves mass where the film ruptures and where it begins; before the contact it
 is the layer that both surfaces bring, infinite where the gap is full. P is the profile of ISO/TS 16281, and the sides
 are open. Finite volumes on half the length, theta from upstream, and Newton's method on p + f = hypot(p, f) with
-f = 1 - theta (Fischer and Burmeister). ``film`` is h0 and ``force`` int h dp/2 over the roller. With half the cells both change by
-less than 0.5 %. Nothing of rollslip goes in. Takes six minutes.
+f = 1 - theta (Fischer and Burmeister). ``film`` is h0 and ``force`` int h dp/2 over the roller. Half the cells
+each way change both by less than 0.5 %. Nothing of rollslip goes in. Takes six minutes.
 """
 
 import csv
