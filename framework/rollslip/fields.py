@@ -160,12 +160,13 @@ def parameter(
     usual: Span | None = None,
     possible: Span | None = None,
     scatter: object | None = None,
+    keywords: Mapping[str, object] | None = None,
 ) -> Any:
     """Declare a parameter of a model or a setting of a study.
 
     Parameters
     ----------
-    doc, unit, default, validator, usual, possible, scatter
+    doc, unit, default, validator, usual, possible, scatter, keywords
         As in `field`.
 
     Examples
@@ -186,6 +187,7 @@ def parameter(
         usual=usual,
         possible=possible,
         scatter=scatter,
+        keywords=keywords,
     )
 
 

@@ -492,7 +492,7 @@ def test_the_drags_are_sorted():
     ).cage.drags
     assert drags == Drags(
         torques=(ConstantTorque(size=0.2),),
-        resistance=TotalResistance(terms=(RollingResistance(), Hysteresis())),
+        resistance=TotalResistance(terms=(RollingResistance(oil_layer=5e-6), Hysteresis())),
         pocket_friction=CoulombPocket(),
     )
     assert [drag.name for drag in drags] == [

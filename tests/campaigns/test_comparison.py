@@ -471,13 +471,14 @@ def test_a_law_of_the_full_film_takes_its_place_in_the_blend():
 
 def test_a_film_takes_its_place_in_a_correction():
     scene = evolve(
-        SCENE, {"models.film": {"model": "inlet-correction", "thermal": "none", "starvation": 0.7}}
+        SCENE,
+        {"models.film": {"model": "inlet-correction", "thermal": "none", "oil_layer": "2 um"}},
     )
     made = ComparisonSettings(
         scene, film=["moes", "blok"], traction=["muraki", "eyring"], study="friction-curve"
     ).plan()
     film = made.combinations["blok + eyring"].plan.assembly.film
-    assert (film.name, film.film.name, film.starvation) == ("inlet-correction", "blok", 0.7)
+    assert (film.name, film.film.name, film.oil_layer) == ("inlet-correction", "blok", 2e-6)
     assert (
         "film models take the place of the film model of the scene's inlet-correction"
         in made.exchanged

@@ -1,7 +1,7 @@
 """What scatters of a scene as ``rollslip new`` writes it: all that is known least, and each of it moves the result.
 
-Independent references: the standard deviations that are declared, from a table of what was estimated of each; SKF's
-formula of starved inlets, by hand; the closed form of its quantiles where K_rs scatters.
+Independent references: the standard deviations that are declared, from a table of what was estimated of each; the
+closed form of the quantiles of a layer of oil.
 """
 
 import math
@@ -24,9 +24,7 @@ from rollslip_studies.variation.scatter import scattering, with_scatter
 
 #: Standard deviations of logarithms by what is known of each: land, churning, rolling, hysteresis.
 DRAGS = {"petroff-land": 0.7, "churning": 0.65, "rolling-resistance": 0.2, "hysteresis": 0.7}
-#: Supplies with a K_rs above 0, and SKF's value of each.
-STARVED = {"splash": 3e-8, "circulating": 3e-8, "jet": 3e-8, "mist": 6e-8, "grease": 6e-8}
-KEY = "lubrication.starvation_constant"
+KEY = "lubrication.oil_layer"
 TAIL = float(norm.ppf(0.95))
 
 
@@ -75,41 +73,34 @@ def test_a_new_scene_scatters_in_all_that_is_known_least(supply):
         if key.startswith("cage.drag") and key.endswith(".factor")
     }
     assert drags == {name: one for name, one in DRAGS.items() if name not in gone}
-    starved = {KEY: STARVED[supply]} if supply in STARVED else {}
-    assert {key: found[key][1].value for key in found if key.startswith("lubrication")} == starved
+    layer = {key: found[key][1].value for key in found if key.startswith("lubrication")}
+    assert layer == {KEY: SUPPLIES[supply].layer}
     for declared, _ in found.values():
         assert declared.grade
         assert len(declared.source) > 20
-    if starved:
-        assert dict(found[KEY][0].parameters) == {"deviation_of_ln": 0.5}
+    assert dict(found[KEY][0].parameters) == {"deviation_of_ln": 1.0}
 
 
-@pytest.mark.parametrize(("supply", "constant"), STARVED.items())
-def test_want_of_oil_scatters_on_the_film(supply, constant):
-    """phi_rs = exp(-K_rs nu n (d + D) sqrt(5.1/(2 (D - d)))), in mm, mm2/s and 1/min, at K_rs exp(1.645 0.5)."""
+@pytest.mark.parametrize("supply", ["bath", "mist"])
+def test_the_layer_of_oil_scatters_in_film_and_rolling_resistance(supply):
     plain = scene(supply=supply)
     low, high = ends(plain, KEY)
-    assert (low, high) == pytest.approx(
-        [constant * math.exp(side * 0.5 * TAIL) for side in (-1, 1)], rel=1e-9
-    )
-    oil = assemble(plain).lubricant
-    nu = 1e6 * oil.at(343.15).viscosity / oil.density(343.15)
-    for K_rs in (low, high):
-        made = assemble(evolve(plain, {KEY: K_rs}))
-        phi = math.exp(
-            -K_rs * nu * 4500.0 * 220.0 * math.sqrt(5.1 / (2.0 * 60.0))
-        )  # NU 2216: 80 x 140
-        assert made.models["film"].starvation == pytest.approx(phi, rel=1e-9)
+    middle = SUPPLIES[supply].layer
+    assert (low, high) == pytest.approx([middle * math.exp(side * TAIL) for side in (-1, 1)], 1e-9)
+    for layer in (low, high):
+        made = assemble(evolve(plain, {KEY: layer}))
+        assert made.models["film"].oil_layer == layer
+        rolling = made.cage.drags.resistance.terms[0]
+        assert rolling.oil_layer == layer
 
 
-def test_a_bath_is_full_and_what_is_stated_does_not_scatter():
-    assert KEY not in scattering(assemble(scene(supply="bath"))), "a share of nothing is nothing"
+def test_what_is_stated_does_not_scatter():
     low = scene(supply="bath", **{"lubrication.oil_level": "4 mm"})
-    assert scattering(assemble(low))[KEY][1].value == 3e-8, (
+    assert scattering(assemble(low))[KEY][1].value == 3e-6, (
         "below the middle of the lowest roller, 8 mm"
     )
-    assert KEY not in scattering(assemble(scene(supply="mist", **{KEY: 6e-8})))
-    assert KEY not in scattering(assemble(scene(supply="mist", **{KEY: 0.0})))
+    assert KEY not in scattering(assemble(scene(supply="mist", **{KEY: "2 um"})))
+    assert KEY not in scattering(assemble(scene(supply="mist", **{KEY: "plenty"})))
 
 
 @pytest.mark.parametrize("supply", ["circulating", "mist"])
@@ -118,14 +109,13 @@ def test_everything_that_scatters_moves_the_steady_slip(supply):
     one = scene(supply=supply)
     for key in scattering(assemble(one)):
         at = [slip(evolve(one, {key: end})) for end in ends(one, key)]
-        assert abs(math.log(at[1] / at[0])) > 1e-4, key
+        # above the rounding of a search; the shear modulus of the oil moves a film of 0.7 um by 1e-4
+        assert abs(math.log(at[1] / at[0])) > 1e-5, key
 
 
-def test_the_band_of_a_run_knows_want_of_oil():
+def test_the_band_of_a_run_knows_the_layer_of_oil():
     only = {KEY: {"distribution": "lognormal", "deviation_of_ln": 2.0}}
-    one = evolve(
-        scene(supply="mist"), {"uncertainty": {"lubrication": {"starvation_constant": only[KEY]}}}
-    )
+    one = evolve(scene(supply="mist"), {"uncertainty": {"lubrication": {"oil_layer": only[KEY]}}})
     band = bands(one, slip(one))["steady_slip"]
     assert band.dominant == KEY
     assert band.low < 1.0 < band.high

@@ -209,7 +209,8 @@ class RollingResistance(_FilmResistance):
         default=3.0,
         unit="1",
         validator=positive,
-        doc="where the inlet begins, over sqrt(b^2 + 2 R h); inf: flooded",
+        doc="where the inlet begins, over sqrt(b^2 + 2 R h)",
+        keywords={"flooded": math.inf},
         usual=(2, math.inf),
         possible=(0.01, math.inf),
         scatter=Scatter(

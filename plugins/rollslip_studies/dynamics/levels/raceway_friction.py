@@ -89,7 +89,7 @@ _SCALE_NODES: Final = 64
 #: between 1 pm and 1 mm.
 _GAPS: Final = np.geomspace(1e-12, 1e-3, 901)
 #: Largest number of Newton steps for the gap of a force, kept between two of these gaps. Chosen: the force of dry
-#: bodies is nearly a power of the gap, so that three reach rounding; where a film yields, some steps halve the interval.
+#: bodies is nearly a power of the gap, so that three reach rounding; where a film yields, some halve the interval.
 _MAX_NEWTON_STEPS: Final = 30
 #: Step of the gap, relative to it, with which the search ends. Chosen: rounding of some operations.
 _GAP_ROUNDING: Final = 1e-14
