@@ -1,6 +1,8 @@
 """Contacts that carry load through their film: the law of approach, and what it does to the loads of a bearing."""
 
+import csv
 import math
+from pathlib import Path
 from types import MappingProxyType
 
 import attrs
@@ -16,9 +18,11 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import is_loaded
 from rollslip.errors import DomainError
 from rollslip.models import POSITIVE, FilmModel
+from rollslip.scene.supply import PLENTY
 
 pytestmark = pytest.mark.quick
 
+REPOSITORY = Path(__file__).parents[2]
 GEARBOX = load_scene("gearbox")
 SPEED = 5.0
 #: Film h(w) = 4.895 eta u R/w of a rigid, isoviscous contact with Reynolds's condition at the exit (Martin 1916).
@@ -207,3 +211,61 @@ def test_another_oil_has_other_loads():
     assert not np.array_equal(
         first.load_distribution(1).outer_load, alone.load_distribution(1).outer_load
     )
+
+
+# Rollers in two dimensions -------------------------------------------------------------------------------------------
+
+#: Crowned rigid rollers with layers of oil by the Reynolds equation; rolling_resistance_layers.py makes the table.
+ROLLERS = [
+    {name: float(value) for name, value in row.items()}
+    for row in csv.DictReader(
+        (REPOSITORY / "tools/references/rolling_resistance_layers.csv").open(encoding="utf-8")
+    )
+]
+
+
+def slices_of(row, film):
+    """Film in the middle of a roller of slices [m], and its resistance [N], at the load of a row."""
+    layer = min(row["layer"], PLENTY)
+    at = attrs.evolve(conditions(row["viscosity"], 0.0), radius=row["radius"], length=row["length"])
+    model = get_model("film", "inlet-correction", film=film, thermal="none", oil_layer=layer)
+    chain = Chain(law(model, layer, at, row["speed"])[0])
+    n = 400
+    drop = -0.35e-3 * row["diameter"] * np.log1p(-(((np.arange(n) + 0.5) / n) ** 2))
+
+    def load_at(approach):
+        slices = Slices(n, at, approach=approach - drop)
+        chain(slices)
+        return slices.load.copy()
+
+    approach = brentq(
+        lambda a: load_at(a).mean() * row["length"] - row["load"], 1e-12, 1e-3, xtol=1e-16
+    )
+    load = load_at(approach)
+    middle = Slices(1, at, load=load[0], rolling_speed=row["speed"])
+    Chain(get_model("contact", "palmgren"), model)(middle)
+    rolling = Slices(np.count_nonzero(load), at, load=load[load > 0.0], rolling_speed=row["speed"])
+    Chain(
+        get_model(
+            "drag", "rolling-resistance", inlet_heating="none", reach="flooded", oil_layer=layer
+        )
+    )(rolling)
+    force = rolling.resistance.sum() * row["length"] / n
+    return middle.film_thickness[0] / row["film"] - 1, force / row["force"] - 1
+
+
+def test_slices_on_films_are_rollers_in_two_dimensions():
+    """Martin's film is that in the middle, Moes' where dp/dx = 0, which is 1.2257 times as thick without a layer."""
+    by_film = {
+        film: np.array([slices_of(row, film) for row in ROLLERS]).T for film in ("martin", "moes")
+    }
+    films, forces = by_film["martin"]
+    assert [films.min(), films.max()] == pytest.approx([-0.07, 0.19], abs=0.01)
+    # layers of 1 and 2 um take 95 % of the resistance of the largest roller, the slices more than that
+    scarce = np.array([row["film"] < 2e-6 and row["length"] > 0.04 for row in ROLLERS])
+    assert np.count_nonzero(scarce) == 2
+    assert [forces[~scarce].min(), forces[~scarce].max()] == pytest.approx([-0.25, 0.17], abs=0.01)
+    films, forces = by_film["moes"]
+    assert [films.min(), films.max()] == pytest.approx([0.11, 0.38], abs=0.01)
+    assert [forces[~scarce].min(), forces[~scarce].max()] == pytest.approx([-0.23, 0.17], abs=0.01)
+    assert forces[scarce] == pytest.approx([-0.57, -0.81], abs=0.01)

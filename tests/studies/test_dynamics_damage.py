@@ -182,38 +182,6 @@ def test_a_force_is_spread_whole_and_in_proportion(bearing):
     assert load / along == pytest.approx(np.full(along.size, load[0]), rel=1e-12)
 
 
-def test_films_along_a_run_up_are_starved_as_at_the_speed_of_the_moment():
-    """The factor C_S of grease falls exponentially with speed: at a fifth of it, the fifth root."""
-    changes = {
-        "lubrication": {"supply": "grease"},
-        "models.damage": ["film-parameter"],
-        "accuracy.slices": 4,
-    }
-    dynamics = {"duration": "20 ms", "points": 3, "friction": "conventional", "level": "cage-set"}
-    dynamics |= {
-        "history": {
-            "inner_speed": {
-                "shape": "run-up",
-                "from": "300 rpm",
-                "to": "1500 rpm",
-                "within": "10 ms",
-            }
-        }
-    }
-    scene = rollslip.evolve(rollslip.load_scene("gearbox"), changes | {"study.dynamics": dynamics})
-    of = assemble(scene)
-    found = Dynamics.from_scene(scene).run(of)
-    begin, end = (over_time.bearing_at(of, found, k).models["film"].starvation for k in (0, -1))
-    assert end == of.models["film"].starvation < 0.95
-    assert begin == pytest.approx(end**0.2, rel=1e-12)
-    (said,) = [
-        one for one in account_of(found).topics(found)["history"] if "starvation is that" in one
-    ]
-    assert said.endswith(
-        f"a factor of {end:.3g} on the film; at the lowest speed it would be {begin:.3g}"
-    )
-
-
 @pytest.mark.slow
 def test_a_settled_motion_has_the_damage_of_its_steady_slip():
     long = rollslip.evolve(SCENE, {"study.dynamics.duration": "3 s", "study.dynamics.points": 201})
