@@ -219,7 +219,9 @@ def test_another_oil_has_other_loads():
 ROLLERS = [
     {name: float(value) for name, value in row.items()}
     for row in csv.DictReader(
-        (REPOSITORY / "tools/references/rolling_resistance_layers.csv").open(encoding="utf-8")
+        (REPOSITORY / "tools/references/rolling_resistance_layers.csv")
+        .read_text(encoding="utf-8")
+        .splitlines()
     )
 ]
 
