@@ -120,14 +120,8 @@ def by_runge_kutta(pockets, slips, steps=4000, turns=3):
     orbital = assembly.roller_mass * k.orbit_radius**2
     w_c = k.epicyclic_cage_speed * (1.0 - slips)
     half = 0.5 * pockets.play
-    n_angles = 4000
-    angles = np.linspace(0.0, 2.0 * np.pi, n_angles + 1)
-    loads = np.array(
-        [
-            pockets._loads.at(angles, assembly.centrifugal_force_at(speed))[..., 0]
-            for speed in w_c.tolist()
-        ]
-    )
+    loads = pockets._forces(w_c)
+    n_angles = loads.shape[2] - 1
     row = np.arange(slips.size)
 
     def torques(theta, s, w, x):

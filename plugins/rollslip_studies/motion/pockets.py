@@ -10,7 +10,7 @@ with the spin s, the orbital speed w, the position x in the pocket, the torques 
 along the orbit, the force P of the roller on its pocket and its friction M there. Over a turn the momentum of a roller
 does not change, so that the mean of R_m P is that of H. The drags T and the rollers balance where T + Z <H - M> = 0.
 
-1. Tabulate loads over the angle, and friction over force and speeds, as motions in time do.
+1. Solve loads over the angle at every slip, and tabulate friction over force and speeds, as motions in time do.
 2. March a roller round the orbit, at many slips at once, until its motion repeats. Bars do not rebound: a film of oil
    damps them.
 3. Search the smallest slip, from above zero, at which the balance changes its sign.
@@ -31,8 +31,8 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.text import SMALLEST_SLIP, SWITCHED_OFF, Status
 from rollslip_kernels.motion import pocket as compiled
-from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
+from rollslip_studies.motion.spins import orbit_loads
 from rollslip_studies.motion.torque_balance import TorqueBalance
 
 # Effects of other values were measured on the slips of the bearings in tests/studies/test_pockets.py.
@@ -52,12 +52,12 @@ FRICTION_TOLERANCE: Final = 1e-2
 #: The same where that cannot be reached, as with few slices under heavy load. It changes slips of nine bearings by up
 #: to 1.0e-3, and those without play by up to 3 %; three times the value by up to 2.1 %.
 _COARSE_TOLERANCE: Final = 3e-2
-#: Part of the load of a ring that its table may have at the wrong angle. Half of it changes slips by up to 6e-5, twice
-#: as much by up to 1.8e-4; chosen.
-_LOAD_TOLERANCE: Final = 1e-3
-#: Number of steps of the angle between which loads are linear. Half as many change slips by up to 2.2e-4, twice as many
-#: by up to 5e-5; chosen.
-_ANGLES: Final = 720
+#: Number of loads that stand for the slices of a roller at the nodes of that table. Twice as many change slips by up to
+#: XXX and take twice the time; chosen, as in the search for the loading branch.
+_N_LOADS: Final = 8
+#: Smallest number of positions of the orbit at which loads are solved; between them they are linear. Half as many change
+#: slips by up to XXX, twice as many by up to XXX; chosen.
+_MIN_POSITIONS: Final = 360
 #: Number of slips that are marched together in the search. Half as many change slips by up to 4e-4, twice as many by up
 #: to 1.3e-5, as they refine less, or more; chosen.
 _BATCH: Final = 8
@@ -135,14 +135,17 @@ class Pockets:
         fully_loaded: Assembly | None = None,
     ) -> None:
         settings = FrictionSettings(
-            name="conventional", tolerance=tolerance, min_slices=1, fully_loaded=fully_loaded
+            name="conventional",
+            tolerance=tolerance,
+            min_slices=1,
+            fully_loaded=fully_loaded,
+            n_loads=_N_LOADS,
         )
         friction = raceway_friction(assembly, settings)
         self.assembly = assembly
         self.play = assembly.cage.pocket_clearance if play is None else play
         self.reason = "" if friction.friction_tables else friction.evaluation_method
         self._raceways = friction.capsules
-        self._loads = build_load_map(assembly, _LOAD_TOLERANCE).forces()
         self._steps = steps
         self._periodic = periodic
 
@@ -182,22 +185,26 @@ class Pockets:
     def _march(self, slips: Array, record: Array | None = None) -> tuple[Array, Array]:
         """Return what compiled code finds at cage slips, with the sign of speeds."""
         speeds = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - slips)
-        angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES + 1)
-        forces = [
-            self._loads.at(angles, self.assembly.centrifugal_force_at(speed))[..., 0]
-            for speed in speeds.tolist()
-        ]
         return compiled.march(
             self._bearing,
             *self._raceways,
             speeds,
-            np.array(forces),
+            self._forces(speeds),
             self.play,
             self._steps,
             _MAX_TURNS,
             self._periodic,
             record,
         )
+
+    def _forces(self, speeds: Array) -> Array:
+        """Return the forces of inner and outer ring over one orbit at cage speeds [N], (n, 2, steps + 1)."""
+        n_positions = math.ceil(_MIN_POSITIONS / self.assembly.scene.bearing.rollers)
+        rings = []
+        for load, widths in orbit_loads(self.assembly, n_positions, speeds):
+            force = (load @ widths).swapaxes(1, 2).reshape(speeds.size, -1)
+            rings.append(np.append(force, force[:, :1], axis=1))
+        return np.stack(rings, axis=1)
 
     def mean_drive(self, slips: Array) -> Array:
         """Return the mean torque of all rollers on the cage at cage slips [N m], (n,)."""

@@ -25,6 +25,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array, Raceway
 from rollslip.errors import RollslipError
+from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.slices import Slices
 from rollslip_studies.dynamics.levels.load_map import LoadMap, build_load_map
@@ -120,6 +121,9 @@ class FrictionSettings:
     fully_loaded : Assembly, optional
         The bearing under its largest load. Tables of conventional friction and of plane motion are built for its forces
         and cached with it, so that bearings that differ by their load alone share them. By default the bearing itself.
+    n_loads : int
+        Loads of a Gauss rule that stand for the slices of a roller at the nodes of tables of conventional friction, 0
+        for all slices. The error of a table is measured by all slices in either case.
     """
 
     name: str
@@ -132,6 +136,7 @@ class FrictionSettings:
     between_nodes: float = 1.0
     min_slices: int = _MIN_SLICES
     fully_loaded: Assembly | None = None
+    n_loads: int = 0
 
     @property
     def watched_film(self) -> float:
@@ -384,11 +389,14 @@ def _friction_tables(
             raceway.chain.models,
             raceway.chain.bounds,
             tolerance,
+            settings.n_loads,
             assembly.drop.tobytes(),
             assembly.widths.tobytes(),
             *forces,
         )
-        build = partial(_build_friction_table, assembly, raceway, tolerance, forces)
+        build = partial(
+            _build_friction_table, assembly, raceway, tolerance, forces, settings.n_loads
+        )
         table = fully_loaded.cached("friction by force", key, build)
         if isinstance(table, str):
             return (), f"{_AT_EVERY_STEP}: {table}"
@@ -401,10 +409,14 @@ def _friction_tables(
 
 
 def _build_friction_table(
-    assembly: Assembly, raceway: Raceway, tolerance: float, forces: tuple[float, float]
+    assembly: Assembly,
+    raceway: Raceway,
+    tolerance: float,
+    forces: tuple[float, float],
+    n_loads: int,
 ) -> FrictionTable | str:
     """Return the table of a raceway, or the reason why there is none."""
-    law = _RollerFriction(assembly, raceway)
+    law = _RollerFriction(assembly, raceway, n_loads)
     usual, largest = forces
     speed = abs(float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling))
     if not speed > 0.0:
@@ -457,9 +469,10 @@ def _build_friction_table(
 class _RollerFriction:
     """Friction of a roller by its force, from the chain of laws of a raceway: F and rolling resistance over sqrt(Q)."""
 
-    def __init__(self, assembly: Assembly, raceway: Raceway) -> None:
+    def __init__(self, assembly: Assembly, raceway: Raceway, n_loads: int) -> None:
         self.assembly = assembly
         self.raceway = raceway
+        self.n_loads = n_loads
         # slices of equal drop have equal loads: they are evaluated once, with the sum of their widths
         self.drop, same_drop = np.unique(assembly.drop - assembly.drop.min(), return_inverse=True)
         self.widths = np.bincount(same_drop, assembly.widths)
@@ -489,7 +502,14 @@ class _RollerFriction:
             gap = np.where(inside, gap + step, 0.5 * (low + high))
         return self._loads(gap)[index]
 
-    def _of_loads(self, load: Array, sliding: Array, rolling: Array) -> Array:
+    def _reduced_loads(self, force: Array) -> tuple[Array, Array]:
+        """Return the loads per length that stand for the slices at forces [N], and their widths [m], (m, n) each."""
+        loads = self.loads(force)
+        if not self.n_loads:
+            return loads, np.broadcast_to(self.widths, loads.shape)
+        return row_rules(np.ascontiguousarray(loads), self.widths, self.n_loads)
+
+    def _of_loads(self, load: Array, widths: Array, sliding: Array, rolling: Array) -> Array:
         """Return F and the rolling resistance over sqrt(Q), (1 or 2, m), of loads (m, n) at speeds (m,)."""
         loaded = load > 0.0
         count = np.count_nonzero(loaded, axis=1)  # above zero for each roller, as its force is
@@ -498,13 +518,13 @@ class _RollerFriction:
             np.repeat(np.hypot(rolling, compiled.REST_SPEED), count),
             np.repeat(sliding, count),
         )
-        widths = np.broadcast_to(self.widths, load.shape)[loaded]
         first = np.cumsum(count) - count
         parts = [slices.friction * slices.load]
         if self.raceway.chain.resists:
             parts.append(slices.resistance)
-        return np.array([np.add.reduceat(part * widths, first) for part in parts]) / np.sqrt(
-            load @ self.widths
+        loaded_widths = np.broadcast_to(widths, load.shape)[loaded]
+        return np.array([np.add.reduceat(part * loaded_widths, first) for part in parts]) / np.sqrt(
+            (load * widths).sum(axis=1)
         )
 
     def best_sliding_scale(self, forces: tuple[float, ...], speed: float) -> float:
@@ -513,7 +533,10 @@ class _RollerFriction:
         nodes_and_middles = np.sort(np.concatenate((fraction, fraction[:-1] + 0.5 / _SCALE_NODES)))
         size = nodes_and_middles.size
         contacts = [(force, factor) for force in forces for factor in _ROLLING_SPEEDS]
-        loads = self.loads(np.array([force for force, _ in contacts])).repeat(size, axis=0)
+        loads, widths = (
+            values.repeat(size, axis=0)
+            for values in self._reduced_loads(np.array([force for force, _ in contacts]))
+        )
         rolling = np.array([factor for _, factor in contacts]).repeat(size) * speed
         smallest_error = math.inf
         best = speed
@@ -524,7 +547,7 @@ class _RollerFriction:
             )
             sliding = np.tile(grid.sliding(nodes_and_middles), len(contacts))
             error = 0.0
-            for values in self._of_loads(loads, sliding, rolling)[0].reshape(len(contacts), -1):
+            for values in self._of_loads(loads, widths, sliding, rolling)[0].reshape(len(contacts), -1):
                 difference = np.abs(
                     _interpolated(
                         values[::2], [_sliding_cells(nodes_and_middles[1::2], _SCALE_NODES)]
@@ -552,8 +575,8 @@ class _RollerFriction:
             for mesh in np.meshgrid(grid.sliding(fractions[2]), grid.speed(fractions[0]))
         )
         rows = []
-        for load in self.loads(grid.force(fractions[1])):
-            values = self._of_loads(np.broadcast_to(load, (V.size, load.size)), V, u)
+        for load, widths in zip(*self._reduced_loads(grid.force(fractions[1])), strict=True):
+            values = self._of_loads(np.broadcast_to(load, (V.size, load.size)), widths, V, u)
             rows.append(values.reshape(-1, fractions[0].size, fractions[2].size))
         values = np.stack(rows, axis=2)
         if known is None:
@@ -580,8 +603,11 @@ class _RollerFriction:
         force = grid.force(fractions[1])
         true = self.at_random if axis is None else None
         if true is None:
+            loads, widths = (
+                (self.loads(force), self.widths) if axis is None else self._reduced_loads(force)
+            )
             true = self._of_loads(
-                self.loads(force), grid.sliding(fractions[2]), grid.speed(fractions[0])
+                loads, widths, grid.sliding(fractions[2]), grid.speed(fractions[0])
             )
             if axis is None:  # the random contacts do not depend on the number of nodes
                 self.at_random = true
