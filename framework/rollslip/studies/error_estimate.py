@@ -675,6 +675,12 @@ class _ReferenceComparison:
         """The few slips at which curves are compared."""
         return Probe(self.curve_study, self.coarse)
 
+    @cached_property
+    def own_sample(self) -> Sample:
+        """The sample of the probe at the resolution of the run."""
+        n_positions = self.assembly.resolution.n_positions or 1
+        return self.probe.sample(self.assembly, n_positions)[0]
+
     def solution(self, at: Assembly, n_positions: int, *, dense: bool = False) -> Any:
         """Return the curves on some positions: a dataset over all slips if the study can, else a sample of the probe.
 
@@ -715,7 +721,8 @@ class _ReferenceComparison:
         )
         pair = self.assembly, self.assembly.at(finer)
         changes = self.errors_of(*(self.probe.sample(at, n_positions)[0] for at in pair))
-        if exceeding(changes, self.accuracy, _CLEAR_FRACTION):
+        has_all_slips = self.curve_study.curves_of is not None
+        if has_all_slips and exceeding(changes, self.accuracy, _CLEAR_FRACTION):
             changes = self.errors_of(*(self.solution(at, n_positions) for at in pair))
         return {
             name: change / richardson_factor(1, SLICE_FACTOR) for name, change in changes.items()
@@ -836,11 +843,8 @@ class _ReferenceComparison:
         at = self.assembly.at(finer)
         changes = dict(self.study.value_errors(at, self.dataset))
         if has_curves:
-            samples = (
-                self.probe.sample(assembly, assembly.resolution.n_positions or 1)[0]
-                for assembly in (self.assembly, at)
-            )
-            changes = {**self.errors_of(*samples), **changes}
+            fine = self.probe.sample(at, finer.n_positions or 1)[0]
+            changes = {**self.errors_of(self.own_sample, fine), **changes}
         return {
             name: change / richardson_factor(1, JOINT_FACTOR, orders.get(name, JOINT_ORDER))
             for name, change in changes.items()

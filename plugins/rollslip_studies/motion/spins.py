@@ -367,7 +367,7 @@ class Motions:
         self._idle_slip = 0.0  # mean roller slip without cage slip
         self._max_idle_slip = 0.0
         self._last: tuple[bytes, list[LoadedContacts]] = b"", []
-        inner, outer = ((load * width).sum(axis=1) for load, width in self.loads(np.zeros(1)))
+        inner, outer = (ring.contacts.carried for ring in self.contacts(np.zeros(1)))
         weight = inner
         if self.resists:
             mean = (inner + outer).mean()

@@ -220,7 +220,7 @@ class TorqueBalance:
         torque = self.drags.torque(
             k.direction * self.cage_speed(cage_slip), k.inner_speed, k.outer_speed
         )
-        return self.motions.sense * k.direction * torque
+        return k.direction * math.copysign(torque, torque * k.epicyclic_cage_speed)
 
     def torque(self, cage_slip: float) -> float:
         """Mean torque of all rollers on the cage [N m], positive where it drives."""

@@ -18,6 +18,7 @@ none: the smaller one is stable, because more slip brings more torque, and the l
    the rollers still carry the drag.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from types import MappingProxyType
@@ -29,11 +30,11 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import train_play
 from rollslip.bearing.raceway import RINGS, Array
-from rollslip.bearing.resolution import Resolution, refined
+from rollslip.bearing.resolution import Resolution, reference_resolution, refined
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, choice_of, in_range, parameter
 from rollslip.results.dataset import about
-from rollslip.results.text import Status
+from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies.answers import (
@@ -45,7 +46,8 @@ from rollslip.studies.answers import (
     ResolutionChoice,
     RunContext,
 )
-from rollslip.studies.error_estimate import choose_by_curves
+from rollslip.studies.bounds import SLICE_FACTOR, richardson_factor
+from rollslip.studies.error_estimate import COARSE_POSITIONS, choose_by_curves
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.effective_friction.raceways import largest_relative_change
 from rollslip_studies.motion.loading_branch import LoadingBranch, SteadyMotion
@@ -110,6 +112,11 @@ _COMPARED_FRACTIONS: Final = (0.02, 0.15, 0.5, 1.0)
 #: Twice as much, all of it, leaves nothing for these. Half as much took 3 to 5 instead of 3 to 4 positions and 24 %
 #: more time in two scenes, and changed slip and load at the fold by up to 3e-3 at a tolerance of 5 %. Chosen.
 _TOLERANCE_FRACTION: Final = 0.5
+#: Fraction of the tolerance at which slices aim whose error of the smallest steady slip exceeds it: that of a run which is
+#: made again. Twice as much makes most of these runs again.
+_SLIP_FRACTION: Final = 0.35
+#: Slips at which that slip is sought, from 0.1 % on. Twice as many change no number of slices by more than XXX. Chosen.
+_SLIPS: Final = 13
 # Numbers of evaluations by which the cost is extrapolated from measured times; an estimate scales with them.
 
 #: Loading branches of a run: those of the last two numbers of positions.
@@ -255,10 +262,41 @@ class SteadySlip(Study):
         choice = choose_by_curves(
             self, assembly, fraction=_TOLERANCE_FRACTION, cheaper_laws=cheaper_laws
         )
-        n_positions = max(choice.resolution.n_positions or 0, minimum_positions(assembly))
+        chosen = choice.resolution
+        slices = chosen.slices
+        accuracy = assembly.scene.accuracy
+        if assembly.slices > 1 and accuracy.slices is None and not accuracy.exact:
+            error = self._slip_error(assembly, slices, chosen.quadrature) / accuracy.tolerance
+            if error > 1.0:
+                finer = math.ceil(slices * math.sqrt(error / _SLIP_FRACTION))
+                slices = min(finer, reference_resolution(assembly.scene).slices)
+        n_positions = max(chosen.n_positions or 0, minimum_positions(assembly))
         return attrs.evolve(
-            choice, resolution=attrs.evolve(choice.resolution, n_positions=n_positions)
+            choice, resolution=attrs.evolve(chosen, slices=slices, n_positions=n_positions)
         )
+
+    def _slip_error(self, assembly: Assembly, slices: int, quadrature: str) -> float:
+        """Return the relative error that slices leave in the smallest steady slip; 0 where none is in the range."""
+        bearings = (
+            assembly.at(attrs.evolve(assembly.resolution, slices=number, quadrature=rule))
+            for number, rule in ((slices, quadrature), (SLICE_FACTOR * slices, "gauss"))
+        )
+        balance, finer = (
+            self._balance(bearing.with_resistance(), COARSE_POSITIONS) for bearing in bearings
+        )
+        slips = np.geomspace(SMALLEST_SLIP, self.max_cage_slip, _SLIPS)
+        try:
+            excess = balance.torques(slips) + [balance.drag(slip) for slip in slips.tolist()]
+            upper = int(np.argmax(excess >= 0.0))
+            if upper == 0:
+                return 0.0
+            low, high = excess[upper - 1 : upper + 1]
+            step = math.log(slips[upper] / slips[upper - 1])
+            slip = slips[upper] * np.exp([step * high / (low - high)])
+            change = balance.torques(slip) - finer.torques(slip)
+        except (DomainError, ConvergenceError):
+            return 0.0
+        return abs(float(change[0])) * step / (high - low) / richardson_factor(1, SLICE_FACTOR)
 
     def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution, because the reference resolution would take days."""
@@ -647,7 +685,13 @@ class SteadySlip(Study):
 
     def _at_load(self, balance: TorqueBalance) -> Callable[[float], TorqueBalance]:
         """Return a function from a radial load [N] to the torque balance of the same bearing there."""
-        return lambda load: self._balance(balance.assembly.at_load(load), balance.n_positions)
+        return lambda load: TorqueBalance(
+            balance.assembly.at_load(load),
+            balance.drags,
+            n_positions=balance.n_positions,
+            inertia=self.inertia,
+            similar=balance,
+        )
 
     def _minimum_load(self, assembly: Assembly, n_positions: int, slip: float) -> dict[str, Any]:
         """Return the variables of the minimum load for a slip, and of the catalogue minimum loads."""
@@ -685,11 +729,7 @@ class SteadySlip(Study):
         """
         finer = finer.with_resistance()
         balance = self.balance(finer)
-        return estimate_answer_errors(
-            balance,
-            self._balances(finer, balance.n_positions, "radial_load"),
-            without_play(dataset),
-        )
+        return estimate_answer_errors(balance, self._at_load(balance), without_play(dataset))
 
     def _followed(
         self,
