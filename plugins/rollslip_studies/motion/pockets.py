@@ -30,6 +30,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.text import SMALLEST_SLIP, SWITCHED_OFF, Status
+from rollslip.search import illinois_root
 from rollslip_kernels.motion import pocket as compiled
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_studies.motion.spins import orbit_loads
@@ -52,14 +53,14 @@ FRICTION_TOLERANCE: Final = 1e-2
 #: The same where that cannot be reached, as with few slices under heavy load. It changes slips of nine bearings by up
 #: to 1.0e-3, and those without play by up to 3 %; three times the value by up to 2.1 %.
 _COARSE_TOLERANCE: Final = 3e-2
-#: Number of loads that stand for the slices of a roller at the nodes of that table. Twice as many change slips by up to
-#: XXX and take twice the time; chosen, as in the search for the loading branch.
+#: Number of loads that stand for the slices of a roller at the nodes of that table. Half as many change slips by up
+#: to 1.3e-2, twice as many by up to 8e-4; chosen, as in the search for the loading branch.
 _N_LOADS: Final = 8
-#: Smallest number of positions of the orbit at which loads are solved; between them they are linear. Half as many change
-#: slips by up to XXX, twice as many by up to XXX; chosen.
+#: Smallest number of positions of the orbit at which loads are solved; between them they are linear. Half as many
+#: change slips by up to 1.5e-3, twice as many by up to 5.4e-4; chosen.
 _MIN_POSITIONS: Final = 360
-#: Number of slips that are marched together in the search. Half as many change slips by up to 4e-4, twice as many by up
-#: to 1.3e-5, as they refine less, or more; chosen.
+#: Number of slips that are marched together in the search for the bracket of the slip; chosen, so that most brackets
+#: are among the first of them.
 _BATCH: Final = 8
 #: Ratio of a slip of the search to the one before. With 1.25 and 2 slips change by up to 3e-5; chosen.
 _RATIO: Final = 1.5
@@ -72,9 +73,9 @@ _LOADED: Final = 0.01
 #: Status of a slip that is the same without play. At the large slips at which contacts leave the tables of friction it
 #: is, too.
 NO_CHANGE: Final = "the play changes the slip by less than 1 %"
-#: Number of refinements of the bracket of the slip, each by the number of slips of a batch. A refinement less changes
-#: slips by up to 8e-4, one more by up to 1.3e-5.
-_REFINEMENTS: Final = 2
+#: Tolerance of the slip, relative to it. Ten times the value changes slips by up to 3.4e-4, a tenth of it by
+#: less than 1e-6; chosen.
+_SLIP_TOLERANCE: Final = 1e-4
 
 
 @attrs.frozen(eq=False)
@@ -404,13 +405,14 @@ def _search(with_play: BalanceWithPlay, first_slip: float, max_slip: float) -> S
             return SlipWithPlay(f"{Status.NO_STEADY_SLIP} up to {max_slip:.3g}")
         slips = np.minimum(slips[-1] * ratios, max_slip)
         torques = with_play.excess(slips)
-    for _ in range(_REFINEMENTS):
-        upper = int(np.argmax(torques >= 0.0))
-        slips = np.geomspace(slips[upper - 1], slips[upper], _BATCH)
-        torques = with_play.excess(slips)
     upper = int(np.argmax(torques >= 0.0))
-    low, high = torques[upper - 1 : upper + 1]
-    root = slips[upper - 1] * (slips[upper] / slips[upper - 1]) ** (low / (low - high))
+    log = illinois_root(
+        lambda log: float(with_play.excess(np.array([math.exp(log)]))[0]),
+        *np.log(slips[upper - 1 : upper + 1]).tolist(),
+        *torques[upper - 1 : upper + 1].tolist(),
+        tolerance=_SLIP_TOLERANCE,
+    )
+    root = math.exp(log)
     motion = with_play.pockets.march(np.array([root]))
     if np.isnan(motion.torque[0]):  # contacts leave the tables of friction
         return SlipWithPlay(NO_CHANGE)
@@ -420,7 +422,7 @@ def _search(with_play: BalanceWithPlay, first_slip: float, max_slip: float) -> S
         )
     return SlipWithPlay(
         Status.FOUND,
-        float(root),
+        root,
         float(motion.driving[0]),
         float(motion.crossing[0]),
         float(motion.pushed[0]),

@@ -224,7 +224,7 @@ class TorqueBalance:
 
     def torque(self, cage_slip: float) -> float:
         """Mean torque of all rollers on the cage [N m], positive where it drives."""
-        return self.orbit(cage_slip).torque
+        return float(self.torques(np.array([cage_slip]))[0])
 
     def excess(self, cage_slip: float) -> float:
         """Torque of the rollers in excess of the drags [N m], which accelerates the cage: zero at a steady slip."""

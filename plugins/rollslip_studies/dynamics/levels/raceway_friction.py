@@ -82,6 +82,8 @@ _TURNING_POSITIONS: Final = 64
 #: Number of random contacts at which a table is compared with the slices. Doubling it doubles the time of a comparison
 #: and finds slightly larger errors. Chosen.
 _PROBES: Final = 600
+#: Number of those at which the errors of its axes are compared. Doubling it doubles the time of that. Chosen.
+_AXIS_PROBES: Final = 150
 #: Candidates for the scale V_s of the sliding speed, relative to the rolling speed. Chosen: a step of a factor of 1.8.
 _SLIDING_SCALES: Final = np.geomspace(1e-3, 1.0, 13)
 #: Number of nodes on each side of zero sliding with which the candidates are compared. Chosen.
@@ -547,7 +549,9 @@ class _RollerFriction:
             )
             sliding = np.tile(grid.sliding(nodes_and_middles), len(contacts))
             error = 0.0
-            for values in self._of_loads(loads, widths, sliding, rolling)[0].reshape(len(contacts), -1):
+            for values in self._of_loads(loads, widths, sliding, rolling)[0].reshape(
+                len(contacts), -1
+            ):
                 difference = np.abs(
                     _interpolated(
                         values[::2], [_sliding_cells(nodes_and_middles[1::2], _SCALE_NODES)]
@@ -591,7 +595,8 @@ class _RollerFriction:
 
         It is measured at random contacts or, with an axis, half-way between its nodes and on nodes of the others.
         """
-        fractions = np.random.default_rng(1).uniform(size=(3, _PROBES))
+        probes = _PROBES if axis is None else _AXIS_PROBES
+        fractions = np.random.default_rng(1).uniform(size=(3, probes))
         fractions[2] = 2.0 * fractions[2] - 1.0
         if axis is not None:
             for k, nodes in enumerate(grid.nodes):
