@@ -82,8 +82,6 @@ _TURNING_POSITIONS: Final = 64
 #: Number of random contacts at which a table is compared with the slices. Doubling it doubles the time of a comparison
 #: and finds slightly larger errors. Chosen.
 _PROBES: Final = 600
-#: Number of those at which the errors of its axes are compared. Doubling it doubles the time of that. Chosen.
-_AXIS_PROBES: Final = 150
 #: Candidates for the scale V_s of the sliding speed, relative to the rolling speed. Chosen: a step of a factor of 1.8.
 _SLIDING_SCALES: Final = np.geomspace(1e-3, 1.0, 13)
 #: Number of nodes on each side of zero sliding with which the candidates are compared. Chosen.
@@ -595,8 +593,7 @@ class _RollerFriction:
 
         It is measured at random contacts or, with an axis, half-way between its nodes and on nodes of the others.
         """
-        probes = _PROBES if axis is None else _AXIS_PROBES
-        fractions = np.random.default_rng(1).uniform(size=(3, probes))
+        fractions = np.random.default_rng(1).uniform(size=(3, _PROBES))
         fractions[2] = 2.0 * fractions[2] - 1.0
         if axis is not None:
             for k, nodes in enumerate(grid.nodes):
