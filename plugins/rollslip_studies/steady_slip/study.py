@@ -298,7 +298,8 @@ class SteadySlip(Study):
             change = balance.torques(slip) - finer.torques(slip)
         except (DomainError, ConvergenceError):
             return 0.0
-        return abs(float(change[0])) * step / (high - low) / richardson_factor(1, SLICE_FACTOR)
+        error = abs(change[0]) * step / (high - low)
+        return float(error / richardson_factor(1, SLICE_FACTOR))
 
     def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution, because the reference resolution would take days."""

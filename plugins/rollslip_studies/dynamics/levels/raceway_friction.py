@@ -475,7 +475,7 @@ class _RollerFriction:
         self.n_loads = n_loads
         # slices of equal drop have equal loads: they are evaluated once, with the sum of their widths
         self.drop, same_drop = np.unique(assembly.drop - assembly.drop.min(), return_inverse=True)
-        self.widths = np.bincount(same_drop, assembly.widths)
+        self.widths = np.asarray(np.bincount(same_drop, assembly.widths), dtype=float)
         self.forces = self._loads(_GAPS) @ self.widths
         self.at_random: Array | None = None  # true values at the random contacts
 
@@ -523,9 +523,8 @@ class _RollerFriction:
         if self.raceway.chain.resists:
             parts.append(slices.resistance)
         loaded_widths = np.broadcast_to(widths, load.shape)[loaded]
-        return np.array([np.add.reduceat(part * loaded_widths, first) for part in parts]) / np.sqrt(
-            (load * widths).sum(axis=1)
-        )
+        sums = np.array([np.add.reduceat(part * loaded_widths, first) for part in parts])
+        return np.asarray(sums / np.sqrt((load * widths).sum(axis=1)))
 
     def best_sliding_scale(self, forces: tuple[float, ...], speed: float) -> float:
         """Return the scale V_s [m/s] with the smallest interpolation error at forces [N], slow and fast rolling."""
