@@ -6,7 +6,8 @@
 - A study runs exactly the resolution it is given. Only without a number of roller positions (`as_stated`, for a scene
   without a plan) the study doubles them until its results converge.
 - Equal slices after ISO/TS 16281 lie at their midpoints. Gauss-Legendre points need fewer slices where a contact is
-  loaded to its ends; where the contact ends before, both converge with the square of the number of slices.
+  loaded to its ends; where the contact ends before, both converge with the square of the number of slices. Graded
+  slices need fewer than equal ones where only the middle of a profile is loaded.
 """
 
 import abc
@@ -41,6 +42,10 @@ _REFERENCE_SLICES: Final = 801
 #: Roller positions within a pitch of the reference resolution. Doubling it doubles the time of every verification.
 #: Chosen; an error that falls with the square of the number is then that of 16 positions over 64.
 _REFERENCE_POSITIONS: Final = 128
+#: Exponent of the edges of graded slices over their number from the middle; 1 gives equal slices. Of 20 bearings of the
+#: catalogue with 24 slices the slip is within 10 % of that of 400 with 1, 6 % with 1.5 and 10 % with 2. With twice as
+#: much the outermost slice of 24 would be a ninth of the roller.
+_GRADING: Final = 1.5
 #: Tolerance of tables at the reference resolution. Halving it makes tables larger and changes no error estimate.
 #: Chosen a factor of 1000 below tolerances that scenes state.
 _REFERENCE_TABLE_TOLERANCE: Final = 1e-7
@@ -59,9 +64,10 @@ class Resolution:
 
     #: Slices along a roller; one is taken where neither profile nor tilt varies the load along it.
     slices: int = parameter(default=101, doc="slices along a roller", validator=in_range(1, 20_000))
-    #: "equal" for midpoints of equal slices (ISO/TS 16281), "gauss" for Gauss-Legendre points and weights.
+    #: "equal" for midpoints of equal slices (ISO/TS 16281), "gauss" for Gauss-Legendre points and weights, "graded" for
+    #: midpoints of slices that are narrower in the middle, where light loads are carried.
     quadrature: str = parameter(
-        default="equal", doc="where slices lie", validator=choice_of("equal", "gauss")
+        default="equal", doc="where slices lie", validator=choice_of("equal", "gauss", "graded")
     )
     #: Roller positions within a pitch; None to double them until the results converge.
     n_positions: int | None = parameter(
@@ -123,6 +129,11 @@ class Resolution:
         """Return positions from the middle and widths of the slices of a roller [m], (n,)."""
         if self.quadrature == "equal":
             return slice_positions(length, self.slices), np.full(self.slices, length / self.slices)
+        if self.quadrature == "graded":
+            # odd and even integers over their number: symmetric about the middle to the last bit
+            fraction = np.arange(-self.slices, self.slices + 1, 2) / self.slices
+            edges = 0.5 * length * np.copysign(np.abs(fraction) ** _GRADING, fraction)
+            return 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
         nodes, weights = legendre(self.slices)
         return 0.5 * length * nodes, 0.5 * length * weights
 
