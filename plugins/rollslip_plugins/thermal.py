@@ -11,7 +11,7 @@ from rollslip.errors import SceneError
 from rollslip.fields import in_range, non_negative, parameter, positive
 from rollslip.references import Reference
 from rollslip.scene.clearance import operating_clearance
-from rollslip.scene.supply import DENSITY
+from rollslip.scene.supply import DENSITY, PUMPED
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import Location
@@ -43,6 +43,9 @@ _HOUSING = 5.0
 _SHAFT = 3.0
 #: Fraction of the free volume of the bearing that oil fills (D), as for the housing.
 _OIL_FRACTION = 0.1
+#: Rise of temperature with which an assumed flow of oil carries the heat of the reference conditions of ISO 15312 [K]
+#: (D): makers size flows by heat and rises of 10 to 25 K (NTN, C). Doubling it halves the flow.
+_OIL_RISE: Final = 15.0
 #: Specific heat of an oil where none is given [J/(kg K)] (B).
 _OIL_HEAT: Final = 2000.0
 
@@ -194,6 +197,8 @@ class Network(ThermalModel):
       cage's surface speed, as Harris and Kotzalas take it, over the wetted surfaces.
     - Rings to rollers: the film over the Hertz width of a mean contact in series with the flash of two half-spaces,
       K = Z l 2 b/(h/K_f + sqrt(pi 2 b/u)/e).
+    - Flow of oil that is pumped, where ``lubrication`` gives none: as much as carries the heat of ISO 15312's reference
+      conditions with a rise of 15 K. Makers size flows by heat and rises of 10 to 25 K (NTN, C). Other oil has no flow.
     - Masses: rings and rollers by size; housing 5 and shaft 3 times the rings (D). They set the pace, not the balance.
 
     ``oil_factor``, ``contact_factor`` and ``surroundings_factor`` multiply what is estimated, so that it can scatter.
@@ -225,12 +230,12 @@ class Network(ThermalModel):
     equation: ClassVar[str] = "C_k dT_k/dt = H_k + sum_j K_kj (T_j - T_k) + m c (T_in - T_k)"
     references: ClassVar[tuple[Reference, ...]] = (PALMGREN_1959, HARRIS_2007, ISO_15312)
 
-    oil_flow: float = parameter(
-        default=0.0,
+    oil_flow: float | None = parameter(
+        default=None,
         unit="kg/s",
         doc="flow of oil through the bearing, by default that of lubrication; 0 for a bath, whose heat leaves through "
         "the rings",
-        validator=non_negative,
+        validator=attrs.validators.optional(non_negative),
         usual=(0, 10),
         possible=(0, 1e6),
     )
@@ -304,18 +309,13 @@ class Network(ThermalModel):
         model = attrs.evolve(
             self, **{k: v for k, v in estimates.items() if getattr(self, k) is None}
         )
-        supply = assembly.scene.lubrication.oil_flow
-        oil = assembly.lubricant.density
-        if self.oil_flow == 0.0 and supply is not None:
-            density = DENSITY if oil is None else oil(assembly.scene.operation.temperature)
-            model = attrs.evolve(model, oil_flow=supply * density)
         reached = {
             node
             for name, ends in _LINKS.items()
             if len(ends) == 1 and getattr(model, name)
             for node in ends
         }
-        reached |= {_OIL} if model.oil_flow > 0.0 else set()
+        reached |= {_OIL} if model.oil_flow else set()
         for _ in _NODES:
             for name, ends in _LINKS.items():
                 if len(ends) == 2 and getattr(model, name) and reached & set(ends):
@@ -425,7 +425,7 @@ class Network(ThermalModel):
     @property
     def inlet(self) -> tuple[float, float] | None:
         """Temperature of the oil at its inlet [K] and its heat capacity flow [W/K]; None without a flow."""
-        if self.oil_flow == 0.0 or self.oil_inlet_temperature is None:
+        if not self.oil_flow or self.oil_inlet_temperature is None:
             return None
         return self.oil_inlet_temperature, self.oil_flow * self.oil_specific_heat
 
@@ -450,6 +450,11 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     density = DENSITY
     if assembly.lubricant.density is not None:
         density = assembly.lubricant.density(scene.operation.temperature)
+    if scene.lubrication.oil_flow is not None:
+        estimates["oil_flow"] = scene.lubrication.oil_flow * density
+    else:
+        carried = flux * area if scene.lubrication.supply in PUMPED else 0.0
+        estimates["oil_flow"] = carried / (model.oil_specific_heat * _OIL_RISE)
     nu = oil.viscosity / density
     diffusivity = oil.conductivity / (density * model.oil_specific_heat)
     pitch = 2.0 * k.orbit_radius

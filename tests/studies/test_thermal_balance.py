@@ -372,6 +372,21 @@ def test_a_bearing_that_is_cooled_without_end_stays_as_it_is_given():
     assert result.steady_slip.item() == pytest.approx(result.given_slip.item(), rel=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [("70 degC", "others warm it"), ("30 degC", "others cool it"), ("42 degC", "")],
+)
+def test_an_answer_says_that_others_warm_or_cool_the_oil(given, text):
+    """In a bath this bearing settles at 41 degC, whatever temperature its scene has."""
+    found = balanced({"operation.temperature": given})
+    notes = [row.note for row in account_of(found).answer(found).rows if row.key == "others"]
+    assert [text in note for note in notes] == [True] * bool(text)
+    alone = float(found.temperature.sel(node="oil")[0]) - 273.15
+    assert all(f"settles at {alone:.0f} °C" in note for note in notes)
+    sentences = " ".join(account_of(found).sentences(found))
+    assert ("by itself the bearing settles" in sentences) == bool(text)
+
+
 def test_oil_carries_all_of_an_adiabatic_bearing():
     result = balanced(oil_flow="15 g/s", shaft_ambient=0.0, housing_ambient=0.0)
     away = result.carried_away.isel(balance=0)
@@ -487,6 +502,10 @@ def test_what_size_and_oil_say_of_a_network_is_that_by_hand():
     )  # ISO 15312 at an excess of 50 K; less than up to 0.05 m2
     assert flux < 1.6e4
     assert 2000.0 * seats["shaft"] == pytest.approx(model.inner_ring_shaft)
+    for supply, rise in (("jet", 15.0), ("circulating", 15.0), ("bath", np.inf)):
+        unstated = assemble(evolve(made.scene, {"lubrication": {"supply": supply}}))
+        carried = get_model("thermal", "network").of(unstated).oil_flow * 2000.0 * 15.0
+        assert carried == pytest.approx(flux * sum(seats.values()) * 15.0 / rise), supply
     assert 2000.0 * seats["housing"] == pytest.approx(model.outer_ring_housing)
     for way in (
         (model.inner_ring_shaft, model.shaft_ambient),

@@ -155,12 +155,11 @@ def first_line(
 
 
 def describe_estimated(dataset: "xr.Dataset") -> str:
-    """Return how many conductances of a heat balance are estimated; empty if none is."""
-    count = sum(
-        value.endswith("W/K")
-        for value in json.loads(dataset.attrs.get("taken_from_bearing", "{}")).values()
-    )
-    return f"{count} conductances that all this rests on are estimated" if count else ""
+    """Return how many conductances of a heat balance, and which flow, are estimated; empty if none is."""
+    estimates = json.loads(dataset.attrs.get("taken_from_bearing", "{}")).values()
+    count = sum(value.endswith("W/K") for value in estimates)
+    flow = "".join(f" and a flow of {value}" for value in estimates if value.endswith("g/s"))
+    return f"{count} conductances{flow} that all this rests on are estimated" if count else ""
 
 
 def describe_skidding(slip: float, drag: float, status: str) -> str:

@@ -25,7 +25,7 @@ from rollslip.fields import (
     within_possible,
 )
 
-__all__ = ["DENSITY", "PLENTY", "SUPPLIES", "Lubrication", "OilSupply", "Supply"]
+__all__ = ["DENSITY", "PLENTY", "PUMPED", "SUPPLIES", "Lubrication", "OilSupply", "Supply"]
 
 #: Density of an oil that gives none [kg/m3]; mineral oils have 850 to 900, esters up to 1000 (D).
 DENSITY: Final = 870.0
@@ -100,7 +100,9 @@ SUPPLIES: Final[Mapping[str, Supply]] = MappingProxyType(
     }
 )  # fmt: skip
 _WITH_LEVEL = tuple(name for name, kind in SUPPLIES.items() if kind.level and kind.times == 1.0)
-_WITH_FLOW = ("splash", "circulating", "jet")
+#: Kinds of supply whose oil is pumped through the bearing: by default models.thermal estimates its flow.
+PUMPED: Final = ("circulating", "jet")
+_WITH_FLOW = ("splash", *PUMPED)
 
 
 @attrs.frozen(kw_only=True)
@@ -122,8 +124,8 @@ class Lubrication:
     oil_flow: float | None = field(
         default=None,
         unit="m3/s",
-        doc="flow of oil through the bearing; it carries off heat where models.thermal has an oil_inlet_temperature, "
-        "and nothing else is made of it",
+        doc="flow of oil through the bearing, which carries off heat; by default models.thermal estimates that of "
+        "pumped oil (D)",
         validator=optional(positive),
         usual=(1e-9, 0.01),
         possible=(1e-15, 10),

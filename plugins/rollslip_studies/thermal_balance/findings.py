@@ -18,6 +18,9 @@ from rollslip_studies.steady_slip.findings import next_of_others
 COURSE_COMPLETE: Final = "the time is over"
 #: Text of the variable ``jumps`` where the excess heat has none.
 NO_JUMPS: Final = "none"
+#: Difference of the oil to the temperature of the scene from which the answer says that others warm or cool it [K].
+#: Chosen: a viscosity changes by a third to a half over it. Twice as much leaves a factor of two unsaid.
+_OTHERS: Final = 10.0
 #: Part of a bearing -> the key of a scene with its temperature.
 _KEYS = {
     "oil": "operation.temperature",
@@ -101,6 +104,7 @@ class ThermalBalanceAccount(Account):
         values = coldest["temperature"].to_numpy()
         slip = float(coldest["steady_slip"])
         shown = [f"{value - 273.15:.0f} °C" for value in values]
+        given, others = _others(dataset, coldest)
         return Answer(
             rows=(
                 Row(
@@ -119,6 +123,10 @@ class ThermalBalanceAccount(Account):
                     value=slip,
                     text=percent(slip),
                     note="without play in the pockets",
+                ),
+                *(
+                    Row(key="others", label="oil of the scene", text=given, note=note)
+                    for note in filter(None, [others])
                 ),
             ),
             assumed=tuple(filter(None, [describe_estimated(dataset)])),
@@ -189,6 +197,23 @@ def _given(dataset: "xr.Dataset") -> str:
     )
 
 
+def _others(dataset: "xr.Dataset", balance: "xr.Dataset") -> tuple[str, str]:
+    """Return the oil temperature of the scene, and that others warm or cool it to that; empty where both are near.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        The result.
+    balance : Dataset
+        Its coldest stable balance.
+    """
+    given = float(dataset["given_temperature"].sel(part="oil"))
+    alone = float(balance["temperature"].sel(node="oil"))
+    act = "warm" if given > alone else "cool"
+    note = f"others {act} it: by itself the bearing settles at {alone - 273.15:.0f} °C"
+    return f"{given - 273.15:.0f} °C", note * (abs(given - alone) > _OTHERS)
+
+
 def _balances(dataset: "xr.Dataset") -> list[str]:
     """Return the balances as sentences."""
     status = str(dataset["status"].item())
@@ -218,9 +243,13 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
         )
     if guessed := describe_estimated(dataset):
         sentences[-1] += f"; {guessed}"
+    stable = stable_balances(dataset)
+    for temperature, others in [_others(dataset, balance) for balance in stable[:1]]:
+        if others:
+            sentences.append(f"oil of the scene has {temperature}; {others}")
     if (jumps := str(dataset["jumps"].item())) != NO_JUMPS:
         sentences.append(jumps)
-    if len(stable_balances(dataset)) > 1:
+    if len(stable) > 1:
         sentences.append(
             "which of the balances that last a bearing is in depends on how it came there: warm from the colder"
         )

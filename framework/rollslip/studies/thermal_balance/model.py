@@ -129,6 +129,7 @@ def from_bearing(scene: Scene, model: ThermalModel) -> dict[str, str]:
         for field in attrs.fields(model_class)
         if getattr(of_scene, field.name) is None
         and isinstance(value := getattr(model, field.name), float)
+        and value != 0.0  # the flow of a bath
     }
 
 
