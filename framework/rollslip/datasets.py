@@ -100,6 +100,14 @@ class Profile:
         usual=(0.05, 1e3),
         possible=(1e-4, 1e9),
     )
+    depth_factor: float = field(
+        default=1.0,
+        unit="1",
+        doc="factor of the drop everywhere, so that a depth that is not known can scatter",
+        validator=positive,
+        usual=(0.2, 5),
+        possible=(1e-6, 1e6),
+    )
     position: tuple[float, ...] = field(
         default=(),
         unit="m",

@@ -18,6 +18,7 @@ from scipy.stats import norm, spearmanr
 import rollslip
 from rollslip import uncertainty
 from rollslip.bearing.assembly import assemble
+from rollslip.bearing.cage import oil_supply
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
@@ -38,6 +39,7 @@ from rollslip_studies.motion.torque_balance import (
     skidding_onset,
     torque_balance,
 )
+from rollslip_studies.steady_slip.band import QUANTILES, bands
 from rollslip_studies.variation.distributions import LogNormal
 from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import scattering, with_scatter
@@ -130,6 +132,43 @@ def test_a_catalogue_bearing_scatters_with_a_normal_clearance_until_the_scene_st
     assert {"bearing.mounting.clearance_deviation", "bearing.roller_length"} <= set(found)
     measured = rollslip.evolve(scene, {"bearing.radial_clearance": "33 um"})
     assert "bearing.mounting.clearance_deviation" not in scattering(assemble(measured))
+
+
+@pytest.mark.parametrize(
+    ("key", "declared", "bounds"),
+    [
+        (
+            "cage.drag.churning.factor",
+            {"distribution": "log-uniform", "parameters": {"low": 2.0, "high": 6.0}},
+            lambda nominal, p: 2.0 * 3.0**p,
+        ),
+        (  # the scene states none: it follows from the supply
+            "lubrication.oil_fraction",
+            {"distribution": "lognormal", "parameters": {"deviation_of_ln": 1.0}},
+            lambda nominal, p: nominal * math.exp(norm.ppf(p)),
+        ),
+    ],
+)
+def test_what_a_field_declares_is_in_bands_and_samples(key, declared, bounds, monkeypatch):
+    """Without a word of it elsewhere; of a default that follows from others its quantiles are those around that."""
+    known = quantities(assemble(SCENE), {})
+    field = known[key].attribute
+    entry = Scatter(**declared, grade="(D)", source="an estimate")
+    known[key] = attrs.evolve(
+        known[key], attribute=field.evolve(metadata={**field.metadata, "scatter": entry})
+    )
+    monkeypatch.setattr(
+        "rollslip_studies.variation.scatter.quantities", lambda assembly, studies: known
+    )
+    supply = oil_supply(SCENE, assemble(SCENE).lubricant)
+    expected = [bounds(supply.oil_fraction, p) for p in QUANTILES]
+    assert SCENE.lubrication.oil_fraction is None
+    effects = bands(SCENE, 0.01)["steady_slip"].effects
+    (effect,) = (effect for effect in effects if effect.key == key)
+    assert effect.quantiles == pytest.approx(expected, rel=1e-9)
+    assert effect.factors[0] < effect.factors[1]
+    sampled = UncertaintySettings(SCENE, samples=8).plan().critical.uncertainty.distributions[key]
+    assert sampled.quantile(np.array(QUANTILES)) == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_field_declares_scatter_like_its_unit():

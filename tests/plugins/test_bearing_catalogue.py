@@ -276,8 +276,12 @@ def test_its_scatter_is_taken_where_the_scene_says_nothing_of_it():
     )
     own, _ = with_scatter(scene("name = 'NU2210'\nradial_clearance = '20 um'"))
     assert [key for key in own.uncertainty if key.startswith("bearing.")] == [
-        "bearing.roller_length"
+        "bearing.roller_length",
+        "bearing.profile.depth_factor",
     ]
+    for profile in ("'iso16281'", "{ depth_factor = 0.7 }"):
+        stated, _ = with_scatter(scene(f"name = 'NU2210'\nprofile = {profile}"))
+        assert "bearing.profile.depth_factor" not in stated.uncertainty
 
 
 def test_less_than_the_least_load_of_skf_is_told():

@@ -237,4 +237,4 @@ def slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:
         radius=b.profile.radius,
         table=(b.profile.position, b.profile.drop) if b.profile.shape == "table" else None,
     )
-    return position, widths, drop
+    return position, widths, b.profile.depth_factor * drop

@@ -613,13 +613,13 @@ def _assumed_keys(scene: str) -> Iterator[str]:
 
 def _varied_quantity(item: Mapping[str, Any]) -> str:
     """Return a quantity that scatters, with its range: "Eyring stress 1.1 to 8.9 MPa", "petroff-land x 0.32 to 3.2"."""
-    *_, table, key = item["key"].split(".")
+    _, *tables, key = item["key"].split(".")
     bounds = item["ends"]
     name: str = key.replace("_", " ")
     if isinstance(bounds[0], str):  # a choice instead of a number
         return f"{name} {bounds[0]} to {bounds[1]}"
     if key.endswith("factor"):
-        name = f"drag {table}" if key == "factor" else name.removesuffix(" factor")
+        name = " ".join((*tables, name.removesuffix("factor"))).strip()
         return f"{name} x {two_digits(bounds[0])} to {two_digits(bounds[1])}"
     unit = shown_unit(max(map(abs, bounds)), item["unit"] or "1")
     low, high = (converted(bound, item["unit"], unit) for bound in bounds)

@@ -291,7 +291,8 @@ def _opened_table(
     if value is not None:
         raise ValueError(f"does not exist: {key!r} is not a table")
     default = attribute.default if attribute is not None else None
-    if attrs.has(type(default)) and bare_key(type(default)) is not None:
+    fields = fields_of(type(default)) if attrs.has(type(default)) else []
+    if any(a.metadata.get("bare") and a.default is attrs.NOTHING for _, a in fields):
         return dict(resolved(default))
     return {}  # defaults of other tables are added when these are read
 

@@ -133,8 +133,12 @@ def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
             )
             if value is not None and not follows:
                 filled[key] = resolved(value) if inner else value
-        # a table that may be a bare name is a choice, which named data do not complete
-        elif inner and bare_key(type(value)) is None and isinstance(below := filled[key], Mapping):
+        # a table that states its bare name is a choice, which named data do not complete
+        elif (
+            inner
+            and isinstance(below := filled[key], Mapping)
+            and bare_key(type(value)) not in below
+        ):
             filled[key] = _filled(below, value)
     return filled
 

@@ -3,6 +3,7 @@
 from rollslip.datasets import BearingData
 from rollslip.references import KLEBANOV
 from rollslip.scene import Bearing, Profile
+from rollslip_plugins.data import PROFILE_DEPTH
 
 bearing_1032930 = BearingData(
     name="1032930",
@@ -22,4 +23,5 @@ bearing_1032930 = BearingData(
         outer_raceway_diameter=0.195,
         profile=Profile(shape="iso16281"),
     ),
+    scatter=(PROFILE_DEPTH,),
 )

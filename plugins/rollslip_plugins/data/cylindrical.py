@@ -30,6 +30,7 @@ from rollslip.datasets import (
     Scatter,
 )
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
+from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.designations import other_bearing, read_designation
 
 #: Series of diameters -> bore, outside diameter, and the widths of its series of widths [mm] (ISO 15).
@@ -376,6 +377,7 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
                 source="rollers times length of bearings of two makers against the rule of it; the number of rollers "
                 "and their diameter stay as they are",
             ),
+            PROFILE_DEPTH,
         ),
     )
 

@@ -27,6 +27,7 @@ from rollslip.datasets import (
     Scatter,
 )
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
+from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.cylindrical import RULES, boundaries, clearance, nearest_roller
 from rollslip_plugins.data.designations import packed
 
@@ -193,6 +194,7 @@ def _bearing(
                 grade="(D)",
                 source="rollers times length, of which two recalled static ratings are all that is known",
             ),
+            PROFILE_DEPTH,
         ),
     )
 

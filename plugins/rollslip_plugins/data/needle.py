@@ -29,6 +29,7 @@ from rollslip.datasets import (
     Scatter,
 )
 from rollslip_plugins.bibliography import ISO_76, ISO_286, ISO_3096, ISO_3245, ISO_5753
+from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.cylindrical import clearance
 from rollslip_plugins.data.designations import packed
 
@@ -187,6 +188,7 @@ def _bearing(name: str, size: _Size) -> BearingData:
                 grade="(D)",
                 source="rollers times length, of which three recalled static ratings are all that is known",
             ),
+            PROFILE_DEPTH,
         ),
     )
 

@@ -53,7 +53,7 @@ from rollslip.results.curves import or_none
 from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
-from rollslip.search import Array, secant_root
+from rollslip.search import secant_root
 from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
@@ -475,13 +475,14 @@ def _combine(
         Finds the factor at values of all quantities.
     """
 
-    def factor_at(scores: Array) -> float:
-        pairs = zip(table.distributions.items(), scores.tolist(), strict=True)
+    def factor_at(scores: Mapping[str, float]) -> float:
         try:
             return factor(
                 {
-                    key: float(distribution.quantile(np.array([NormalDist().cdf(score)]))[0])
-                    for (key, distribution), score in pairs
+                    key: float(
+                        table.distributions[key].quantile(np.array([NormalDist().cdf(score)]))[0]
+                    )
+                    for key, score in scores.items()
                 }
             )
         except RollslipError:
@@ -492,6 +493,11 @@ def _combine(
         return None
     logs = np.log([effect.factors for effect in effects])
     logs[np.logical_not(known)] = 0.0
+    keys = [effect.key for effect in effects]
+    # both change alike where the nominal value is far from the median: changes are those from the median then
+    for k in np.flatnonzero(np.sign(logs).prod(axis=1) > 0.0).tolist():
+        centre = factor_at({keys[k]: 0.0})
+        logs[k] -= math.log(centre) if math.isfinite(centre) else 0.0
     bounds = dict[float, float]()
     for sign in (-1.0, 1.0):
         changes = sign * logs
@@ -503,7 +509,8 @@ def _combine(
         slopes = largest * np.where(changes[:, 1] > changes[:, 0], 1.0, -1.0)
         direction = table.correlation @ slopes
         size = math.sqrt(max(float(slopes @ direction), 0.0))
-        bound = factor_at(_SCORE * direction / size) if size > 0.0 else 1.0
+        scores = _SCORE * direction / (size or 1.0)
+        bound = factor_at(dict(zip(keys, scores.tolist(), strict=True)))
         bounds[sign] = math.exp(sign * size) if math.isnan(bound) else bound
     ranked = sorted(
         (effect for effect, is_known in zip(effects, known, strict=True) if is_known),
@@ -512,7 +519,7 @@ def _combine(
     left_out = tuple(
         effect.key for effect, is_known in zip(effects, known, strict=True) if not is_known
     )
-    median = factor_at(np.zeros(len(effects)))
+    median = factor_at(dict.fromkeys(keys, 0.0))
     return Band(bounds[-1.0], bounds[1.0], ranked[0].key, tuple(ranked), median, left_out)
 
 

@@ -18,6 +18,7 @@ from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.changes import KnownQuantities, Quantity
+from rollslip.scene.supply import Lubrication
 from rollslip.scene.values import LubricantTable, ModelChoice, Scene, Separator, model_kind
 from rollslip.structure import Location, fields_of
 from rollslip.units import UnitError, quantity
@@ -39,9 +40,13 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     found = [*_bearing_name(scene)]
     for table in _tables(scene):
         found += _values_of(getattr(scene, table), table)
-    # with the oil layer of the kind of supply by default
-    layer = oil_supply(scene, assembly.lubricant).oil_layer
-    found += _values_of(attrs.evolve(scene.lubrication, oil_layer=layer), "lubrication")
+    # defaults that follow from the kind of supply
+    supply = oil_supply(scene, assembly.lubricant)._asdict()
+    unstated = {
+        a.name for a in attrs.fields(Lubrication) if getattr(scene.lubrication, a.name) is None
+    }
+    defaults: dict[str, Any] = {name: supply[name] for name in unstated & supply.keys()}
+    found += _values_of(attrs.evolve(scene.lubrication, **defaults), "lubrication")
     found += _oil_values(assembly)
     for attribute in attrs.fields(type(scene.models)):
         found += _model_values(assembly, attribute)

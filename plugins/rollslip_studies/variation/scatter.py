@@ -24,10 +24,11 @@ from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["scattering", "with_scatter"]
 
-#: Factor on data of an oil -> the data: a scene that states these has no use for the factor.
+#: Factor on data -> the data, "" for the table of the factor: a scene that states these has no use for the factor.
 _MEASURED: Mapping[str, tuple[str, ...]] = {
     "viscosity_factor": ("points", "viscosity"),
     "pressure_viscosity_factor": ("pressure_viscosity",),
+    "depth_factor": ("",),
 }
 
 
@@ -69,7 +70,7 @@ def _is_certain(raw: Mapping[str, object], key: str, scatter: Scatter) -> bool:
         return False
     return any(
         _states(raw, stated)
-        for stated in (key, *(f"{table}.{other}" for other in _MEASURED.get(name, ())))
+        for stated in (key, *(f"{table}.{other}".strip(".") for other in _MEASURED.get(name, ())))
     )
 
 
