@@ -219,7 +219,17 @@ def test_samples_have_play_in_the_pockets():
     scene = rollslip.evolve(load_scene("gearbox"), {"accuracy.slices": 21})
     nominal = rollslip.run(scene, "steady-slip")
     options = {"samples": 16, "loads": 3}
-    play = uncertainty(scene, **options)["value"]
+    found = uncertainty(scene, **options)
+    play = found["value"]
+    run = {
+        "steady slip": float(nominal.steady_slip[0]),
+        "drag reserve": float(nominal.drag_reserve),
+    }
+    assert json.loads(found.attrs["nominal"]) == pytest.approx(run, rel=0.02)
+    for row, (name, value) in zip(account_of(found).answer(found).rows, run.items(), strict=False):
+        median = float(found.quantile_value.sel(quantity=name, probability=0.5))
+        differs = max(median, value) > 1.1 * min(median, value)
+        assert ("at the values of the scene" in row.note) == differs
     set_ = uncertainty(rollslip.evolve(scene, {"study.steady-slip.pockets": "set"}), **options)[
         "value"
     ]
@@ -240,7 +250,7 @@ def test_samples_say_that_play_is_left_out_where_its_effect_is_not_known(monkeyp
     found = uncertainty(tilted, samples=8, loads=0)
     assert "rollers tilt" in found.attrs["play_status"]
     rows = account_of(found).answer(found).rows
-    assert rows[0].note.endswith("samples, without play")
+    assert rows[0].note.endswith(", without play")
 
     def fails(study, assembly, context=None):
         raise SceneError(["no such bearing"])

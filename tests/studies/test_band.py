@@ -8,19 +8,24 @@ import attrs
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from scipy.stats import norm
+from scipy.optimize import brentq
+from scipy.stats import binom, norm
 
 import rollslip
 from loading_branch_scenes import catalogue
-from rollslip import uncertainty
+from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.results.accounts import account_of
 from rollslip.results.answer import _varied_quantity, collect_notes
-from rollslip.scene.reading import load_scene
+from rollslip.scene.reading import as_scene, load_scene
+from rollslip.structure import Location
 from rollslip_plugins.traction.eyring import MaxwellEyring
 from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.band import Band, QuantityEffect, bands, with_bands
+from rollslip_studies.variation.distributions import read_uncertainty
+from rollslip_studies.variation.quantities import quantities
+from rollslip_studies.variation.scatter import with_scatter
 from scattered import constant, uncertain
 
 SCENE = rollslip.evolve(
@@ -136,16 +141,53 @@ def test_slips_of_few_graded_slices_are_those_of_many(number):
     assert first == pytest.approx(second, abs=0.07)
 
 
-@pytest.mark.slow
-def test_the_band_is_about_that_of_samples():
-    """Over all that scatters by default; the logarithms of both ends within a fifth."""
-    slip = float(rollslip.run(SCENE, "steady-slip").steady_slip[0])
-    band = bands(SCENE, slip)["steady_slip"]
-    found = uncertainty(SCENE, samples=256, loads=0, probability=0.95)
-    told = found.quantile_value.sel(quantity="steady slip")
-    low, middle, high = (float(told.sel(probability=p)) for p in (0.05, 0.5, 0.95))
-    assert math.log(band.low) == pytest.approx(math.log(low / middle), rel=0.2)
-    assert math.log(band.high) == pytest.approx(math.log(high / middle), rel=0.2)
+def sampled_slips(scene, count):
+    """Slips of plain samples of all that scatters by default, by Brent's method; NaN where there is no root."""
+    given, _ = with_scatter(scene)
+    scene = attrs.evolve(scene, uncertainty=None)
+    nominal = band._coarse_assembly(scene)
+    table = read_uncertainty(given.uncertainty, Location({}), quantities(nominal, {}), [])
+    shared = torque_balance(nominal, n_positions=1, inertia=False)
+    probabilities = np.random.default_rng(7).uniform(size=(count, len(table.distributions)))
+    slips = [slip_of(shared)]
+    for row in table.values(probabilities).tolist():
+        values = dict(zip(table.distributions, row, strict=True))
+        sample = assemble(rollslip.evolve(scene, values), nominal.resolution, like=nominal)
+        slips.append(slip_of(torque_balance(sample, 1, inertia=False, similar=shared)))
+    return slips[0], np.array(slips[1:])
+
+
+def slip_of(balance):
+    def excess(log_odds):
+        return balance.excess(min(1.0 / (1.0 + math.exp(-log_odds)), 0.95))
+
+    least = -12.0
+    # a sample whose drags drive the cage hardly slips
+    root = least if excess(least) >= 0.0 else brentq(excess, least, 3.0, xtol=1e-3)
+    return 1.0 / (1.0 + math.exp(-root))
+
+
+@pytest.mark.parametrize(
+    ("scene", "count"),
+    [
+        (SCENE, 150),
+        pytest.param("gearbox", 300, marks=pytest.mark.slow),
+        pytest.param("turbine", 300, marks=pytest.mark.slow),
+        pytest.param(350_008, 300, marks=pytest.mark.slow),
+    ],
+)
+def test_one_in_twenty_plain_samples_is_below_the_band_and_as_many_above(scene, count):
+    """By 500 samples of eleven scenes 2.6 to 7.6 % are below and 3.4 to 7.6 % above; chance alone allows as much here.
+
+    A root sum of squares, without an evaluation at the most probable point, leaves none above for `turbine`.
+    """
+    scene = catalogue(scene) if isinstance(scene, int) else as_scene(scene)
+    slip, slips = sampled_slips(scene, count)
+    found = bands(scene, slip)["steady_slip"]
+    odds = slips / (1.0 - slips) * (1.0 - slip) / slip
+    least, most = binom.interval(0.998, count, 0.05)
+    for outside in (odds < found.low, odds > found.high):
+        assert least <= np.count_nonzero(outside) <= most
 
 
 def test_without_a_steady_slip_or_without_scatter_there_is_no_band(monkeypatch):

@@ -45,6 +45,8 @@ _ANSWER_RANK: Final = 3
 _CAVEAT_CORRELATION: Final = -0.3
 
 
+#: Ratio of a median to the value of the run from which both are told apart. Chosen: a change of the second digit.
+_DIFFERS: Final = 1.1
 #: Sentence where Sobol indices were requested and no result has any.
 _NO_INDICES = (
     "no Sobol indices: the result varies in no sample, for example because all lie beyond the range, or fewer than "
@@ -77,6 +79,8 @@ class UncertaintyAccount(Account):
         low, slip, high = (_quantile(dataset, STEADY, q)[0] for q in (0.05, 0.5, 0.95))
         lower_reserve = _quantile(dataset, RESERVE, round(1.0 - p, 12))[0]
         skids = float(dataset["skidding"])
+        reserve = _quantile(dataset, RESERVE, 0.5)[0]
+        nominal_reserve = _nominal_note(dataset, RESERVE, reserve)
         rows = [
             Row(
                 key="cage_slip",
@@ -87,7 +91,9 @@ class UncertaintyAccount(Account):
                 tolerance=math.inf,
                 text=percent(slip) if math.isfinite(slip) else "skidding",
                 note=f"{format_slip_band(low, high)}; median of {int(dataset['samples'].sel(quantity=STEADY))} samples"
-                + ", without play" * _has_unknown_play(dataset),
+                f"{_nominal_note(dataset, STEADY, slip)}"
+                + ", without play"
+                * _has_unknown_play(dataset),
             )
             if not math.isnan(slip)
             else Row(
@@ -106,7 +112,8 @@ class UncertaintyAccount(Account):
                 text="not found"
                 if math.isnan(lower_reserve)
                 else f"at least {two_digits(lower_reserve)}",
-                note=f"with probability {p:g}; {percent(skids) if skids > 0.0 else 'none'} of the samples skid",
+                note=f"with probability {p:g}; {percent(skids) if skids > 0.0 else 'none'} of the samples skid"
+                + f"; median {two_digits(reserve)}{nominal_reserve}" * bool(nominal_reserve),
             ),
         ]
         if LOAD in quantities and math.isfinite(load := _quantile(dataset, LOAD, p)[0]):
@@ -289,6 +296,16 @@ class UncertaintyAccount(Account):
                 for name in dataset["indexed"].to_numpy()
             }
         return results
+
+
+def _nominal_note(dataset: "xr.Dataset", name: str, median: float) -> str:
+    """Return the value of a quantity at the values of the scene, that of `rollslip run`; empty near the median."""
+    nominal = json.loads(dataset.attrs.get("nominal", "{}")).get(name)
+    if nominal is None or not 0.0 < median < math.inf:
+        return ""
+    if max(nominal, median) <= _DIFFERS * min(nominal, median):
+        return ""
+    return f", {_format_value(name, nominal)} at the values of the scene"
 
 
 def _bounds_of(dataset: "xr.Dataset", name: str, suffix: str = "") -> dict[str, float | None]:

@@ -48,6 +48,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError, SceneError
+from rollslip.results.curves import or_none
 from rollslip.results.dataset import UNITS, about, xr
 from rollslip.results.text import Status, duration_range
 from rollslip.scene.changes import evolve
@@ -197,6 +198,16 @@ class Margin:
     def play_status(self) -> str:
         """What is known of the play in the pockets; empty with rollers set in the cage."""
         return str(self._nominal["play_status"].item()) if "play_status" in self._nominal else ""
+
+    @property
+    def nominal_values(self) -> dict[str, float | None]:
+        """Steady slip and drag reserve at the values of the scene by quantity, None where one is not known."""
+        names = {STEADY: "steady_slip", RESERVE: "drag_reserve"}
+        return {
+            quantity: or_none(np.append(self._nominal[name], np.nan).flat[0])
+            for quantity, name in names.items()
+            if name in self._nominal
+        }
 
     def friction_samples(self, points: "xr.Dataset") -> dict[str, Array]:
         """Return the samples of study effective-friction by quantity, (n,) each, their slips with play in the pockets.
@@ -680,6 +691,7 @@ def _attributes(
         min_samples=min_samples(plan.probability, REPLICATES, plan.confidence),
         acceptable_slip=SteadySlip.from_scene(plan.critical.scene).acceptable_slip or "",
         play_status=plan.play_status,
+        nominal=json.dumps(plan.nominal_values),
         until=plan.until or "",
         points=status_counts,
     )

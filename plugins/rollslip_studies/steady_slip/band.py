@@ -338,9 +338,9 @@ def _coarse_assembly(scene: Scene, nominal: Assembly | None = None) -> Assembly:
     if nominal is not None:
         return assemble(scene, nominal.resolution, like=nominal)
     whole = assemble(scene)
-    return whole.at(
-        attrs.evolve(whole.resolution, slices=min(_MAX_SLICES, whole.slices), quadrature="graded")
-    )
+    if whole.slices <= _MAX_SLICES:
+        return whole
+    return whole.at(attrs.evolve(whole.resolution, slices=_MAX_SLICES, quadrature="graded"))
 
 
 #: Logarithm of a value at a bearing near another one, and the slope of the excess torque there if it is known; the

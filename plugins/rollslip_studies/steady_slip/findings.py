@@ -66,6 +66,9 @@ _MIN_DRIVEN_SLIP: Final = 1e-3
 _BRAKED: Final = "rolling resistance, no drag, brakes the cage"
 #: Reserve above which only "over 1000" is printed, as its size has no consequence. Chosen.
 _MAX_PRINTED_RESERVE: Final = 1000.0
+#: Ratio of the slip at the medians of all that scatters to the slip of the scene from which both are told apart.
+#: Chosen: of most scenes both are nearer.
+_DIFFERS: Final = 1.2
 #: Fraction of the load of the scene below which a minimum load is printed in its own unit instead of that of the load,
 #: so that at least two digits of it are seen: 5 N of 1 kN are 0.0050 kN. Chosen.
 _MIN_SHARED_UNIT_FRACTION: Final = 0.005
@@ -193,6 +196,11 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
     if stored is not None:
         band = stored["low"], math.inf if stored["high"] is None else stored["high"]
         note = format_slip_band(*band)
+        near, far = sorted((slip, stored.get("median") or slip))
+        if far > max(_DIFFERS * near, _MIN_DRIVEN_SLIP):
+            note += f", {percent(stored['median'])} with all data at their medians"
+        if missing := stored.get("left_out"):
+            note += f", without the scatter of {', '.join(missing)}"
     note = ", ".join(filter(None, (note, slip_without_play(dataset))))
     return Row(
         key="cage_slip",
