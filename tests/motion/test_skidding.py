@@ -180,7 +180,7 @@ def test_weights_and_guidance_of_a_cage_do_not_count_and_resistance_to_rolling_d
     caged = bearing()
     alone = assemble(evolve(caged.scene, {"cage": {"drag": []}})).at(caged.resolution)
     assert (found(alone).slip, found(alone).drag) == (found(caged).slip, found(caged).drag)
-    resisted = found(bearing(**{"cage.drag": ["rolling-resistance"]}))
+    resisted = found(bearing(**{"cage.drag": ["goksem-hargreaves"]}))
     assert resisted.max_torque < 0.5 * found(caged).drag
     assert resisted.max_torque_slip == 0.95, "and nowhere a maximum"
     assert f"the largest torque, {1e3 * resisted.max_torque:.3g} mN m" in resisted.status
