@@ -35,7 +35,7 @@ NO_HEAT = {"models.film.thermal": "none", "cage.drag.rolling-resistance.inlet_he
 #: What is chosen or stated in place of a default; those in pairs are the two sides of one.
 CHOICES = {
     "rolling resistance off": {"cage.drag": ["hysteresis", "churning"]},
-    "flooded inlet": {"cage.drag.rolling-resistance.reach": math.inf},
+    "flooded inlet": {"cage.drag.rolling-resistance.reach": "flooded"},
     "hysteresis off": {"cage.drag.hysteresis.factor": 0.0},
     "churning off": {"cage.drag.churning.factor": 0.0},
     "heat of the inlets off": NO_HEAT,

@@ -401,6 +401,11 @@ def test_extreme_contacts_have_a_finite_resistance(reach, layer, alpha):
         assert (one.resistance >= 0.0).all()
 
 
+def test_scenes_have_words_for_inlets_without_end():
+    words = {"reach": "flooded", "oil_layer": "plenty", "inlet_heating": "none"}
+    assert get_model("drag", "rolling-resistance", **words) == FLOODED
+
+
 def test_what_is_no_inlet_is_refused():
     for name, value in [("reach", 0.0), ("reach", -1.0), ("reach", math.nan), ("oil_layer", 0.0)]:
         with pytest.raises(FieldError, match=name):
