@@ -53,7 +53,7 @@ from rollslip.results.curves import or_none
 from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
-from rollslip.search import secant_root
+from rollslip.search import Array, secant_root
 from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
@@ -474,53 +474,60 @@ def _combine(
     factor : callable
         Finds the factor at values of all quantities.
     """
+    keys = [effect.key for effect in effects]
 
     def factor_at(scores: Mapping[str, float]) -> float:
+        values = {
+            key: table.distributions[key].quantile(np.array([NormalDist().cdf(score)])).item()
+            for key, score in scores.items()
+        }
         try:
-            return factor(
-                {
-                    key: float(
-                        table.distributions[key].quantile(np.array([NormalDist().cdf(score)]))[0]
-                    )
-                    for key, score in scores.items()
-                }
-            )
+            return factor(values)
         except RollslipError:
             return math.nan
 
-    known = [not any(map(math.isnan, effect.factors)) for effect in effects]
-    if not any(known):
-        return None
     logs = np.log([effect.factors for effect in effects])
-    logs[np.logical_not(known)] = 0.0
-    keys = [effect.key for effect in effects]
+    unknown = np.asarray(np.isnan(logs).any(axis=1))
+    if unknown.all():
+        return None
+    logs[unknown] = 0.0
+    ranks = np.argsort(-np.abs(logs).max(axis=1), kind="stable").tolist()
+    ranked = [effects[k] for k in ranks if not unknown[k]]
     # both change alike where the nominal value is far from the median: changes are those from the median then
     for k in np.flatnonzero(np.sign(logs).prod(axis=1) > 0.0).tolist():
         centre = factor_at({keys[k]: 0.0})
         logs[k] -= math.log(centre) if math.isfinite(centre) else 0.0
-    bounds = dict[float, float]()
+    bounds = []
     for sign in (-1.0, 1.0):
-        changes = sign * logs
-        # of each quantity the larger change towards this bound, with the sign of the score that leads there
-        largest = np.maximum(changes.max(axis=1), 0.0)
-        if np.isinf(largest).any():
-            bounds[sign] = math.inf
-            continue
-        slopes = largest * np.where(changes[:, 1] > changes[:, 0], 1.0, -1.0)
-        direction = table.correlation @ slopes
-        size = math.sqrt(max(float(slopes @ direction), 0.0))
-        scores = _SCORE * direction / (size or 1.0)
-        bound = factor_at(dict(zip(keys, scores.tolist(), strict=True)))
-        bounds[sign] = math.exp(sign * size) if math.isnan(bound) else bound
-    ranked = sorted(
-        (effect for effect, is_known in zip(effects, known, strict=True) if is_known),
-        key=lambda effect: -max(abs(math.log(factor)) for factor in effect.factors),
-    )
-    left_out = tuple(
-        effect.key for effect, is_known in zip(effects, known, strict=True) if not is_known
-    )
+        change, scores = _most_probable_point(sign * logs, table.correlation)
+        bound = math.nan
+        if math.isfinite(change):
+            bound = factor_at(dict(zip(keys, scores, strict=True)))
+        bounds.append(math.exp(sign * change) if math.isnan(bound) else bound)
+    low, high = bounds
     median = factor_at(dict.fromkeys(keys, 0.0))
-    return Band(bounds[-1.0], bounds[1.0], ranked[0].key, tuple(ranked), median, left_out)
+    left_out = tuple(keys[k] for k in np.flatnonzero(unknown))
+    return Band(low, high, ranked[0].key, tuple(ranked), median, left_out)
+
+
+def _most_probable_point(changes: Array, correlation: Array) -> tuple[float, list[float]]:
+    """Return the first-order estimate of a change, and the normal scores of the quantities that it is due to.
+
+    Parameters
+    ----------
+    changes : ndarray of float, (n, 2)
+        Change by each quantity alone at both of its quantiles, positive towards the bound.
+    correlation : ndarray of float, (n, n)
+        Correlation of the normal scores.
+    """
+    # of each quantity the larger change, with the sign of the score that leads there
+    slopes = np.maximum(changes.max(axis=1), 0.0)
+    if np.isinf(slopes).any():
+        return math.inf, []
+    slopes *= np.where(changes[:, 1] > changes[:, 0], 1.0, -1.0)
+    direction = correlation @ slopes
+    size = math.sqrt(max(float(slopes @ direction), 0.0))
+    return size, (_SCORE * direction / (size or 1.0)).tolist()
 
 
 # Effects of exceeded validity ranges ----------------------------------------------------------------------------------
