@@ -21,7 +21,7 @@ RS_INLINE double PATH(within_one)(double x) {
 
 /* p = r p_Hertz, b = b_Hertz/r, r = [1 + (M/2)^(-1/i)]^(-i) up to the last L of the fit, r = min(q M/2, 1) from the
  * first of the table on, with log2(q) linear in log2(M/2) and L; between the two log2(r) is linear in L;
- * b at most b_Hertz + 3 sqrt(2 R h) */
+ * b = b_Hertz/r min(1, w h/(6 eta0 u R))^(3/4), at least b_Hertz */
 STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half_width | COL_pressure) {
     const light_params *q = (const light_params *)params;
     const double *load = s->load, *speed = s->rolling_speed, *film = s->film_thickness;
@@ -29,7 +29,7 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
     double per_load_parameter[BLOCK], power[BLOCK], inverse[BLOCK];
     double per_load = 8.0 * s->radius / (RS_PI * s->modulus), per_width = 0.5 / per_load;
     double Er = s->modulus * s->radius, per_speed = 2.0 * s->viscosity / Er, G = s->pressure_viscosity * s->modulus;
-    double gaps = 18.0 * s->radius;   /* (3 sqrt(2 R h))^2 over h */
+    double flooded = 1.0 / (6.0 * s->viscosity * s->radius);   /* w h/u of a rigid contact full of oil, its inverse */
     double last = q->last, p0 = q->power[0], p1 = q->power[1], p2 = q->power[2], most = 0.0, least = LARGEST;
     size_t n = WHOLE(s->n);
     uint64_t speeds = 0;
@@ -84,10 +84,11 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
         }
     }
     EACH(i, n) {
-        double r = rs_exp2_falling(pressure[i]), b = sqrt(per_load * load[i]), wide = b / r;
-        double ends = b + sqrt(gaps * film[i]);
-        half_width[i] = wide < ends ? wide : ends;
-        pressure[i] = wide < ends ? b * per_width * r : 0.5 * load[i] / ends;
+        double r = rs_exp2_falling(pressure[i]), b = sqrt(per_load * load[i]);
+        double full = load[i] * film[i] * flooded / speed[i], root = sqrt(full < 1.0 ? full : 1.0);
+        double wide = b * root * sqrt(root) / r;
+        half_width[i] = wide > b ? wide : b;
+        pressure[i] = full >= 1.0 ? b * per_width * r : 0.5 * load[i] / half_width[i];
     }
     return 0;
 }
