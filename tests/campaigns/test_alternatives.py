@@ -16,7 +16,8 @@ from rollslip_campaigns.comparison.alternatives import ratio_band
 from without_bands import run
 
 SCENE = rollslip.evolve(
-    rollslip.load_scene("gearbox"), {"accuracy.slices": 5, "accuracy.tolerance": 1e-2}
+    rollslip.load_scene("gearbox"),
+    {"accuracy.slices": 5, "accuracy.tolerance": 1e-2, "study.steady-slip.pockets": "set"},
 )
 
 

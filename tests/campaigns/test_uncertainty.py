@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rollslip
+import without_bands
 from drawn import words
 from rollslip import uncertainty
 from rollslip.cli.main import cli
@@ -39,9 +40,14 @@ from rollslip_studies.effective_friction.study import CLOSURES
 from rollslip_studies.steady_slip.evaluated import slip_with_play
 from rollslip_studies.steady_slip.study import SteadySlip
 
-#: Few slices and slips: what is tested is what is made of the points.
+#: Few slices and slips, and no play: what is tested is what is made of the points.
 SCENE = rollslip.evolve(
-    load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9}
+    load_scene("1032930-70C"),
+    {
+        "accuracy.slices": 3,
+        "study.effective-friction.points": 9,
+        "study.steady-slip.pockets": "set",
+    },
 )
 
 
@@ -216,8 +222,8 @@ def _points(status, slips):
 
 def test_samples_have_play_in_the_pockets():
     """Their slips are those of rollers set in the cage by the curves of a run; loads change as that of the run."""
-    scene = rollslip.evolve(load_scene("gearbox"), {"accuracy.slices": 21})
-    nominal = rollslip.run(scene, "steady-slip")
+    scene = rollslip.evolve(load_scene("gearbox"), {"accuracy.slices": 11})
+    nominal = without_bands.run(scene, "steady-slip")
     options = {"samples": 16, "loads": 3}
     found = uncertainty(scene, **options)
     play = found["value"]
@@ -246,7 +252,8 @@ def test_samples_have_play_in_the_pockets():
 
 def test_samples_say_that_play_is_left_out_where_its_effect_is_not_known(monkeypatch):
     """Rollers that tilt have no tables, and a nominal bearing may fail whose samples do not."""
-    tilted = rollslip.evolve(ACCEPTABLE, {"operation.misalignment": "0.2 mrad"})
+    play = rollslip.evolve(ACCEPTABLE, {"study.steady-slip.pockets": "play"})
+    tilted = rollslip.evolve(play, {"operation.misalignment": "0.2 mrad"})
     found = uncertainty(tilted, samples=8, loads=0)
     assert "rollers tilt" in found.attrs["play_status"]
     rows = account_of(found).answer(found).rows
@@ -256,7 +263,7 @@ def test_samples_say_that_play_is_left_out_where_its_effect_is_not_known(monkeyp
         raise SceneError(["no such bearing"])
 
     monkeypatch.setattr(SteadySlip, "run", fails)
-    found = uncertainty(ACCEPTABLE, samples=8, loads=0)
+    found = uncertainty(play, samples=8, loads=0)
     assert found.attrs["play_status"].endswith("no such bearing")
 
 

@@ -1070,7 +1070,7 @@ SHORT_WAYS = {
 def test_steady_slips_alone_are_those_of_the_whole_study(name):
     changes, count = SHORT_WAYS[name]
     assembly = assemble(evolve(SHIPPED, {"accuracy.slices": 21, **changes}))
-    study = SteadySlip()
+    study = SteadySlip(acceptable_slip=None)
     whole = study.completed(assembly, study.run(assembly))
     alone, _ = study.partial_result(assembly, frozenset({"steady_slip", "status"}))
     found = np.asarray(alone["steady_slip"][1])

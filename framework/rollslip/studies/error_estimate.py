@@ -721,8 +721,8 @@ class _ReferenceComparison:
         )
         pair = self.assembly, self.assembly.at(finer)
         changes = self.errors_of(*(self.probe.sample(at, n_positions)[0] for at in pair))
-        has_all_slips = self.curve_study.curves_of is not None
-        if has_all_slips and exceeding(changes, self.accuracy, _CLEAR_FRACTION):
+        is_clear = not exceeding(changes, self.accuracy, _CLEAR_FRACTION)
+        if not is_clear and self.curve_study.curves_of is not None:
             changes = self.errors_of(*(self.solution(at, n_positions) for at in pair))
         return {
             name: change / richardson_factor(1, SLICE_FACTOR) for name, change in changes.items()
