@@ -104,7 +104,7 @@ def test_without_play_the_torque_is_that_of_rollers_set_in_the_cage(change):
     balance, _ = balanced(evolve(SCENES["b"], change))
     slips = np.array([0.02, 0.05, 0.2])
     expected = balance.torques(slips)
-    found = Pockets(balance.assembly, 0.0).mean_drive(slips)
+    found = Pockets(balance.assembly, 0.0).march(slips).torque
     assert np.abs(found - expected).max() < 5e-3 * np.abs(expected).max()
     assert found == pytest.approx(expected, rel=2e-2)
 
@@ -177,7 +177,7 @@ def test_the_mean_torque_is_that_of_a_runge_kutta_method():
     pockets = Pockets(balance.assembly)
     expected = rollers * by_runge_kutta(pockets, slips)
     assert (expected < 0.0).any()
-    found = pockets.mean_drive(slips)
+    found = pockets.march(slips).torque
     assert np.abs(found - expected).max() < 4e-3 * expected.max()
 
 
@@ -231,7 +231,7 @@ def test_small_and_large_slips_are_found(load, low, high):
     assert low < found < high
     assert found > slip
     step = 1e-3 * found
-    torques = Pockets(balance.assembly).mean_drive(np.array([found - step, found + step]))
+    torques = Pockets(balance.assembly).march(np.array([found - step, found + step])).torque
     drags = np.array([balance.drag(found - step), balance.drag(found + step)])
     assert np.sign(torques + drags).tolist() == [-1.0, 1.0]
 

@@ -678,8 +678,7 @@ class _ReferenceComparison:
     @cached_property
     def own_sample(self) -> Sample:
         """The sample of the probe at the resolution of the run."""
-        n_positions = self.assembly.resolution.n_positions or 1
-        return self.probe.sample(self.assembly, n_positions)[0]
+        return self.probe.sample(self.assembly, self.assembly.resolution.n_positions or 1)[0]
 
     def solution(self, at: Assembly, n_positions: int, *, dense: bool = False) -> Any:
         """Return the curves on some positions: a dataset over all slips if the study can, else a sample of the probe.
@@ -721,8 +720,10 @@ class _ReferenceComparison:
         )
         pair = self.assembly, self.assembly.at(finer)
         changes = self.errors_of(*(self.probe.sample(at, n_positions)[0] for at in pair))
-        is_clear = not exceeding(changes, self.accuracy, _CLEAR_FRACTION)
-        if not is_clear and self.curve_study.curves_of is not None:
+        if (
+            exceeding(changes, self.accuracy, _CLEAR_FRACTION)
+            and self.curve_study.curves_of is not None
+        ):
             changes = self.errors_of(*(self.solution(at, n_positions) for at in pair))
         return {
             name: change / richardson_factor(1, SLICE_FACTOR) for name, change in changes.items()

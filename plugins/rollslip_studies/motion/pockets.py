@@ -24,7 +24,6 @@ from typing import Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
@@ -207,10 +206,6 @@ class Pockets:
             rings.append(np.append(force, force[:, :1], axis=1))
         return np.stack(rings, axis=1)
 
-    def mean_drive(self, slips: Array) -> Array:
-        """Return the mean torque of all rollers on the cage at cage slips [N m], (n,)."""
-        return self.march(slips).torque
-
     @property
     def _sense(self) -> float:
         """Sign of the speed of the cage."""
@@ -280,31 +275,20 @@ class BalanceWithPlay:
         if is_known.all():
             return motions.torque
         if without is None:
-            without = self._torques_without_play(cage_slips, ~is_known)
+            without = np.full(cage_slips.shape, np.nan)
+            with suppress(DomainError, ConvergenceError):
+                without[~is_known] = self.balance.torques(cage_slips[~is_known])
         return np.where(is_known, motions.torque, without)
-
-    def _torques_without_play(self, cage_slips: Array, where: NDArray[np.bool_]) -> Array:
-        """Return the torques of rollers set in the cage at some of several slips [N m], (n,), else NaN."""
-        torques = np.full(cage_slips.shape, np.nan)
-        with suppress(DomainError, ConvergenceError):
-            torques[where] = self.balance.torques(cage_slips[where])
-        return torques
 
     def excess(self, cage_slips: Array) -> Array:
         """Return the torques of the rollers in excess of the drags at several slips [N m], (n,); NaN as above.
-
-        Those of motions that do not repeat are means over their last turn.
 
         Parameters
         ----------
         cage_slips : ndarray
             Cage slips, (n,).
         """
-        torques = self.pockets.mean_drive(cage_slips)
-        is_left = np.isnan(torques)
-        if is_left.any():
-            torques[is_left] = self._torques_without_play(cage_slips, is_left)[is_left]
-        return np.asarray(torques + np.array([self.drag(slip) for slip in cage_slips.tolist()]))
+        return self.torques(cage_slips) + [self.drag(slip) for slip in cage_slips.tolist()]
 
 
 def reason_without_play(balance: TorqueBalance) -> str:

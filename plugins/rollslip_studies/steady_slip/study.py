@@ -65,6 +65,7 @@ from rollslip_studies.motion.train import slower_by_play
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, describe_no_fold, follow
 from rollslip_studies.steady_slip.evaluated import (
+    estimate_by_secant,
     evaluated_slices,
     film_variables,
     require_driven,
@@ -116,9 +117,6 @@ _TOLERANCE_FRACTION: Final = 0.5
 #: that is made again. Twice as much takes 0.7 times as many slices in four scenes of docs/scripts/play.py, of which no
 #: run is made again. Chosen.
 _SLIP_FRACTION: Final = 0.35
-#: Number of slips, from 0.1 % on, between which that slip is interpolated. Half or twice as many change the number of
-#: slices by up to 14 %, and leave one of these scenes out. Chosen.
-_SLIPS: Final = 13
 # Numbers of evaluations by which the cost is extrapolated from measured times; an estimate scales with them.
 
 #: Loading branches of a run: those of the last two numbers of positions.
@@ -286,20 +284,11 @@ class SteadySlip(Study):
         balance, finer = (
             self._balance(bearing.with_resistance(), COARSE_POSITIONS) for bearing in bearings
         )
-        slips = np.geomspace(SMALLEST_SLIP, self.max_cage_slip, _SLIPS)
-        try:
-            excess = balance.torques(slips) + [balance.drag(slip) for slip in slips.tolist()]
-            upper = int(np.argmax(excess >= 0.0))
-            if upper == 0:
-                return 0.0
-            low, high = excess[upper - 1 : upper + 1]
-            step = math.log(slips[upper] / slips[upper - 1])
-            slip = slips[upper] * np.exp([step * high / (low - high)])
-            change = balance.torques(slip) - finer.torques(slip)
-        except (DomainError, ConvergenceError):
+        slip = running(balance).slip
+        if not slip > SMALLEST_SLIP:
             return 0.0
-        error = abs(change[0]) * step / (high - low)
-        return float(error / richardson_factor(1, SLICE_FACTOR))
+        error, _ = estimate_by_secant(finer, slip, lambda _: np.empty(0))
+        return error / richardson_factor(1, SLICE_FACTOR)
 
     def verification_resolution(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution, because the reference resolution would take days."""
