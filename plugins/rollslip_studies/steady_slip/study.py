@@ -114,8 +114,8 @@ _COMPARED_FRACTIONS: Final = (0.02, 0.15, 0.5, 1.0)
 #: more time in two scenes, and changed slip and load at the fold by up to 3e-3 at a tolerance of 5 %. Chosen.
 _TOLERANCE_FRACTION: Final = 0.5
 #: Fraction of the tolerance at which slices aim, whose error of the smallest steady slip would exceed it, as in a run
-#: that is made again. Twice as much takes 0.7 times as many slices in three scenes of docs/scripts/play.py, of which one
-#: is run again. Chosen.
+#: that is made again. Twice as much takes 0.7 times as many slices in three scenes of docs/scripts/play.py, and makes
+#: one of these runs again. Chosen.
 _SLIP_FRACTION: Final = 0.35
 # Numbers of evaluations by which the cost is extrapolated from measured times; an estimate scales with them.
 

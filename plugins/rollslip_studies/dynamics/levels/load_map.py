@@ -149,7 +149,7 @@ class LoadMap:
             ).swapaxes(0, 1)
         )
 
-    def forces(self, resistance: Callable[[Array, int], Array] | None) -> "LoadMap":
+    def forces(self, resistance: Callable[[Array, int], Array] | None = None) -> "LoadMap":
         """Return the map of forces; ``resistance`` gives rolling resistances (m,) of loads (m, n) on a ring (0, 1)."""
 
         def forces_of(loads: Array) -> Array:
