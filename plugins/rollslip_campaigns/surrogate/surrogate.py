@@ -17,7 +17,7 @@ are refined axis by axis, and the error is measured at independent random operat
 8. Add the steady states over temperature, load and shaft speed, and the stiffness at each.
 
 All points are in the journals of two sweeps, so that the same command continues after an interruption. The supply of
-oil, which starvation and churning depend on, depends on the speeds of the rings: at a rolling speed the tables have the
+oil, which churning depends on, depends on the speeds of the rings: at a rolling speed the tables have the
 supply of rings between which a roller rolls at this speed without slip.
 """
 
