@@ -5,8 +5,7 @@ import pytest
 
 from rollslip import load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.quadrature import gauss_rule, load_rule
-from rollslip.bearing.raceway import LoadedContacts
+from rollslip.bearing.raceway import LoadedContacts, gauss_rule, load_rule
 from rollslip_kernels.gauss import rules
 
 pytestmark = pytest.mark.quick

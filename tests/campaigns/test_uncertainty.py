@@ -126,6 +126,7 @@ def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
         "lubricant.pressure_exponent_factor",
         "lubricant.eyring_stress",
         "lubricant.shear_modulus",
+        "lubrication.oil_layer",
         "cage.drag.petroff-land.factor",
     ]
     found = uncertainty(SCENE, samples=8)

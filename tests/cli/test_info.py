@@ -21,8 +21,10 @@ def test_what_follows_from_a_scene_is_that_of_its_bearing():
     loads = made.load_distribution()
     oil = made.lubricant.at(343.15)
     load = dict(told["load distribution"])
-    assert load["rollers loaded by the inner ring"] == str(np.count_nonzero(loads.inner_force))
-    assert 1 < np.count_nonzero(loads.inner_force) < 28
+    # rollers with at least 2 % of the largest force are in the loaded zone
+    loaded = np.count_nonzero(loads.inner_force > 0.02 * loads.inner_force.max())
+    assert load["rollers loaded by the inner ring"] == str(loaded)
+    assert 1 < loaded < np.count_nonzero(loads.inner_force) < 28
     # the roller in the line of load presses the outer ring by its centrifugal force more
     inner, outer = (
         quantity(load[f"largest force, {ring} ring"], "N") for ring in ("inner", "outer")

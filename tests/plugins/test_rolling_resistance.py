@@ -403,7 +403,13 @@ def test_extreme_contacts_have_a_finite_resistance(reach, layer, alpha):
 
 def test_scenes_have_words_for_inlets_without_end():
     words = {"reach": "flooded", "oil_layer": "plenty", "inlet_heating": "none"}
-    assert get_model("drag", "rolling-resistance", **words) == FLOODED
+    model = get_model("drag", "rolling-resistance", **words)
+    assert model == attrs.evolve(FLOODED, oil_layer=PLENTY)
+    found, flooded = (
+        resistance_in_both_forms(one, load=np.geomspace(1.0, 1e6, 7), rolling_speed=20.0)
+        for one in (model, FLOODED)
+    )
+    np.testing.assert_array_equal(found, flooded)
 
 
 def test_what_is_no_inlet_is_refused():

@@ -76,6 +76,7 @@ def test_a_bath_by_hand():
     thick = 1.0 + (2.6e5 * 12.0 / (3000.0 * 4900.0)) ** 1.38
     assert of().oil_fraction == pytest.approx(0.05 * thick, rel=1e-12)
     assert of().oil_layer == 5e-6
+    assert of(speed=-SPEED) == of()
     assert of(oil_level=0.01).oil_fraction == pytest.approx(2.0 * of().oil_fraction, rel=1e-12)
     assert of(supply="splash").oil_fraction == pytest.approx(0.5 * of().oil_fraction, rel=1e-12)
     assert of(supply="circulating") == of(supply="jet")

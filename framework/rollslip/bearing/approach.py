@@ -116,8 +116,8 @@ def film_deflection(
     bodies = Chain(contact.deflection(), compiled=is_compiled)
     with_film = Chain(contact, film, compiled=is_compiled)
 
-    def evaluated(least: float) -> Slices:
-        deflections = np.geomspace(least, _DEFLECTIONS[1], compiled.KNOTS)
+    def evaluated(first: float) -> Slices:
+        deflections = np.geomspace(first, _DEFLECTIONS[1], compiled.KNOTS)
         slices = Slices(compiled.KNOTS, conditions, approach=deflections, rolling_speed=speed)
         bodies(slices)
         with_film(slices)

@@ -8,7 +8,7 @@
   degree 2 m - 1 and converges fast for a smooth friction law: 16 loads serve for some thousand slices. The abscissa of
   the rule is the square root of the load, to which half width and pressure are proportional.
 - The rule is compared with all slices at some speeds, and its loads are doubled until both agree
-  (`rollslip.bearing.quadrature.load_rule`). A law with a kink, such as film model ``regime``, needs many loads.
+  (`load_rule`). A law with a kink, such as film model ``regime``, needs many loads.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain, Guarded, Job, along
-from rollslip.bearing.quadrature import load_rule
 from rollslip.search import Array as Array  # other modules take it from here
 from rollslip_kernels.chain import Bound
 from rollslip_kernels.gauss import rules
@@ -42,6 +41,15 @@ _BLOCK = 2048
 #: Slices that the widest vector instructions (AVX-512) take at once: tables are longer by so many, because the last
 #: vector of a roller may reach beyond its slices.
 _VECTOR_LANES = 8
+#: Nodes of the first rule that is tried. Halving it costs one more comparison, doubling it nodes that a smooth law does
+#: not need. Chosen: smooth laws of friction need 16.
+_MIN_LOADS = 8
+#: Largest number of nodes that is tried before all slices are taken. Doubling it helps only laws with kinks, with 256
+#: nodes of some thousand slices. Chosen.
+_MAX_LOADS = 128
+#: Fraction of the force below which a node is dropped: loads that differ by rounding alone give nodes without weight.
+#: Doubling it changes nothing; it stands between the rounding of an eigenvector (1e-16) and the tolerance of tables.
+_MIN_FRACTION = 1e-13
 
 
 @attrs.frozen(eq=False)
@@ -261,3 +269,67 @@ def mean_friction(rings: Sequence[tuple[LoadedContacts, Array, Array]]) -> list[
     """Return the mean friction of several contacts at rolling and sliding speeds [m/s], (n,) each, in one call."""
     pulls = along([contacts.job(u, V) for contacts, u, V in rings])
     return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(rings, pulls, strict=True)]
+
+
+def gauss_rule(load: Array, force: Array, count: int) -> Array:
+    """Return the Gauss rule of a force distributed over loads.
+
+    With weights q_k at x_k = sqrt(w_k), Lanczos' recurrence gives the Jacobi matrix of the polynomials that are
+    orthogonal over them; its eigenvalues are the nodes x, and the squares of the first components of its eigenvectors
+    are their fractions of the weight (`rollslip_kernels.gauss.rules`).
+
+    Parameters
+    ----------
+    load : ndarray
+        Load per length of each slice [N/m], (n,).
+    force : ndarray
+        Force of each slice [N], (n,): the weights.
+    count : int
+        Number of nodes m.
+
+    Returns
+    -------
+    ndarray
+        Load per length [N/m] and fraction of the force [1] of each node that has one, (at most m, 2).
+
+    References
+    ----------
+    G. H. Golub, J. H. Welsch, Calculation of Gauss quadrature rules, Math. Comp. 23 (1969) 221-230.
+    """
+    nodes, weights = rules(load, force, np.array([0, load.size]), count)
+    fraction = weights[0] / force.sum()
+    significant = fraction > _MIN_FRACTION
+    return np.asarray(np.stack((nodes[0], fraction), axis=1)[significant])
+
+
+def load_rule(load: Array, force: Array, mean: Callable[[Array], Array], tolerance: float) -> Array:
+    """Return the smallest Gauss rule tried whose means by force agree with those over all slices.
+
+    Parameters
+    ----------
+    load : ndarray
+        Load per length of each slice [N/m], (n,).
+    force : ndarray
+        Force of each slice [N], (n,).
+    mean : callable
+        Returns the means of friction of a rule, (m, 2), at all probe speeds, (k,).
+    tolerance : float
+        Allowed difference, relative to the largest mean over all slices [1].
+
+    Returns
+    -------
+    ndarray
+        Load per length [N/m] and fraction of the force [1] of each node, (m, 2); of all slices if no rule agrees.
+    """
+    whole = np.stack((load, force / force.sum()), axis=1)
+    different = np.unique(load).size
+    if different > _MIN_LOADS:
+        reference = mean(whole)
+        scale = float(np.abs(reference).max())
+    count = _MIN_LOADS
+    while count < min(different, _MAX_LOADS + 1):
+        rule = gauss_rule(load, force, count)
+        if np.abs(mean(rule) - reference).max() <= tolerance * scale:
+            return rule
+        count *= 2
+    return whole

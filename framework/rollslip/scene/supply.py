@@ -150,7 +150,7 @@ class Lubrication:
             distribution="lognormal",
             parameters={"deviation_of_ln": 1.0},
             grade="(D)",
-            source="friction torques of bearings speak for 2 to 10 um; no layer was measured in one of these bearings",
+            source="friction torques of bearings agree with 2 to 10 um; no layer was measured in these bearings",
         ),
     )
 

@@ -25,8 +25,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.drags import taken_from_scene
-from rollslip.bearing.quadrature import load_rule
-from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
+from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts, load_rule
 from rollslip.fields import FieldError, parameter, positive, refuse_if
 from rollslip.results.dataset import about, xr
 from rollslip.scene.changes import evolve

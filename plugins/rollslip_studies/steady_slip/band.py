@@ -499,7 +499,7 @@ def _combine(
         logs[k] -= math.log(centre) if math.isfinite(centre) else 0.0
     bounds = []
     for sign in (-1.0, 1.0):
-        change, scores = _most_probable_point(sign * logs, table.correlation)
+        change, scores = _design_point(sign * logs, table.correlation)
         bound = math.nan
         if math.isfinite(change):
             bound = factor_at(dict(zip(keys, scores, strict=True)))
@@ -510,7 +510,7 @@ def _combine(
     return Band(low, high, ranked[0].key, tuple(ranked), median, left_out)
 
 
-def _most_probable_point(changes: Array, correlation: Array) -> tuple[float, list[float]]:
+def _design_point(changes: Array, correlation: Array) -> tuple[float, list[float]]:
     """Return the first-order estimate of a change, and the normal scores of the quantities that it is due to.
 
     Parameters
