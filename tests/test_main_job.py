@@ -73,7 +73,12 @@ def test_a_run_that_is_made_again_finer_estimates_no_cost(nothing_for_readers, m
         raise AssertionError("nobody is shown the time left")
 
     monkeypatch.setattr(Plan, "seconds_of", refuse)
-    result = rollslip.run("gearbox", "steady-slip")
+    # the first choice of slices misses this tolerance; it meets that of the scene
+    scene = rollslip.evolve(
+        rollslip.load_scene("gearbox"),
+        {"accuracy.tolerance": 3e-3, "study.steady-slip.pockets": "set"},
+    )
+    result = rollslip.run(scene, "steady-slip")
     assert finer
     errors = {name for name in xr.Dataset.attrs.fget(result) if name.endswith("_error")}
     assert errors >= {"positions_error", "slices_error"}

@@ -446,8 +446,12 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
         one = rollslip.evolve(scene, {"operation.radial_load": fraction * load, **changes})
         return float(rollslip.run(one, "surface-damage").worst.max())
 
+    # on 301 slices: a run may itself be 1e-3 off
     off = max(
-        abs(worst(fraction, **{"accuracy.slices": 8}) / worst(fraction) - 1.0)
+        abs(
+            worst(fraction, **{"accuracy.slices": 8}) / worst(fraction, **{"accuracy.slices": 301})
+            - 1.0
+        )
         for fraction in (0.8, 1.0, 1.2)
     )
     said = json.loads(few.attrs["left"])[0]

@@ -309,7 +309,7 @@ def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
 
 @pytest.mark.parametrize("fraction", [1e-3, 1e-2, 5e-2])
 @pytest.mark.parametrize(
-    ("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19), ("catalogue", 9)]
+    ("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19), ("catalogue", 17)]
 )
 def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, fraction):
     branch = scenes.balance(getattr(scenes, kind)(number)).loading_branch()
@@ -343,7 +343,7 @@ def test_slips_around_a_parabola_go_with_its_place():
 
 
 @pytest.mark.parametrize(
-    ("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 9), ("catalogue", 19)]
+    ("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 17), ("catalogue", 19)]
 )
 def test_the_error_told_of_a_jump_holds_against_four_times_the_positions_and_tells_something(
     kind, number
@@ -475,7 +475,8 @@ def test_slow_and_fast_bearings_of_any_load_have_a_branch(speed, load, inertia):
 
 @pytest.mark.parametrize("number", [76, 299, 704])
 def test_rollers_without_load_at_a_few_rpm_carry_next_to_nothing_or_it_is_not_known(number):
-    one = scenes.balance(scenes.wide(number))
+    """Of dry contacts: oil films reach across the clearance of 76, so that its rollers are pressed without load."""
+    one = scenes.balance(evolve(scenes.wide(number), {"models.approach": "dry"}))
     away = skidding_onset(one, RANGE, "")
     runs = running(one, RANGE)
     assert (
@@ -721,13 +722,17 @@ def test_a_maximum_has_nine_samples_on_four_times_the_positions():
 
 
 def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_on_all_slices():
-    """By few loads the excess passes zero just below 4.7 %, a slip of the branch, and by all slices at 5 %."""
+    """By few loads the excess passes zero just above 4.70 %, a slip of the branch, and by all slices at 4.68 %."""
     bearing = assemble(scenes.wide(100_600))
     bearing = bearing.at(attrs.evolve(bearing.resolution, slices=313, quadrature="gauss"))
-    balance = torque_balance(bearing.at_load(944.574), 21)
-    steady = balance.loading_branch().find_steady_motions(balance.drag)[0]
+    balance = torque_balance(bearing.at_load(1065.0), 21)
+    branch = balance.loading_branch()
+    slip, torque = next(pair for pair in zip(*branch.curve, strict=True) if pair[0] > 0.046)
+    assert torque + balance.drag(slip) < 0.0 < balance.excess(slip), "or the load shows nothing"
+    steady = branch.find_steady_motions(balance.drag)[0]
     assert steady.motion.torque == pytest.approx(steady.torque, rel=1e-6)
-    assert steady.slip == pytest.approx(0.05, rel=1e-4)  # of which it is the least load
+    below, above = (balance.excess(part * steady.slip) for part in (1.0 - 1e-6, 1.0 + 1e-6))
+    assert below < 0.0 < above
 
 
 def test_maxima_of_a_branch_fall_behind_by_more_than_rounding_before_a_larger_one_comes():

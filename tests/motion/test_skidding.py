@@ -328,7 +328,8 @@ def test_a_cage_that_runs_ahead_against_drags_carries_what_drags_it_without_slip
     assembly = bearing("gearbox", **speeds, **{"operation.radial_load": "1 N"})
     balance = torque_balance(assembly, 4)
     at = runs(assembly)
-    most = max(balance.torque(slip) for slip in np.geomspace(1e-3, 0.95, 200))
+    # what the rollers carry falls from no slip on, and 1e-4 is the first slip of the search
+    most = max(balance.torque(slip) for slip in np.geomspace(1e-4, 0.95, 200))
     assert (at.slip < -0.1, at.drag > most) == (True, True)
     factor = reserve(balance, skidding_onset(balance, 0.95, ""), at).factor
     assert factor == pytest.approx(most / -balance.drag(0.0), rel=1e-3)

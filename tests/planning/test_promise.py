@@ -402,7 +402,10 @@ def test_what_both_move_is_made_good_by_the_part_that_leaves_it():
     assert numbers(6e-2, 1e-4) == (80, 10)  # four times at most
 
 
-#: Number of an answer -> number of a random scene (0: the gearbox) in which 8 slices change it, and its variable.
+#: Contacts that carry load where the dry bodies touch. By the film a roller is carried along more of its length, which
+#: 8 slices and 45 resolve: 0.25 % and 0.27 % off in place of 1.3 % and 1.4 %.
+DRY = {"models.approach": "dry"}
+#: Number of an answer -> number of a random scene (0: the gearbox, dry) in which 8 slices change it, and its variable.
 SEEN = {
     "friction torque": (100_100, "friction_torque"),
     "minimum load": (0, "minimum_load"),
@@ -422,7 +425,7 @@ SEEN = {
 def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
     """With 8 slices, where the driving torque may be right to a thousandth."""
     number, variable = SEEN[name]
-    one = loading_branch_scenes.wide(number) if number else load_scene("gearbox")
+    one = loading_branch_scenes.wide(number) if number else evolve(load_scene("gearbox"), DRY)
     changes = {"accuracy.tolerance": 1e-2, "study.steady-slip.pockets": "set"}
     made = plan(evolve(one, changes), "steady-slip")
     resolution = attrs.evolve(made.choices["steady-slip"].resolution, slices=8, n_positions=5)
@@ -436,17 +439,19 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
 
 
 @pytest.mark.parametrize(
-    ("number", "slices", "n_positions", "name", "variable"),
+    ("number", "changes", "slices", "n_positions", "name", "variable"),
     [
-        (100_296, 45, 6, "cage slip", "steady_slip"),
-        (100_940, 18, 8, "film parameter", "film_parameter"),
+        pytest.param(100_296, DRY, 45, 6, "cage slip", "steady_slip", id="cage slip"),
+        pytest.param(100_940, {}, 18, 8, "film parameter", "film_parameter", id="film parameter"),
     ],
 )
 def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
-    number, slices, n_positions, name, variable
+    number, changes, slices, n_positions, name, variable
 ):
     """There points of Gauss's rule lie farther apart than equal ones: twice as many would tell half of the error."""
-    scene = evolve(loading_branch_scenes.wide(number), {"study.steady-slip.pockets": "set"})
+    scene = evolve(
+        loading_branch_scenes.wide(number), {"study.steady-slip.pockets": "set", **changes}
+    )
     made = plan(scene, "steady-slip")
     resolution = attrs.evolve(
         made.choices["steady-slip"].resolution, slices=slices, n_positions=n_positions
@@ -489,8 +494,14 @@ def test_the_thinnest_film_of_a_curve_is_seen_too():
 
 
 def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_before():
-    """Slips of 1 % to 5 % take nearly the same load: by some slices the cage jumps from one to the other."""
-    scene = evolve(loading_branch_scenes.wide(100_076), {"study.steady-slip.pockets": "set"})
+    """Slips of 1 % to 5 % take nearly the same load: by some slices the cage jumps from one to the other.
+
+    Dry, and with the resistance by which the scene was found: by the defaults of both its cage does not skid before.
+    """
+    changes = {"cage.drag": ["goksem-hargreaves", "hysteresis", "churning"], **DRY}
+    scene = evolve(
+        loading_branch_scenes.wide(100_076), {"study.steady-slip.pockets": "set", **changes}
+    )
     made = plan(scene, "steady-slip")
     result = execute(made, "steady-slip", fixed_resolution=True)
     own = made.choices["steady-slip"].resolution

@@ -23,7 +23,7 @@ from rollslip_studies.thermal_balance.study import ThermalBalance
 #: at rest; none without resistance to rolling; a fold and a drag beyond it.
 HARD = {
     "two motions": scenes.free(5),
-    "a jump from which the slip does not double": scenes.catalogue(9),
+    "a jump from which the slip does not double": scenes.catalogue(17),
     "a fold with rolling resistance": scenes.catalogue(1),
     "no fold with rolling resistance": scenes.catalogue(3),
     "no fold": scenes.catalogue(10, resists=False),

@@ -35,22 +35,22 @@ SCENES = {
     "gearbox": load_scene("gearbox"),
     "turbine": load_scene("turbine"),
 }
-#: Cage slip of motions in time by name, mean of the second to fourth quarter, whose means agree within 2e-3, of
+#: Cage slip of motions in time by name, mean of the second to fourth quarter, whose means agree within 3e-3, of
 #: ``rollslip run SCENE --study dynamics --set study.dynamics.level=pocket --set cage.pocket_contact=film
 #: --set study.dynamics.friction=conventional --set "study.dynamics.duration=1 s" --set study.dynamics.points=2001``,
 #: 2 s for c and 0.3 s for d. The bars have films there, and the cage moves freely.
 IN_TIME = {
-    "a": 8.7497e-3,
-    "b": 1.50562e-2,
-    "c": 1.02330e-2,
-    "d": 1.98501e-2,
-    "gearbox": 2.12178e-2,
+    "a": 8.6525e-3,
+    "b": 1.49303e-2,
+    "c": 8.2443e-3,
+    "d": 2.27207e-2,
+    "gearbox": 2.03854e-2,
 }
 #: Largest difference to these. It covers the films and the constant speed of the cage, which cost up to 3 % each in
-#: simulations of the same equations; found are 4.0, 1.4, -5.0, 0.2 and -0.3 %.
+#: simulations of the same equations; found are 2.6, 1.2, -5.5, 0.4 and 0.0 %.
 TIME_TOLERANCE = 0.06
-#: Largest difference of friction tables, and of two discretisations, in the slip without play: found are 0.03 to
-#: 0.35 %, most of it by the tables.
+#: Largest difference of friction tables, and of two discretisations, in the slip without play: found are 0.05 to
+#: 0.32 %, most of it by the tables.
 SET_TOLERANCE = 5e-3
 
 
@@ -539,12 +539,14 @@ def test_a_motion_that_does_not_repeat_has_no_slip(monkeypatch):
     assert np.isnan(found.slip)
 
 
-def test_a_coarse_table_serves_where_a_fine_one_is_out_of_reach():
-    """Nine slices under heavy load, against a fine table of all slices: 0.54 % by slices and table together."""
+def test_a_coarse_table_serves_where_a_fine_one_is_out_of_reach(monkeypatch):
+    """Nine slices and a tolerance that no table reaches, against a fine table of all slices: 0.31 % together."""
     heavy = new("NJ2210", oil="iso-vg-68", speed="3000 rpm", load="10 kN", temperature="60 degC")
     fine = found_by_study(*balanced(heavy))
     coarse = balanced(evolve(heavy, {"accuracy.slices": 9}))
-    assert Pockets(coarse[0].assembly).reason
+    out_of_reach = 1e-4
+    monkeypatch.setattr(pockets, "FRICTION_TOLERANCE", out_of_reach)
+    assert Pockets(coarse[0].assembly, tolerance=out_of_reach).reason
     assert found_by_study(*coarse).slip == pytest.approx(fine.slip, rel=1e-2)
 
 

@@ -67,7 +67,8 @@ class Straight:
 def bearing(name, friction):
     """Return a bearing with rollers that rub."""
     scene = new(name, speed="600 rpm", load="3 kN")
-    return assemble(evolve(scene, {"models.separator.coefficient": friction, "cage.drag": []}))
+    changes = {"models.separator.coefficient": friction, "models.approach": "dry", "cage.drag": []}
+    return assemble(evolve(scene, changes))
 
 
 def steady(name, friction, drag):

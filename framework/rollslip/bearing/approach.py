@@ -32,6 +32,9 @@ from rollslip_kernels.stages import contact as compiled
 #: one the load is proportional to the approach, above the largest one it rises along the tangent. Chosen: no film and
 #: no bearing has loads beyond them.
 _DEFLECTIONS = (1e-16, 2e-3)
+#: Exponent of the smaller one of film and layer, (h^-4 + layer^-4)^(-1/4). Chosen: rollers in two dimensions agree with
+#: it to 9 %. A larger one makes contacts that hardly carry stiffer.
+_LAYER_EXPONENT = 4.0
 #: Largest gap in which a film carries load [m]. Chosen: ten times the thickest films of unloaded rollers, 0.1 mm in
 #: large and slow bearings full of oil.
 _WIDEST_GAP = 1e-3
@@ -127,7 +130,9 @@ def film_deflection(
     wide = np.minimum(slices.film_thickness, oil_layer) > _WIDEST_GAP
     if wide[0]:
         slices = evaluated(float(slices.approach[~wide][0]))
-    h = np.minimum(slices.film_thickness, oil_layer)
+    h = slices.film_thickness
+    if np.any(h > oil_layer):  # a film model that no layer limits
+        h = oil_layer * (1.0 + (oil_layer / h) ** _LAYER_EXPONENT) ** (-1.0 / _LAYER_EXPONENT)
     log_load = np.log(slices.load)
     fall = np.gradient(h, log_load)
     approach = slices.approach - h + h[0]

@@ -231,7 +231,6 @@ class Models:
     approach: str | None = field(
         default=None,
         validator=attrs.validators.optional(choice_of(*APPROACHES)),
-        bare=True,
         doc="what keeps rollers and rings apart: the film, or the dry bodies alone; by default the film, unless its "
         "model serves loaded contacts only",
     )

@@ -185,16 +185,20 @@ class RacewayFriction(Study):
         )
         n_positions = assembly.resolution.n_positions or _DEFAULT_POSITIONS
         speeds = np.outer(rho, u) / assembly.kinematics.outer_radius
-        loads, _ = zip(*orbit_loads(assembly, n_positions, speeds.ravel()), strict=True)
-        supplied = [at_rolling_speed(assembly, speed).raceways for speed in u.tolist()]
+        supplied = [at_rolling_speed(assembly, speed) for speed in u.tolist()]
+        loads = [
+            orbit_loads(bearing, n_positions, cage_speeds)
+            for bearing, cage_speeds in zip(supplied, speeds.T, strict=True)
+        ]
         friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING_NODES))
         force = np.zeros(friction.shape[:3])
         resistance = np.zeros(friction.shape[:3])
         for ring in range(len(RINGS)):
-            for k, (i, j) in enumerate(np.ndindex(speeds.shape)):
+            for i, j in np.ndindex(speeds.shape):
+                of_ring, _ = loads[j][ring]
                 contacts = LoadedContacts(
-                    supplied[j][ring],
-                    loads[ring][k].reshape(-1, assembly.slices),
+                    supplied[j].raceways[ring],
+                    of_ring[i].reshape(-1, assembly.slices),
                     assembly.widths,
                     1.0,
                 )
@@ -218,7 +222,7 @@ class RacewayFriction(Study):
 
 
 def at_rolling_speed(assembly: Assembly, u: float) -> Assembly:
-    """Return the bearing with the oil supply of rings between which it rolls at a given speed without slip.
+    """Return the bearing with films and oil supply of rings between which it rolls at a given speed without slip.
 
     Parameters
     ----------
@@ -229,7 +233,8 @@ def at_rolling_speed(assembly: Assembly, u: float) -> Assembly:
     """
     kinematics = assembly.kinematics
     models = (*assembly.models.values(), *assembly.cage.named)
-    if not any(_SUPPLIED & taken_from_scene(model) for model in models):
+    has_film = assembly.inner.gap > 0.0
+    if not has_film and not any(_SUPPLIED & taken_from_scene(model) for model in models):
         return assembly
     speed = assembly.scene.operation.outer_speed + u * (
         1.0 / kinematics.inner_radius + 1.0 / kinematics.outer_radius
