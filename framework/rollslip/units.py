@@ -238,7 +238,8 @@ def _unit_in(text: str, unit: str) -> tuple[Fraction, Dimension]:
             return known
     for gap in _TOGETHER.finditer(spelled) if len(spelled) <= _LONGEST_UNIT else ():
         above, slash, below = f"{spelled[: gap.start()]} {spelled[gap.start() :]}".partition("/")
-        below = f"({below})" if " " in below and "(" not in below else below
+        if " " in below and "(" not in below:
+            below = f"({below})"
         with contextlib.suppress(UnitError):
             if (found := _unit(above + slash + below))[1] == expected:
                 return found

@@ -333,8 +333,10 @@ class Palmgren(TorqueFormula):
         f1 = self.load_factor
         if f0 is None or f1 is None:
             of_oil, of_load = _of_series(_ISO, dimension_series(duty), "ISO 15312")
-            f0 = _of_kind(_BY_SUPPLY, duty) * of_oil if f0 is None else f0
-            f1 = of_load if f1 is None else f1
+            if f0 is None:
+                f0 = _of_kind(_BY_SUPPLY, duty) * of_oil
+            if f1 is None:
+                f1 = of_load
         oil = f0 * 1e-7 * nu_n ** (2.0 / 3.0) * d_m**3
         return {"oil": _PER_NMM * oil, "load": _PER_NMM * f1 * duty.radial_load * d_m}
 

@@ -443,7 +443,8 @@ def assemble(
     PluginError
         If a model or the oil does not exist or cannot be loaded.
     """
-    resolution = as_stated(scene) if resolution is None else resolution
+    if resolution is None:
+        resolution = as_stated(scene)
     where = Location(scene.origins)
     load_cache = dict[tuple[Hashable, ...], Any]()
     if like is not None and _has_same_loads(scene, resolution, like):

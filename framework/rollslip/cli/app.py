@@ -207,7 +207,8 @@ def results_options(
             command(results=results, **given)
 
         for name in reversed(options):
-            with_results = with_results if name in left_out else options[name](with_results)
+            if name not in left_out:
+                with_results = options[name](with_results)
         return with_results
 
     return with_options
@@ -237,7 +238,8 @@ def scene_of(
         scene, notes = read_foreign(name)
         for note in notes:
             click.echo(f"note: {note}", err=True)
-    scene = evolve(scene, dict(map(parse_set, changes))) if changes else scene
+    if changes:
+        scene = evolve(scene, dict(map(parse_set, changes)))
     varied = {full_key(text.partition("=")[0]) for text in over}
     warn(text for text in implausible(scene, varied) if not later or later not in text)
     return scene

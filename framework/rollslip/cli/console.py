@@ -179,7 +179,8 @@ def print_changed(
         part = first or second
         assert part is not None
         rows.append((part.part, describe(first), describe(second), part.reason))
-    other = f"{other} (as it is)" if other == this else other
+    if other == this:
+        other = f"{other} (as it is)"
     print_table(("part", this, other, "reason"), rows)
 
 

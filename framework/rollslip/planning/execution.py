@@ -293,7 +293,8 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     assembly = plan.assemblies[study]
     accuracy = plan.scene.accuracy
     messages = list[validity.ValidityMessage]()
-    assembly = assembly.with_resistance() if running.with_cage else assembly
+    if running.with_cage:
+        assembly = assembly.with_resistance()
     try:
         contacts = running.validity_slices(assembly, dataset)
         excesses, difference = validity.check_validity(contacts, assembly, plan.assembly.traction)

@@ -105,7 +105,8 @@ def checked(option: str, value: str) -> str:
                 return designation
         return offer.name
     if option in _UNITS:
-        value = value.replace(",", ".") if _COMMA.match(value) else value
+        if _COMMA.match(value):
+            value = value.replace(",", ".")
         try:
             if quantity(value, _UNITS[option]) <= 0.0 and option == "load":
                 raise UnitError(f"{as_written(value)} loads no roller; give more, such as '2 kN'")

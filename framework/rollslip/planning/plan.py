@@ -415,7 +415,8 @@ def require_memory(
     SceneError
         If one does not fit.
     """
-    memory = _memory() if memory is None else memory
+    if memory is None:
+        memory = _memory()
     problems = []
     for study in studies.values():
         numbers = study.numbers(assembly)

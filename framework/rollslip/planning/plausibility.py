@@ -159,7 +159,8 @@ def _preload(
     if rings is not None and (rings.waves or rings.tables):
         by_form, lobes, ring = _form_preload(scene, rings, interference)
         if by_form > 0.0:
-            at = at if parts else where.at(f"{ring}_raceway")
+            if not parts:
+                at = where.at(f"{ring}_raceway")
             parts.append((by_form, lobes, " by the form" if parts else ""))
     if not parts:
         return

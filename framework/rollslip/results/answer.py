@@ -562,7 +562,8 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
     ]
     oil = json.loads(attributes.get("lubricant", "{}")).get("name", "")
     oil = re.sub(r"^iso-vg-(\d+)$", r"ISO VG \1", oil)
-    oil = oil.upper() if oil.startswith("mil-") else oil
+    if oil.startswith("mil-"):
+        oil = oil.upper()
     inner, outer = (
         operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer")
     )
@@ -776,7 +777,8 @@ def _shortened(
 
 def _line(text: str, width: int, more: str) -> str:
     """Return the first parts of a text that fit on one line, with the option that shows more."""
-    more = more if text.endswith(more) else ""
+    if not text.endswith(more):
+        more = ""
     room = width - _HEADING - 4 - len(more)
     parts = text.removesuffix(more).split("; ")
     while len("; ".join(parts)) > room and len(parts) > 1:

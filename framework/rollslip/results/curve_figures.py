@@ -178,8 +178,10 @@ def finish(
     low = finite.min(initial=0.0)
     high = finite.max(initial=0.0)
     # a curve of rounding noise is a zero line, not a range below zero
-    low = low if low < -1e-6 * high else 0.0
-    high = high if high > low else low + 1.0
+    if low >= -1e-6 * high:
+        low = 0.0
+    if high <= low:
+        high = low + 1.0
     critical = [curve for curve in shown if curve.has_critical]
     notes = _notes(shown, 66 if others is None else 58)
     room = 0.05 + 0.07 * len(notes.splitlines()) + 0.08 * bool(critical)

@@ -513,6 +513,7 @@ class Sheet:
                 ncols=columns,
                 **{"loc": "outside upper left", **heading, **legend},
             )
-        height = self.figure.get_figheight() if height is None else height
+        if height is None:
+            height = self.figure.get_figheight()
         self.figure.set_figheight(height + ROW * (rows + bool(title)))
         return self.figure

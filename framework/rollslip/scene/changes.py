@@ -88,7 +88,8 @@ class Quantity:
         attribute = self.attribute
         if self.unit is not None:
             value = quantity(raw, self.unit)
-            given = unit_given(raw, self.unit) if given is None else given
+            if given is None:
+                given = unit_given(raw, self.unit)
             attribute = attribute.evolve(metadata={**attribute.metadata, "given": given})
         elif self.whole:
             if isinstance(raw, bool) or not isinstance(raw, int | float) or raw != int(raw):

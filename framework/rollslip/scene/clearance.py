@@ -506,7 +506,8 @@ def with_operating_clearance(
         )
         return attrs.evolve(b, radial_clearance=mounted.clearance, mounted=mounted)
     except FieldError as error:
-        at = at if error.field == "radial_clearance" else at.at("mounting")
+        if error.field != "radial_clearance":
+            at = at.at("mounting")
         problems.append(at.at(error.field).message(error.reason))
         return b
 

@@ -88,7 +88,8 @@ def _defaults(known: Mapping[str, Quantity]) -> dict[str, object]:
         if isinstance(unit, float) and unit > 0.0:
             low = scene_value - half_width * unit
             # a clearance keeps its sign
-            low = low if scene_value < 0.0 or low > 0.0 else min(scene_value, 0.0)
+            if low <= 0.0 <= scene_value:
+                low = 0.0
             defaults[key] = f"{low!r}:{scene_value + half_width * unit!r}:{count}"
     for key, quantity in known.items():
         if quantity.model == "traction" and (

@@ -118,7 +118,8 @@ def satisfied_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, boo
     spans = list[tuple[float, float, bool, bool]]()
     start = None
     for k in range(values.size):
-        start = k if satisfied[k] and start is None else start
+        if satisfied[k] and start is None:
+            start = k
         if start is not None and (k + 1 == values.size or not satisfied[k + 1]):
             spans.append((float(values[start]), float(values[k]), start == 0, k + 1 == values.size))
             start = None

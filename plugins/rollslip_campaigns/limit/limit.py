@@ -552,6 +552,7 @@ def _values_with_statuses(
     statuses = np.full(values.shape, "")
     if status_name in points:
         text = points[status_name]
-        text = text.broadcast_like(points[name]) if name in points else text
+        if name in points:
+            text = text.broadcast_like(points[name])
         statuses = text.to_numpy().reshape(n, -1)
     return values, statuses

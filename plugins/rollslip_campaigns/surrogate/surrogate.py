@@ -281,7 +281,8 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
             )
             continue
         # a list of one value is a quantity that does not vary
-        text = text[0] if isinstance(text, list) and len(text) == 1 else text
+        if isinstance(text, list) and len(text) == 1:
+            text = text[0]
         try:
             ranges[name] = _read_range(name, text, known[name])
         except (UnitError, ValueError) as error:

@@ -435,7 +435,8 @@ def _describe_allowable(allowable: Estimate) -> str:
     if allowable.low == -math.inf:
         return f"allowable slip {value}, too few for the low end of its interval"
     if allowable.high == math.inf:
-        low = "beyond the range" if allowable.low == math.inf else low
+        if allowable.low == math.inf:
+            low = "beyond the range"
         return f"allowable slip {value}, 95 %: from {low} on"
     return f"allowable slip {value}, 95 %: {low} to {high}"
 

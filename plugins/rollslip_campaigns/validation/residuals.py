@@ -162,7 +162,8 @@ def _row(
         verdict = INSIDE if low <= 0.0 <= high else OUTSIDE
         if value.reason and math.isfinite(value.value):  # another kind than was measured
             verdict = UNDETERMINED
-        band = _quantiles(known) if samples.size else band
+        if samples.size:
+            band = _quantiles(known)
         if (measured > 0.0).all():
             ratio_band = _quantiles((known[:, None] / measured[None, :]).ravel())
     else:

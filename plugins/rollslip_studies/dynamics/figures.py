@@ -506,7 +506,8 @@ def _draw_cells(
     low = float(np.nanmin(cells.values))
     high = float(np.nanmax(cells.values))
     is_cut = high > max_ratio * low > 0.0
-    high = max_ratio * low if is_cut else high
+    if is_cut:
+        high = max_ratio * low
     if high - low <= _ROUNDING * max(abs(low), abs(high)):
         low = low - 0.05 * (abs(low) or 1.0)
         high = high + 0.05 * (abs(high) or 1.0)

@@ -486,7 +486,8 @@ class Dynamics(Study):
             self._planar_settings(assembly)
         heat = heating.solve_temperatures(self, assembly, context.progress)
         history = self.course(assembly) if heat is None else heat.history
-        assembly = assembly if heat is None else heat.assembly
+        if heat is not None:
+            assembly = heat.assembly
         settings = self.curve_study(assembly)
         raceways = settings.loaded(
             assembly, assembly.resolution.n_positions or over_time.N_POSITIONS

@@ -229,7 +229,8 @@ def curve_table(
     def sample(x: Array) -> Array:
         return friction(_sliding_speed(x, scale))
 
-    aim = tolerance if aim is None else aim
+    if aim is None:
+        aim = tolerance
     cells = _min_cells(fraction)
     fine = sample(_symmetric_nodes(limit, 4 * cells))
     while True:

@@ -268,7 +268,8 @@ class Spins:
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
         k = kinematics
-        tables = {} if tables is None else tables
+        if tables is None:
+            tables = {}
         self._contacts = tuple(ring for ring in contacts if isinstance(ring, LoadedContacts))
         self._gathered = [ring.gathered(tables.get(ring.raceway)) for ring in self._contacts]
         tables.update(
@@ -528,8 +529,10 @@ class Motions:
 
         Other torques than those of the loads of a march may be given as ``spins``.
         """
-        spins = self.spins(slips, self._march_loads, brakes) if spins is None else spins
-        starts = self._march_starts(spins, slips) if starts is None else starts
+        if spins is None:
+            spins = self.spins(slips, self._march_loads, brakes)
+        if starts is None:
+            starts = self._march_starts(spins, slips)
         roller_slips, agree, changes, status = spins.kernel.march_orbits(
             np.arange(slips.size),
             self.positions,

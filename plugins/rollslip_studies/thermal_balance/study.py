@@ -373,7 +373,8 @@ class ThermalBalance(Study):
             excess_heat=curve.excess,
         )
         if stationary is None:
-            status = _NONE_STABLE if balances else status
+            if balances:
+                status = _NONE_STABLE
             variables |= self._stationary(np.full(len(model.nodes), np.nan), State(np.nan), status)
             variables |= self.variables(
                 heat_margin=np.nan,

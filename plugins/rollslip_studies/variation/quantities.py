@@ -146,7 +146,8 @@ def _oil_values(assembly: Assembly) -> Iterator[Quantity]:
         unit = attribute.metadata.get("unit")
         value: Any = assembly.scene.lubricant.name if name == "name" else given.get(name)
         if unit is not None:
-            value = getattr(assembly.lubricant, name, None) if value is None else value
+            if value is None:
+                value = getattr(assembly.lubricant, name, None)
             try:
                 value = None if value is None else quantity(value, unit)
             except UnitError:  # a function of temperature

@@ -158,7 +158,8 @@ def carried_motion(
         If the coefficient of constant friction is negative or its sliding speed not positive.
     """
     assembly = assembly.with_resistance()
-    loads = build_load_map(assembly, friction.table_tolerance(assembly)) if loads is None else loads
+    if loads is None:
+        loads = build_load_map(assembly, friction.table_tolerance(assembly))
     k = assembly.kinematics
     cage = assembly.cage
     of_raceways = raceway_friction(assembly, friction, loads)

@@ -216,7 +216,8 @@ def _build_load_map(
     """Double the positions within a pitch until the error between them is within half the tolerance."""
     check_repeats(assembly)
     force_per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
-    top_speed = fastest(assembly.kinematics) if top_speed is None else top_speed
+    if top_speed is None:
+        top_speed = fastest(assembly.kinematics)
     top = force_per_square * top_speed**2
     roots = tuple(sorted({0.0, min(assembly.centrifugal_force, top), top}))
     n_positions = _FIRST_POSITIONS
