@@ -21,7 +21,7 @@ from html import escape, unescape
 from numbers import Integral, Real
 from pathlib import Path
 from string import Template
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final, TypeAlias
 
 import attrs
 
@@ -36,7 +36,7 @@ from rollslip.results.account import Table
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.answer import Answer, describe_case
 from rollslip.results.curves import percent
-from rollslip.results.dataset import citations_of
+from rollslip.results.dataset import citations_of, xr
 from rollslip.results.style import GROUND, INK, adapting
 from rollslip.results.text import (
     capitalise,
@@ -51,13 +51,10 @@ from rollslip.scene.schema import rows_of, schema
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import CONDITIONS
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-    Datasets = Mapping[str, xr.Dataset]
-
 __all__ = ["is_report", "write_report"]
 
+#: Results by name.
+Datasets: TypeAlias = "Mapping[str, xr.Dataset]"
 #: Attribute of any study -> its name in the table of numbers, and its unit.
 _NUMBERS: Final = {
     "n_positions": ("roller positions within a pitch", ""),
@@ -180,7 +177,7 @@ class _Section:
         )
 
 
-def _first_page(first: Answer, lead: str, datasets: "Datasets") -> str:
+def _first_page(first: Answer, lead: str, datasets: Datasets) -> str:
     """Return the first page: the answer with its notes, the leading figure, and the most important inputs."""
     scene = next(
         (
@@ -203,7 +200,7 @@ def _first_page(first: Answer, lead: str, datasets: "Datasets") -> str:
 # Sections: each returns its HTML, empty if the datasets have nothing for it -------------------------------------
 
 
-def _warnings(datasets: "Datasets") -> str:
+def _warnings(datasets: Datasets) -> str:
     """Return the most severe warnings, with all others folded below."""
     first, more = collect_warnings(datasets.values())
     if not more:
@@ -218,7 +215,7 @@ def _warnings(datasets: "Datasets") -> str:
     return f"{_list(first)}<details>{summary}{body}</details>"
 
 
-def _findings(datasets: "Datasets") -> str:
+def _findings(datasets: Datasets) -> str:
     """Return the findings of each dataset, and the confidence in them."""
     body = ""
     for name, dataset in datasets.items():
@@ -285,7 +282,7 @@ def _figure(svg: str, number: int, name: str) -> str:
     )
 
 
-def _plan(datasets: "Datasets") -> str:
+def _plan(datasets: Datasets) -> str:
     """Return the lines of the plan, the errors against their tolerances, and the processor time."""
     body = ""
     for heading, parts in _per_study(datasets, "plan"):
@@ -333,7 +330,7 @@ def _plan(datasets: "Datasets") -> str:
     return body
 
 
-def _models(datasets: "Datasets") -> str:
+def _models(datasets: Datasets) -> str:
     """Return the models that were used."""
     return "".join(
         heading
@@ -354,7 +351,7 @@ def _models(datasets: "Datasets") -> str:
     )
 
 
-def _input(datasets: "Datasets") -> str:
+def _input(datasets: Datasets) -> str:
     """Return all keys of the resolved scene, with values and meanings."""
     body = ""
     for heading, scene in _per_study(datasets, "scene_resolved"):
@@ -390,7 +387,7 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any
             yield prefix + key, value
 
 
-def _oil(datasets: "Datasets") -> str:
+def _oil(datasets: Datasets) -> str:
     """Return oil, named data, clearance and the conditions of the contacts."""
     body = ""
     for heading, oil in _per_study(datasets, "lubricant"):
@@ -414,7 +411,7 @@ def _oil(datasets: "Datasets") -> str:
     return body
 
 
-def _regimes(datasets: "Datasets") -> str:
+def _regimes(datasets: Datasets) -> str:
     """Return film regimes, film parameters and load parameters of the contacts."""
     rows = []
     for name, dataset in datasets.items():
@@ -454,7 +451,7 @@ def _regimes(datasets: "Datasets") -> str:
     return html_table(head, rows) + _tag("p", note)
 
 
-def _numbers(datasets: "Datasets") -> str:
+def _numbers(datasets: Datasets) -> str:
     """Return the numbers of single studies, then those of any study."""
     numbers = {name: account_of(dataset).numbers for name, dataset in datasets.items()}
     own = dict.fromkeys(item for each in numbers.values() for item in each.items())
@@ -476,7 +473,7 @@ def _numbers(datasets: "Datasets") -> str:
     return html_table(("", *datasets), rows)
 
 
-def _provenance(datasets: "Datasets") -> str:
+def _provenance(datasets: Datasets) -> str:
     """Return scene, hash, time of creation and packages."""
     rows = [
         [
@@ -499,7 +496,7 @@ def _provenance(datasets: "Datasets") -> str:
     return body
 
 
-def _citations(datasets: "Datasets") -> str:
+def _citations(datasets: Datasets) -> str:
     """Return what is to be cited, with a DOI as a link."""
     items = ""
     for citation in citations_of(*datasets.values()):
@@ -511,7 +508,7 @@ def _citations(datasets: "Datasets") -> str:
     return f"<ul>{items}</ul>" if items else ""
 
 
-def _scene(datasets: "Datasets") -> str:
+def _scene(datasets: Datasets) -> str:
     """Return the scenes as they were written."""
     return "".join(
         f"{heading}<details><summary>show</summary>{_tag('pre', text)}</details>"
@@ -523,7 +520,7 @@ def _scene(datasets: "Datasets") -> str:
 # Shared by sections --------------------------------------------------------------------------------------------------
 
 
-def _distinct(datasets: "Datasets", attribute: str) -> list[tuple[list[str], Any]]:
+def _distinct(datasets: Datasets, attribute: str) -> list[tuple[list[str], Any]]:
     """Return the different values of an attribute, each with the names of its datasets."""
     names_of: dict[Any, list[str]] = {}
     for name, dataset in datasets.items():
@@ -533,7 +530,7 @@ def _distinct(datasets: "Datasets", attribute: str) -> list[tuple[list[str], Any
 
 
 def _per_study(
-    datasets: "Datasets", attribute: str, read: Callable[[str], Any] = json.loads
+    datasets: Datasets, attribute: str, read: Callable[[str], Any] = json.loads
 ) -> list[tuple[str, Any]]:
     """Return the different values of an attribute, with headings that name their datasets; without for one value."""
     values = _distinct(datasets, attribute)

@@ -6,16 +6,14 @@ import math
 import shlex
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rollslip.results.curves import Curves
 from rollslip.results.curves import percent as three_digits
+from rollslip.results.dataset import xr
 from rollslip.units import UnitError, format_quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = [
     "CATALOGUE_LOAD_WARNING",

@@ -17,7 +17,7 @@ import abc
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
+from typing import Any, ClassVar, Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -32,11 +32,9 @@ from rollslip.bearing.resolution import (
     combine_errors,
 )
 from rollslip.models import TractionModel
+from rollslip.results.dataset import xr
 from rollslip.scene.values import Accuracy
 from rollslip_kernels.slices import Slices
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Curves at the slips of a probe, (curves, n), and the slips of their maxima, (peaks,).
 Sample: TypeAlias = tuple[Array, Array]

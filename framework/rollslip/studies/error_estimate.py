@@ -40,7 +40,7 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
+from typing import Any, ClassVar, Final, Self
 
 import attrs
 import numpy as np
@@ -56,6 +56,7 @@ from rollslip.bearing.resolution import (
 )
 from rollslip.errors import ConvergenceError
 from rollslip.results.curves import Curves
+from rollslip.results.dataset import xr
 from rollslip.scene.values import Accuracy
 from rollslip.studies.answers import PartialResult, ResolutionChoice
 from rollslip.studies.bounds import (
@@ -86,10 +87,6 @@ from rollslip.studies.bounds import (
     sample_errors,
     with_observed_slice_order,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 # Probe: how many slips it samples, and what counts as a maximum ------------------------------------------------------
 

@@ -12,17 +12,14 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    from rollslip.scene.values import Scene
 
 __all__ = ["Dial", "Explorer", "interpolate"]
 

@@ -13,20 +13,17 @@ from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from string import Template
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rollslip.errors import PluginError
 from rollslip.files import whole_file
+from rollslip.results.dataset import xr
 from rollslip.results.style import GROUND, INK, RING_COLOURS, on_dark, unit_label
 from rollslip.search import Array
 from rollslip.units import converted
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rollslip_campaigns.explorer.grid import Explorer
+from rollslip_campaigns.explorer.grid import Explorer
 
 __all__ = ["GROUPS", "library", "write_page"]
 
