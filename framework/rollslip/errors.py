@@ -55,6 +55,11 @@ def describe_error(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
 
 
+def describe_failure(error: BaseException) -> str:
+    """Return the message of an error, on one line with its type if it is not one of rollslip."""
+    return str(error) if isinstance(error, RollslipError) else describe_error(error)
+
+
 def wants_memory(error: BaseException) -> bool:
     """Return whether an error means that memory is too short, by its type or by a text of system or libraries."""
     texts = ("failed to map segment", "annot allocate memory", "can't start new thread")

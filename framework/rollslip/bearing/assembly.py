@@ -401,7 +401,7 @@ class Assembly:
 
         The approach [m] is measured from the gap at which they begin to carry (`Raceway.gap`).
         """
-        raceway = self.inner if ring == "inner" else self.outer
+        raceway: Raceway = getattr(self, ring)
         flat = approach.ravel()
         touching = np.flatnonzero(~(flat <= 0.0))  # with NaN, which the chain refuses
         load = np.zeros_like(flat)
@@ -711,18 +711,16 @@ def _conditions(
     o = scene.operation
     s = scene.surface
     pair = (scene.bearing.material_of(ring), scene.bearing.material)
-    ring_temperature = o.inner_ring_temperature if ring == "inner" else o.outer_ring_temperature
+    ring_temperature: float = getattr(o, f"{ring}_ring_temperature")
     try:
         oil = lubricant.at((ring_temperature + o.roller_temperature) / 2)
     except DomainError as error:
         raise SceneError([where.at("operation").at("temperature").message(str(error))]) from error
-    raceway_roughness = s.inner_raceway_roughness if ring == "inner" else s.outer_raceway_roughness
+    raceway_roughness: float = getattr(s, f"{ring}_raceway_roughness")
     own, other = (m.elastic_modulus / (1 - m.poisson_ratio**2) for m in pair)
     return Conditions(
         length=scene.bearing.roller_length,
-        radius=kinematics.inner_equivalent_radius
-        if ring == "inner"
-        else kinematics.outer_equivalent_radius,
+        radius=getattr(kinematics, f"{ring}_equivalent_radius"),
         # 2/(1/own + 1/other), in a form that is exactly own where both are equal
         modulus=own * (other / ((own + other) / 2)),
         # Rq is about 1.25 Ra, and the squares of both surfaces add

@@ -238,8 +238,7 @@ def scene_of(
         scene, notes = read_foreign(name)
         for note in notes:
             click.echo(f"note: {note}", err=True)
-    if changes:
-        scene = evolve(scene, dict(map(parse_set, changes)))
+    scene = evolve(scene, dict(map(parse_set, changes)))
     varied = {full_key(text.partition("=")[0]) for text in over}
     warn(text for text in implausible(scene, varied) if not later or later not in text)
     return scene

@@ -179,6 +179,8 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
                 f"changes: values by key are expected, {{'operation.radial_load': '3 kN'}}, not {given}"
             ]
         )
+    if not changes:
+        return scene
     raw: dict[str, Any] = dict(scene.tables)
     origins = dict(scene.origins)
     problems = []

@@ -72,7 +72,7 @@ def _parameter(value: object, key: str) -> Any:
     unit = _units().get(key)
     if isinstance(value, Mapping):
         return {
-            name: _parameter(inner, f"{key}.{name}" if key else name)
+            name: _parameter(inner, f"{key}.{name}".removeprefix("."))
             for name, inner in value.items()
         }
     if isinstance(value, list | tuple) and not (
@@ -150,7 +150,7 @@ def _read(value: object, key: str, source: str, problems: list[str]) -> Any:
         return _read_quantity(value, key, source, problems)
     if isinstance(value, Mapping):
         return {
-            name: _read(inner, f"{key}.{name}" if key else name, source, problems)
+            name: _read(inner, f"{key}.{name}".removeprefix("."), source, problems)
             for name, inner in value.items()
         }
     if isinstance(value, list):

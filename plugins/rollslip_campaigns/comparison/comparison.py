@@ -25,7 +25,7 @@ from rollslip.errors import (
     RollslipError,
     SceneError,
     UnknownNameError,
-    describe_error,
+    describe_failure,
     did_you_mean,
     nearest,
 )
@@ -332,7 +332,7 @@ def run_comparison(
     if not columns:
         _raise_all(errors)
     done = {label: done[label] for label in columns}
-    failed = {label: f"failed: {_text(error)}" for label, error in errors.items()}
+    failed = {label: f"failed: {describe_failure(error)}" for label, error in errors.items()}
     dataset = _merged(comparison, done, failed)
     dataset = dataset.assign(_costs(comparison, done, seconds_per_slice(work, plans, times)))
     dataset = dataset.assign(_errors(comparison, dataset))
@@ -370,7 +370,7 @@ def _execute_all(
 def _raise_all(errors: Mapping[str, Exception]) -> NoReturn:
     """Raise one error with the texts of all, of the class of the first one."""
     first = next(iter(errors.values()))
-    texts = {label: _text(error) for label, error in errors.items()}
+    texts = {label: describe_failure(error) for label, error in errors.items()}
     lines = list(dict.fromkeys(texts.values()))
     if len(lines) > 1:
         lines = [f"{label}: {text}" for label, text in texts.items()]
@@ -378,11 +378,6 @@ def _raise_all(errors: Mapping[str, Exception]) -> NoReturn:
         raise SceneError(lines)
     error_class = type(first) if isinstance(first, RollslipError) else PluginError
     raise error_class("\n".join(lines)) from first
-
-
-def _text(error: Exception) -> str:
-    """Return the message of an error, with its class if it is not one of rollslip."""
-    return str(error) if isinstance(error, RollslipError) else describe_error(error)
 
 
 # The dataset --------------------------------------------------------------------------------------------------------

@@ -155,7 +155,7 @@ def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
             }
             found.append(
                 {"combination": label, "curve": name}
-                | {key: None if value != value else value for key, value in values.items()}
+                | {key: json_value(value) for key, value in values.items()}
                 | {"bins": _bins(member) if "bin" in member.dims else []}
             )
     return found

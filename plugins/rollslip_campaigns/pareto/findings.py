@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import Account, Table
+from rollslip.results.curves import json_value
 from rollslip.results.dataset import rows_along, xr
 from rollslip.units import format_quantity
 
@@ -74,13 +75,13 @@ def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
             ]
             record["results"] = {
                 str(name): {
-                    key: _plain(row[key].values[j])
+                    key: json_value(row[key][j].item())
                     for key in row.data_vars
                     if row[key].dims == ("result",)
                 }
                 for j, name in enumerate(part["result"].values)
             }
-            found.append({key: _plain(value) for key, value in record.items()})
+            found.append({key: json_value(value) for key, value in record.items()})
     return found
 
 
@@ -156,17 +157,11 @@ class ParetoAccount(Account):
             "studies": json.loads(dataset.attrs["studies"]),
             "rounds": int(dataset.attrs["rounds"]),
             "floors": {
-                row["result"]: _plain(row["floor"]) for row in rows_along(dataset, "result")
+                row["result"]: json_value(row["floor"]) for row in rows_along(dataset, "result")
             },
             "choices": records(dataset),
             "findings": ParetoAccount.sentences(dataset),
         }
-
-
-def _plain(value: Any) -> Any:
-    """Return a Python value; None for NaN."""
-    value = value.item() if hasattr(value, "item") else value
-    return None if isinstance(value, float) and math.isnan(value) else value
 
 
 def milliseconds(part: "xr.Dataset", row: Any) -> str:

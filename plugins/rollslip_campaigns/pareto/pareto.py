@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import Array
-from rollslip.errors import RollslipError, describe_error
+from rollslip.errors import describe_failure
 from rollslip.planning.plan import Plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import ProgressReporter
@@ -156,8 +156,7 @@ def _take_turn(family: Family, choice: Choice, record: Record) -> None:
     except Exception as error:  # a third-party model may raise anything
         if choice.kind == "reference":
             raise
-        message = str(error) if isinstance(error, RollslipError) else describe_error(error)
-        record.status = f"failed: {message}"
+        record.status = f"failed: {describe_failure(error)}"
         return
     record.seconds.append(seconds / count)
     if not record.status:

@@ -538,9 +538,7 @@ def _drag_error(scene: "Scene", ranges: Mapping[str, tuple[float, float]], rolli
 
 def _row(axis: Axis, level: int) -> list[int]:
     """Return the indices of the nodes of temperature or load at a level of refinement."""
-    if axis.nodes.size == 1:
-        return [0]
-    return list(range(0, _ROW_NODES, _ROW_STRIDES[level]))
+    return list(range(0, axis.nodes.size, _ROW_STRIDES[level]))
 
 
 def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[int]:

@@ -345,7 +345,7 @@ def _flatten(
 ) -> Iterator[tuple[str, object, Location]]:
     """Yield dotted key, value and location of each entry of a table, whose tables may be nested."""
     for key, value in table.items():
-        path = f"{prefix}.{key}" if prefix else key
+        path = f"{prefix}.{key}".removeprefix(".")
         if isinstance(value, Mapping):
             yield from _flatten(value, path, where.at(key))
         else:
@@ -511,7 +511,7 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
 def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
     """Resolution of the plan of a point, None if the plan fails; the point itself then ends with the reason."""
     try:
-        changed_scene = evolve(scene, changes) if changes else scene
+        changed_scene = evolve(scene, changes)
         estimated = estimate(study_class(study).from_scene(changed_scene), assemble(changed_scene))
     except RollslipError:
         return None
@@ -636,7 +636,7 @@ def _differences(old: Any, new: Any, prefix: str = "") -> list[str]:
             line
             for key in dict.fromkeys((*old, *new))
             for line in _differences(
-                old.get(key), new.get(key), f"{prefix}.{key}" if prefix else str(key)
+                old.get(key), new.get(key), f"{prefix}.{key}".removeprefix(".")
             )
         ]
     if json.dumps(old, default=list) == json.dumps(new, default=list):

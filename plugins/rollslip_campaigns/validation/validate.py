@@ -240,7 +240,7 @@ def _scene_with(scene: Scene, combination: Combination) -> Scene:
         for kind, name in combination.models.items()
     }
     refuse(problems, unknown)
-    return evolve(scene, tables) if tables else scene
+    return evolve(scene, tables)
 
 
 def _compare_models(

@@ -143,7 +143,7 @@ class FrictionCurve(Study):
 
     def contacts(self, assembly: Assembly) -> list[LoadedContacts]:
         """Return the loaded slices of the contact, for each normal force."""
-        raceway = assembly.inner if self.ring == "inner" else assembly.outer
+        raceway: Raceway = getattr(assembly, self.ring)
         c = raceway.conditions
         where = Location(assembly.scene.origins, ("study", self.name, "normal_force"))
         if faults := [

@@ -82,9 +82,7 @@ class Contacts:
         return cls(
             slices=slices,
             ring=ring,
-            ring_temperature=operation.inner_ring_temperature
-            if ring == "inner"
-            else operation.outer_ring_temperature,
+            ring_temperature=getattr(operation, f"{ring}_ring_temperature"),
             roller_temperature=operation.roller_temperature,
             material=assembly.scene.bearing.material_of(ring),
             roller_material=assembly.scene.bearing.material,
