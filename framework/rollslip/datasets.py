@@ -507,11 +507,11 @@ class Bearing:
             reason = f"{format_quantity(outer, 'm')} must be larger than the inner one, {format_quantity(inner, 'm')}"
             raise FieldError("outer_raceway_diameter", reason)
         distance = (outer - inner) / 2
-        if abs(distance - diameter) >= diameter / 2:
-            raise FieldError(
-                "roller_diameter",
-                f"rollers of {shown} do not fit raceways that are {format_quantity(distance, 'm')} apart",
-            )
+        refuse_if(
+            abs(distance - diameter) >= diameter / 2,
+            "roller_diameter",
+            f"rollers of {shown} do not fit raceways that are {format_quantity(distance, 'm')} apart",
+        )
         bore, outside = self.boundaries
         for name, value, ring, is_wrong in (
             ("bore", bore, inner, bore >= inner),
@@ -531,12 +531,12 @@ class Bearing:
                 f"must be less than the roller diameter, {shown}, not {clearance}",
             )
         capacity = math.ceil(math.pi / math.asin(2 * diameter / (inner + outer))) - 1
-        if self.rollers > capacity:
-            raise FieldError(
-                "rollers",
-                f"{self.rollers} rollers of {shown} do not fit on a pitch circle of "
-                f"{format_quantity((inner + outer) / 2, 'm')}: at most {capacity} do",
-            )
+        refuse_if(
+            self.rollers > capacity,
+            "rollers",
+            f"{self.rollers} rollers of {shown} do not fit on a pitch circle of "
+            f"{format_quantity((inner + outer) / 2, 'm')}: at most {capacity} do",
+        )
 
 
 def _roughness(of: str, default: float) -> Any:

@@ -262,8 +262,7 @@ def in_range(low: float, high: float, *, open: bool = False) -> _Range:
 
 def not_empty(instance: object, attribute: "attrs.Attribute[Any]", value: Any) -> None:
     """Validator: a list `value` of a field `attribute` is not empty; the `instance` is not used."""
-    if not value:
-        raise FieldError(attribute.name, "is an empty list; at least one value is needed")
+    refuse_if(not value, attribute.name, "is an empty list; at least one value is needed")
 
 
 def choice_of(*options: object) -> _ChoiceOf:

@@ -18,7 +18,14 @@ from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
-from rollslip.fields import FieldError, choice_of, field, non_negative, positive, submodels
+from rollslip.fields import (
+    choice_of,
+    field,
+    non_negative,
+    positive,
+    refuse_if,
+    submodels,
+)
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
@@ -196,12 +203,14 @@ class Cage:
     def __attrs_post_init__(self) -> None:
         if self.guidance == "roller":
             for name in _LAND_KEYS:
-                if getattr(self, name) is not None:
-                    raise FieldError(
-                        name, "only read for guidance = 'inner' or 'outer', not for 'roller'"
-                    )
-        elif self.pocket_radial_clearance is not None:
-            raise FieldError(
+                refuse_if(
+                    getattr(self, name) is not None,
+                    name,
+                    "only read for guidance = 'inner' or 'outer', not for 'roller'",
+                )
+        else:
+            refuse_if(
+                self.pocket_radial_clearance is not None,
                 "pocket_radial_clearance",
                 f"only read for guidance = 'roller', not for {self.guidance!r}",
             )

@@ -195,20 +195,21 @@ class Lubricant:
     def __attrs_post_init__(self) -> None:
         low = self.minimum_temperature
         high = self.maximum_temperature
-        if low >= high:
-            raise FieldError(
-                "minimum_temperature", f"{_celsius(low)} is not below the maximum, {_celsius(high)}"
-            )
+        refuse_if(
+            low >= high,
+            "minimum_temperature",
+            f"{_celsius(low)} is not below the maximum, {_celsius(high)}",
+        )
         try:
             falls = self.viscosity(low) >= self.viscosity(high) > 0.0
         except ArithmeticError:  # a pole of the law
             falls = False
-        if not falls:
-            raise FieldError(
-                "minimum_temperature",
-                f"the viscosity does not fall from {_celsius(low)} to {_celsius(high)} after {self.viscosity}; "
-                "narrow the range from lubricant.minimum_temperature to lubricant.maximum_temperature",
-            )
+        refuse_if(
+            not falls,
+            "minimum_temperature",
+            f"the viscosity does not fall from {_celsius(low)} to {_celsius(high)} after {self.viscosity}; "
+            "narrow the range from lubricant.minimum_temperature to lubricant.maximum_temperature",
+        )
         law = self.pressure_viscosity_law.of_oil(
             self.pressure_viscosity_kind, self.pressure_exponent_factor
         )

@@ -355,9 +355,11 @@ class OilTable:
                 "base_oil",
                 f"missing; a grade alone is not an oil: {', '.join(BASE_OILS)} (kind of base oil)",
             )
-        elif self.viscosity_index is not None and not (own and self._is_point_at_40):
-            raise FieldError(
-                "viscosity_index", "goes with iso_grade, or with one point at 40 degC; leave it out"
+        elif self.viscosity_index is not None:
+            refuse_if(
+                not (own and self._is_point_at_40),
+                "viscosity_index",
+                "goes with iso_grade, or with one point at 40 degC; leave it out",
             )
 
     def _check_points(self, own: bool) -> None:
@@ -418,11 +420,11 @@ class OilTable:
                 else BASE_OILS[self.base_oil].viscosity_index
             )
             hot = viscosity_at_100(found[0][1], index)
-            if math.isnan(hot):
-                raise FieldError(
-                    "viscosity_index",
-                    f"{index:g} is possible of no oil of this viscosity; check both",
-                )
+            refuse_if(
+                math.isnan(hot),
+                "viscosity_index",
+                f"{index:g} is possible of no oil of this viscosity; check both",
+            )
             found.append((_AT_100, hot))
         return found
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.chain import stage
-from rollslip.fields import FieldError, in_range, non_negative, parameter, positive
+from rollslip.fields import in_range, non_negative, parameter, positive, refuse_if
 from rollslip.models import POSITIVE, Domain, TractionModel, Validity, common_domain, submodel
 from rollslip.references import Reference
 from rollslip.search import Array
@@ -113,11 +113,11 @@ class _BetweenLimits(_Blend):
     )
 
     def __attrs_post_init__(self) -> None:
-        if not self.hydrodynamic_limit > self.boundary_limit:
-            raise FieldError(
-                "hydrodynamic_limit",
-                f"must be above boundary_limit = {self.boundary_limit:g}, not {self.hydrodynamic_limit:g}",
-            )
+        refuse_if(
+            not self.hydrodynamic_limit > self.boundary_limit,
+            "hydrodynamic_limit",
+            f"must be above boundary_limit = {self.boundary_limit:g}, not {self.hydrodynamic_limit:g}",
+        )
 
     @property
     def power(self) -> float:

@@ -18,7 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, choice_of, field, non_negative, parameter, positive
+from rollslip.fields import (
+    FieldError,
+    choice_of,
+    field,
+    non_negative,
+    parameter,
+    positive,
+    refuse_if,
+)
 from rollslip.files import named_text, read_columns
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import Reference
@@ -108,10 +116,9 @@ class Gupta(TractionModel):
         b = self.b
         c = self.c
         start = self.a + self.d
-        if start < 0:
-            raise FieldError(
-                "a", f"a + d, the friction at zero slip, must not be negative, not {start:g}"
-            )
+        refuse_if(
+            start < 0, "a", f"a + d, the friction at zero slip, must not be negative, not {start:g}"
+        )
         if b < 0 < 1 / c - a / b and b / c * math.exp(a * c / b - 1) + self.d < 0:
             raise FieldError(
                 "b", f"the minimum of the friction, at s = {1 / c - a / b:g}, must not be negative"
@@ -250,10 +257,11 @@ class Tabulated(TractionModel):
 
         axes, friction = read_table(self.file)
         short = [name for name, axis in axes.items() if len(axis) < 4]
-        if self.interpolation == "pchip" and short:
-            raise FieldError(
-                "interpolation", f"'pchip' needs four values of {', '.join(short)}; choose 'linear'"
-            )
+        refuse_if(
+            self.interpolation == "pchip" and short,
+            "interpolation",
+            f"'pchip' needs four values of {', '.join(short)}; choose 'linear'",
+        )
         return axes, RegularGridInterpolator(
             tuple(axes.values()),
             friction,

@@ -28,13 +28,13 @@ from rollslip.bearing.resolution import Resolution, refined
 from rollslip.catalogue.registry import find, right_model
 from rollslip.errors import SceneError
 from rollslip.fields import (
-    FieldError,
     at_least,
     choice_of,
     in_range,
     non_negative,
     parameter,
     positive,
+    refuse_if,
 )
 from rollslip.models import IntegratorModel
 from rollslip.results.dataset import about, xr
@@ -191,10 +191,11 @@ class Dynamics(Study):
     )
 
     def __attrs_post_init__(self) -> None:
-        if self.film_limit > 0.0 and self.friction != "conventional":
-            raise FieldError(
-                "film_limit", f"only known to friction = 'conventional', not to {self.friction!r}"
-            )
+        refuse_if(
+            self.film_limit > 0.0 and self.friction != "conventional",
+            "film_limit",
+            f"only known to friction = 'conventional', not to {self.friction!r}",
+        )
 
     def with_resolution(self, resolution: Resolution) -> "Dynamics":
         """Return the study with friction, level, integrator and step tolerance of a resolution, where it has them."""

@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 
 from rollslip.errors import SceneError
-from rollslip.fields import FieldError, field, non_negative, positive
+from rollslip.fields import FieldError, field, non_negative, positive, refuse_if
 from rollslip.files import content_of, decoded, read_columns
 from rollslip.scene.values import Operation, Scene
 from rollslip.search import Array
@@ -213,10 +213,11 @@ class HistorySettings:
     )
 
     def __attrs_post_init__(self) -> None:
-        if not self.file and not any(getattr(self, name) for name in VARYING):
-            raise FieldError(
-                "file", f"nothing changes: give a table for one of {', '.join(VARYING)}, or a file"
-            )
+        refuse_if(
+            not self.file and not any(getattr(self, name) for name in VARYING),
+            "file",
+            f"nothing changes: give a table for one of {', '.join(VARYING)}, or a file",
+        )
 
     def history(self, scene: Scene, duration: float, where: Location) -> "History":
         """Return the time functions of a run.

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.fields import FieldError, choice_of, field, non_negative, positive
+from rollslip.fields import FieldError, choice_of, field, non_negative, positive, refuse_if
 from rollslip.search import Array
 from rollslip.structure import fields_of
 
@@ -195,10 +195,11 @@ class CourseSettings:
         given = {key for key, value in self.parameters.items() if value not in (None, ())}
         needs, takes = SHAPES[self.shape]
         for key in needs:
-            if key not in given:
-                raise FieldError(
-                    self._field(key), f"missing, but required for shape = {self.shape!r}"
-                )
+            refuse_if(
+                key not in given,
+                self._field(key),
+                f"missing, but required for shape = {self.shape!r}",
+            )
         for key in sorted(given - {*needs, *takes}):
             known = ", ".join((*needs, *takes))
             raise FieldError(
@@ -207,10 +208,11 @@ class CourseSettings:
         if self.shape == "table":
             times = self.parameters["time"]
             values = self.parameters["value"]
-            if len(times) != len(values):
-                raise FieldError(
-                    "value", f"needs one value for each of {len(times)} times, not {len(values)}"
-                )
+            refuse_if(
+                len(times) != len(values),
+                "value",
+                f"needs one value for each of {len(times)} times, not {len(values)}",
+            )
             if fault := unordered(np.array(times)):
                 raise FieldError("time", fault[1])
 
@@ -298,10 +300,11 @@ def _decay(at: float, start: float, target: float, time_constant: float) -> Cour
 
 def _sine(mean: float, amplitude: float, period: float, phase: float, end: float) -> Course:
     """Return a sine with a period [s] and a phase [rad], up to an end [s]."""
-    if not end / period <= _MAX_PERIODS:
-        raise FieldError(
-            "period", f"the run has {end / period:.3g} of them, more than {_MAX_PERIODS:,}"
-        )
+    refuse_if(
+        not end / period <= _MAX_PERIODS,
+        "period",
+        f"the run has {end / period:.3g} of them, more than {_MAX_PERIODS:,}",
+    )
     count = int(np.ceil(end / period * _PIECES_PER_PERIOD)) + 2
     t = np.linspace(0.0, period / _PIECES_PER_PERIOD * (count - 1), count)
     angle = 2.0 * np.pi / period * t + phase
