@@ -68,6 +68,12 @@ def raise_problems(problems: list[str]) -> None:
         raise SceneError(problems)
 
 
+def raise_problem_if(condition: object, problem: str) -> None:
+    """Raise a `SceneError` with one `problem` where a `condition` holds."""
+    if condition:
+        raise SceneError([problem])
+
+
 def _dotted(path: KeyPath) -> str:
     text = ""
     for part in path:

@@ -22,7 +22,7 @@ from rollslip.scene.reading import parse_scene
 from rollslip.scene.relations import skf_minimum_load
 from rollslip.scene.supply import SUPPLIES
 from rollslip.scene.values import Scene
-from rollslip.structure import Location
+from rollslip.structure import Location, raise_problem_if
 from rollslip.units import UnitError, as_written, format_quantity, quantity
 
 __all__ = ["ASSUMED", "MEANING", "assumed_load", "checked", "completed", "new", "new_scene"]
@@ -116,12 +116,10 @@ def checked(option: str, value: str) -> str:
         names, kinds, description = _CHOICES[option]
         spelled = value.strip().casefold()
         spelled = names.get(spelled, spelled)
-        if spelled not in kinds:
-            raise SceneError(
-                [
-                    f"{option}: there are {description} {', '.join(kinds)}, not {description.split()[-1]} {value!r}"
-                ]
-            )
+        raise_problem_if(
+            spelled not in kinds,
+            f"{option}: there are {description} {', '.join(kinds)}, not {description.split()[-1]} {value!r}",
+        )
         return spelled
     return value.strip()
 

@@ -14,13 +14,14 @@ from typing import Any
 import attrs
 
 from rollslip.catalogue.registry import available, get_class
-from rollslip.errors import OutputError, SceneError
+from rollslip.errors import OutputError
 from rollslip.results.account import Account, Contact, Figures
 from rollslip.results.answer import Answer, Row, collect_notes, describe_case, merge_answers
 from rollslip.results.curves import Curve, critical_rows, curves, json_value
 from rollslip.results.dataset import READ_ERRORS, shown_short, xr
 from rollslip.results.text import LOWER_BOUNDS, percent, single_value_indices, single_values
 from rollslip.scene.reading import shipped_scenes
+from rollslip.structure import raise_problem_if
 from rollslip.units import expect_results
 
 __all__ = ["PlainAccount", "account_of", "answer", "refuse_unreadable", "scene_file"]
@@ -135,12 +136,10 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     """
     expect_results("answer", *results)
     cases = set(map(describe_case, results)) - {()}
-    if len(cases) > 1:
-        raise SceneError(
-            [
-                f"answer: results of one case are expected, not of {len(cases)}; ask for each on its own"
-            ]
-        )
+    raise_problem_if(
+        len(cases) > 1,
+        f"answer: results of one case are expected, not of {len(cases)}; ask for each on its own",
+    )
     answers = [
         (str(result.attrs.get("study", "")), account_of(result).answer(result))
         for result in results

@@ -38,7 +38,7 @@ from rollslip.results.dataset import about, xr
 from rollslip.results.text import collect_warnings, describe_more_bounds, duration_range
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import DEFAULT_STUDY, Scene
-from rollslip.structure import resolved, scene_hash
+from rollslip.structure import raise_problem_if, resolved, scene_hash
 from rollslip.studies.study import study_class
 from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.attribution import (
@@ -173,13 +173,11 @@ def plan_comparison(requested: "ComparisonSettings") -> Comparison:
     ]
     products.append({kind: named.get(kind, choices[kind][0]) for kind in KINDS})
     varying = [kind for kind in KINDS if len({product[kind].label for product in products}) > 1]
-    if not varying:
-        raise SceneError(
-            [
-                "there is nothing to compare: name two models of a kind, as by --film A,B,"
-                " or one and another --reference"
-            ]
-        )
+    raise_problem_if(
+        not varying,
+        "there is nothing to compare: name two models of a kind, as by --film A,B,"
+        " or one and another --reference",
+    )
     labels = [" + ".join(product[kind].label for kind in varying) for product in products]
     unique = dict(zip(labels, products, strict=True))
     combinations = {label: _combination(scene, study, product) for label, product in unique.items()}

@@ -28,7 +28,7 @@ from rollslip.lubricant.temperature import Constant
 from rollslip.models import FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import ModelChoice
 from rollslip.search import Array
-from rollslip.structure import Location, raise_problems
+from rollslip.structure import Location, raise_problem_if, raise_problems
 from rollslip.units import format_quantity
 from rollslip_campaigns.measurement.rig import Rig, RigData
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
@@ -152,10 +152,10 @@ def rig_problem(
     where = Location(rig.origins)
     problems = list[str]()
     measured = "film_thickness" in data.columns
-    if measured and film is not None:
-        raise SceneError(
-            [f"{data.source}: film_thickness: is measured; leave out the column, or the film model"]
-        )
+    raise_problem_if(
+        measured and film is not None,
+        f"{data.source}: film_thickness: is measured; leave out the column, or the film model",
+    )
     constants: Any = None
     try:
         lubricant = read_oil(rig.lubricant, where.at("lubricant"))

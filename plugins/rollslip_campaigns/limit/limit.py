@@ -37,7 +37,7 @@ from rollslip.results.dataset import about, save, xr
 from rollslip.results.text import duration_range
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.scene.values import EXACT, Scene
-from rollslip.structure import FrozenTable
+from rollslip.structure import FrozenTable, raise_problem_if
 from rollslip.studies.bounds import exceeding
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
@@ -162,18 +162,14 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     name = study_with_outputs(base, requested.study, output_of_text(requested.keep))
     requirement = read_requirement(requested.keep, study_class(name, base), named_damage(base))
-    if not 1e-6 <= within <= 0.5:
-        raise SceneError(
-            [
-                f"within: a fraction from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {requested.within}"
-            ]
-        )
-    if len(over) != 1:
-        raise SceneError(
-            [
-                f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run"
-            ]
-        )
+    raise_problem_if(
+        not 1e-6 <= within <= 0.5,
+        f"within: a fraction from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {requested.within}",
+    )
+    raise_problem_if(
+        len(over) != 1,
+        f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run",
+    )
     ((requested_key, text),) = over.items()
     base, assembly = assemble_varied(base, over)
     quantity = _searched_quantity(quantities(assembly, settings(base, name)), requested_key)
@@ -202,12 +198,10 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     )
     spacing = 2 ** max(0, math.ceil(math.log2(steps / (count - 1))))
     size = (count - 1) * spacing + 1
-    if size > _MAX_VALUES:
-        raise SceneError(
-            [
-                f"{key}: {size} values are more than {_MAX_VALUES}; widen --within, or narrow the range"
-            ]
-        )
+    raise_problem_if(
+        size > _MAX_VALUES,
+        f"{key}: {size} values are more than {_MAX_VALUES}; widen --within, or narrow the range",
+    )
     resolution, seconds, errors = _resolution(
         base, name, requirement.output, ({}, {key: values[0]}, {key: values[-1]})
     )
@@ -250,11 +244,14 @@ def _searched_quantity(known: dict[str, Quantity], key: str) -> Quantity:
 
 def _range(quantity: Quantity, text: str) -> tuple[str, int, bool]:
     """Bounds as they are written, number of first values, and whether the grid is even in the logarithm."""
-    if ":" not in text:
-        raise SceneError([f"{text!r} is not a range; write LOW:HIGH or LOW:HIGH:COUNT, with units"])
+    raise_problem_if(
+        ":" not in text, f"{text!r} is not a range; write LOW:HIGH or LOW:HIGH:COUNT, with units"
+    )
     ends, count, logarithmic = range_parts(quantity.key, text)
-    if count and not (count.isascii() and count.isdecimal() and 3 <= int(count) <= 999):
-        raise SceneError([f"{text!r}: {count!r} is not a number of values from 3 to 999"])
+    raise_problem_if(
+        count and not (count.isascii() and count.isdecimal() and 3 <= int(count) <= 999),
+        f"{text!r}: {count!r} is not a number of values from 3 to 999",
+    )
     try:
         check_typed(text, ends, str(quantity.unit))
         low, high = evenly(*ends, 2, str(quantity.unit))

@@ -19,6 +19,7 @@ import attrs
 
 from rollslip.errors import SceneError
 from rollslip.results.text import in_percent
+from rollslip.structure import raise_problem_if
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import Study
 from rollslip.studies.surface_damage.model import OWN, DamageModel
@@ -111,13 +112,11 @@ def read_requirement(
         raise refuse_text_output(name)
     unit = study.outputs[name].unit
     if unit == OWN:
-        if len(measures) != 1:
-            raise SceneError(
-                [
-                    f"keep: {name} is of one measure of damage, and models.damage names "
-                    f"{', '.join(measure.name for measure in measures) or 'none'}; name the one that counts"
-                ]
-            )
+        raise_problem_if(
+            len(measures) != 1,
+            f"keep: {name} is of one measure of damage, and models.damage names "
+            f"{', '.join(measure.name for measure in measures) or 'none'}; name the one that counts",
+        )
         (measure,) = measures
         unit = "K/1" if measure.difference else measure.unit
     try:

@@ -21,7 +21,7 @@ from rollslip.references import Reference
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
-from rollslip.structure import FrozenTable, Location, structure
+from rollslip.structure import FrozenTable, Location, raise_problem_if, structure
 from rollslip.toml import as_table, parse
 from rollslip.units import NUMBER, UnitError, as_written, check_unit, quantity
 from rollslip_campaigns.measurement.rig import (
@@ -252,10 +252,10 @@ class _Reader:
     def _file(self, name: str, where: Location) -> Path:
         """Return the path of a file in the folder of the data set."""
         path = self.folder / name
-        if Path(name).name != name or not path.is_file():
-            raise SceneError(
-                [where.message(f"{as_written(name)} is not a file in {readable(str(self.folder))}")]
-            )
+        raise_problem_if(
+            Path(name).name != name or not path.is_file(),
+            where.message(f"{as_written(name)} is not a file in {readable(str(self.folder))}"),
+        )
         return path
 
     def _try(self, read: "Callable[[], Any]") -> Any:

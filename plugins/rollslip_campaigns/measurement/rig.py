@@ -22,7 +22,7 @@ from rollslip.fields import FieldError, field, positive
 from rollslip.files import content_of, decoded, read_columns, readable
 from rollslip.scene.values import LubricantTable, Models
 from rollslip.search import Array
-from rollslip.structure import Location, structure
+from rollslip.structure import Location, raise_problem_if, structure
 from rollslip.toml import parse
 
 __all__ = [
@@ -319,13 +319,11 @@ def load_rig(path: str | os.PathLike[str]) -> Rig:
     SceneError
         With all faults of the file, each with file, line and key; if the file does not exist, with an example.
     """
-    if not Path(path).exists():
-        raise SceneError(
-            [
-                f"{readable(os.fspath(path))}: there is no such file; it states the contact and the oil of the data, "
-                f"for example:\n\n{EXAMPLE}"
-            ]
-        )
+    raise_problem_if(
+        not Path(path).exists(),
+        f"{readable(os.fspath(path))}: there is no such file; it states the contact and the oil of the data, "
+        f"for example:\n\n{EXAMPLE}",
+    )
     source, text = text_named(path)
     raw, origins = parse(text, source)
     problems: list[str] = []

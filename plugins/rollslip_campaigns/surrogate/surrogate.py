@@ -37,7 +37,7 @@ from rollslip.results.dataset import about, save, xr
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
-from rollslip.structure import raise_problems
+from rollslip.structure import raise_problem_if, raise_problems
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
 from rollslip_campaigns.surrogate import SurrogateSettings
@@ -193,12 +193,10 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
         )
     ranges = _ranges(base, requested.over)
     error = read_fraction(requested.error)
-    if not 1e-4 <= error <= 0.2:
-        raise SceneError(
-            [
-                f"error: a fraction from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {requested.error}"
-            ]
-        )
+    raise_problem_if(
+        not 1e-4 <= error <= 0.2,
+        f"error: a fraction from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {requested.error}",
+    )
     slow, fast, min_ratio, max_ratio = _speed_bounds(assembly, ranges)
     study = f"study.{RacewayFriction.name}"
     scene = evolve(
@@ -213,20 +211,16 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
     # drags that the finest tables do not reproduce are refused
     deviation = _drag_error(scene, ranges, np.geomspace(slow, fast, ROLLING_NODES))
     names = f"cage.drag: {', '.join(model.name for model in assembly.cage.drags.torques)}: "
-    if deviation > _MAX_FORM_ERROR:
-        raise SceneError(
-            [
-                f"{names}their torque is not a sum of terms in the leads of the rings and in the speed of the cage, so "
-                "that it cannot be tabulated"
-            ]
-        )
-    if deviation > error:
-        raise SceneError(
-            [
-                f"{names}their error between the speeds of the finest table is {100 * deviation:.2g} %; allow a larger "
-                "error, or narrow the ranges of speeds"
-            ]
-        )
+    raise_problem_if(
+        deviation > _MAX_FORM_ERROR,
+        f"{names}their torque is not a sum of terms in the leads of the rings and in the speed of the cage, so "
+        "that it cannot be tabulated",
+    )
+    raise_problem_if(
+        deviation > error,
+        f"{names}their error between the speeds of the finest table is {100 * deviation:.2g} %; allow a larger "
+        "error, or narrow the ranges of speeds",
+    )
     options = {
         "study": RacewayFriction.name,
         "output": list(RacewayFriction.outputs),
@@ -326,10 +320,10 @@ def _speed_bounds(
         *(np.linspace(*ranges[key], _RING_SPEEDS) for key in OPERATION_KEYS[2:])
     )
     u = Ri * Ro / (Ri + Ro) * (inner - outer)
-    if not u.any():
-        raise SceneError(
-            ["operation.inner_speed: nothing rolls at any speed of the ranges; give other ranges"]
-        )
+    raise_problem_if(
+        not u.any(),
+        "operation.inner_speed: nothing rolls at any speed of the ranges; give other ranges",
+    )
     fast = _UPPER_FACTOR * float(np.abs(u).max())
     slow = _MIN_FRACTION * fast
     if not u.min() < 0.0 < u.max():

@@ -37,7 +37,14 @@ from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve, full_key
 from rollslip.scene.reading import as_scene, from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene
-from rollslip.structure import FrozenTable, Location, raise_problems, resolved, structure
+from rollslip.structure import (
+    FrozenTable,
+    Location,
+    raise_problem_if,
+    raise_problems,
+    resolved,
+    structure,
+)
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written, format_quantity
@@ -141,12 +148,10 @@ def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Swe
             probabilities(table.sampling, table.samples or 1, len(sampled), table.seed)
         )
     design = Design(tuple(axes), sampled, samples)
-    if design.size > _MAX_POINTS:
-        raise SceneError(
-            [
-                f"sweep: {design.size} points are more than {_MAX_POINTS}; take fewer values or samples"
-            ]
-        )
+    raise_problem_if(
+        design.size > _MAX_POINTS,
+        f"sweep: {design.size} points are more than {_MAX_POINTS}; take fewer values or samples",
+    )
     assemblies, unusual = _checked_assemblies(base, study, design)
     packages, local = _packages(assemblies, study)
     return Sweep(

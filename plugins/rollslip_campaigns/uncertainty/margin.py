@@ -47,12 +47,12 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
-from rollslip.errors import RollslipError, SceneError
+from rollslip.errors import RollslipError
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import UNITS, about, xr
 from rollslip.results.text import Status, duration_range
 from rollslip.scene.changes import evolve
-from rollslip.structure import raise_problems
+from rollslip.structure import raise_problem_if, raise_problems
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.point import compute
@@ -321,22 +321,17 @@ def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
 
 def _check_design(sweep: Sweep, indices: int) -> None:
     """Refuse axes, which are several bearings, and Sobol indices of correlated inputs."""
-    if sweep.design.axes:
-        raise SceneError(
-            [
-                f"sweep.over: {', '.join(axis.key for axis in sweep.design.axes)} is swept, but margins are of one "
-                "bearing; take rollslip sweep run"
-            ]
-        )
-    if indices and np.any(
-        sweep.uncertainty.correlation != np.eye(len(sweep.uncertainty.distributions))
-    ):
-        raise SceneError(
-            [
-                "uncertainty.correlation: Sobol indices need independent inputs, and these are correlated; leave out "
-                "the indices, or the correlations"
-            ]
-        )
+    raise_problem_if(
+        sweep.design.axes,
+        f"sweep.over: {', '.join(axis.key for axis in sweep.design.axes)} is swept, but margins are of one "
+        "bearing; take rollslip sweep run",
+    )
+    raise_problem_if(
+        indices
+        and np.any(sweep.uncertainty.correlation != np.eye(len(sweep.uncertainty.distributions))),
+        "uncertainty.correlation: Sobol indices need independent inputs, and these are correlated; leave out "
+        "the indices, or the correlations",
+    )
 
 
 def expected_seconds(plan: Margin) -> dict[str, float]:

@@ -18,6 +18,7 @@ from rollslip.errors import SceneError, did_you_mean, nearest
 from rollslip.results.text import Status
 from rollslip.scene.values import Scene
 from rollslip.search import Array
+from rollslip.structure import raise_problem_if
 from rollslip.studies.answers import Measurable
 from rollslip.studies.study import Study, study_class
 from rollslip_campaigns.sweep.definition import SweepWork
@@ -144,10 +145,10 @@ def _single(
             extreme = EXTREMES[coordinate]
         elif dim in at:
             known = list(names.get(dim, range(values.shape[k])))
-            if coordinate not in known:
-                raise SceneError(
-                    [f"{variable} has no {dim} {coordinate!r}; it has {', '.join(map(str, known))}"]
-                )
+            raise_problem_if(
+                coordinate not in known,
+                f"{variable} has no {dim} {coordinate!r}; it has {', '.join(map(str, known))}",
+            )
             index.append(known.index(coordinate))
         elif values.shape[k] == 1:
             index.append(0)

@@ -22,7 +22,7 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import OutputError, SceneError
 from rollslip.files import whole_file
 from rollslip.results.curves import or_none
-from rollslip.structure import FrozenTable, raise_problems
+from rollslip.structure import FrozenTable, raise_problem_if, raise_problems
 from rollslip.units import as_written
 from rollslip_campaigns.measurement import Measurement, load_measurement
 from rollslip_campaigns.measurement.rig import load_rig, read_data, text_named
@@ -176,8 +176,7 @@ def write_form(names: Sequence[str], path: Path) -> str:
     path : Path
         The new file.
     """
-    if len(names) != 1:
-        raise SceneError(["form: needs one data set; name one"])
+    raise_problem_if(len(names) != 1, "form: needs one data set; name one")
     if path.exists():
         raise OutputError(
             f"{path}: exists, perhaps with numbers in it; name another --form, or remove it"
@@ -219,10 +218,10 @@ def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> 
     lines = _content_lines(text)
     problems = list[str]()
     values = dict[tuple[str, int], tuple[float, float]]()
-    if not lines:
-        raise SceneError(
-            [f"{source}: no header; 'rollslip validate NAME --form FILE.csv' writes a file to fill"]
-        )
+    raise_problem_if(
+        not lines,
+        f"{source}: no header; 'rollslip validate NAME --form FILE.csv' writes a file to fill",
+    )
     head = [cell.strip() for cell in next(csv.reader([lines[0][1]]))]
     if missing := [name for name in ("series", "line", "predicted") if name not in head]:
         raise SceneError([f"{source}:{lines[0][0]}: missing columns: {', '.join(missing)}"])
@@ -289,10 +288,10 @@ def data_set_of(path: str | os.PathLike[str], requested: Sequence[str]) -> str:
     source, text = text_named(path)
     rows = csv.DictReader(line for _, line in _content_lines(text))
     named = next((row["data_set"] for row in rows if row.get("data_set")), "")
-    if not named:
-        raise SceneError(
-            [f"{source}: has no column data_set; name the data set that it is of in the command"]
-        )
+    raise_problem_if(
+        not named,
+        f"{source}: has no column data_set; name the data set that it is of in the command",
+    )
     return named
 
 

@@ -37,6 +37,7 @@ from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
 from rollslip.results.dataset import about, xr
 from rollslip.search import Array
+from rollslip.structure import raise_problem_if
 from rollslip_campaigns.fit.least_squares import Residuals, estimate, minimise
 from rollslip_campaigns.fit.problem import (
     Parameter,
@@ -80,16 +81,18 @@ _TIE_TOLERANCE: Final = 1e-12
 def plan_ranking(requested: "RankingSettings") -> Validation:
     """Return the laws and data sets that are requested, after a check of names and numbers."""
     plan = plan_validation(requested)
-    if len(plan.combinations[1:] or plan.combinations) + len(plan.predictions) < 2:
-        raise SceneError(
-            ["there is nothing to rank: name two laws, as by --traction A,B, or give --predictions"]
-        )
-    if not any(series.rows for measurement in plan.sets for series in measurement.series):
-        raise SceneError(["there is nothing to rank by: the data sets hold no numbers"])
-    if requested.groups not in GROUPS:
-        raise SceneError(
-            [f"groups: {requested.groups!r} is none; write series or set, or leave it out"]
-        )
+    raise_problem_if(
+        len(plan.combinations[1:] or plan.combinations) + len(plan.predictions) < 2,
+        "there is nothing to rank: name two laws, as by --traction A,B, or give --predictions",
+    )
+    raise_problem_if(
+        not any(series.rows for measurement in plan.sets for series in measurement.series),
+        "there is nothing to rank by: the data sets hold no numbers",
+    )
+    raise_problem_if(
+        requested.groups not in GROUPS,
+        f"groups: {requested.groups!r} is none; write series or set, or leave it out",
+    )
     return plan
 
 
@@ -138,10 +141,9 @@ def run_ranking(
         report(law.label, k / len(laws))
         scores.append(_score_law(law, parts, names))
     unknown = set(names) - {name for score in scores for name in score.fitted}
-    if unknown:
-        raise SceneError(
-            [f"parameters: no law has {', '.join(sorted(unknown))} to fit to these data"]
-        )
+    raise_problem_if(
+        unknown, f"parameters: no law has {', '.join(sorted(unknown))} to fit to these data"
+    )
     scores += [_score_predictions(predictions, parts) for predictions in plan.predictions]
     warnings = [
         f"{measurement.name}, {series.name}: uncertainties: {series.about_uncertainty}"

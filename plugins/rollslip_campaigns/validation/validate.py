@@ -33,7 +33,7 @@ from rollslip.results.dataset import about, xr
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
-from rollslip.structure import Location, raise_problems
+from rollslip.structure import Location, raise_problem_if, raise_problems
 from rollslip.studies.study import settings
 from rollslip.units import quantity as in_unit
 from rollslip_campaigns.comparison.choices import KINDS, read_choice, refuse
@@ -139,22 +139,20 @@ def plan_validation(requested: "ValidationSettings | RankingSettings") -> Valida
     names = requested.data
     names = [names] if isinstance(names, str | Path | Measurement) else list(names)
     sets = tuple(measurement_named(name) for name in names or available("measurement"))
-    if not sets:
-        raise SceneError(
-            ["there is no data set; 'rollslip plugins new NAME --kind measurement' writes one"]
-        )
-    if requested.samples == 1:
-        raise SceneError(["samples: a band needs 2 at least, or 0 for none, not 1"])
+    raise_problem_if(
+        not sets, "there is no data set; 'rollslip plugins new NAME --kind measurement' writes one"
+    )
+    raise_problem_if(
+        requested.samples == 1, "samples: a band needs 2 at least, or 0 for none, not 1"
+    )
     known = {measurement.name for measurement in sets}
     combinations = _combinations(requested)
     predictions = predictions_of(requested.predictions, names)
     for prediction in predictions:
-        if prediction.data_set not in known:
-            raise SceneError(
-                [
-                    f"{prediction.source}: predictions of data set {prediction.data_set!r}, which is not requested"
-                ]
-            )
+        raise_problem_if(
+            prediction.data_set not in known,
+            f"{prediction.source}: predictions of data set {prediction.data_set!r}, which is not requested",
+        )
     return Validation(
         sets=sets,
         combinations=combinations,
