@@ -552,8 +552,10 @@ def _bind_models(
         for kind, model in models.items()
     }
     raise_problems(problems)
-    law = oil.pressure_viscosity_law
-    return {kind: with_law(model, law, oil.slopes) for kind, model in bound.items()}
+    return {
+        kind: with_law(model, oil.pressure_viscosity_law, oil.slopes)
+        for kind, model in bound.items()
+    }
 
 
 def _has_same_loads(scene: Scene, resolution: Resolution, like: Assembly) -> bool:

@@ -153,10 +153,12 @@ class Chain:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the models and options, of which the chain is bound again."""
-        block = self.block
-        threads = self._threads
         return partial(
-            Chain, block=block, threads=threads, compiled=self._compiled, bounds=self.bounds
+            Chain,
+            block=self.block,
+            threads=self._threads,
+            compiled=self._compiled,
+            bounds=self.bounds,
         ), self.models
 
     @property

@@ -142,12 +142,11 @@ def find_critical_slips(curves: Sequence[Curve], evaluate: Evaluate) -> list[Cri
 
 def _grid_maxima(curve: Curve) -> list[int]:
     """Return the index of the largest friction, and that of the first maximum if they differ; none without friction."""
-    slip = curve.slip
     friction = curve.friction
     if not np.isfinite(friction).all():
         bad = int(np.argmin(np.isfinite(friction)))
         raise DomainError(
-            f"the friction is {friction[bad]} at a slip of {slip[bad]:.4g}: it must be finite all along"
+            f"the friction is {friction[bad]} at a slip of {curve.slip[bad]:.4g}: it must be finite all along"
         )
     best = int(np.argmax(friction))
     if not friction[best] > 0.0:

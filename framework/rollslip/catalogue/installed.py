@@ -125,14 +125,12 @@ def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
     if not points or not distribution.name or not distribution.version:
         return []
     state, cause = _state(distribution)
-    package = distribution.name
-    version = distribution.version
     return [
         Offer(
             kind=kind,
             name=point.name,
-            package=package,
-            version=version,
+            package=distribution.name,
+            version=distribution.version,
             module=point.value,
             state=state,
             cause=cause,

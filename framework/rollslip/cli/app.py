@@ -321,9 +321,11 @@ class Results:
         formats = dict.fromkeys((*self.formats, *(["svg"] if self.report else [])))
         figures = dict[str, list[Path]]()
         written = list[str]()
-        rows = answer(*datasets.values()).rows
         # maps mark the operating slip, which may be the result of another study
-        slip = next((row.value for row in rows if row.key == "cage_slip"), math.nan)
+        slip = next(
+            (row.value for row in answer(*datasets.values()).rows if row.key == "cage_slip"),
+            math.nan,
+        )
         for name, dataset in datasets.items():
             files = save_plots(dataset.assign_attrs(operating_slip=slip), folder, tuple(formats))
             figures[name] = [file for file in files if file.suffix == ".svg"]

@@ -42,9 +42,8 @@ _MAX_POINTS: Final = 20_000
 
 def plan_explorer(requested: "ExplorerSettings") -> Explorer:
     """Check the settings of an explorer and return its plan; wrong settings raise SceneError with all faults."""
-    given = requested.base_scene
     over = read_overs(requested.over)
-    base = attrs.evolve(given, sweep=None, uncertainty=None)
+    base = attrs.evolve(requested.base_scene, sweep=None, uncertainty=None)
     known = quantities(assemble(base), settings(base, EffectiveFriction.name))
     dials = list[Dial]()
     choices = dict[str, tuple[str, ...]]()

@@ -36,11 +36,10 @@ _OPEN: Final[Mapping[str, Any]] = {
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Yield name, caption and figure of each figure."""
-    name = Path(dataset.attrs["source"]).name
     constant = _operating_points(dataset)[0]
     yield (
         "fit",
-        f"Friction measured ({name}) and fitted{constant and ', ' + constant}.",
+        f"Friction measured ({Path(dataset.attrs['source']).name}) and fitted{constant and ', ' + constant}.",
         _fit(dataset),
     )
     caption = "Residuals over their standard deviation; the band is two of it."

@@ -185,9 +185,9 @@ def _dataset(
     results = [
         (study, name) for study in family.studies for name in by_label[study, REFERENCE].results
     ]
-    accuracy = family.plan.scene.accuracy
     tolerance = [
-        accuracy.of(by_label[study, REFERENCE].tolerances[name]) for study, name in results
+        family.plan.scene.accuracy.of(by_label[study, REFERENCE].tolerances[name])
+        for study, name in results
     ]
     labels, kinds, owners = (
         np.array([getattr(choice, name) for choice in family.choices])

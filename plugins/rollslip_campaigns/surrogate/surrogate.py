@@ -255,10 +255,12 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
     """Return the bounds of all four quantities: those requested, or the default ones about the scene."""
     known = quantities(assemble(scene), settings(scene, RacewayFriction.name))
     operation = scene.operation
-    change = _TEMPERATURE_CHANGE
     low_load, high_load = _LOAD_FACTORS
     ranges = {
-        OPERATION_KEYS[0]: (operation.temperature - change, operation.temperature + change),
+        OPERATION_KEYS[0]: (
+            operation.temperature - _TEMPERATURE_CHANGE,
+            operation.temperature + _TEMPERATURE_CHANGE,
+        ),
         OPERATION_KEYS[1]: (low_load * operation.radial_load, high_load * operation.radial_load),
         OPERATION_KEYS[2]: _default_speeds(operation.inner_speed),
         OPERATION_KEYS[3]: _default_speeds(operation.outer_speed),

@@ -142,11 +142,10 @@ class FlashTemperature(DamageModel):
 
     def _conductances(self, contacts: Contacts, places: Array | None = None) -> tuple[Array, Array]:
         """Return K/theta of ring and roller [W/(m K)]: where their rises are largest, (n,), or at places, (n, m)."""
-        b = contacts.slices.half_width
         fast = self.conduction == "fast"
         conductances = []
         for conductivity, capacity, speed in self.conductors(contacts):
-            peclet = 0.5 * speed * b * capacity / conductivity
+            peclet = 0.5 * speed * contacts.slices.half_width * capacity / conductivity
             with np.errstate(divide="ignore"):  # a surface that stands still takes nothing
                 if places is None:
                     theta = FAST / np.sqrt(peclet) if fast else largest_rise(peclet)

@@ -303,10 +303,9 @@ def _history(
     )
     courses = {key.removeprefix("operation."): course for key, course in path.courses.items()}
     known: dict[str, Any] = {name: courses[name] for name in TEMPERATURES if name in courses}
-    operation = assembly.scene.operation
     if given is None:
         names = ("inner_speed", "outer_speed", "radial_load")
-        constants = {name: constant(getattr(operation, name)) for name in names}
+        constants = {name: constant(getattr(assembly.scene.operation, name)) for name in names}
         constants["load_direction"] = constant(0.0)
         given = History(courses=constants, prescribed=(), end=study.duration)
     return attrs.evolve(

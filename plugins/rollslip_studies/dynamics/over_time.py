@@ -22,12 +22,11 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status
-from rollslip.structure import Location
 from rollslip.studies.answers import Part, ResolutionChoice
 from rollslip.studies.error_estimate import choose_slices_and_positions
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history.interpolated_rates import describe_range, with_operation
-from rollslip_studies.dynamics.history.settings import TEMPERATURES, History, HistorySettings
+from rollslip_studies.dynamics.history.settings import TEMPERATURES, History
 from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, with_changes
 from rollslip_studies.dynamics.history.time_functions import Course, table
 from rollslip_studies.dynamics.history.varying import (
@@ -67,35 +66,6 @@ _GEOMETRIC_RATIO: Final = 0.5
 #: Roller positions within a pitch for the skidding slip of a motion. Doubled, each operation takes twice as long, and
 #: the slip changes by less than matters for an event.
 N_POSITIONS: Final = 4
-
-
-def history_of(
-    settings: HistorySettings | None, assembly: Assembly, duration: float, table_of: str
-) -> History | None:
-    """Return the history of a run; None if the operation is constant.
-
-    Parameters
-    ----------
-    settings : HistorySettings or None
-        The table of the scene.
-    assembly : Assembly
-        The bearing.
-    duration : float
-        Duration of the run [s].
-    table_of : str
-        Table of the study, for messages.
-    """
-    if settings is None:
-        return None
-    return assembly.cached(
-        "history",
-        (settings, duration),
-        lambda: settings.history(
-            assembly.scene,
-            duration,
-            Location(assembly.scene.origins, (*table_of.split("."), "history")),
-        ),
-    )
 
 
 def fixed_settings(
@@ -650,8 +620,9 @@ def final_bearing(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
     """
     if not history_findings.has_history(dataset):
         return assembly
-    given = assembly.scene.operation
-    operation = {name: getattr(given, name) for name in ("inner_speed", "outer_speed")}
+    operation = {
+        name: getattr(assembly.scene.operation, name) for name in ("inner_speed", "outer_speed")
+    }
     operation |= {name: float(dataset[name][-1]) for name in json.loads(dataset.attrs["history"])}
     operation.pop(
         "load_direction", None

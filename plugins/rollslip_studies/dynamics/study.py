@@ -632,7 +632,14 @@ class Dynamics(Study):
 
     def course(self, assembly: Assembly) -> History | None:
         """Return the operation over time; None if it is constant."""
-        return over_time.history_of(self.history, assembly, self.duration, self.table)
+        if (settings := self.history) is None:
+            return None
+        where = Location(assembly.scene.origins, (*self.table.split("."), "history"))
+        return assembly.cached(
+            "history",
+            (settings, self.duration),
+            lambda: settings.history(assembly.scene, self.duration, where),
+        )
 
     def moving(self, assembly: Assembly) -> MovingBearing:
         """Return the equations of motion at the temperatures of the scene."""

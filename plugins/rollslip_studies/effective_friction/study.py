@@ -273,11 +273,10 @@ class EffectiveFriction(Study):
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
         """Return how many numbers curves and map have at least: those stored of a slip, and the rollers' speeds."""
-        rollers = assembly.scene.bearing.rollers
         of_rollers = 6 * (self.closure == "free-roller") + 2 * self.per_roller
         surface = float(self.map_points) * max(2 * self.map_points - 1, 0)
         return {
-            "points": float(self.points) * (16 + of_rollers * rollers),
+            "points": float(self.points) * (16 + of_rollers * assembly.scene.bearing.rollers),
             "map_points": 8.0 * surface,
         }
 

@@ -99,8 +99,9 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
         rolled = [all_rollers(2.0 * resistance[i] * rolling[i]) for i in range(len(RINGS))]
         losses += _rolling_losses(balance, orbit, balance.drags.resistance, rolled)
     if balance.drags.pocket_friction is not None:
-        name = balance.drags.pocket_friction.name
-        losses.append(Loss(name, "pocket", all_rollers(pocket * spin)))
+        losses.append(
+            Loss(balance.drags.pocket_friction.name, "pocket", all_rollers(pocket * spin))
+        )
     if balance.assembly.scene.models.neighbour_friction is not None:
         losses.append(Loss("rubbing of neighbours", "pocket", all_rollers(pocket * spin)))
     torques = [all_rollers(torque) for torque in ring_torques]  # on inner and outer ring

@@ -572,9 +572,11 @@ def _reserve_to_onset(
         return Reserve(onset.drag / drag, Status.FOUND)
     if math.isnan(onset.max_torque):
         return Reserve(math.nan, onset.status)
-    end = balance.loading_branch(max_slip).end
     factor = onset.max_torque / max(runs.drag, -balance.drag(0.0))
-    return Reserve(max(factor, 1.0), f"{Status.AT_LEAST}: no skidding up to a slip of {end:.4g}")
+    return Reserve(
+        max(factor, 1.0),
+        f"{Status.AT_LEAST}: no skidding up to a slip of {balance.loading_branch(max_slip).end:.4g}",
+    )
 
 
 def describe_near_skidding(assembly: Assembly, slip: float) -> str:

@@ -362,7 +362,6 @@ class ThermalBalance(Study):
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return variables and coordinates of the balances, the excess heat, the limit and the course over time."""
-        model = heated.model
         curve, temperatures, balances = self._search(heated)
         status = Status.FOUND.value if balances else self._reason_without_balance(heated, curve)
         stationary = next((balance for balance in balances if balance.stable), None)
@@ -375,7 +374,9 @@ class ThermalBalance(Study):
         if stationary is None:
             if balances:
                 status = _NONE_STABLE
-            variables |= self._stationary(np.full(len(model.nodes), np.nan), State(np.nan), status)
+            variables |= self._stationary(
+                np.full(len(heated.model.nodes), np.nan), State(np.nan), status
+            )
             variables |= self.variables(
                 heat_margin=np.nan,
                 limit_temperature=np.nan,
