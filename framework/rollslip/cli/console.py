@@ -20,7 +20,7 @@ from rollslip.cli.app import terminal
 from rollslip.cli.units import with_units
 from rollslip.results.accounts import account_of
 from rollslip.results.answer import COLOURS, Answer, Verdict
-from rollslip.results.text import confidence, describe_law_outputs, first_line
+from rollslip.results.text import confidence, describe_law_outputs, first_line, in_brackets
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import scene_hash
@@ -449,7 +449,7 @@ def scene_info(scene: Scene) -> Groups:
     grades = assembly.lubricant.grades
 
     def graded(key: str) -> str:
-        return f" ({grades[key]})" if key in grades else ""
+        return in_brackets(grades.get(key, ""))
 
     for raceway, u, load in zip(
         assembly.raceways,

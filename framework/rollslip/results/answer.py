@@ -22,7 +22,14 @@ import attrs
 
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import xr
-from rollslip.results.text import force_unit, format_plain, percent, python_call, two_digits
+from rollslip.results.text import (
+    force_unit,
+    format_plain,
+    in_brackets,
+    percent,
+    python_call,
+    two_digits,
+)
 from rollslip.units import converted, shown_unit
 
 __all__ = [
@@ -657,7 +664,7 @@ def summarise_notes(notes: Iterable[Note], more: str = "") -> str:
     every = list(notes)
     if not every:
         return ""
-    hint = f" ({more})" if more else ""
+    hint = in_brackets(more)
     if all(note.changes is None for note in every):
         codes = list(dict.fromkeys(note.code or note.short for note in every))
         return f"{len(codes)} on laws outside their range: {' '.join(codes)}{hint}"

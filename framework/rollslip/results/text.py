@@ -13,6 +13,7 @@ import numpy as np
 from rollslip.results.curves import Curves
 from rollslip.results.curves import percent as three_digits
 from rollslip.results.dataset import xr
+from rollslip.toml import as_list
 from rollslip.units import UnitError, format_quantity
 
 __all__ = [
@@ -583,6 +584,11 @@ def python_call(command: str) -> str:
     return f"rollslip.report({call})" if "--report" in flags else call
 
 
+def in_brackets(text: str) -> str:
+    """Return a text in round brackets that follows a word, after a space; empty for an empty text."""
+    return f" ({text})" if text else ""
+
+
 def html_table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> str:
     """Return a table in HTML whose first column names its rows; empty if it has no rows.
 
@@ -608,5 +614,5 @@ def html_table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: s
 
 def _cell(cell: object, head: str) -> str:
     """Return a cell with the heading of its column as an attribute, which narrow screens show before the cell."""
-    lines = "<br/>".join(escape(str(item)) for item in (cell if isinstance(cell, list) else [cell]))
+    lines = "<br/>".join(escape(str(item)) for item in as_list(cell))
     return f'<td data-of="{escape(head)}">{lines}</td>' if lines else "<td></td>"

@@ -30,6 +30,7 @@ from rollslip.scene.reading import from_raw
 from rollslip.scene.schema import schema
 from rollslip.scene.values import Scene
 from rollslip.structure import raise_problems, resolved, scene_hash
+from rollslip.toml import as_list
 from rollslip.units import as_written
 
 if TYPE_CHECKING:
@@ -166,7 +167,7 @@ def _read_quantity(value: Mapping[str, Any], key: str, source: str, problems: li
     """Return a number, or a list of numbers, with unit: plain in SI units, a text in others."""
     number = value["value"]
     unit = value["unit"]
-    numbers = number if isinstance(number, list) else [number]
+    numbers = as_list(number)
     are_numbers = all(
         isinstance(x, int | float) and not isinstance(x, bool) and _finite(x) for x in numbers
     )

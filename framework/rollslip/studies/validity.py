@@ -447,9 +447,9 @@ def validity_messages(
     """
     messages = list[ValidityMessage]()
     for excess in sorted(excesses, key=lambda each: (each.is_common, -each.severity)):
-        if excess.fraction < REPORTED_FROM:
-            continue
-        if difference is not None and _is_of_approximation(excess, difference):
+        if excess.fraction < REPORTED_FROM or (
+            difference is not None and _is_of_approximation(excess, difference)
+        ):
             continue
         bound = describe_bound(excess.validity)
         messages.append(

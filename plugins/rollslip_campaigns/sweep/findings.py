@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rollslip.results.account import Account, SpreadsheetRows, Table
 from rollslip.results.dataset import STATUS_VARIABLE, UNITS, xr
 from rollslip.results.table import sheet
-from rollslip.results.text import format_plain, in_percent, two_digits, with_unit
+from rollslip.results.text import format_plain, in_brackets, in_percent, two_digits, with_unit
 
 __all__ = [
     "SweepAccount",
@@ -57,7 +57,7 @@ class SweepAccount(Account):
                     for statistic in ("smallest", "largest", "median")
                 )
                 extent = f"{smallest} to {largest}, median {median}"
-            why = f" ({row['why']})" if row["why"] else ""
+            why = in_brackets(row["why"])
             label = f"{name}{closure_note(dataset)}" if name.startswith("critical_") else name
             values = f"{row['values']} value{'s' * (row['values'] != 1)}"
             lines.append(f"{label}: {extent}; {values}, {row['missing']} without one{why}")

@@ -17,7 +17,7 @@ import os
 import sqlite3
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
 from functools import lru_cache
 from hashlib import sha256
 from itertools import islice
@@ -155,34 +155,29 @@ class Journal:
 
     def write(self, rows: Iterable[Row]) -> None:
         """Commit rows in one transaction; when this method returns, they are on the disk."""
-        with _blamed(self.path):
+        # the connection commits at the end of the block, and rolls back after an error
+        with _blamed(self.path), self._connection:
             self._connection.execute("begin immediate")
-            try:
-                now = self._now()
-                for row in rows:
-                    layout_name = _name_of(row.layout)
-                    self._connection.execute(
-                        "insert or ignore into layout values (?, ?)", (layout_name, row.layout)
-                    )
-                    values = (
-                        row.number,
-                        row.key,
-                        row.status,
-                        row.message,
-                        row.seconds,
-                        now,
-                        layout_name,
-                        row.texts,
-                    )
-                    self._connection.execute(
-                        "insert into point values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                        (*values, row.numbers, _checksum(values, row.numbers)),
-                    )
-                self._connection.execute("commit")
-            except BaseException:
-                if self._connection.in_transaction:  # a full disk may have ended the transaction
-                    self._connection.execute("rollback")
-                raise
+            now = self._now()
+            for row in rows:
+                layout_name = _name_of(row.layout)
+                self._connection.execute(
+                    "insert or ignore into layout values (?, ?)", (layout_name, row.layout)
+                )
+                values = (
+                    row.number,
+                    row.key,
+                    row.status,
+                    row.message,
+                    row.seconds,
+                    now,
+                    layout_name,
+                    row.texts,
+                )
+                self._connection.execute(
+                    "insert into point values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                    (*values, row.numbers, _checksum(values, row.numbers)),
+                )
 
     def close(self, ending: str) -> None:
         """Store how the writer ended ("complete", "interrupted" or an error), and close the file."""
@@ -192,7 +187,7 @@ class Journal:
             self._connection.close()
 
 
-class StoredValues:
+class StoredValues(AbstractContextManager["StoredValues"]):
     """Values by number in a journal, for campaigns that are not sweeps; those of earlier runs are read from the folder.
 
     Parameters
@@ -232,12 +227,8 @@ class StoredValues:
         self._journal.write([Row(number, status="ok", texts=json.dumps(value))])
         self.values[number] = value
 
-    def __enter__(self) -> "StoredValues":
-        """Return this object; its journal is closed when the block ends."""
-        return self
-
     def __exit__(self, *_: object) -> None:
-        """Close the journal."""
+        """Close the journal when the block ends."""
         self._journal.close("complete")
 
 

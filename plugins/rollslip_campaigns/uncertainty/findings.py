@@ -301,9 +301,11 @@ class UncertaintyAccount(Account):
 def _nominal_note(dataset: "xr.Dataset", name: str, median: float) -> str:
     """Return the value of a quantity at the values of the scene, that of `rollslip run`; empty near the median."""
     nominal = json.loads(dataset.attrs.get("nominal", "{}")).get(name)
-    if nominal is None or not 0.0 < median < math.inf:
-        return ""
-    if max(nominal, median) <= _DIFFERS * min(nominal, median):
+    if (
+        nominal is None
+        or not 0.0 < median < math.inf
+        or max(nominal, median) <= _DIFFERS * min(nominal, median)
+    ):
         return ""
     return f", {_format_value(name, nominal)} at the values of the scene"
 

@@ -9,6 +9,7 @@ import numpy as np
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
+from rollslip.results.text import in_brackets
 from rollslip.units import format_quantity
 
 __all__ = ["RankingAccount", "better"]
@@ -139,7 +140,7 @@ class RankingAccount(Account):
                 [
                     law["law"],
                     error + (f" ({low:.3g} to {high:.3g})" if math.isfinite(low) else ""),
-                    str(law["parameters"]) + (f" ({law['fitted']})" if law["fitted"] else ""),
+                    str(law["parameters"]) + in_brackets(law["fitted"]),
                     format_quantity(law["seconds"], "s", 2)
                     if math.isfinite(law["seconds"])
                     else "not known",

@@ -104,9 +104,7 @@ def read_designation(written: str) -> Designation | None:
     """
     number = _NUMBER.fullmatch(packed(written))
     tail = None if number is None else _TAIL.fullmatch(number["tail"])
-    if number is None or tail is None:
-        return None
-    if tail["first"] and tail["group"]:
+    if number is None or tail is None or (tail["first"] and tail["group"]):
         return None
     cage = None
     group = tail["first"] or tail["group"]

@@ -568,9 +568,8 @@ class Dynamics(Study):
             times[stored_times:],
             rtol=self.relative_tolerance,
             stop=stop,
-            first_step=0.0 if before is None else before.last_step,
-            state=None if before is None else before.last_state,
             save=save,
+            **_continued(before),
         )
         found = with_cause(found, moving)
         return found if before is None else before.join(found)
@@ -600,8 +599,7 @@ class Dynamics(Study):
             self.method(moving.assembly),
             times,
             rtol=tolerance,
-            first_step=0.0 if before is None else before.last_step,
-            state=None if before is None else before.last_state,
+            **_continued(before),
         )
         if (
             found.outcome == "interrupted"
@@ -784,3 +782,8 @@ class Dynamics(Study):
                 **found.diagnostics,
             },
         )
+
+
+def _continued(before: Trajectory | None) -> dict[str, Any]:
+    """Return the arguments of `integrate` by which a run takes the steps that an earlier motion would have taken."""
+    return {} if before is None else {"first_step": before.last_step, "state": before.last_state}

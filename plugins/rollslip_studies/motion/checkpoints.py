@@ -108,8 +108,7 @@ class Checkpoints(Store):
                     t=file["t"],
                     y=file["y"],
                     last_y=file["last_y"],
-                    # parts of older versions have no state of the solver
-                    last_state=file["last_state"] if "last_state" in file else np.zeros(0),
+                    last_state=file["last_state"],
                     events=tuple(Event(float(t), int(k), bool(up)) for t, k, up in file["events"]),
                     outcome="interrupted",
                     message="",

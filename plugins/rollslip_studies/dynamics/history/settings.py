@@ -449,9 +449,8 @@ class History:
         """Return whether the ratio of the ring speeds is constant, or one ring is at rest."""
         inner = self.courses["inner_speed"]
         outer = self.courses["outer_speed"]
-        if (0.0, 0.0) in (self.spans["inner_speed"], self.spans["outer_speed"]):
-            return True
-        if not {"inner_speed", "outer_speed"} & {*self.varies}:
+        stands = (0.0, 0.0) in (self.spans["inner_speed"], self.spans["outer_speed"])
+        if stands or not {"inner_speed", "outer_speed"} & {*self.varies}:
             return True
         t = np.union1d(np.linspace(0.0, self.end, 1001), [*inner.breaks, *outer.breaks])
         w_i = inner.at(t)
