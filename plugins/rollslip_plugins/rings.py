@@ -216,18 +216,6 @@ def _size(doc: str, **more: Any) -> Any:
     )
 
 
-def _modulus(of: str) -> Any:
-    """Return an optional parameter for Young's modulus."""
-    return parameter(
-        default=None,
-        unit="Pa",
-        doc=f"Young's modulus of {of}, by default that of bearing.mounting, or of the rings",
-        validator=attrs.validators.optional(positive),
-        usual=(1e9, 500e9),
-        possible=(1e3, 2e12),
-    )
-
-
 def _damping() -> Any:
     """Return the parameter for the damping ratio."""
     return parameter(
@@ -323,7 +311,14 @@ class Annulus(RingModel):
     width: float | None = _size(
         "width of ring and seat; by default that of the catalogue, or 1.8 times the rollers (D)"
     )
-    modulus: float | None = _modulus("housing or shaft")
+    modulus: float | None = parameter(
+        default=None,
+        unit="Pa",
+        doc="Young's modulus of housing or shaft, by default that of bearing.mounting, or of the rings",
+        validator=attrs.validators.optional(positive),
+        usual=(1e9, 500e9),
+        possible=(1e3, 2e12),
+    )
     poisson_ratio: float | None = parameter(
         default=None,
         unit="1",

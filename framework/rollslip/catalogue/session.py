@@ -172,7 +172,7 @@ def model(
     column = _COLUMN[kind]
     blame = f"{kind} {name!r} cannot be registered"
     limits = _limits(kind, reads, domain, blame)
-    declared = {} if parameters is None else dict(parameters)
+    declared = dict(parameters or {})
     types_by_name = _types(declared)
     if wrong := [parameter for parameter, cls in types_by_name.items() if cls is None]:
         raise PluginError(

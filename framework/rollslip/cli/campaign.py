@@ -79,7 +79,7 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
     def with_campaign(changes: tuple[str, ...] = (), **given: Any) -> None:
         settings = {name: given.pop(name) for name in names & given.keys()}
         first = settings[arguments[0].name]
-        about = ", ".join(map(str, first)) if isinstance(first, tuple) else str(first)
+        about = ", ".join(map(str, as_list(first)))
         if issubclass(cls, OfScene):
             over = settings.get("over") or ()
             settings["scene"] = scene_of(

@@ -25,6 +25,7 @@ from rollslip.results.answer import RULES
 from rollslip.scene.schema import shown_range
 from rollslip.structure import fields_of, resolved
 from rollslip.studies.validity import APPROXIMATION, describe_bound
+from rollslip.toml import as_list
 from rollslip.units import format_quantity
 
 __all__ = ["explained", "kinds_of", "models_as_dict", "print_models"]
@@ -312,7 +313,7 @@ def _print_model(kind: str, name: str) -> None:
         click.echo(f"equation    {about['equation']}\n")
     for key in ("returns", "regime", "range", "validity", "source"):
         if key in about:
-            value = about[key] if isinstance(about[key], str) else " to ".join(about[key])
+            value = " to ".join(as_list(about[key]))
             click.echo(f"{key:<11} {value}")
     _print_data(kind, name, about)
     _print_law(about)

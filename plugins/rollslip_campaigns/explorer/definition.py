@@ -11,6 +11,7 @@ from rollslip.results.text import short_label
 from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.structure import raise_problems
 from rollslip.studies.study import settings
+from rollslip.toml import as_list
 from rollslip.units import UnitError, check_typed, evenly, shown_unit
 from rollslip_campaigns.explorer import ExplorerSettings
 from rollslip_campaigns.explorer.grid import Dial, Explorer
@@ -52,9 +53,7 @@ def plan_explorer(requested: "ExplorerSettings") -> Explorer:
         if key not in known:
             problems.append(f"{key}: {describe_unknown_key(key, known)}")
         elif known[key].unit is None:
-            choices[key] = (
-                tuple(map(str, value)) if isinstance(value, list | tuple) else (str(value),)
-            )
+            choices[key] = tuple(map(str, as_list(value)))
         else:
             try:
                 dials.append(

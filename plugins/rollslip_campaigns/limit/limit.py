@@ -41,6 +41,7 @@ from rollslip.structure import FrozenTable, raise_problem_if
 from rollslip.studies.bounds import exceeding
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
+from rollslip.toml import as_list
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
 from rollslip_campaigns.limit import LimitSettings
 from rollslip_campaigns.limit.search import (
@@ -175,7 +176,7 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     quantity = _searched_quantity(quantities(assembly, settings(base, name)), requested_key)
     key = quantity.key
     if not isinstance(text, str):  # a text may be marked as typed, which str() would lose
-        text = ",".join(map(str, text)) if isinstance(text, list) else str(text)
+        text = ",".join(map(str, as_list(text)))
     try:
         span, count, logarithmic = _range(quantity, text)
     except RollslipError as error:

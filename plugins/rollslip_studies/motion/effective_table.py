@@ -41,6 +41,7 @@ from rollslip.bearing.critical import Critical, Curve, find_critical_slips
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
+from rollslip.results.curves import or_none
 from rollslip_kernels.motion import raceway as compiled
 
 # Effects of half and twice a value were measured on 16 curves of shipped scenes, tolerances 1e-3 and 1e-5.
@@ -119,7 +120,7 @@ class EffectiveTable:
             name: getattr(self, name)
             for name in ("error", "slope_error", "critical_speed", "critical_error")
         }
-        known = {name: value if math.isfinite(value) else None for name, value in values.items()}
+        known = {name: or_none(value) for name, value in values.items()}
         return {"nodes": [len(self.nodes)], **known}
 
     @property

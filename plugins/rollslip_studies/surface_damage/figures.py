@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rollslip.bearing.raceway import RINGS
 from rollslip.results.dataset import xr
 from rollslip.results.style import DASHES, RING_COLOURS, ROW, SINGLE_COLUMN, Sheet, unit_label
 from rollslip.units import converted, shown_unit
@@ -111,7 +112,7 @@ def _draw(
                 x,
                 convert(row),
                 color=RING_COLOURS[ring],
-                linestyle=DASHES[0 if ring == "inner" else 1],
+                linestyle=DASHES[RINGS.index(ring)],
                 label=f"{ring} ring, {value}".replace("degC", "°C").replace("m2", "m²"),
             )
     if not is_largest:  # large values, of contacts that hardly touch, would hide the worst
