@@ -332,8 +332,7 @@ class Assembly:
     @property
     def carrying_clearance(self) -> float:
         """Radial clearance less the gaps at which contacts begin to carry, on both sides of the bearing [m]."""
-        gaps = self.inner.gap + self.outer.gap
-        return self.scene.bearing.radial_clearance - 2.0 * gaps
+        return self.scene.bearing.radial_clearance - 2.0 * (self.inner.gap + self.outer.gap)
 
     def load_case(self, n_positions: int, centrifugal_force: float = 0.0) -> LoadCase:
         """Return the input of the equilibrium at positions over one pitch, with a centrifugal force per roller [N]."""

@@ -279,12 +279,11 @@ def oil_supply(scene: Scene, lubricant: Lubricant) -> OilSupply:
     o = scene.operation
     density = DENSITY if lubricant.density is None else lubricant.density(o.temperature)
     b = scene.bearing
-    speed = o.inner_speed - o.outer_speed
     return OilSupply.from_lubrication(
         scene.lubrication,
         b.boundaries,
         b.roller_diameter,
-        speed,
+        o.inner_speed - o.outer_speed,
         _viscosity(scene, lubricant) / density,
     )
 

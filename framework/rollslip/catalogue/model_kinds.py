@@ -32,13 +32,12 @@ def _columns_fault(law: Any) -> str:
 
 def _law(name: str, base: Any, hook: str, template: Template | None = None) -> Kind:
     """Return a kind of laws with a compiled form."""
-    from_scene = base is not PressureViscosity
     return Kind(
         name=name,
         hook=hook,
         base=base,
         template=template,
-        from_scene=from_scene,
+        from_scene=base is not PressureViscosity,
         check=_columns_fault,
     )
 

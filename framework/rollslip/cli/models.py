@@ -61,8 +61,7 @@ def print_models(what: str | None) -> None:
             "'rollslip models NAME' shows equation, parameters, domain and references of one"
         )
     elif what in offered_kinds():
-        rows = list(map(_summary, _all_offers(what)))
-        print_table(("name", "package", "what it is"), rows)
+        print_table(("name", "package", "what it is"), list(map(_summary, _all_offers(what))))
     else:
         for kind in kinds_of(what):
             _print_model(kind, what)

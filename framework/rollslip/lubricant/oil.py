@@ -244,8 +244,7 @@ class Lubricant:
             for key, value in self.models.items()
             if key in known and not isinstance(value, Mapping)
         }
-        own = self.models.get(law, {})
-        return {**shared, **as_table(own)}
+        return {**shared, **as_table(self.models.get(law))}
 
     @property
     def slopes(self) -> dict[str, float]:

@@ -150,11 +150,6 @@ def extract_friction(table: Slices) -> dict[str, Array]:
     return {"friction": table.friction.copy()}
 
 
-def law_with_regimes(tractions: Sequence[TractionModel]) -> TractionModel | None:
-    """Return the first law of the full film that states criteria of its regimes; None if none does."""
-    return next((traction.full_film for traction in tractions if traction.full_film.regimes), None)
-
-
 def extract_criteria(law: TractionModel | None) -> Extract:
     """Return a function that extracts friction, film and the criteria of a law; NaN where data are missing."""
 

@@ -47,7 +47,6 @@ from rollslip_campaigns.comparison.attribution import (
     attribute_differences,
     extract_criteria,
     extract_friction,
-    law_with_regimes,
     seconds_per_slice,
 )
 from rollslip_campaigns.comparison.choices import (
@@ -317,7 +316,8 @@ def run_comparison(
     # without the reference the slices of another combination serve to measure the cost
     standard = reference if reference in done else next(iter(done))
     work = EvaluatedSlices.from_result(plans[standard], comparison.study, done[standard])
-    law = law_with_regimes([plans[label].assembly.traction for label in (standard, *done)])
+    laws = (plans[label].assembly.traction.full_film for label in (standard, *done))
+    law = next((law for law in laws if law.regimes), None)  # states criteria of its regimes
     columns = dict[str, dict[str, list[Array]]]()
     times = dict[str, Array]()
     for k, label in enumerate(done):

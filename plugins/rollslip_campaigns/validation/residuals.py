@@ -157,8 +157,7 @@ def _row(
         # quantiles of the normal distribution in the middle of intervals of equal probability
         quantiles = ndtri((np.arange(_ERROR_QUANTILES) + 0.5) / _ERROR_QUANTILES)
         measured = row.measured + row.uncertainty * quantiles
-        differences = (known[:, None] - measured[None, :]).ravel()
-        low, high = _quantiles(differences)
+        low, high = _quantiles((known[:, None] - measured[None, :]).ravel())
         verdict = INSIDE if low <= 0.0 <= high else OUTSIDE
         if value.reason and math.isfinite(value.value):  # another kind than was measured
             verdict = UNDETERMINED

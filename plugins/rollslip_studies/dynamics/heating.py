@@ -256,20 +256,6 @@ def solve_temperatures(
     )
 
 
-def run_fraction(heating: Heating | None, motion_fraction: float) -> float:
-    """Return the fraction of a run that is done, with its earlier passes, from that of its last motion.
-
-    Parameters
-    ----------
-    heating : Heating or None
-        The temperatures, with the number of passes; None without any.
-    motion_fraction : float
-        Fraction of the last motion that is done.
-    """
-    before = 0 if heating is None else heating.passes
-    return (before + motion_fraction) / (before + 1)
-
-
 def _anderson_step(guesses: list[Array], changes: list[Array]) -> Array:
     """Return the temperatures of the next pass by Anderson acceleration, from earlier ones and their changes."""
     new = guesses[-1] + changes[-1]

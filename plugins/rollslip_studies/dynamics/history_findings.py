@@ -76,8 +76,7 @@ def time_beyond(dataset: "xr.Dataset") -> float:
         crossing = np.maximum(start, end) / np.abs(end - start)
         fraction = np.where(start * end < 0.0, crossing, (start + end) > 0.0)
     known = np.isfinite(start) & np.isfinite(end)
-    durations = np.diff(dataset["time"].to_numpy())
-    return float(np.sum(np.where(known, fraction, 0.0) * durations))
+    return float(np.sum(np.where(known, fraction, 0.0) * np.diff(dataset["time"].to_numpy())))
 
 
 def sliding_distance(dataset: "xr.Dataset") -> dict[str, Array]:

@@ -552,9 +552,10 @@ class Dynamics(Study):
                 store.write(stored_parts + number, trajectory)
             if context.progress is not None:
                 t = trajectory.last_t
+                passes = 0 if heat is None else heat.passes
                 context.progress(
                     f"{t:.4g} of {self.duration:.4g} s",
-                    heating.run_fraction(heat, t / self.duration),
+                    (passes + t / self.duration) / (passes + 1),
                 )
 
         found = integrate(

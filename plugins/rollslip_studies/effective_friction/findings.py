@@ -79,9 +79,8 @@ class EffectiveFrictionAccount(PlainAccount):
         if "steady_cage_slip" not in dataset:
             return Answer(commands=next_of_others(dataset))
         slip = dataset["steady_cage_slip"].item()
-        status = dataset["steady_status"].item()
         rows = [
-            _slip_row(dataset, slip, str(status)),
+            _slip_row(dataset, slip, str(dataset["steady_status"].item())),
             UNCOMPUTED_MINIMUM_LOAD,
         ]
         if "drag_reserve" in dataset:

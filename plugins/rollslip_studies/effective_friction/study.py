@@ -484,8 +484,7 @@ class EffectiveFriction(Study):
         slip = slip_grid(self.max_cage_slip, self.points)
         raceways = self.loaded(assembly, n_positions)
         curves = raceways.evaluated(raceways.speeds(slip))
-        critical = raceways.critical(slip, curves[0])
-        return self._dataset(assembly, raceways, slip, curves, critical)
+        return self._dataset(assembly, raceways, slip, curves, raceways.critical(slip, curves[0]))
 
     @property
     def slip_range(self) -> float:

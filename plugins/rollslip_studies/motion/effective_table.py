@@ -330,10 +330,9 @@ def _with_stated_errors(table: EffectiveTable, features: _Features) -> Effective
     slope = float(table.nodes[middle, 1]) * middle / (limit * table.sliding_scale)
     largest = int(np.argmax(table.nodes[middle:, 0]))
     speed = float(_sliding_speed(np.array(limit * largest / middle), table.sliding_scale))
-    height = float(table.nodes[middle + largest, 0])
     error = max(  # NaN without a critical speed
         _relative_difference(speed, features.critical.slip),
-        _relative_difference(height, features.critical.friction),
+        _relative_difference(float(table.nodes[middle + largest, 0]), features.critical.friction),
     )
     return attrs.evolve(
         table,

@@ -67,8 +67,7 @@ def _along(known: "list[xr.Dataset]") -> "Figure":
 def over_time(dataset: "xr.Dataset") -> "Figure":
     """Draw the worst value of each measure over the time of a motion, by ring."""
     time = dataset["measured_time"].to_numpy()
-    known = _with_values(dataset)
-    return _panels(known, "worst_over_time", time, "Time [s]", with_limit=True)
+    return _panels(_with_values(dataset), "worst_over_time", time, "Time [s]", with_limit=True)
 
 
 def _panels(
