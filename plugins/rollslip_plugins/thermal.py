@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
+from typing import Any, ClassVar, Final, Self
 
 import attrs
 import numpy as np
 
+from rollslip.bearing.assembly import Assembly
 from rollslip.errors import SceneError
 from rollslip.fields import in_range, non_negative, parameter, positive
 from rollslip.references import Reference
@@ -17,9 +18,6 @@ from rollslip.search import Array
 from rollslip.structure import Location
 from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip_plugins.bibliography import HARRIS_2007, ISO_15312, PALMGREN_1959
-
-if TYPE_CHECKING:
-    from rollslip.bearing.assembly import Assembly
 
 #: Heat flux through the seats at the reference conditions of ISO 15312 [W/m2]; estimated conductances between rings and
 #: surroundings are proportional to it.

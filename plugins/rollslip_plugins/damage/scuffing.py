@@ -2,20 +2,18 @@
 
 import math
 from statistics import NormalDist
-from typing import TYPE_CHECKING, ClassVar, Final, Self
+from typing import ClassVar, Final, Self
 
 import attrs
 
+from rollslip.bearing.assembly import Assembly
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import choice_of, in_range, parameter, positive
+from rollslip.lubricant import Lubricant
 from rollslip.references import Reference
 from rollslip.structure import Location
 from rollslip_plugins.bibliography import AGMA_925, BLOK_1937, ISO_13989
 from rollslip_plugins.damage.flash import BulkAndFlash
-
-if TYPE_CHECKING:
-    from rollslip.bearing.assembly import Assembly
-    from rollslip.lubricant import Lubricant
 
 __all__ = ["ScuffingAgma", "ScuffingIso"]
 

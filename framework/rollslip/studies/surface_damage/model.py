@@ -10,12 +10,14 @@ import abc
 import json
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self
+from typing import Any, ClassVar, Final, Literal, Self
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import Ring
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Material
@@ -27,10 +29,6 @@ from rollslip.search import Array
 from rollslip.structure import Location
 from rollslip.studies.answers import Output, Part
 from rollslip_kernels.slices import Slices
-
-if TYPE_CHECKING:
-    from rollslip.bearing.assembly import Assembly
-    from rollslip.bearing.raceway import Ring
 
 __all__ = [
     "DAMAGE",

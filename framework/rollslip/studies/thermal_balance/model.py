@@ -10,10 +10,11 @@
 import abc
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Self, cast
+from typing import Any, Final, Self, cast
 
 import attrs
 
+from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import right_model
 from rollslip.references import CitedModel
@@ -21,9 +22,6 @@ from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import Location
 from rollslip.units import format_quantity
-
-if TYPE_CHECKING:
-    from rollslip.bearing.assembly import Assembly
 
 __all__ = ["PLACES", "ROLES", "THERMAL", "ThermalModel", "from_bearing", "thermal_model"]
 
