@@ -24,6 +24,7 @@ pytestmark = pytest.mark.quick
 
 REPOSITORY = Path(__file__).parents[2]
 GEARBOX = load_scene("gearbox")
+#: Mean speed of the surfaces [m/s].
 SPEED = 5.0
 #: Film h(w) = 4.895 eta u R/w of a rigid, isoviscous contact with Reynolds's condition at the exit (Martin 1916).
 MARTIN = 4.895

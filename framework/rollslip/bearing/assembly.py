@@ -449,8 +449,7 @@ def assemble(
     if like is not None and _has_same_loads(scene, resolution, like):
         if (changed := _with_changed_oil(scene, like, where)) is not None:
             return changed
-        if like.inner.gap == 0.0:
-            load_cache = like.load_cache
+        load_cache = _shared_loads(like)
     problems: list[str] = []
     lubricant = _lubricant(scene, where, problems)
     models = _structure_models(scene, lubricant, where, problems)
@@ -614,9 +613,7 @@ def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> 
         )
         for raceway in like.raceways
     )
-    load_cache = like.load_cache
-    if inner.gap > 0.0:  # loads depend on the film, and so on the oil
-        load_cache = {}
+    if inner.gap > 0.0:
         inner, outer = (
             Raceway(
                 raceway.ring,
@@ -643,10 +640,15 @@ def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> 
         lubricant=oil,
         inner=inner,
         outer=outer,
-        load_cache=load_cache,
+        load_cache=_shared_loads(like),
         map_cache={},
         cage_cache={} if read is None else {"read": read},
     )
+
+
+def _shared_loads(like: Assembly) -> dict[tuple[Hashable, ...], Any]:
+    """Return the cache of loads for an assembly with another oil: an own one where loads depend on films."""
+    return {} if like.inner.gap > 0.0 else like.load_cache
 
 
 def _deflection(

@@ -42,12 +42,13 @@ _FAST = 5e5
 _FAST_FRACTION = 0.03
 #: Oil on both surfaces together that limits no film [m]. Doubling it changes nothing. Chosen: it exceeds all gaps.
 PLENTY: Final = 1.0
-#: Oil on both surfaces together before a contact, where oil is plentiful, where it is thrown, and where it is scarce
-#: [m] (D). Chosen: with 2 to 10 um rollers resist as much as SKF's formula of the friction torque has it; without
-#: supply a layer halves with each roller that passes, and ends at the films that rollers bring from the loaded zone,
-#: 0.3 to 2 um.
+#: Oil on both surfaces together before a contact where oil is plentiful [m] (D). Chosen: with 2 to 10 um rollers resist
+#: as much as SKF's formula of the friction torque has it.
 _PLENTIFUL_LAYER: Final = 5e-6
+#: The same where oil is thrown [m] (D). Chosen: between the other two.
 _THROWN_LAYER: Final = 3e-6
+#: The same where oil is scarce [m] (D). Chosen: without supply a layer halves with each roller that passes, and ends at
+#: the films that rollers bring from the loaded zone, 0.3 to 2 um.
 _SCARCE_LAYER: Final = 1e-6
 
 

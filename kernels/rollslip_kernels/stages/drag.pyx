@@ -181,8 +181,8 @@ cdef int _total_resistance(const rs_slices *s, const void *params) noexcept nogi
 def rolling_resistance(double factor, double reach, double layer, bint heated):
     """Return the stage of hydrodynamic rolling resistance: a factor on it, and where its inlet begins.
 
-    ``reach`` is in Hertz widths and films, infinite for a flooded inlet; ``layer`` is the oil before the contact in m, 1
-    for plenty. ``heated`` asks for the factor of Murch and Wilson.
+    ``reach`` is in Hertz widths and films, infinite for a flooded inlet; ``layer`` is the oil before the contact in m,
+    1 for plenty. ``heated`` asks for the factor of Murch and Wilson.
     """
     cdef film_params q = film_params(factor, 1.0 / reach, layer if layer < 1.0 else 0.0, heated)
     return rs_new_model(rs_active_blocks().rolling_resistance, &q, sizeof(q), None)
