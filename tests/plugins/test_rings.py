@@ -769,7 +769,7 @@ def test_a_mirrored_form_under_a_mirrored_rotation_gives_the_same_slip(study):
         made = scene(**{
             "bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "8 um", "angle": angle}],
             "bearing.radial_clearance": "5 um", "operation.inner_speed": speed, "accuracy.tolerance": 0.05,
-            "study.dynamics": {
+            "models.approach": "dry", "study.dynamics": {
                 "level": "planar" if study == "planar" else "cage-set", "duration": "4 ms", "points": 5,
                 "friction": "conventional", "integrator": "rk45", "planar": {"inner_ring_mass": "5 kg"},
             },

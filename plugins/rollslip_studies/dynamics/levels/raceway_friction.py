@@ -45,10 +45,9 @@ _AT_EVERY_STEP: Final = "at every step"
 DEFLECTION_FORCE_FACTOR = 10.0
 #: Force, relative to the usual one, from which on friction is tabulated. Below it the chain of laws is evaluated:
 #: rollers pass such forces only where they enter and leave the loaded zone. At 1e-6 the same motion of 'gearbox' takes
-#: 2.5 times as long, for nodes between the kinks at which slices begin to carry load. At half the value they leave
-#: one of six bearings without a table of 1 %: 1 s of its motion takes 664 s, not 23 s, for a slip that differs by 6e-4.
-#: Twice the value changes slips by up to 1.2e-3.
-_MIN_FORCE = 2e-2
+#: 2.5 times as long, for nodes between the kinks at which slices begin to carry load; a tenth leaves bearings without a
+#: table, twice the value does in others. Chosen.
+_MIN_FORCE = 1e-2
 #: Lower bound of the force that the error of friction is relative to, over the usual one. Halving it requires smaller
 #: absolute errors of light contacts, whose friction hardly counts. Chosen.
 _LIGHT_FORCE = 1e-2
