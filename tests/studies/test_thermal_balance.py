@@ -7,6 +7,7 @@ import attrs
 import mpmath
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.linalg import expm
 
 from loading_branch_scenes import catalogue
@@ -22,6 +23,7 @@ from rollslip.scene.supply import DENSITY
 from rollslip.studies.study import settings
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel
 from rollslip_studies.motion.losses import Loss, PowerBalance
+from rollslip_studies.thermal_balance import findings
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 from rollslip_studies.thermal_balance.figures import thermal_figures
 from rollslip_studies.thermal_balance.study import _describe_jumps
@@ -701,3 +703,9 @@ def test_a_plan_says_which_studies_a_network_does_not_act_in():
     )
     given = plan(evolve(scene, {"models.thermal": "given"}), "steady-slip")
     assert not any("models.thermal" in text for text in given.cost_sentences)
+
+
+def test_a_model_without_a_node_of_the_oil_says_nothing_of_others():
+    """The temperatures of such a model are not those of the oil that the scene states."""
+    balance = xr.Dataset(coords={"node": ["bearing"]}, data_vars={"temperature": ("node", [300.0])})
+    assert findings._others(xr.Dataset(), balance) == ("", "")

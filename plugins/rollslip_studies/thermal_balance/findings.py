@@ -200,6 +200,8 @@ def _given(dataset: "xr.Dataset") -> str:
 def _others(dataset: "xr.Dataset", balance: "xr.Dataset") -> tuple[str, str]:
     """Return the oil temperature of the scene, and that others warm or cool it to that; empty where both are near.
 
+    Both are empty where the thermal model has no node for the oil.
+
     Parameters
     ----------
     dataset : Dataset
@@ -207,6 +209,8 @@ def _others(dataset: "xr.Dataset", balance: "xr.Dataset") -> tuple[str, str]:
     balance : Dataset
         Its coldest stable balance.
     """
+    if "oil" not in balance["node"].to_numpy():
+        return "", ""
     given = float(dataset["given_temperature"].sel(part="oil"))
     alone = float(balance["temperature"].sel(node="oil"))
     act = "warm" if given > alone else "cool"
