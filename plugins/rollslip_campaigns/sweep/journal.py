@@ -155,29 +155,34 @@ class Journal:
 
     def write(self, rows: Iterable[Row]) -> None:
         """Commit rows in one transaction; when this method returns, they are on the disk."""
-        # the connection commits at the end of the block, and rolls back after an error
-        with _blamed(self.path), self._connection:
+        with _blamed(self.path):
             self._connection.execute("begin immediate")
-            now = self._now()
-            for row in rows:
-                layout_name = _name_of(row.layout)
-                self._connection.execute(
-                    "insert or ignore into layout values (?, ?)", (layout_name, row.layout)
-                )
-                values = (
-                    row.number,
-                    row.key,
-                    row.status,
-                    row.message,
-                    row.seconds,
-                    now,
-                    layout_name,
-                    row.texts,
-                )
-                self._connection.execute(
-                    "insert into point values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                    (*values, row.numbers, _checksum(values, row.numbers)),
-                )
+            try:
+                now = self._now()
+                for row in rows:
+                    layout_name = _name_of(row.layout)
+                    self._connection.execute(
+                        "insert or ignore into layout values (?, ?)", (layout_name, row.layout)
+                    )
+                    values = (
+                        row.number,
+                        row.key,
+                        row.status,
+                        row.message,
+                        row.seconds,
+                        now,
+                        layout_name,
+                        row.texts,
+                    )
+                    self._connection.execute(
+                        "insert into point values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                        (*values, row.numbers, _checksum(values, row.numbers)),
+                    )
+                self._connection.execute("commit")
+            except BaseException:
+                if self._connection.in_transaction:  # a full disk may have ended the transaction
+                    self._connection.execute("rollback")
+                raise
 
     def close(self, ending: str) -> None:
         """Store how the writer ended ("complete", "interrupted" or an error), and close the file."""
