@@ -191,7 +191,10 @@ def starved_film(exit_place):
     The pressure is zero where the film begins, at -b, and ends, at c: int (x^2 - c^2)/(1 + x^2)^3 dx = 0.
     """
     c = exit_place
-    pressure = lambda b: quad(lambda x: (x * x - c * c) / (1 + x * x) ** 3, -b, c)[0]  # noqa: E731
+
+    def pressure(start):
+        return quad(lambda x: (x * x - c * c) / (1 + x * x) ** 3, -start, c)[0]
+
     b = brentq(pressure, c * 1.0001, 1e3)
     load = -24 * quad(lambda x: x * (x * x - c * c) / (1 + x * x) ** 3, -b, c)[0]
     return load, math.atan(b) + math.atan(c)

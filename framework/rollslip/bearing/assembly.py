@@ -607,29 +607,17 @@ def _has_same_scene_values(scene: Scene, oil: Lubricant, like: Assembly) -> bool
 
 def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> Assembly:
     """Return the assembly of a scene which differs from another one in the conditions of its contacts alone."""
-    inner, outer = (
-        attrs.evolve(
-            raceway, conditions=_conditions(scene, like.kinematics, oil, raceway.ring, where)
+
+    def changed(raceway: Raceway) -> Raceway:
+        conditions = _conditions(scene, like.kinematics, oil, raceway.ring, where)
+        if raceway.gap == 0.0:
+            return attrs.evolve(raceway, conditions=conditions)
+        law, gap = _deflection(
+            scene, like.models, like.kinematics, oil, conditions, like.resolution.compiled
         )
-        for raceway in like.raceways
-    )
-    if inner.gap > 0.0:
-        inner, outer = (
-            Raceway(
-                raceway.ring,
-                raceway.conditions,
-                raceway.chain,
-                *_deflection(
-                    scene,
-                    like.models,
-                    like.kinematics,
-                    oil,
-                    raceway.conditions,
-                    like.resolution.compiled,
-                ),
-            )
-            for raceway in (inner, outer)
-        )
+        return attrs.evolve(raceway, conditions=conditions, deflection=law, gap=gap)
+
+    inner, outer = map(changed, like.raceways)
     read = like.cage_cache.get("read")
     check_given(
         (*like.inner.deflection.models, *like.inner.chain.models), inner.conditions, oil, where

@@ -1,5 +1,6 @@
 """Rolling resistance of a loaded contact: by the pressure of the oil film, and by elastic hysteresis of steel."""
 
+import abc
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -8,8 +9,8 @@ from typing import ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.fields import Scatter, choice_of, parameter, positive, within_possible
-from rollslip.models import NON_NEGATIVE, POSITIVE, Domain, ResistanceModel, Validity, from_scene
+from rollslip.fields import Scatter, choice_of, parameter, positive
+from rollslip.models import NON_NEGATIVE, POSITIVE, Domain, ResistanceModel, Validity
 from rollslip.references import Reference
 from rollslip.scene.supply import PLENTY
 from rollslip.search import Array
@@ -25,7 +26,13 @@ from rollslip_plugins.bibliography import (
     ZHOU_1991,
 )
 from rollslip_plugins.drag.factor import scattering_factor
-from rollslip_plugins.film.corrections import LAWS, heated_inlet, stated_layer, thermal_load
+from rollslip_plugins.film.corrections import (
+    LAWS,
+    heated_inlet,
+    oil_before_contact,
+    stated_layer,
+    thermal_load,
+)
 from rollslip_plugins.symbols import explained
 
 #: Factor of F = RIGID sqrt(eta u w): int h dp/2 of a parabolic gap that is open to the inlet, with Reynolds's condition
@@ -121,9 +128,9 @@ class _FilmResistance(ResistanceModel):
         a = RIGID * np.sqrt(c.viscosity * slices.rolling_speed * slices.load)
         slices.resistance[...] = factor * a * self._over_rigid(slices)
 
+    @abc.abstractmethod
     def _over_rigid(self, s: Slices) -> Array:
         """Return the resistance of a cold film over that of a rigid, isoviscous one."""
-        raise NotImplementedError
 
 
 def _blend(x: Array, exponent: float) -> Array:
@@ -220,14 +227,7 @@ class RollingResistance(_FilmResistance):
             source="inlets of printed solutions begin at 2.5 to 5.5, and from 2 to flooded torques rise by 1.44",
         ),
     )
-    oil_layer: float = from_scene(
-        "oil_layer",
-        validator=within_possible,
-        doc="oil on both surfaces together before the contact",
-        usual=(1e-8, 1e-3),
-        possible=(1e-12, PLENTY),
-        keywords={"plenty": PLENTY},
-    )
+    oil_layer: float = oil_before_contact()
     factor: float = scattering_factor(
         0.2,
         "makers' own torques differ by 1.7 to 2.4 from each other, of which `reach` scatters a part; a deviation of ln "

@@ -5,7 +5,7 @@ back, the more the faster it runs, and a starved inlet begins nearer to the cont
 """
 
 import math
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -69,6 +69,18 @@ LAWS["gupta"] = {
     "pressure": POSITIVE,
     "modulus": POSITIVE,
 }
+
+
+def oil_before_contact() -> Any:
+    """Declare the layer of oil before a contact, which is taken from the scene where it is not set."""
+    return from_scene(
+        "oil_layer",
+        validator=within_possible,
+        doc="oil on both surfaces together before the contact",
+        usual=(1e-8, 1e-3),
+        possible=(1e-12, PLENTY),
+        keywords={"plenty": PLENTY},
+    )
 
 
 def stated_layer(oil_layer: float) -> float:
@@ -171,14 +183,7 @@ class InletCorrection(FilmModel):
         validator=choice_of(*LAWS),
         doc="reduction by shear heating of the inlet: 'none', 'murch-wilson' or 'gupta'",
     )
-    oil_layer: float = from_scene(
-        "oil_layer",
-        validator=within_possible,
-        doc="oil on both surfaces together before the contact",
-        usual=(1e-8, 1e-3),
-        possible=(1e-12, PLENTY),
-        keywords={"plenty": PLENTY},
-    )
+    oil_layer: float = oil_before_contact()
     layer_exponent: float = parameter(
         default=4.0,
         unit="1",

@@ -220,7 +220,8 @@ class TorqueBalance:
         torque = self.drags.torque(
             k.direction * self.cage_speed(cage_slip), k.inner_speed, k.outer_speed
         )
-        return k.direction * math.copysign(torque, torque * k.epicyclic_cage_speed)
+        sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
+        return sense * k.direction * torque
 
     def torque(self, cage_slip: float) -> float:
         """Mean torque of all rollers on the cage [N m], positive where it drives."""

@@ -213,9 +213,11 @@ def _others(dataset: "xr.Dataset", balance: "xr.Dataset") -> tuple[str, str]:
         return "", ""
     given = float(dataset["given_temperature"].sel(part="oil"))
     alone = float(balance["temperature"].sel(node="oil"))
+    if abs(given - alone) <= _OTHERS:
+        return "", ""
     act = "warm" if given > alone else "cool"
     note = f"others {act} it: by itself the bearing settles at {alone - 273.15:.0f} °C"
-    return f"{given - 273.15:.0f} °C", note * (abs(given - alone) > _OTHERS)
+    return f"{given - 273.15:.0f} °C", note
 
 
 def _balances(dataset: "xr.Dataset") -> list[str]:
@@ -248,7 +250,8 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
     if guessed := describe_estimated(dataset):
         sentences[-1] += f"; {guessed}"
     stable = stable_balances(dataset)
-    for temperature, others in [_others(dataset, balance) for balance in stable[:1]]:
+    if stable:
+        temperature, others = _others(dataset, stable[0])
         if others:
             sentences.append(f"oil of the scene has {temperature}; {others}")
     if (jumps := str(dataset["jumps"].item())) != NO_JUMPS:
