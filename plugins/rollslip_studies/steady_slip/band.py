@@ -138,7 +138,7 @@ class Band:
     high: float  #: Factor to the 95 % quantile [-], infinite where the cage skids.
     dominant: str  #: Key of the quantity with the largest effect.
     effects: tuple[QuantityEffect, ...] = ()  #: Effects of all quantities, the largest first.
-    median: float = 1.0  #: Factor to the value where all quantities are at their medians [-].
+    median: float = 1.0  #: Factor to the slip where all quantities are at their medians [-].
     left_out: tuple[str, ...] = ()  #: Keys of quantities whose effect is not known.
 
 
@@ -146,7 +146,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     """Return a result with the bands of its smallest steady slip and minimum load, as JSON in attributes.
 
     Attribute ``band`` has by name of the value "low" and "high", "dominant", the key of the quantity with the largest
-    effect, "changes", the effects of all quantities, "median", the value with all quantities at their medians, and
+    effect, "changes", the effects of all quantities, of a slip "median", that with all quantities at their medians, and
     "left_out", the keys of those whose effect is not known. A bound is null where the cage skids. Attribute
     ``consequences`` has the effects of exceeded validity ranges (see `consequences`). A result without a steady slip,
     or of a cage that is driven, is returned unchanged.
@@ -177,13 +177,13 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
             return with_play(_scale_odds(values[name], factor))
         return values[name] * factor
 
+    found = bands(scene, values["steady_slip"], acceptable_slip)
     record = {}
-    for name, band in bands(scene, values["steady_slip"], acceptable_slip).items():
+    for name, band in found.items():
         nominal = float(dataset[slip if name == "steady_slip" else name].to_numpy().flat[0])
         record[name] = {
             "low": min(scaled(name, band.low), nominal),
             "high": _json_value(name, max(scaled(name, band.high), nominal)),
-            "median": _json_value(name, scaled(name, band.median)),
             "dominant": band.dominant,
             "left_out": band.left_out,
             "changes": [
@@ -199,6 +199,8 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
             ],
         }
     if "steady_slip" in record:
+        median = scaled("steady_slip", found["steady_slip"].median)
+        record["steady_slip"]["median"] = _json_value("steady_slip", median)
         _add_pockets(record["steady_slip"], scene, dataset)
     single = attrs.evolve(scene, sweep=None, uncertainty=None)
     rows = consequences(single, _coarse_assembly(single), dataset, values["steady_slip"])
@@ -328,8 +330,12 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
         def factor(values: Mapping[str, float], search: _Factor = search) -> float:
             return search(bearing(values))
 
-        if (band := _combine(effects, table, factor)) is not None:
+        factor_at = _by_scores(table, factor)
+        if (band := _combine(effects, table.correlation, factor_at)) is not None:
             found[name] = band
+            if name == "steady_slip":
+                median = factor_at(dict.fromkeys(quantiles, 0.0))
+                found[name] = attrs.evolve(band, median=median)
     return found
 
 
@@ -458,23 +464,10 @@ def _root_by_secants(
     return found or (math.nan, 0.0)
 
 
-def _combine(
-    effects: Sequence[QuantityEffect],
-    table: Uncertainty,
-    factor: Callable[[Mapping[str, float]], float],
-) -> Band | None:
-    """Return the band by the advanced mean value method; None where no effect of a quantity is known.
-
-    Parameters
-    ----------
-    effects : sequence of QuantityEffect
-        Effect of each quantity of the table, NaN where it is not known.
-    table : Uncertainty
-        Distributions of the quantities, and their correlation.
-    factor : callable
-        Finds the factor at values of all quantities.
-    """
-    keys = [effect.key for effect in effects]
+def _by_scores(
+    table: Uncertainty, factor: Callable[[Mapping[str, float]], float]
+) -> Callable[[Mapping[str, float]], float]:
+    """Return the function that finds the factor at normal scores of quantities, from that at their values."""
 
     def factor_at(scores: Mapping[str, float]) -> float:
         values = {
@@ -486,6 +479,26 @@ def _combine(
         except RollslipError:
             return math.nan
 
+    return factor_at
+
+
+def _combine(
+    effects: Sequence[QuantityEffect],
+    correlation: Array,
+    factor_at: Callable[[Mapping[str, float]], float],
+) -> Band | None:
+    """Return the band by the advanced mean value method; None where no effect of a quantity is known.
+
+    Parameters
+    ----------
+    effects : sequence of QuantityEffect
+        Effect of each quantity of the table, NaN where it is not known.
+    correlation : ndarray of float, (n, n)
+        Correlation of the normal scores of the quantities.
+    factor_at : callable
+        Finds the factor at normal scores of quantities, NaN where it is not known.
+    """
+    keys = [effect.key for effect in effects]
     logs = np.log([effect.factors for effect in effects])
     unknown = np.asarray(np.isnan(logs).any(axis=1))
     if unknown.all():
@@ -499,15 +512,14 @@ def _combine(
         logs[k] -= math.log(centre) if math.isfinite(centre) else 0.0
     bounds = []
     for sign in (-1.0, 1.0):
-        change, scores = _design_point(sign * logs, table.correlation)
+        change, scores = _design_point(sign * logs, correlation)
         bound = math.nan
         if math.isfinite(change):
             bound = factor_at(dict(zip(keys, scores, strict=True)))
         bounds.append(math.exp(sign * change) if math.isnan(bound) else bound)
     low, high = bounds
-    median = factor_at(dict.fromkeys(keys, 0.0))
     left_out = tuple(keys[k] for k in np.flatnonzero(unknown))
-    return Band(low, high, ranked[0].key, tuple(ranked), median, left_out)
+    return Band(low, high, ranked[0].key, tuple(ranked), left_out=left_out)
 
 
 def _design_point(changes: Array, correlation: Array) -> tuple[float, list[float]]:
