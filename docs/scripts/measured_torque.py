@@ -1,9 +1,13 @@
-"""Write the table measured_torque.csv of docs/trust/oil_supply.rst: rolling resistance and a measured friction torque.
+"""Write the tables measured_torque.csv and printed_resistance.csv of docs/trust/oil_supply.rst.
+
+They hold laws of the rolling resistance against a measured friction torque, and against printed solutions of a contact.
 
 A tapered roller bearing 32216 under 6 kN axial load in half a bath of FVA 3 (Wingertszahn and others, Lubricants 11
 (2023) 369, CC BY 4.0; torques read from figure 5 with 4 to 8 % by a third party, geometry and profile of its tables).
 All rollers carry the same, so that a cylindrical row of rollers 17 x 22.7 mm on raceways of 91.5 and 125.5 mm with
 1.55 kN a roller stands for it. Ribs, cage and churning are left out.
+
+The printed solutions are those of table 1 of Zhou and Hoeprich, J. Tribol. 113 (1991) 590.
 """
 
 import math
@@ -32,6 +36,24 @@ SLICES = 400
 MEASURED = ((500, 0.0524, 1.30), (2000, 0.0524, 2.95), (4000, 0.0524, 3.75), (500, 0.074, 1.70))
 #: Layer of oil of a bath [m].
 LAYER = 5e-6
+#: Zhou and Hoeprich: radius [m], modulus [Pa], pressure-viscosity coefficient [1/Pa]; the viscosity cancels.
+PRINTED_RADIUS = 3.09e-3
+PRINTED_MODULUS = 2.34e11
+PRINTED_PRESSURE_VISCOSITY = 16e-9
+PRINTED_VISCOSITY = 0.05
+#: Load w/(E' R) over 1e-4, speed eta0 u/(E' R) over 1e-11, and the printed 2 F R [N m/m].
+PRINTED = (
+    (1.0, 35, 0.5485),
+    (1.5, 35, 0.6135),
+    (2.0, 35, 0.6600),
+    (2.5, 35, 0.7031),
+    (3.0, 35, 0.6933),
+    (2.0, 1, 0.0623),
+    (2.0, 3, 0.1455),
+    (2.0, 10, 0.3172),
+    (2.0, 60, 0.8781),
+    (2.0, 100, 1.129),
+)
 
 
 def profiles():
@@ -81,6 +103,48 @@ def torque(drag, drop, has_film, speed, viscosity):
     return power / shaft
 
 
+def printed_resistance(drag, load, speed):
+    """Return 2 F R [N m/m] of a law for a line of the printed table."""
+    scale = PRINTED_MODULUS * PRINTED_RADIUS
+    oil = Conditions(
+        radius=PRINTED_RADIUS,
+        modulus=PRINTED_MODULUS,
+        viscosity=PRINTED_VISCOSITY,
+        pressure_viscosity=PRINTED_PRESSURE_VISCOSITY,
+        length=0.01,
+    )
+    slices = Slices(
+        1,
+        oil,
+        load=load * 1e-4 * scale,
+        rolling_speed=speed * 1e-11 * scale / PRINTED_VISCOSITY,
+    )
+    Chain(drag)(slices)
+    return 2 * slices.resistance[0] * PRINTED_RADIUS
+
+
+def write_printed():
+    """Write the ratios of law and printed solution."""
+    laws = {
+        "rolling-resistance, flooded": get_model(
+            "drag", "rolling-resistance", inlet_heating="none", reach="flooded"
+        ),
+        "reach 3": get_model("drag", "rolling-resistance", inlet_heating="none"),
+        "goksem-hargreaves": get_model("drag", "goksem-hargreaves", inlet_heating="none"),
+        "zhou-hoeprich": get_model("drag", "zhou-hoeprich", inlet_heating="none"),
+    }
+    rows = [
+        [
+            load,
+            speed,
+            printed,
+            *(f"{printed_resistance(law, load, speed) / printed:.2f}" for law in laws.values()),
+        ]
+        for load, speed, printed in PRINTED
+    ]
+    write_table("printed_resistance", ["1e4 W", "1e11 U", "2 F R, N m/m", *laws], rows)
+
+
 def main():
     """Write the ratios of law and measurement."""
     cases = {
@@ -99,6 +163,7 @@ def main():
             rows.append([profile, name, *(f"{ratio:.2f}" for ratio in ratios)])
     heads = [f"{speed} rpm, {'50' if eta < 0.06 else '42'} °C" for speed, eta, _ in MEASURED]
     write_table("measured_torque", ["profile", "law over measurement", *heads], rows)
+    write_printed()
 
 
 if __name__ == "__main__":
