@@ -4,11 +4,13 @@ import glob
 import os
 import re
 import sys
+import tempfile
 from pathlib import Path
 
 from Cython.Build import cythonize
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
+from setuptools.errors import CCompilerError, PlatformError
 
 sys.path.insert(0, str(Path(__file__).parent / "kernels"))
 from declarations import write_declarations
@@ -31,6 +33,17 @@ SYMBOLS = (
 CHECKED = os.environ.get("ROLLSLIP_BOUNDSCHECK") == "1"
 # Cython's code of memoryviews, compiled once; without it it stands in every module, and is most of each.
 SHARED = "rollslip_kernels._memoryviews"
+# The message where the first file does not compile; {error} is that of the compiler.
+NOT_COMPILED = """
+rollslip: cannot be compiled here: {error}
+A C compiler and the headers of Python are needed:
+  Debian, Ubuntu  apt install gcc python3-dev
+  Fedora          dnf install gcc python3-devel
+  macOS           xcode-select --install
+  Windows         Build Tools for Visual Studio 2022, "Desktop development with C++"
+Without a compiler: pip install a wheel (rollslip-*.whl), or take the image or the conda package;
+docs/start/install.rst says how.
+"""
 
 
 def kernel(name: str) -> Extension:
@@ -64,6 +77,7 @@ class BuildOnAllCores(build_ext):
             )
 
     def build_extensions(self):
+        self.check_compiler()
         extensions = {extension.name: extension for extension in self.extensions}
         extensions[SHARED].sources = [
             f"{HERE}/_memoryviews.c"
@@ -87,6 +101,16 @@ class BuildOnAllCores(build_ext):
         for extension in translated:
             extensions[extension.name].sources = extension.sources
         super().build_extensions()
+
+    def check_compiler(self):
+        """Compile one line against the headers of Python; exit with what is needed where that fails."""
+        with tempfile.TemporaryDirectory() as folder:
+            probe = Path(folder, "probe.c")
+            probe.write_text("#include <Python.h>\n")
+            try:
+                self.compiler.compile([str(probe)], output_dir=folder)
+            except (CCompilerError, PlatformError) as error:
+                sys.exit(NOT_COMPILED.format(error=error))
 
 
 # What takes longest is begun first.

@@ -1,9 +1,13 @@
 """What is written beside pyproject.toml for conda and docker says the same as it."""
 
+import os
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
+import pytest
 import yaml
 from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
@@ -46,3 +50,15 @@ def test_the_image_has_a_python_that_the_project_runs_on():
     (version,) = re.findall(r"^ARG PYTHON=(.+)$", text, re.MULTILINE)
     assert version in SpecifierSet(PROJECT["project"]["requires-python"])
     assert f"Programming Language :: Python :: {version}" in PROJECT["project"]["classifiers"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="CC names no compiler there")
+def test_without_a_compiler_the_build_says_what_is_needed(tmp_path):
+    folders = [f"--build-{kind}={tmp_path}" for kind in ("lib", "temp")]
+    done = subprocess.run(
+        [sys.executable, "setup.py", "-q", "build_ext", *folders],
+        cwd=ROOT, env={**os.environ, "CC": "no-compiler"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert "A C compiler and the headers of Python are needed" in done.stderr
+    assert "Traceback" not in done.stderr
