@@ -25,6 +25,7 @@ from rollslip.results.dataset import xr
 from rollslip.results.text import (
     force_unit,
     format_plain,
+    html_table,
     in_brackets,
     percent,
     python_call,
@@ -101,6 +102,8 @@ _SMALL_NUMBER: Final = 1e-3
 MAX_LINES = 15
 #: Rows of an answer at most; with more the lines below them would not fit.
 MAX_ROWS = 8
+#: Head and rows of a table that stay where an answer is shortened. Chosen: fewer do not show how a result changes.
+_MIN_TABLE: Final = 5
 #: Width of lines where there is no terminal.
 _WIDTH: Final = 100
 #: Smallest width for which lines are wrapped.
@@ -152,6 +155,7 @@ class Note:
     #: Quantity -> its value in the answer, and by the alternative; None where that was not evaluated, empty where the
     #: range is exceeded, but not at the operation of the answer.
     changes: _Changes | None = None
+    where: str = ""  #: At which points of a campaign: "at all points".
 
     @property
     def largest_change(self) -> tuple[str, float]:
@@ -302,16 +306,24 @@ def _evaluate_condition(
 class Answer:
     """The answer to a user's question: verdict, rows of quantities, assumptions, notes, and the next commands.
 
-    An account gives rows, the acceptable slip, assumptions and commands. `merge_answers` makes one answer of several,
-    with verdict and next commands.
+    An account gives rows, the acceptable slip, assumptions and commands. Where the question is not one of slip, it
+    gives a summary, and for many points a table. `merge_answers` makes one answer of several, with verdict and next
+    commands.
     """
 
+    summary: str = (
+        ""  #: The number that was asked for, in a few words: "minimum load 0.83 kN for 5 % slip".
+    )
     rows: tuple[Row, ...] = ()
+    table: tuple[tuple[str, ...], ...] = ()  #: Head and rows of a table of points or alternatives.
+    omitted: int = 0  #: Number of rows that the whole table has besides those.
     acceptable: float = math.nan  #: Acceptable cage slip; NaN for the default.
     assumed: tuple[str, ...] = ()
     #: Verdict -> commands that help, with ``{scene}`` for the scene.
     commands: Mapping[str, tuple[str, ...]] = attrs.field(factory=dict)
-    next: tuple[str, ...] = ()  #: Commands for the verdict.
+    next: tuple[
+        str, ...
+    ] = ()  #: Commands for the verdict, and those that help whatever the verdict is.
     case: tuple[str, ...] = ()  #: Bearing, oil, speeds, load and temperature.
     notes: tuple[Note, ...] = ()
     faults: tuple[str, ...] = ()  #: Quantities on which studies disagree.
@@ -340,8 +352,8 @@ class Answer:
             ("next", list(self.next)),
         ]
 
-    def lines(self, width: int = 0, more: str = "-v") -> list[str]:
-        """Return the lines for a terminal, `MAX_LINES` at most; what matters least is left out.
+    def lines(self, width: int = 0, more: str = "-v", max_lines: int = MAX_LINES) -> list[str]:
+        """Return the lines for a terminal; what matters least is left out, and rows of a table are counted.
 
         Commands are not wrapped, so that they can be pasted as one line.
 
@@ -351,25 +363,30 @@ class Answer:
             Width of lines; 0 for that of the terminal.
         more : str
             Option that shows notes in full.
+        max_lines : int
+            Number of lines at most.
         """
         width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, _MIN_WIDTH)
-        head = textwrap.wrap(
-            "   ".join(filter(None, (self.verdict, ", ".join(self.case)))),
-            width,
-            break_on_hyphens=False,
-        )
+        case = ", ".join(self.case)
+        first = "   ".join(filter(None, (self.verdict, self.summary or case)))
+        head = textwrap.wrap(first, width, break_on_hyphens=False)
+        if self.summary:
+            head += textwrap.wrap(case, width, break_on_hyphens=False)
         rows = [(row.label, row.text, row.note) for row in self.visible_rows()]
+        table = list(self.table[: MAX_ROWS + 1])
         groups = self.groups(more)
-        for _ in _shortened(rows, groups, width, f" ({more})"):
+        for _ in _shortened(rows, table, groups, width, f" ({more})"):
             below = list[str]()
             for name, texts in groups:
                 headed = [
                     (f"{'' if k else name:<{_HEADING}}", text) for k, text in enumerate(texts)
                 ]
                 below += align_columns(headed, math.inf if name == "next" else width)
-            parts = [part for part in (head, align_columns(rows, width), below) if part]
+            omitted = self.omitted + len(self.table) - len(table)
+            points = align_columns(table, width) + [f"  {omitted} more: --all"] * bool(omitted)
+            parts = [part for part in (head, align_columns(rows, width), points, below) if part]
             lines = "\n\n".join("\n".join(part) for part in parts).split("\n")
-            if len(lines) <= MAX_LINES:
+            if len(lines) <= max_lines:
                 break
         return lines
 
@@ -378,6 +395,7 @@ class Answer:
         return {
             "verdict": self.verdict,
             "rule": self.rule,
+            "summary": self.summary,
             "case": list(self.case),
             "rows": {
                 row.key: {
@@ -415,12 +433,16 @@ class Answer:
             for name, texts in groups.items()
             if texts
         )
+        points = html_table(self.table[0], self.table[1:]) if self.table else ""
         verdict = f"<strong>{self.verdict}</strong> " if self.verdict else ""
-        head = f"<p>{verdict}{escape(', '.join(self.case))}</p>"
+        head = "".join(
+            f"<p>{verdict * (not k)}{escape(text)}</p>"
+            for k, text in enumerate(filter(None, (self.summary, ", ".join(self.case))))
+        )
         return (
             f'<div class="answer {self.verdict.lower()}">{head}<table><thead><tr><th scope="col">quantity</th>'
             '<th scope="col">value</th><th scope="col">band, remarks</th></tr></thead>'
-            f"<tbody>{rows}</tbody></table>{below}</div>"
+            f"<tbody>{rows}</tbody></table>{points}{below}</div>"
         )
 
     _repr_html_ = html
@@ -443,20 +465,22 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
     best, disagreements = _best_rows(ranked)
     ordered = [answer for _, answer in ranked]
     faults = [fault for answer in ordered for fault in answer.faults]
+    summarising = next((answer for answer in ordered if answer.summary), Answer())
     merged = Answer(
+        summary=summarising.summary,
         rows=tuple(best.values()),
+        table=summarising.table,
+        omitted=summarising.omitted,
         acceptable=next((item.acceptable for item in ordered if item.acceptable > 0.0), ACCEPTABLE),
         assumed=tuple(dict.fromkeys(text for answer in ordered for text in answer.assumed)),
         faults=(*faults, *disagreements),
     )
     commands = next((answer.commands for answer in ordered if answer.commands), None)
-    if "cage_slip" not in best and commands is None:
-        return merged
-    merged = with_verdict(merged)
-    lines = [
-        text.replace("{scene}", scene) if scene else python_call(text)
-        for text in (commands or {}).get(merged.verdict, ())
-    ]
+    steps = [text for answer in ordered for text in answer.next]
+    if "cage_slip" in best or commands is not None:
+        merged = with_verdict(merged)
+        steps += (commands or {}).get(merged.verdict, ())
+    lines = [text.replace("{scene}", scene) if scene else python_call(text) for text in steps]
     return attrs.evolve(merged, next=tuple(lines))
 
 
@@ -666,8 +690,12 @@ def summarise_notes(notes: Iterable[Note], more: str = "") -> str:
         return ""
     hint = in_brackets(more)
     if all(note.changes is None for note in every):
-        codes = list(dict.fromkeys(note.code or note.short for note in every))
-        return f"{len(codes)} on laws outside their range: {' '.join(codes)}{hint}"
+        codes = dict[str, dict[str, None]]()
+        for note in every:
+            codes.setdefault(note.where, {})[note.code or note.short] = None
+        texts = [f"{' '.join(names)} {where}".rstrip() for where, names in codes.items()]
+        count = sum(map(len, codes.values()))
+        return f"{count} on laws outside their range: {'; '.join(texts)}{hint}"
     changing = [note for note in every if note.largest_change[1] >= _NO_CHANGE]
     shown = [note for note in changing if note.largest_change[1] > _LARGE_CHANGE][:_MAX_SHOWN_NOTES]
     texts = [note.summary for note in shown]
@@ -733,6 +761,7 @@ def _note(message: Mapping[str, Any], consequences: Mapping[str, Mapping[str, An
         short=message["short"],
         text=message["text"],
         severity=message["severity"],
+        where=message.get("where", ""),
         alternative=row.get("instead", ""),
         changes=changes,
     )
@@ -751,6 +780,7 @@ def _note_rank(note: Note) -> float:
 
 def _shortened(
     rows: list[tuple[str, str, str]],
+    table: list[tuple[str, ...]],
     groups: Sequence[tuple[str, list[str]]],
     width: int,
     more: str,
@@ -759,6 +789,9 @@ def _shortened(
     (_, assumed), (_, notes), (_, commands) = groups
     yield
     del commands[1:]
+    while len(table) > _MIN_TABLE:
+        yield
+        table.pop()
     while len(assumed) > 2:
         yield
         assumed.pop()
