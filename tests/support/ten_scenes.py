@@ -18,7 +18,7 @@ from rollslip.scene.values import Scene
 
 ROOT = Path(__file__).parents[2]
 ANSWERS = ROOT / "tests" / "results" / "ten_answers.txt"
-_USUAL = {"cage": "brass", "supply": "bath"}
+_USUAL = {"cage": "brass", "supply": "bath", "profile": "iso16281"}
 #: Name -> bearing, oil, speed, load, temperature, and what is not usual.
 NEW: dict[str, tuple[str, str, str, str, str, dict[str, str]]] = {
     "safe": ("NJ2210", "iso-vg-68", "3000 rpm", "10 kN", "60 degC", {"cage": "polyamide"}),
@@ -50,7 +50,8 @@ def texts() -> dict[str, str]:
     for name, (*values, others) in NEW.items():
         given = dict(zip(("bearing", "oil", "speed", "load", "temperature"), values, strict=True))
         old, new = CHANGED.get(name, ("", ""))
-        found[name] = new_scene(f"{name}.toml", **_USUAL | given | others)
+        assumed = frozenset(_USUAL.keys() - others.keys())
+        found[name] = new_scene(f"{name}.toml", assumed, **_USUAL | given | others)
         assert old in found[name], f"{name}: {old}"
         found[name] = found[name].replace(old, new) if old else found[name]
     return found | {

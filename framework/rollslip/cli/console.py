@@ -184,15 +184,16 @@ def print_changed(
     print_table(("part", this, other, "reason"), rows)
 
 
-def print_answer(answer: Answer) -> None:
+def print_answer(answer: Answer, *, whole: bool = False) -> None:
     """Print an answer, with its verdict in colour on a terminal."""
+    lines = answer.lines(whole=whole)
     if not sys.stdout.isatty():
-        click.echo("\n".join(answer.lines()))
+        click.echo("\n".join(lines))
         return
     from rich.text import Text
 
     marked = next((f"  {row.label}  " for row in answer.rows if row.key == answer.marked_row), "\n")
-    for k, line in enumerate(answer.lines()):
+    for k, line in enumerate(lines):
         text = Text(line, style="bold" if line.startswith(marked) else "")
         if not k and answer.verdict:
             foreground, background = COLOURS[Verdict(answer.verdict)]
@@ -373,6 +374,8 @@ def result_info(path: Path) -> Groups:
 def _contents(dataset: "xr.Dataset") -> Groups:
     """Return contents and provenance of a result."""
     a = dataset.attrs
+    found = account_of(dataset).answer(dataset)
+    assumed = (*found.assumed, *found.minor)
     less_severe = [
         message["text"]
         for message in json.loads(a.get("validity", "{}")).get("messages", ())
@@ -397,6 +400,7 @@ def _contents(dataset: "xr.Dataset") -> Groups:
                 for topic, texts in account_of(dataset).topics(dataset).items()
             ),
         ],
+        **({"assumed": [("", text) for text in assumed]} if assumed else {}),
         "packages": list(json.loads(a["packages"]).items()),
         "warnings": [("", text) for text in json.loads(a["warnings"])],
         **(

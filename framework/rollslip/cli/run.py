@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     metavar="KIND",
     help="How oil gets there: bath, splash, circulating, jet, mist or grease.",
 )
+@click.option("--profile", metavar="SHAPE", help="Of the rollers: logarithmic or none.")
 def new(file: Path, **given: str | None) -> None:
     """Write a complete commented scene into FILE, which then runs.
 
@@ -162,7 +163,7 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
     multiple=True,
     metavar="VERDICT",
     callback=verdicts,
-    help="End with exit code 6 at slips, skids or unknown; slips means skids too; several with commas.",
+    help="End with exit code 6 at slips, unknown or skids; each means those behind it too; several with commas.",
 )
 @click.option(
     "--ignore",
@@ -172,6 +173,7 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
     callback=note_codes,
     help="Leave out notes, such as W11,W17.",
 )
+@click.option("--all", "whole", is_flag=True, help="All rows and assumptions of the answer.")
 @verbose_option("All that was found, with notes, errors and times.")
 @json_option
 def run(
@@ -181,6 +183,7 @@ def run(
     verify: bool,
     failing: Sequence[str],
     ignored: Sequence[str],
+    whole: bool,
     verbose: bool,
     results: Results,
 ) -> None:
@@ -192,6 +195,7 @@ def run(
     from rollslip.planning.execution import studies_of_slip
     from rollslip.planning.lines import describe_own_cage
     from rollslip.planning.plan import plan
+    from rollslip.results.answer import is_as_bad
     from rollslip.results.dataset import save
     from rollslip.results.text import CATALOGUE_LOAD_WARNING
 
@@ -219,10 +223,10 @@ def run(
     if "interrupted" not in outcomes:
         shutil.rmtree(checkpoints, ignore_errors=True)
     verdict = _print_answer(
-        planned, datasets, failures, results, shlex.join(arguments), ignored, verbose
+        planned, datasets, failures, results, shlex.join(arguments), ignored, verbose, whole
     )
     _exit_unless_finished(outcomes, failures, hint)
-    if verdict in failing or (verdict == "skids" and "slips" in failing):
+    if any(is_as_bad(verdict, requested) for requested in failing):
         sys.exit(FAILED_ON)
 
 
@@ -278,6 +282,7 @@ def _print_answer(
     scene: str,
     ignored: Sequence[str],
     verbose: bool,
+    whole: bool,
 ) -> str:
     """Print the answer of a run and, if requested, its details; return the verdict in small letters."""
     import attrs
@@ -299,7 +304,7 @@ def _print_answer(
     if results.as_json:
         print_json(console.run_as_dict(planned, datasets, found) | results.as_dict())
     else:
-        console.print_answer(found)
+        console.print_answer(found, whole=whole)
         if verbose:
             notes = "".join(
                 f"\n  {note.code} {note.text}; {note.consequence}" for note in found.notes

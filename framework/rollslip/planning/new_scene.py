@@ -36,9 +36,10 @@ MEANING: Final = {
     "temperature": "temperature of the bearing",
     "cage": f"cage: {', '.join(CAGE_DESIGNS)}",
     "supply": f"supply of oil: {', '.join(SUPPLIES)}",
+    "profile": "profile of the rollers: logarithmic or none",
 }
-#: Option -> its value where it is not given. For the load see `assumed_load`; a cage is the bearing's own if its name
-#: has one.
+#: Option -> its value where it is not given. For the load see `assumed_load`; cage and profile are the bearing's own if
+#: its name has one.
 ASSUMED: Final = {
     "bearing": "NU2210",
     "oil": "iso-vg-68",
@@ -46,6 +47,7 @@ ASSUMED: Final = {
     "temperature": "70 degC",
     "cage": "brass",
     "supply": "bath",
+    "profile": "iso16281",
 }
 #: Option that is a quantity -> its SI unit.
 _UNITS: Final = {"speed": "rad/s", "load": "N", "temperature": "K"}
@@ -63,6 +65,11 @@ _SUPPLIES: Final = {
     **dict.fromkeys(("oil jet", "injection", "spray"), "jet"),
     **dict.fromkeys(("oil mist", "oil-air", "oil air", "drip"), "mist"),
 }
+#: Other name of the shape of a profile -> its name.
+_PROFILES: Final = {
+    **dict.fromkeys(("logarithmic", "log", "iso/ts 16281", "iso 16281"), "iso16281"),
+    **dict.fromkeys(("straight", "cylindrical", "no"), "none"),
+}
 #: The table of the cage in the template.
 _CAGE_TABLE: Final = re.compile(r"\[cage\]\n.*?(?=# What drags)", re.DOTALL)
 #: The table in its place for a full complement bearing.
@@ -76,6 +83,7 @@ _COMMA: Final = re.compile(r"\s*[+-]?(\d*,(\d{1,2}|\d{4,})|0,\d+)(?![\d,.])")
 _CHOICES: Final[Mapping[str, tuple[Mapping[str, str], Collection[str], str]]] = {
     "cage": (_CAGES, CAGE_DESIGNS, "cages of"),
     "supply": (_SUPPLIES, SUPPLIES, "supplies by"),
+    "profile": (_PROFILES, ("iso16281", "none"), "profiles called"),
 }
 #: Option that is a name of data -> the kind of plugin.
 _KINDS: Final = {"bearing": "bearing", "oil": "lubricant"}
@@ -171,11 +179,20 @@ def completed(
         values["cage"] = ""
     elif own and own.letters and ask is None and "cage" not in values:
         values["cage"] = own.make
+    if "bearing" in values and "profile" not in values and _known_profile(values["bearing"]):
+        values["profile"] = ""
     missing = [option for option in MEANING if option not in values]
     for option in missing:
         usual = _usual_value(option, values)
         values[option] = usual if ask is None else ask(option, usual)
     return values, missing
+
+
+def _known_profile(bearing: str) -> bool:
+    """Whether the profile of the rollers of a bearing is known, or takes more than a name."""
+    data: Any = load(find("bearing", bearing))
+    is_named = data.bearing.profile.shape in _CHOICES["profile"][1]
+    return not (is_named and data.grades.get("profile") == "D")
 
 
 def _usual_value(option: str, values: Mapping[str, str]) -> str:
@@ -184,6 +201,8 @@ def _usual_value(option: str, values: Mapping[str, str]) -> str:
         return assumed_load(values["bearing"])
     if option == "cage" and (own := own_cage(values["bearing"])):
         return str(own.make)
+    if option == "profile":
+        return str(load(find("bearing", values["bearing"])).bearing.profile.shape)
     return checked(option, ASSUMED[option])
 
 
@@ -195,9 +214,10 @@ def new(bearing: str, **given: str) -> Scene:
     bearing : str
         Its name: "NU 2210", or "NJ 312 ECP/C3".
     **given : str
-        oil, speed (of the inner ring), load (radial), temperature, cage (what it is of) and supply (how the oil gets
-        there). What is left out is assumed: iso-vg-68, 1500 rpm, twice the minimum load by SKF's rule, 70 degC, the
-        bearing's own cage or brass, and a bath. The `text` of the scene marks it.
+        oil, speed (of the inner ring), load (radial), temperature, cage (what it is of), supply (how the oil gets
+        there) and profile (of the rollers). What is left out is assumed: iso-vg-68, 1500 rpm, twice the minimum load
+        by SKF's rule, 70 degC, the bearing's own cage or brass, a bath, and the bearing's own profile. The `text` of
+        the scene marks it.
 
     Raises
     ------
@@ -266,7 +286,9 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
     return text
 
 
-def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, object]:
+def _values(
+    *, bearing: str, cage: str, supply: str, profile: str, **given: str
+) -> dict[str, object]:
     """Return the values of the template."""
     named: Any = load(find("bearing", bearing))
     b = named.bearing
@@ -290,6 +312,8 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         "version": importlib.metadata.version("rollslip"),
         "bearing": bearing,
         "estimated": "estimated (D)" if "D" in named.grades.values() else "known",
+        "own_profile": "" if profile else "# ",
+        "profile": profile or b.profile.shape,
         "rollers": b.rollers,
         **{name: format_quantity(getattr(b, name), "m") for name in lengths},
         "clearance_class": b.clearance_class or "CN",
@@ -311,16 +335,12 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
 
 
 def _seats(b: Bearing) -> dict[str, str]:
-    """Return the marks of the lines of fits, which are comments where a raceway has no ring with a seat."""
-    marks = {}
-    for seat, part, raceway in (
-        ("on_shaft", "shaft", b.inner_raceway),
-        ("in_housing", "housing", b.outer_raceway),
-    ):
-        bare = raceway is not None and raceway.without_ring
-        marks[seat] = "# " if bare or not b.mounting else ""
-        marks[f"no_{part}"] = f"; not here: rollers run on the {part} itself" if bare else ""
-    return marks
+    """Return remarks on the lines of fits, where a raceway has no ring with a seat."""
+    return {
+        f"no_{part}": f"; not here: rollers run on the {part} itself"
+        * (raceway is not None and raceway.without_ring)
+        for part, raceway in (("shaft", b.inner_raceway), ("housing", b.outer_raceway))
+    }
 
 
 def _aligned(text: str) -> str:

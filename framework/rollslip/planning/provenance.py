@@ -28,7 +28,7 @@ from rollslip.planning.lines import describe_own_cage
 from rollslip.planning.plan import Plan
 from rollslip.references import KLEBANOV, Citation, as_dict, rollslip_itself, unique_works
 from rollslip.results.dataset import CITED
-from rollslip.scene.changes import CHANGES, NOTED
+from rollslip.scene.changes import CHANGES, NOTED, assumed_keys
 from rollslip.scene.named import surface_name
 from rollslip.scene.values import Scene
 from rollslip.structure import resolved, scene_hash
@@ -165,6 +165,7 @@ def describe_scene(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
         "title": _title(given),
         "source": given.source,
         "scene": given.text,
+        "assumed": json.dumps(assumed_keys(given)),
         "scene_resolved": resolved(scene),
         "scene_hash": scene_hash(scene),
         **({"changed": 1} if CHANGES in given.origins.values() else {}),

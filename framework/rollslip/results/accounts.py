@@ -16,7 +16,14 @@ import attrs
 from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import OutputError
 from rollslip.results.account import Account, Contact, Figures
-from rollslip.results.answer import Answer, Row, collect_notes, describe_case, merge_answers
+from rollslip.results.answer import (
+    Answer,
+    Row,
+    collect_notes,
+    describe_case,
+    describe_defaults,
+    merge_answers,
+)
 from rollslip.results.curves import Curve, critical_rows, curves, json_value
 from rollslip.results.dataset import READ_ERRORS, shown_short, xr
 from rollslip.results.text import LOWER_BOUNDS, percent, single_value_indices, single_values
@@ -150,7 +157,8 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     ]
     assumed = [result.attrs.get("note", "") for result in results]
     assumed += [LOWER_BOUNDS for result in results if result.attrs.get("bound_below")]
-    assumed += [*merged.assumed, *(oil.get("caution", "") for oil in oils)]
+    assumed += [*merged.assumed, describe_defaults(results)]
+    assumed += [oil.get("caution", "") for oil in oils]
     return attrs.evolve(
         merged,
         case=max(map(describe_case, results), key=len, default=()),

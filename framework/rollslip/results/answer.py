@@ -2,10 +2,13 @@
 
 1. The account of each study gives rows, one for each quantity. Where several studies compute a quantity, the one with
    the highest rank is shown; two values that differ by more than their tolerances are a fault (`merge_answers`).
-2. The verdict is that of the first of the `RULES` which holds (`with_verdict`). Rules compare facts, as intervals:
-   a reserve that is known to be 2 at least is from 2 to infinity.
-3. A rule for a worse verdict that the facts do not decide makes the verdict UNKNOWN.
-4. Texts have two digits, percent, rpm, °C and kN, no exponents; values and bands are SI and not rounded.
+2. The verdict is the worst of those of the `RULES` which hold (`with_verdict`). Rules compare facts, as intervals:
+   a reserve that is known to be 2 at least is from 2 to infinity, and a slip is as wide as its accuracy.
+3. A cage that may skid, where data scatter or by a choice that nobody made, has the verdict UNKNOWN, which is worse
+   than SLIPS and better than SKIDS.
+4. Assumptions are ordered by their effect on the slip: choices that nobody made first, then data that scatter. Those
+   that are not shown are counted.
+5. Texts have two digits, percent, rpm, °C and kN, no exponents; values and bands are SI and not rounded.
 """
 
 import enum
@@ -14,7 +17,7 @@ import math
 import re
 import shutil
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from html import escape
 from typing import Any, Final
 
@@ -36,6 +39,7 @@ from rollslip.units import converted, shown_unit
 __all__ = [
     "ACCEPTABLE",
     "RULES",
+    "SKIDDING_SLIP",
     "Answer",
     "Fact",
     "Note",
@@ -44,20 +48,22 @@ __all__ = [
     "Verdict",
     "align_columns",
     "collect_notes",
-    "describe_assumptions",
     "describe_case",
+    "describe_defaults",
+    "is_as_bad",
     "merge_answers",
     "summarise_notes",
+    "with_assumptions",
 ]
 
 
 class Verdict(enum.StrEnum):
-    """The verdict of an answer, from the best to the worst; UNKNOWN has no rank among them."""
+    """The verdict of an answer on the slip of the cage."""
 
-    OK = "OK"
-    SLIPS = "SLIPS"
-    SKIDS = "SKIDS"
-    UNKNOWN = "UNKNOWN"
+    OK = "OK"  #: It slips less than is acceptable, whatever is known to scatter.
+    SLIPS = "SLIPS"  #: It slips more than is acceptable, or may, and does not skid.
+    SKIDS = "SKIDS"  #: It slips by more than `SKIDDING_SLIP`, or the drags are larger than the limit drag torque.
+    UNKNOWN = "UNKNOWN"  #: It may skid, or nothing is known, or the models are outside their range.
 
 
 class Fact(enum.StrEnum):
@@ -65,11 +71,15 @@ class Fact(enum.StrEnum):
 
     CAGE_SLIP = "cage slip"
     ACCEPTABLE_SLIP = "acceptable slip"
-    BAND_LOW = "low end of the band"
     BAND_HIGH = "high end of the band"
+    CHOICE = "largest slip by a choice that nobody made"
     RESERVE = "reserve to skidding"
+    VISCOSITY_RATIO = "viscosity ratio kappa"
+    FILM_PARAMETER = "film parameter Lambda"
 
 
+#: Verdicts from the best to the worst. A bearing that slips more, or of which less is known, never gets a better one.
+_RANKS: Final = (Verdict.OK, Verdict.SLIPS, Verdict.UNKNOWN, Verdict.SKIDS)
 #: Colours of the letters and of the ground of each verdict, with the same contrast on dark and light terminals.
 COLOURS: Final = {
     Verdict.OK: ("black", "green"),
@@ -79,13 +89,15 @@ COLOURS: Final = {
 }
 #: Cage slip that is acceptable where no result states another. Chosen; see `RULES`.
 ACCEPTABLE: Final = 0.05
+#: Cage slip from which a cage skids. Chosen; drags near the limit drag torque lead to such slips.
+SKIDDING_SLIP: Final = 0.2
 #: Slip [-] below which neither an assumption nor a law outside its range matters. Chosen: a tenth of `ACCEPTABLE`.
 _NEGLIGIBLE_SLIP: Final = 0.005
 #: Ratio of the slips at both ends of an assumption from which it is shown. Chosen; with a smaller one assumptions are
 #: shown that change the second digit.
 _SHOWN_RATIO: Final = 1.2
-#: Assumptions that are shown with the slips to which they lead, at most; more do not fit into an answer.
-_MAX_ASSUMPTIONS: Final = 2
+#: Assumptions that are shown, at most; more do not fit into an answer.
+_MAX_ASSUMPTIONS: Final = 3
 #: Relative change of a result that counts as none. Chosen: it does not change the two digits that are shown.
 _NO_CHANGE: Final = 0.01
 #: Relative change of a result from which a note is shown on its own. Chosen.
@@ -114,10 +126,14 @@ _MIN_COLUMN_WIDTH: Final = 16
 _MAX_COLUMN_WIDTH: Final = 1000
 #: Letters of the longest heading below the rows.
 _HEADING: Final = len("assumed")
-#: A line of a new scene whose value was assumed, or that starts a table.
-_ASSUMED: Final = re.compile(r"^\s*(?:\[(\w+)\]|(\w+)\s*=.*#.*\bASSUMED\b)", re.MULTILINE)
-#: Table of a scene -> what its key "name" is the name of.
-_NAMED: Final = {"lubricant": "oil"}
+#: Option that shows notes in full -> what shows all assumptions.
+_ALL: Final = {"-v": "--all", ".notes": ".lines(whole=True)"}
+#: Letters of a count of what is not shown.
+_COUNT: Final = len("; 9 more, 19 of little effect")
+#: Largest relative error of a slip that rules take into account. Chosen: a study with a larger one has no accuracy.
+_MAX_ACCURACY: Final = 0.1
+#: Key of a scene -> its name among what was assumed, where the last part of the key is not that.
+_NAMED: Final = {"lubricant.name": "oil", "bearing.name": "bearing"}
 
 #: Quantity -> its value in the answer, and by another law.
 _Changes = Mapping[str, tuple[float, float]]
@@ -248,23 +264,28 @@ class Rule:
         return " and ".join(texts) or "else"
 
 
-#: The rules of the verdict, in the order in which they are tried.
+#: The rules of the verdict. Of those that hold the one for the worst verdict decides, of several the first.
 RULES: Final = (
     Rule(code="V1", verdict=Verdict.SKIDS, conditions=((Fact.RESERVE, "<", 1.0),), row="drag_reserve",
          remark="the drags are larger than what the rollers carry", source="balance of torques"),
     Rule(code="V2", verdict=Verdict.UNKNOWN, conditions=((Fact.CAGE_SLIP, "none", 0.0),), source="nothing can be said"),
-    Rule(code="V3", verdict=Verdict.SKIDS, conditions=((Fact.CAGE_SLIP, ">", 0.2),), remark="above 20 %"),
-    Rule(code="V4", verdict=Verdict.SKIDS, conditions=((Fact.RESERVE, "<", 1.5),), row="drag_reserve",
-         remark="below 1.5"),
-    Rule(code="V5", verdict=Verdict.UNKNOWN, remark="from OK to SKIDS where data scatter",
-         conditions=((Fact.BAND_LOW, "<", (1.0, Fact.ACCEPTABLE_SLIP)), (Fact.BAND_HIGH, ">", 0.2),
-                     (Fact.BAND_HIGH, ">", (40.0, Fact.BAND_LOW)))),
+    Rule(code="V3", verdict=Verdict.SKIDS, conditions=((Fact.CAGE_SLIP, ">", SKIDDING_SLIP),), remark="above 20 %"),
+    Rule(code="V4", verdict=Verdict.UNKNOWN, conditions=((Fact.RESERVE, "<", 1.5),), row="drag_reserve",
+         remark="below 1.5, may skid", source="a choice: drags are known to a factor"),
+    Rule(code="V5", verdict=Verdict.UNKNOWN, conditions=((Fact.BAND_HIGH, ">", SKIDDING_SLIP),),
+         remark="may skid where data scatter"),
+    Rule(code="V10", verdict=Verdict.UNKNOWN, conditions=((Fact.CHOICE, ">", SKIDDING_SLIP),),
+         remark="may skid, see assumed"),
+    Rule(code="V11", verdict=Verdict.UNKNOWN, conditions=((Fact.VISCOSITY_RATIO, ">", 100.0),), row="film_parameter",
+         remark="kappa above 100 is outside the range of the models"),
+    Rule(code="V12", verdict=Verdict.UNKNOWN, conditions=((Fact.FILM_PARAMETER, "<", 0.1),), row="film_parameter",
+         remark="Lambda below 0.1 is outside the range of the models"),
     Rule(code="V6", verdict=Verdict.SLIPS, conditions=((Fact.CAGE_SLIP, ">", (1.0, Fact.ACCEPTABLE_SLIP)),),
          remark="above the acceptable {acceptable}", source="what a scene calls acceptable, by default a choice"),
     Rule(code="V7", verdict=Verdict.SLIPS, conditions=((Fact.BAND_HIGH, ">", (2.0, Fact.ACCEPTABLE_SLIP)),),
-         remark="may be above {twice}"),
+         remark="the slip may be above {twice}"),
     Rule(code="V8", verdict=Verdict.SLIPS, conditions=((Fact.RESERVE, "<", 2.0),), row="drag_reserve",
-         remark="below 2"),
+         remark="below 2, may slip", source="a choice: drags are known to a factor"),
     Rule(code="V9", verdict=Verdict.OK, conditions=(), source="else"),
 )  # fmt: skip
 #: Lower and upper bound of a fact.
@@ -311,19 +332,20 @@ class Answer:
     commands.
     """
 
-    summary: str = (
-        ""  #: The number that was asked for, in a few words: "minimum load 0.83 kN for 5 % slip".
-    )
+    #: The number that was asked for, in a few words: "minimum load 0.83 kN for 5 % slip".
+    summary: str = ""
     rows: tuple[Row, ...] = ()
     table: tuple[tuple[str, ...], ...] = ()  #: Head and rows of a table of points or alternatives.
     omitted: int = 0  #: Number of rows that the whole table has besides those.
     acceptable: float = math.nan  #: Acceptable cage slip; NaN for the default.
+    #: Assumptions that change the slip, the largest changes first, and others that a reader has to know.
     assumed: tuple[str, ...] = ()
+    minor: tuple[str, ...] = ()  #: Assumptions that hardly change the slip.
+    facts: Mapping[Fact, float] = attrs.field(factory=dict)  #: Facts that rows do not have.
     #: Verdict -> commands that help, with ``{scene}`` for the scene.
     commands: Mapping[str, tuple[str, ...]] = attrs.field(factory=dict)
-    next: tuple[
-        str, ...
-    ] = ()  #: Commands for the verdict, and those that help whatever the verdict is.
+    #: Commands for the verdict, and those that help whatever the verdict is.
+    next: tuple[str, ...] = ()
     case: tuple[str, ...] = ()  #: Bearing, oil, speeds, load and temperature.
     notes: tuple[Note, ...] = ()
     faults: tuple[str, ...] = ()  #: Quantities on which studies disagree.
@@ -338,22 +360,35 @@ class Answer:
             raise KeyError(f"{key}; there are {', '.join(rows)}")
         return rows[key]
 
-    def visible_rows(self) -> list[Row]:
+    def visible_rows(self, *, whole: bool = False) -> list[Row]:
         """Return the rows that are shown, `MAX_ROWS` at most: those with an alarm, and the first others."""
+        if whole:
+            return list(self.rows)
         visible = sorted(self.rows, key=lambda row: not row.is_alarm)[:MAX_ROWS]
         return sorted(visible, key=self.rows.index)
 
-    def groups(self, more: str = "") -> list[tuple[str, list[str]]]:
-        """Return the texts below the rows, by heading; ``more`` is the option that shows notes in full."""
+    def groups(self, more: str = "", *, whole: bool = False) -> list[tuple[str, list[str]]]:
+        """Return the texts below the rows, by heading.
+
+        Parameters
+        ----------
+        more : str
+            Option that shows notes in full.
+        whole : bool
+            Whether all assumptions are shown, those that hardly change the slip too.
+        """
         summary = summarise_notes(self.notes, more)
+        assumed = [*self.assumed, *self.minor] if whole else [*self.assumed[:_MAX_ASSUMPTIONS]]
         return [
-            ("assumed", list(self.assumed)),
+            ("assumed", assumed),
             ("notes", list(filter(None, (*self.faults, summary)))),
             ("next", list(self.next)),
         ]
 
-    def lines(self, width: int = 0, more: str = "-v", max_lines: int = MAX_LINES) -> list[str]:
-        """Return the lines for a terminal; what matters least is left out, and rows of a table are counted.
+    def lines(
+        self, width: int = 0, more: str = "-v", *, max_lines: int = MAX_LINES, whole: bool = False
+    ) -> list[str]:
+        """Return the lines for a terminal; what matters least is left out, and counted.
 
         Commands are not wrapped, so that they can be pasted as one line.
 
@@ -365,6 +400,8 @@ class Answer:
             Option that shows notes in full.
         max_lines : int
             Number of lines at most.
+        whole : bool
+            Whether all rows and assumptions are shown, whatever the number of lines.
         """
         width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, _MIN_WIDTH)
         case = ", ".join(self.case)
@@ -372,23 +409,35 @@ class Answer:
         head = textwrap.wrap(first, width, break_on_hyphens=False)
         if self.summary:
             head += textwrap.wrap(case, width, break_on_hyphens=False)
-        rows = [(row.label, row.text, row.note) for row in self.visible_rows()]
-        table = list(self.table[: MAX_ROWS + 1])
-        groups = self.groups(more)
+        rows = [(row.label, row.text, row.note) for row in self.visible_rows(whole=whole)]
+        table = list(self.table if whole else self.table[: MAX_ROWS + 1])
+        groups = self.groups(more, whole=whole)
         for _ in _shortened(rows, table, groups, width, f" ({more})"):
             below = list[str]()
             for name, texts in groups:
+                shown = texts
+                if name == "assumed":
+                    shown = _with_count(
+                        texts, self._hidden(len(rows), len(texts)), _ALL.get(more, more)
+                    )
                 headed = [
-                    (f"{'' if k else name:<{_HEADING}}", text) for k, text in enumerate(texts)
+                    (f"{'' if k else name:<{_HEADING}}", text) for k, text in enumerate(shown)
                 ]
                 below += align_columns(headed, math.inf if name == "next" else width)
             omitted = self.omitted + len(self.table) - len(table)
             points = align_columns(table, width) + [f"  {omitted} more: --all"] * bool(omitted)
             parts = [part for part in (head, align_columns(rows, width), points, below) if part]
             lines = "\n\n".join("\n".join(part) for part in parts).split("\n")
-            if len(lines) <= max_lines:
+            if whole or len(lines) <= max_lines:
                 break
         return lines
+
+    def _hidden(self, rows: int, assumed: int) -> str:
+        """Return how much is not shown of a number of rows and assumptions: "2 more, 9 of little effect"."""
+        left = len(self.rows) - rows + max(len(self.assumed) - assumed, 0)
+        minor = min(len(self.assumed) + len(self.minor) - assumed, len(self.minor))
+        texts = (f"{left} more" * bool(left), f"{minor} of little effect" * bool(minor))
+        return ", ".join(filter(None, texts))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the answer as plain values, for JSON: SI value, unit, band and text of each row."""
@@ -409,7 +458,7 @@ class Answer:
                 }
                 for row in self.rows
             },
-            "assumed": list(self.assumed),
+            "assumed": [*self.assumed, *self.minor],
             "notes": [note.as_dict() for note in self.notes],
             "faults": list(self.faults),
             "next": list(self.next),
@@ -424,12 +473,15 @@ class Answer:
             for row in self.visible_rows()
         )
         groups = dict(self.groups())
+        groups["assumed"] = [*self.assumed]
+        if self.minor:
+            groups["assumed"].append(f"{len(self.minor)} of little effect")
         groups["notes"] = [
             *self.faults,
             *dict.fromkeys(f"{note.code} {note.short}".strip() for note in self.notes),
         ]
         below = "".join(
-            f"<p>{name}: {'<br/>'.join(map(escape, texts[:MAX_ROWS]))}</p>"
+            f"<p>{name}: {'<br/>'.join(map(escape, texts))}</p>"
             for name, texts in groups.items()
             if texts
         )
@@ -473,6 +525,8 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
         omitted=summarising.omitted,
         acceptable=next((item.acceptable for item in ordered if item.acceptable > 0.0), ACCEPTABLE),
         assumed=tuple(dict.fromkeys(text for answer in ordered for text in answer.assumed)),
+        minor=tuple(dict.fromkeys(text for answer in ordered for text in answer.minor)),
+        facts={fact: value for answer in reversed(ordered) for fact, value in answer.facts.items()},
         faults=(*faults, *disagreements),
     )
     commands = next((answer.commands for answer in ordered if answer.commands), None)
@@ -505,10 +559,11 @@ def _best_rows(answers: Iterable[tuple[str, Answer]]) -> tuple[dict[str, Row], l
 def with_verdict(answer: Answer) -> Answer:
     """Return an answer with its verdict, and a remark beside the row that decided."""
     rule, verdict, remark = _decide(answer_facts(answer))
-    remark = remark.format(
-        acceptable=f"{format_plain(100.0 * answer.acceptable)} %",
-        twice=f"{format_plain(200.0 * answer.acceptable)} %",
-    )
+    if remark:
+        remark = f"{rule.code}: " + remark.format(
+            acceptable=f"{format_plain(100.0 * answer.acceptable)} %",
+            twice=f"{format_plain(200.0 * answer.acceptable)} %",
+        )
     rows = answer.rows
     if not any(row.key == "cage_slip" for row in rows):
         rows = (Row(key="cage_slip", label="cage slip", text="not computed"), *rows)
@@ -530,37 +585,66 @@ def with_verdict(answer: Answer) -> Answer:
 def _decide(facts: Mapping[Fact, _Interval]) -> tuple[Rule, Verdict, str]:
     """Return the rule that decides, its verdict and the remark.
 
-    The first rule that holds decides, unless the facts leave open a rule for a worse verdict: then it is UNKNOWN.
+    A rule that known facts leave open counts as one that holds, because its accuracy does not exclude it; a rule for
+    SKIDS leads to UNKNOWN then. A rule whose facts are not known leads to UNKNOWN where its verdict is worse.
     """
-    states = [(rule, evaluate_rule(rule, facts)) for rule in RULES]
-    first = next(rule for rule, state in states if state)
-    rank = [*Verdict].index
-    for rule, state in states:
-        if state is not None or not rank(first.verdict) < rank(rule.verdict) < rank(
-            Verdict.UNKNOWN
-        ):
-            continue
+    candidates = list[tuple[Rule, Verdict, str]]()
+    unknown = list[tuple[Rule, Verdict, str]]()
+    for rule in RULES:
+        state = evaluate_rule(rule, facts)
         missing = dict.fromkeys(
             fact for fact, *_ in rule.conditions if math.isnan(facts.get(fact, _NOT_KNOWN)[0])
         )
-        remark = f"whether it is {rule.remark} is not known"
-        if missing:
-            remark = f"whether it {rule.verdict.lower()} is not known: no {' and '.join(missing)}"
-        return rule, Verdict.UNKNOWN, remark
-    return first, first.verdict, first.remark
+        if state:
+            candidates.append((rule, rule.verdict, rule.remark))
+        elif state is None and missing:
+            names = " and ".join(missing)
+            remark = f"whether it {rule.verdict.lower()} is not known: no {names}"
+            unknown.append((rule, Verdict.UNKNOWN, remark))
+        elif state is None and rule.verdict is Verdict.SKIDS:
+            remark = f"whether it is {rule.remark} is not known"
+            candidates.append((rule, Verdict.UNKNOWN, remark))
+        elif state is None:
+            candidates.append((rule, rule.verdict, rule.remark))
+    rank = _RANKS.index
+    worst = max(candidates, key=lambda candidate: rank(candidate[1]))
+    worse = [
+        candidate
+        for candidate in unknown
+        if rank(worst[1]) < rank(candidate[0].verdict)
+        and Verdict.UNKNOWN not in (worst[1], candidate[0].verdict)
+    ]
+    return worse[0] if worse else worst
+
+
+def is_as_bad(verdict: str, other: str) -> bool:
+    """Whether a verdict is at least as bad as another one; no verdict is not.
+
+    Parameters
+    ----------
+    verdict, other : str
+        Verdicts in any letters.
+    """
+    ranks = {name.casefold(): rank for rank, name in enumerate(_RANKS)}
+    return ranks.get(verdict.casefold(), -1) >= ranks[other.casefold()]
 
 
 def answer_facts(answer: Answer) -> dict[Fact, _Interval]:
     """Return the facts that rules compare, as lower and upper bounds; facts that are not known are left out."""
     rows = {row.key: row for row in answer.rows}
-    facts = {Fact.ACCEPTABLE_SLIP: (answer.acceptable, answer.acceptable)}
+    facts = dict.fromkeys((Fact.CHOICE, Fact.VISCOSITY_RATIO), (0.0, 0.0))
+    facts |= {fact: (value, value) for fact, value in answer.facts.items()}
+    film = rows.get("film_parameter")
+    thinnest = math.inf if film is None or math.isnan(film.value) else film.value
+    facts[Fact.FILM_PARAMETER] = (thinnest, thinnest)
+    facts[Fact.ACCEPTABLE_SLIP] = (answer.acceptable, answer.acceptable)
     slip = rows.get("cage_slip")
     if slip is not None and not math.isnan(slip.value):
         size = abs(slip.value)  # a cage that runs ahead slides as much
-        facts[Fact.CAGE_SLIP] = (size, size)
+        accuracy = min(slip.tolerance, _MAX_ACCURACY)
+        facts[Fact.CAGE_SLIP] = ((1.0 - accuracy) * size, (1.0 + accuracy) * size)
         if slip.band is not None:
-            low, high = slip.band
-            facts[Fact.BAND_LOW] = (low, low)
+            high = slip.band[1]
             facts[Fact.BAND_HIGH] = (high, high)
     reserve = rows.get("drag_reserve")
     if reserve is not None and not math.isnan(reserve.value):
@@ -611,36 +695,97 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
     return tuple(filter(None, parts))
 
 
-def describe_assumptions(dataset: "xr.Dataset") -> tuple[str, ...]:
-    """Return what was assumed: quantities that scatter, with the slips that they cause, and values of a new scene."""
+def describe_defaults(datasets: "Iterable[xr.Dataset]") -> str:
+    """Return values that ``rollslip new`` assumed, and the bearing's own cage, as text; without evaluated choices."""
+    assumed = dict[str, None]()
+    cages = dict[str, None]()
+    evaluated = set[str]()
+    for dataset in datasets:
+        assumed |= dict.fromkeys(json.loads(dataset.attrs.get("assumed", "[]")))
+        evaluated |= {item["key"] for item in json.loads(dataset.attrs.get("choices", "[]"))}
+        if own_cage := dataset.attrs.get("own_cage"):
+            cages[f"cage {own_cage.partition(', ')[2].partition(';')[0]}"] = None
+    names = [
+        _NAMED.get(key, key.rpartition(".")[2]).replace("_", " ")
+        for key in assumed
+        if key not in evaluated
+    ]
+    named = f"{', '.join(names)} as rollslip new has it" * bool(names)
+    return "; ".join(filter(None, (named, *cages)))
+
+
+def with_assumptions(answer: Answer, dataset: "xr.Dataset") -> Answer:
+    """Return an answer with what was assumed of the cage slip: choices that nobody made, and data that scatter.
+
+    Choices and data have the slips to which they lead. Choices come first, ordered by their effect on the slip.
+
+    Parameters
+    ----------
+    answer : Answer
+        Answer to the result, with the cage slip among its rows.
+    dataset : xarray.Dataset
+        The result.
+    """
     attributes = dataset.attrs
-    texts = list[str]()
+    slip = next((row.value for row in answer.rows if row.key == "cage_slip"), math.nan)
+    choices = [
+        item | {"slips": {name: _or_skidding(other) for name, other in item["slips"].items()}}
+        for item in json.loads(attributes.get("choices", "[]"))
+    ]
+    choices.sort(
+        key=lambda item: -max((abs(other - slip) for other in item["slips"].values()), default=0.0)
+    )
+    texts = [
+        (_choice_text(item, slip, answer.acceptable), [slip, *item["slips"].values()])
+        for item in choices
+    ]
     for item in json.loads(attributes.get("band", "{}")).get("steady_slip", {}).get("changes", ()):
-        low, high = (math.inf if slip is None else slip for slip in item["values"])
-        is_relevant = max(low, high) > _NEGLIGIBLE_SLIP and max(low, high) >= _SHOWN_RATIO * min(
-            low, high
-        )
-        if is_relevant and len(texts) < _MAX_ASSUMPTIONS:
-            texts.append(f"{_varied_quantity(item)}: slip {_slip_range(low, high)}")
-    assumed = list[str]()
-    names = ", ".join(dict.fromkeys(_assumed_keys(attributes.get("scene", "")))).replace("_", " ")
-    if names:
-        assumed.append(f"{names} as rollslip new has it")
-    if own_cage := attributes.get("own_cage"):
-        assumed.append(f"cage {own_cage.partition(', ')[2].partition(';')[0]}")
-    if assumed:
-        texts.append("; ".join(assumed))
-    return tuple(texts)
+        ends = [*map(_or_skidding, item["values"])]
+        texts.append((f"{_varied_quantity(item)}: slip {_slip_range(*ends)}", ends))
+    slips = [other for item in choices for other in item["slips"].values()]
+    return attrs.evolve(
+        answer,
+        assumed=(*answer.assumed, *(text for text, ends in texts if _matters(ends))),
+        minor=tuple(text for text, ends in texts if not _matters(ends)),
+        facts={**answer.facts, **({Fact.CHOICE: max(slips)} if slips else {})},
+    )
 
 
-def _assumed_keys(scene: str) -> Iterator[str]:
-    """Yield the keys of a new scene whose values were assumed, as their comments say."""
-    table = ""
-    for next_table, key in _ASSUMED.findall(scene):
-        table = next_table or table
-        name = _NAMED.get(table, table) if key == "name" else key
-        if name:
-            yield name
+def _or_skidding(slip: float | None) -> float:
+    """Return a stored slip, infinite where the cage skids."""
+    return math.inf if slip is None else slip
+
+
+def _matters(slips: Collection[float]) -> bool:
+    """Whether slips differ so much that their cause is shown."""
+    highest = max(slips)
+    return highest > _NEGLIGIBLE_SLIP and highest >= _SHOWN_RATIO * min(slips)
+
+
+def _choice_text(item: Mapping[str, Any], slip: float, acceptable: float) -> str:
+    """Return a choice with the alternatives that change the slip most: "profile none; circular: slip 29 %, SKIDS"."""
+    slips: Mapping[str, float] = item["slips"]
+    names = sorted(slips, key=slips.__getitem__, reverse=True)
+    ends = dict.fromkeys([*names[:1], *names[-1:]])
+    shown = [name for name in ends if _matters((slips[name], slip))] or names[:1]
+    texts = [f"{name}: {_slip_and_verdict(slips[name], slip, acceptable)}" for name in shown]
+    if item["refused"]:
+        texts.append(f"not possible here: {', '.join(item['refused'])}")
+    return f"{item['label']} {item['present']}; {', '.join(texts)}"
+
+
+def _slip_and_verdict(other: float, slip: float, acceptable: float) -> str:
+    """Return the slip of an alternative as text, with its verdict where that is worse than that of a slip."""
+    acceptable = acceptable if acceptable > 0.0 else ACCEPTABLE
+
+    def verdict(size: float) -> Verdict:
+        if size > SKIDDING_SLIP:
+            return Verdict.SKIDS
+        return Verdict.SLIPS if size > acceptable else Verdict.OK
+
+    found = verdict(other)
+    text = f"slip {percent(other)}" if math.isfinite(other) else ""
+    return ", ".join(filter(None, (text, found * (found != verdict(slip) and other > slip))))
 
 
 def _varied_quantity(item: Mapping[str, Any]) -> str:
@@ -795,9 +940,9 @@ def _shortened(
     while len(assumed) > 2:
         yield
         assumed.pop()
-    for texts in (assumed, notes):
+    for texts, room in ((assumed, width - _COUNT - len(more)), (notes, width)):
         yield
-        texts[:] = [_line(text, width, more) for text in texts]
+        texts[:] = [_line(text, room, more) for text in texts]
     yield
     del assumed[1:]
     yield
@@ -813,6 +958,14 @@ def _shortened(
         yield
         rows.pop()
     yield
+
+
+def _with_count(texts: Sequence[str], hidden: str, option: str) -> list[str]:
+    """Return texts with what is not shown behind the last one, and the option that shows it."""
+    if not hidden:
+        return [*texts]
+    *others, last = texts or ("",)
+    return [*others, "; ".join(filter(None, (last, f"{hidden} ({option})")))]
 
 
 def _line(text: str, width: int, more: str) -> str:

@@ -1,5 +1,6 @@
 """Change values of scenes by dotted key, from Python or from ``key=value`` on the command line."""
 
+import re
 from collections.abc import Mapping
 from os import PathLike
 from types import MappingProxyType
@@ -23,10 +24,12 @@ __all__ = [
     "SHORT",
     "KnownQuantities",
     "Quantity",
+    "assumed_keys",
     "describe_unknown_key",
     "evolve",
     "full_key",
     "parse_set",
+    "stated_values",
 ]
 
 #: Short name of a key -> the key.
@@ -44,6 +47,8 @@ _NAME_KEYS: Final = {
 CHANGES: Final = "changes"
 #: Keys of the table of an oil, which is read later than the scene, where its laws are known.
 _OIL_KEYS: Final = frozenset(attrs.fields_dict(OilTable))
+#: A line of a new scene whose value was assumed, or that starts a table.
+_ASSUMED: Final = re.compile(r"^\s*(?:\[([\w.-]+)\]|(\w+)\s*=.*#.*\bASSUMED\b)", re.MULTILINE)
 #: Tables that a scene's note describes: a change of one makes the note invalid.
 NOTED: Final = frozenset(
     {"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"}
@@ -302,6 +307,31 @@ def _opened_table(
 
 def _names_a_model(raw: object) -> bool:
     return isinstance(raw, dict) or (isinstance(raw, str) and raw[:1].isalpha())
+
+
+def assumed_keys(scene: Scene) -> list[str]:
+    """Return the dotted keys of the values that ``rollslip new`` assumed, as their comments say, and nobody changed."""
+    table = ""
+    keys = []
+    for next_table, key in _ASSUMED.findall(scene.text):
+        table = next_table or table
+        path = (*table.split("."), key)
+        origins = {scene.origins.get(path[:depth]) for depth in range(1, len(path) + 1)}
+        if key and CHANGES not in origins:
+            keys.append(".".join(path))
+    return keys
+
+
+def stated_values(scene: Scene) -> dict[str, Any]:
+    """Return the tables of a scene as they are written, without the values that ``rollslip new`` assumed."""
+    stated: dict[str, Any] = thawed(scene.tables)
+    for key in assumed_keys(scene):
+        *tables, name = key.split(".")
+        below = stated
+        for table in tables:
+            below = below.get(table, {})
+        below.pop(name, None)
+    return stated
 
 
 def parse_set(text: str) -> tuple[str, object]:

@@ -23,5 +23,6 @@ bearing_1032930 = BearingData(
         outer_raceway_diameter=0.195,
         profile=Profile(shape="iso16281"),
     ),
+    grades={"profile": "D"},
     scatter=(PROFILE_DEPTH,),
 )

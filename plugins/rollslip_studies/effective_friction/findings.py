@@ -8,7 +8,7 @@ from typing import ClassVar, Final
 import attrs
 
 from rollslip.results.accounts import PlainAccount
-from rollslip.results.answer import Answer, Row, describe_assumptions
+from rollslip.results.answer import Answer, Row, with_assumptions
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_running, describe_skidding
 from rollslip_studies.steady_slip.findings import (
@@ -93,11 +93,8 @@ class EffectiveFrictionAccount(PlainAccount):
                     slip=slip,
                 )
             )
-        return Answer(
-            rows=tuple(rows),
-            assumed=describe_assumptions(dataset),
-            commands=next_of_others(dataset),
-        )
+        answer = Answer(rows=tuple(rows), commands=next_of_others(dataset))
+        return with_assumptions(answer, dataset)
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

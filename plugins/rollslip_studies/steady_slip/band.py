@@ -23,6 +23,9 @@ samples, so the band comes from the advanced mean value method of structural rel
 Step 6 has the saturation and the interactions that a sum of squares lacks. Scatter around the direction is missing;
 samples (`rollslip uncertainty`) have it.
 
+Choices that a scene leaves open, such as the profile of the rollers, are evaluated on the same coarse model, with the
+other alternatives in their place one by one.
+
 The effect of an exceeded validity range is found on the same coarse model: the law that the range names in its place
 (`Validity.replacement`) replaces the law, and the steady slip, the reserve and the friction torque are evaluated once
 more. All built-in ranges name laws with a compiled form; one without is evaluated in the same way and takes longer. A
@@ -63,6 +66,7 @@ from rollslip_studies.steady_slip.evaluated import (
     without_play,
 )
 from rollslip_studies.steady_slip.losses import acceptable_reserve
+from rollslip_studies.variation.choices import open_choices
 from rollslip_studies.variation.distributions import Uncertainty, read_uncertainty
 from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import with_scatter
@@ -148,8 +152,9 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     Attribute ``band`` has by name of the value "low" and "high", "dominant", the key of the quantity with the largest
     effect, "changes", the effects of all quantities, of a slip "median", that with all quantities at their medians, and
     "left_out", the keys of those whose effect is not known. A bound is null where the cage skids. Attribute
-    ``consequences`` has the effects of exceeded validity ranges (see `consequences`). A result without a steady slip,
-    or of a cage that is driven, is returned unchanged.
+    ``consequences`` has the effects of exceeded validity ranges (see `consequences`), attribute ``choices`` the choices
+    that the scene leaves open (`open_choices`), with the "slips" of their alternatives and the names of "refused" ones.
+    A result without a steady slip, or of a cage that is driven, is returned unchanged.
 
     Parameters
     ----------
@@ -203,10 +208,56 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
         record["steady_slip"]["median"] = _json_value("steady_slip", median)
         _add_pockets(record["steady_slip"], scene, dataset)
     single = attrs.evolve(scene, sweep=None, uncertainty=None)
-    rows = consequences(single, _coarse_assembly(single), dataset, values["steady_slip"])
+    coarse = _coarse_assembly(single)
+    rows = consequences(single, coarse, dataset, values["steady_slip"])
+    choices = [
+        choice
+        | {
+            "slips": {
+                name: _json_value("steady_slip", scaled("steady_slip", factor))
+                for name, factor in choice["slips"].items()
+            }
+        }
+        for choice in _choice_factors(single, coarse, values["steady_slip"])
+    ]
     return dataset.assign_attrs(
-        {"band": json.dumps(record)} if record else {}, consequences=json.dumps(rows)
+        {"band": json.dumps(record)} if record else {},
+        consequences=json.dumps(rows),
+        choices=json.dumps(choices),
     )
+
+
+def _choice_factors(scene: Scene, coarse: Assembly, slip: float) -> Iterator[dict[str, Any]]:
+    """Yield the choices that a scene leaves open, as values for JSON.
+
+    "slips" has by alternative the factor on the odds of the slip, infinite where the cage skids, and "refused" the
+    alternatives that are not possible in this scene, or of which no slip is known.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    coarse : Assembly
+        Its bearing with few slices.
+    slip : float
+        Its steady cage slip [-], positive.
+    """
+    search = None
+    for choice in open_choices(scene):
+        search = search or _slip_search(coarse, slip)
+        if search is None:
+            return
+        record = attrs.asdict(choice) | {"slips": {}, "refused": []}
+        for name, changes in record.pop("alternatives").items():
+            try:
+                factor = search(_coarse_assembly(evolve(scene, changes)))
+            except RollslipError:
+                factor = math.nan
+            if math.isnan(factor):
+                record["refused"].append(name)
+            else:
+                record["slips"][name] = factor
+        yield record
 
 
 def _add_pockets(record: dict[str, Any], scene: Scene, dataset: "xr.Dataset") -> None:

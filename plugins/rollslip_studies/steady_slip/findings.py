@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import numpy as np
 
 from rollslip.results.account import Account
-from rollslip.results.answer import ACCEPTABLE, Answer, Row, describe_assumptions
+from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row, with_assumptions
 from rollslip.results.text import (
     Status,
     force_unit,
@@ -93,18 +93,21 @@ def next_of_others(dataset: "xr.Dataset") -> dict[str, tuple[str, ...]]:
 
 
 def _next(dataset: "xr.Dataset", rows: tuple[Row, ...]) -> dict[str, tuple[str, ...]]:
-    """Return commands for the next step by verdict: a run at the minimum load or at the upper bound of its band."""
+    """Return commands for the next step by verdict: a run at the upper bound of the minimum load, where it has more."""
     load = (
         json.loads(dataset.attrs.get("scene_resolved", "{}"))
         .get("operation", {})
         .get("radial_load", math.nan)
     )
     row = next((row for row in rows if row.key == "minimum_load"), None)
-    loads = () if row is None else (row.value, (row.band or (math.nan,))[-1])
-    if more := [value for value in loads if load < value < math.inf]:
-        run = f"rollslip run {{scene}} --set operation.radial_load='{format_rounded_up(more[0], force_unit(load)[0])}'"
-        return NEXT | {verdict: (run, *NEXT[verdict]) for verdict in ("SLIPS", "SKIDS")}
-    return NEXT
+    more = math.nan if row is None else (row.band or (row.value,))[-1]
+    if not load < more < math.inf:
+        return NEXT
+    run = f"rollslip run {{scene}} --set operation.radial_load='{format_rounded_up(more, force_unit(load)[0])}'"
+    return {
+        verdict: commands if verdict == "OK" else (run, *commands)
+        for verdict, commands in NEXT.items()
+    }
 
 
 def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
@@ -692,12 +695,15 @@ class SteadySlipAccount(Account):
         """Return the answer: slip, minimum loads, reserves, friction torque, film and clearance."""
         acceptable = float(dataset.attrs.get("acceptable_slip", ACCEPTABLE))
         rows = tuple(row for row in _rows(dataset, acceptable) if row is not None)
-        return Answer(
+        kappa = float(dataset.get("viscosity_ratio", math.nan))
+        answer = Answer(
             rows=rows,
             acceptable=acceptable,
-            assumed=assumed_without_play(dataset) + describe_assumptions(dataset),
+            assumed=assumed_without_play(dataset),
             commands=_next(dataset, rows),
+            facts={} if math.isnan(kappa) else {Fact.VISCOSITY_RATIO: kappa},
         )
+        return with_assumptions(answer, dataset)
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

@@ -16,13 +16,13 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.catalogue.discovery import load, named_data
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
-from rollslip.scene.changes import Quantity
+from rollslip.scene.changes import Quantity, stated_values
 from rollslip.scene.clearance import clearance_scatter
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, resolved
 from rollslip_studies.variation.quantities import quantities
 
-__all__ = ["scattering", "with_scatter"]
+__all__ = ["scattering", "states", "with_scatter"]
 
 #: Factor on data -> the data, "" for the table of the factor: a scene that states these has no use for the factor.
 _MEASURED: Mapping[str, tuple[str, ...]] = {
@@ -36,6 +36,7 @@ def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
     """Return the default scatter of a bearing by key, with the value that scatters."""
     scene = assembly.scene
     raw: dict[str, object] = dict(scene.raw or resolved(scene))
+    stated = stated_values(scene)
     known = quantities(assembly, {})
     oil = assembly.lubricant
     offered = {f"lubricant.{scatter.quantity}": scatter for scatter in oil.scatter}
@@ -59,7 +60,7 @@ def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
         for key, scatter in offered.items()
         if key in known
         and not _is_fraction_of_zero(scatter, known[key])
-        and not _is_certain(raw, key, scatter)
+        and not _is_certain(stated, key, scatter)
     }
 
 
@@ -69,7 +70,7 @@ def _is_certain(raw: Mapping[str, object], key: str, scatter: Scatter) -> bool:
     if table == "lubricant" and {"low", "high"} <= scatter.parameters.keys():
         return False
     return any(
-        _states(raw, stated)
+        states(raw, stated)
         for stated in (key, *(f"{table}.{other}".strip(".") for other in _MEASURED.get(name, ())))
     )
 
@@ -84,8 +85,16 @@ def _is_fraction_of_zero(scatter: Scatter, quantity: Quantity) -> bool:
     )
 
 
-def _states(raw: Mapping[str, object], key: str) -> bool:
-    """Return whether a raw scene states the value of a key; models in a list are found by their names."""
+def states(raw: Mapping[str, object], key: str) -> bool:
+    """Return whether a raw scene states the value of a key; models in a list are found by their names.
+
+    Parameters
+    ----------
+    raw : mapping
+        The scene as it is written. An empty table states nothing.
+    key : str
+        Dotted key.
+    """
     value: object = raw
     for part in key.split("."):
         if isinstance(value, list | tuple):
@@ -97,7 +106,7 @@ def _states(raw: Mapping[str, object], key: str) -> bool:
             value = value[part]
         else:
             return False
-    return value is not None
+    return value is not None and value != {}
 
 
 def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
