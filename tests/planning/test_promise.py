@@ -17,6 +17,7 @@ from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import BoundBrokenError, Resolution
 from rollslip.planning.execution import execute
+from rollslip.planning.new_scene import new
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import error_warnings, verify
 from rollslip.studies.bounds import ErrorEstimate, errors_between
@@ -466,6 +467,24 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
     assert actual > made.scene.accuracy.tolerance
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
     assert actual <= rows[name] <= 3.0 * actual
+
+
+def test_a_skidding_slip_is_compared_as_it_is_told_and_not_as_the_maximum_of_a_curve():
+    """Twice the slices move the maximum of the torque by 6 %, and the torque that limits the drag by 2e-3."""
+    scene = evolve(
+        new("NU1012", oil="iso-vg-32", speed="8000 rpm", load="800 N", temperature="80 degC"),
+        {"study.steady-slip.pockets": "set", "study.steady-slip.points": 6, **DRY},
+    )
+    result = run(scene, "steady-slip")
+    resolution = json.loads(result.attrs["resolution"])
+    assert not any("seen" in part["reason"] for part in json.loads(result.attrs["plan"]))
+    found = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
+    assert found["critical_slip"] is None
+    assert found["skidding slip"] == 0.0
+    finer = Resolution(**resolution | {"slices": 4 * resolution["slices"], "n_positions": 21})
+    fine = plan(scene, "steady-slip").studies["steady-slip"].run(assemble(scene, finer))
+    for name in ("skidding_slip", "limit_drag"):
+        assert float(result[name]) == pytest.approx(float(fine[name]), rel=1e-2)
 
 
 def test_the_thinnest_film_of_a_curve_is_seen_too():

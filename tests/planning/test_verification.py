@@ -49,7 +49,7 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
         "solution",
         lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0)),
     )
-    study = SimpleNamespace(uses_continuation=False)
+    study = SimpleNamespace(uses_continuation=False, compared_as_values=())
     bearing = SimpleNamespace(resolution=Resolution(n_positions=4))
     orders = {}
     run = _ReferenceComparison(
@@ -79,7 +79,7 @@ def test_the_error_of_slices_that_are_refined_is_exact_at_any_order(p, monkeypat
         assembly.at = lambda resolution: SimpleNamespace(resolution=resolution)
         run = _ReferenceComparison(
             study=None,
-            curve_study=None,
+            curve_study=SimpleNamespace(compared_as_values=()),
             assembly=assembly,
             coarse=None,
             dataset=None,

@@ -204,6 +204,9 @@ class DiscretisedStudy:
     #: Names of `value_errors` which no finer run reduces soon, for example bounds at the jump of a roller. They are
     #: reported, and no run is made again for them.
     irreducible_errors: ClassVar[frozenset[str]] = frozenset()
+    #: Keys of [accuracy] of which a result has a value that `value_errors` compares, so that after a run no curves are
+    #: compared for them.
+    compared_as_values: ClassVar[frozenset[str]] = frozenset()
     #: Its friction curves, if it gives some.
     curves_of: ClassVar[Curves | None] = None
 
@@ -701,9 +704,13 @@ class _ReferenceComparison:
 
     def errors_of(self, coarse: Any, fine: Any) -> Errors:
         """Return the relative differences of a solution from a finer one: of samples, or over all slips."""
-        if isinstance(fine, tuple):
-            return sample_errors(coarse, fine)
-        return errors_between(self.curve_study.controlled_outputs, coarse, fine)
+        study = self.curve_study
+        errors = (
+            sample_errors(coarse, fine)
+            if isinstance(fine, tuple)
+            else errors_between(study.controlled_outputs, coarse, fine)
+        )
+        return {name: errors[name] for name in errors if name not in study.compared_as_values}
 
     def slice_errors(self, n_positions: int) -> Errors:
         """Return the errors of the slices on some positions, by four times as many Gauss points.

@@ -171,6 +171,8 @@ class SteadySlip(Study):
     controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"critical_slip": "skidding_slip", "friction": "limit_drag"}
     )
+    # the vertex through three slips at a flat maximum is no measure of a slip that is told with its range
+    compared_as_values: ClassVar[frozenset[str]] = frozenset({"critical_slip"})
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
