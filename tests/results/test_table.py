@@ -30,10 +30,24 @@ def swept():
 def test_a_run_has_the_rows_of_its_answer():
     result = rollslip.run(coarse("gearbox"), "steady-slip")
     head, rows = sheet(result)
-    for row, (label, value, unit, low, high, text, remark) in zip(
-        answer(result).rows, rows, strict=True
-    ):
-        assert (label, text, remark) == (row.label, row.text, row.note)
+    of_run = answer(result)
+    cells = {label: (value, text) for label, value, *_, text, _ in rows}
+    assert cells["verdict"] == (None, of_run.verdict)
+    assert cells["bearing"] == (None, of_run.case[0])
+    assert cells["Lambda"][0] == pytest.approx(float(result.film_parameter.min()), rel=1e-11)
+    assert cells["kappa"][0] == pytest.approx(float(result.viscosity_ratio), rel=1e-11)
+    assert [text for label, *_, text, _ in rows if label == "assumed"] == list(of_run.assumed)
+    assert [label for label, *_ in rows if label.startswith("note ")] == [
+        f"note {note.code}" for note in of_run.notes
+    ]
+    assert of_run.assumed
+    assert of_run.notes
+    by_label = {label: tuple(cells) for label, *cells in rows}
+    for row in of_run.rows:
+        if row.parts:
+            continue
+        value, unit, low, high, text, remark = by_label[row.label]
+        assert (text, remark) == (row.text, row.note)
         scale = 0.01 if unit == "%" else 1.0 if unit == "" else quantity(f"1 {unit}", row.unit)
         assert (
             value is None

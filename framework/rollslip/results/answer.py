@@ -157,6 +157,7 @@ class Row:
     )
     is_alarm: bool = False  #: Whether a limit is exceeded, so that the row is always shown.
     study: str = ""  #: The study that computed it.
+    parts: tuple["Row", ...] = ()  #: Rows in its place in tables, where it combines quantities.
 
 
 @attrs.frozen(kw_only=True)

@@ -1,7 +1,8 @@
 """Tables of results for spreadsheets, in engineering units, which are in the head of the columns.
 
-The table of a run has the rows of its answer. A result of many points has a row for each point: first what varies, then
-the values, a column for each, and their statuses. A number that is not known is an empty cell.
+The table of a run has its verdict, bearing, quantities, assumptions and notes. A result of many points has a row for
+each point: first what varies, then the values, a column for each, and their statuses. A number that is not known is an
+empty cell.
 """
 
 import csv
@@ -48,8 +49,8 @@ def table(*results: "xr.Dataset") -> "pd.DataFrame":
     Examples
     --------
     >>> import rollslip
-    >>> rollslip.table(rollslip.run("gearbox", "steady-slip")).loc[0, ["quantity", "in words"]].to_list()
-    ['cage slip', '1.5 %']
+    >>> rollslip.table(rollslip.run("gearbox", "steady-slip")).loc[2, ["quantity", "in words"]].to_list()
+    ['cage slip', '2.0 %']
     """
     import pandas as pd  # a dependency of xarray
 
@@ -141,12 +142,26 @@ def _has_points(dataset: "xr.Dataset") -> bool:
 
 
 def _answer_rows(results: Sequence["xr.Dataset"]) -> SpreadsheetRows:
-    """Return head and rows of the answer of a run."""
-    rows = []
-    for row in answer(*results).rows:
-        band = row.band or (math.nan, math.nan)
-        unit, (value, low, high) = in_shown_unit(row.key, (row.value, *band), row.unit)
-        rows.append([row.label, value, unit, low, high, row.text, row.note])
+    """Return head and rows of the answer of a run: verdict, bearing, quantities, assumptions and notes."""
+    of_run = answer(*results)
+    rows: list[list[Any]] = []
+    bearing, *operation = of_run.case or ("",)
+    for label, text, remark in (
+        ("verdict", of_run.verdict, of_run.rule),
+        ("bearing", bearing, ", ".join(operation)),
+    ):
+        if text:
+            rows.append([label, None, "", None, None, text, remark])
+    for row in of_run.rows:
+        for part in row.parts or (row,):
+            band = part.band or (math.nan, math.nan)
+            unit, (value, low, high) = in_shown_unit(part.key, (part.value, *band), part.unit)
+            remark = row.note if part.key == row.key else ""
+            rows.append([part.label, value, unit, low, high, part.text, remark])
+    for label, texts in (("assumed", of_run.assumed), ("fault", of_run.faults)):
+        rows += [[label, None, "", None, None, text, ""] for text in texts]
+    for note in of_run.notes:
+        rows.append([f"note {note.code}", None, "", None, None, note.short, note.consequence])
     return ["quantity", "value", "unit", "low", "high", "in words", "remark"], rows
 
 

@@ -29,6 +29,7 @@ import numpy as np
 
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.dataset import xr
+from rollslip.results.table import in_shown_unit
 from rollslip.scene.formats import Read, SceneFormat, Written
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables
 
@@ -383,15 +384,17 @@ class Csv(TablesFormat):
     endings: ClassVar[tuple[str, ...]] = (".csv",)
 
     def render(self, result: "xr.Dataset") -> Written:
-        """Return the rows in SI units, with names and units in the first; a cell is empty where a value is NaN."""
+        """Return the rows in engineering units, with names and units in the first; cells of NaN are empty."""
         axes = ("temperature", "radial_load", "inner_speed")
         text = io.StringIO()
         rows = csv.writer(text, lineterminator="\n")
-        rows.writerow([f"{name} [{result[name].attrs['units']}]" for name in (*axes, *_COLUMNS)])
-        for index in np.ndindex(*(result.sizes[name] for name in axes)):
-            values = [float(result[name][k]) for name, k in zip(axes, index, strict=True)]
-            values += [float(result[name].transpose(*axes)[index]) for name in _COLUMNS]
-            rows.writerow(["" if np.isnan(value) else f"{value:.8g}" for value in values])
+        columns = []
+        for grid in xr.broadcast(*(result[name] for name in (*axes, *_COLUMNS))):
+            values = grid.transpose(*axes).to_numpy().ravel().tolist()
+            unit, shown = in_shown_unit(str(grid.name), values, grid.attrs["units"])
+            cells = ["" if value is None else f"{value:.8g}" for value in shown]
+            columns.append([f"{grid.name} [{unit or 1}]", *cells])
+        rows.writerows(zip(*columns, strict=True))
         return Written(text.getvalue())
 
 

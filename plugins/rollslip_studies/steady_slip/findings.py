@@ -355,12 +355,16 @@ def _film_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
     if "mixed" in limits:
         regime = "full film" if thinnest >= limits["mixed"] else "mixed friction"
         notes.append("boundary friction" if thinnest <= limits.get("boundary", 0.0) else regime)
+    parts = [Row(key="film_parameter", label="Lambda", value=thinnest, text=two_digits(thinnest))]
+    if kappa > 0.0:
+        parts.append(Row(key="viscosity_ratio", label="kappa", value=kappa, text=two_digits(kappa)))
     return Row(
         key="film_parameter",
         label="oil film",
         value=thinnest,
         text=f"Lambda {two_digits(thinnest)}",
         note=", ".join(notes),
+        parts=tuple(parts),
     )
 
 
