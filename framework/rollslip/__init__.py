@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from rollslip.planning.new_scene import new as new
     from rollslip.planning.plan import plan as plan
     from rollslip.results.accounts import answer as answer
+    from rollslip.results.accounts import findings as findings
     from rollslip.results.dataset import open_result as open_result
+    from rollslip.results.dataset import save as save
     from rollslip.results.figures import plot as plot
     from rollslip.results.figures import report as report
     from rollslip.results.table import table as table
@@ -55,6 +57,7 @@ _MODULES = {
     "answer": "rollslip.results.accounts",
     "available": "rollslip.catalogue.registry",
     "evolve": "rollslip.scene.changes",
+    "findings": "rollslip.results.accounts",
     "get_include": "rollslip_kernels",
     "get_model": "rollslip.catalogue.registry",
     "info": "rollslip.cli.console",
@@ -68,10 +71,13 @@ _MODULES = {
     "register": "rollslip.catalogue.session",
     "report": "rollslip.results.figures",
     "run": "rollslip.planning.execution",
+    "save": "rollslip.results.dataset",
     "table": "rollslip.results.table",
 }
 #: Functions with types of libraries that are imported at their first use.
-_DATASET_FUNCTIONS = {"answer", "info", "load_distribution", "open_result", "run", "table"}
+_DATASET_FUNCTIONS = {
+    *("answer", "findings", "info", "load_distribution", "open_result", "run", "save", "table")
+}
 #: Public functions of campaigns; they are found like those of third-party packages.
 _CAMPAIGNS = ("compare", "explore", "fit", "limit", "pareto", "sweep", "uncertainty")
 __all__ = sorted((*_MODULES, *_CAMPAIGNS))
@@ -89,7 +95,9 @@ def __getattr__(name: str) -> Any:
         else _campaign_function(name)
     )
     if value is None:
-        raise AttributeError(f"module 'rollslip' has no attribute {name!r}")
+        commands = importlib.import_module("rollslip.cli.main").cli.commands
+        hint = f"; 'rollslip {name}' is a command of the shell" if name in commands else ""
+        raise AttributeError(f"module 'rollslip' has no attribute {name!r}{hint}")
     if name in _DATASET_FUNCTIONS:
         pandas, xarray, figures = map(
             importlib.import_module, ("pandas", "xarray", "rollslip.results.figures")

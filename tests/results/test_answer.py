@@ -529,6 +529,22 @@ def test_a_note_that_there_is_not_cannot_be_left_out():
         assert told in f"{done.exception} {done.stderr}"
 
 
+@pytest.mark.parametrize(
+    ("code", "hint"),
+    [
+        ((), "give a code, such as W11"),
+        (("moes",), "it is a film: rollslip models 'moes'"),
+        (("NU 2210",), "it is a bearing: rollslip models 'nu 2210'"),
+        (("W99",), "did you mean W"),
+        (("SKIDS",), "rules of a verdict V1, V2"),
+    ],
+)
+def test_a_code_that_is_none_leads_to_what_explains_it(code, hint):
+    done = CliRunner().invoke(cli, ["explain", *code])
+    assert done.exit_code != 0
+    assert hint in f"{done.exception} {done.stderr}"
+
+
 def test_a_minimum_load_below_the_weight_of_the_rollers_is_told_as_that():
     """Their weight is left out of the balance of loads."""
     result = rollslip.run(coarse("gearbox"), "steady-slip")

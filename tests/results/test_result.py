@@ -197,3 +197,17 @@ def test_a_plan_has_headings_and_no_blank_rows(scene):
     rows = re.findall(r"<tr><th scope=\"row\">(.*?)</th>(.*?)</tr>", page)
     assert len(rows) == len(rollslip.plan(scene).parts)
     assert all(name and re.sub("<[^>]*>", "", cells).strip() for name, cells in rows)
+
+
+def test_a_variable_with_a_single_value_is_a_number(scene):
+    result = rollslip.run(scene, "steady-slip")
+    assert float(result.steady_slip) == float(result.steady_slip[0]) == result["steady_slip"].item()
+    with pytest.raises(TypeError, match=r"driving_torque has \d+ values; choose one by index"):
+        float(result.driving_torque)
+
+
+def test_findings_are_sentences_by_topic(result):
+    assert any("inner" in text for text in rollslip.findings(result))
+    assert rollslip.findings(result, "inner ring")
+    with pytest.raises(OutputError, match=r"there is no topic 'load'; there are inner ring, "):
+        rollslip.findings(result, "load")

@@ -89,6 +89,9 @@ def test_a_scene_in_place_of_a_result_is_said():
         ),
         (lambda: evolve(PAPER, {5: 3000.0}), "changes: values by key are expected"),
         (lambda: load_scene({"bearing": {}}), "scene: a name or a path is expected, not a table"),
+        (lambda: load_scene("NU 2316"), r"'NU 2316': is a bearing; .* rollslip\.new\('NU 2316'\)"),
+        (lambda: rollslip.available(), "name a kind; there are: account, bearing, "),
+        (lambda: plot({}), "plot: a result is expected, .* not a table"),
         (lambda: run(PAPER, ["steady-slip"]), "study: the name of one is expected, .* not a list"),
         (
             lambda: rollslip.answer("results"),
@@ -114,3 +117,9 @@ def test_what_was_made_of_a_scene_can_be_sent_elsewhere():
     sent = pickle.loads(pickle.dumps(plan(quick, "friction-curve")))
     found = rollslip.planning.execution.execute(sent, "friction-curve")
     assert np.array_equal(found.friction, run(quick, "friction-curve").friction)
+
+
+def test_a_command_without_a_function_is_named():
+    with pytest.raises(AttributeError, match="'rollslip explain' is a command of the shell"):
+        getattr(rollslip, "explain")  # noqa: B009
+    assert not hasattr(rollslip, "nothing")

@@ -17,7 +17,13 @@ from rollslip.cli import console
 from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
-from rollslip_studies.dynamics.figures import _Cells, _other_events, motion_figures, plot_together
+from rollslip.results.style import save_figures
+from rollslip_studies.dynamics.figures import (
+    _Cells,
+    _other_events,
+    motion_figures,
+    motions_together,
+)
 from rollslip_studies.dynamics.findings import (
     DynamicsAccount,
     energy_closure,
@@ -254,18 +260,20 @@ def pair():
     }
 
 
+def drawn_together(motions, folder):
+    return save_figures(motions_together(motions), "", folder)
+
+
 def test_motions_are_drawn_together_in_the_same_bytes(tmp_path, pair):
-    (path,) = plot_together(pair, tmp_path / "a")
-    (again,) = plot_together(pair, tmp_path / "b")
+    (path,) = drawn_together(pair, tmp_path / "a")
+    (again,) = drawn_together(pair, tmp_path / "b")
     assert path.name == "dynamics-together.svg"
     assert path.read_bytes() == again.read_bytes()
     assert {"conventional", "effective", "Cage speed [rpm]", "Speed of roller 1 [rpm]"} <= set(
         words(path)
     )
     assert "differences are from conventional, over its largest speed" in words(path)
-    assert (
-        "effective is 30 times as fast as conventional" in metadata(path, "description").casefold()
-    )
+    assert "effective is 30 times as fast as conventional" in metadata(path, "title").casefold()
 
 
 def test_the_difference_is_that_of_the_speeds(pair):
@@ -288,8 +296,8 @@ def test_motions_of_different_length_and_rollers_are_drawn_together(tmp_path, na
     for k, both in enumerate(
         ({"a": pair["effective"], "b": hard}, {"b": hard, "a": pair["effective"]})
     ):
-        (path,) = plot_together(both, tmp_path / str(k))
-        assert not re.search(r"\b(nan|inf)\b", metadata(path, "description"))
+        (path,) = drawn_together(both, tmp_path / str(k))
+        assert not re.search(r"\b(nan|inf)\b", metadata(path, "title"))
 
 
 # Words --------------------------------------------------------------------------------------------------------------

@@ -3,7 +3,7 @@ When do the surfaces touch?
 ===========================
 
 The film parameter Lambda is the film thickness over the roughness of both surfaces. Below 1 the surfaces carry the
-load, above 3 the film does. In between both do. The blends of the box draw that passage differently.
+load, above 3 the film does. In between both do. The built-in blends describe that transition differently.
 """
 
 import matplotlib.pyplot as plt
@@ -11,10 +11,10 @@ import numpy as np
 
 import rollslip
 from rollslip import Chain, Conditions, Slices
-from rollslip_plugins.pressure_viscosity import Barus
 
 contact = rollslip.get_model("contact", "palmgren")
 film = rollslip.get_model("film", "moes")
+barus = rollslip.get_model("pressure-viscosity", "barus")
 roughness = np.geomspace(0.02e-6, 4e-6, 60)
 
 fig, axes = plt.subplots()
@@ -29,7 +29,7 @@ for name in ("lambda-blend", "linear-blend", "zhou-hoeprich"):
             conductivity=0.1386, eyring_stress=4e6, shear_modulus=0.3e9,
         )  # fmt: skip
         slices = Slices(1, conditions, load=[20e3], rolling_speed=30.0, sliding_speed=[1.0])
-        Chain(contact, film, Barus(), traction)(slices)
+        Chain(contact, film, barus, traction)(slices)
         parameter.append(slices.film_thickness[0] / size)
         friction.append(slices.friction[0])
     axes.semilogx(parameter, friction, label=name)

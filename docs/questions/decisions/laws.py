@@ -2,14 +2,13 @@
 In which contacts do two traction laws differ?
 ==============================================
 
-``compare`` runs every combination of models on one scene and holds it against a reference. The findings say where the
+``compare`` runs every combination of models on one scene and compares it with a reference. The findings state where the
 difference comes from.
 """
 
 import matplotlib.pyplot as plt
 
 import rollslip
-from rollslip.results.accounts import account_of
 
 found = rollslip.compare(
     "1032930-70C", traction=["muraki", "eyring"], reference="maxwell-eyring", study="friction-curve"
@@ -21,4 +20,4 @@ for label in found.combination.values:
     axes.plot(100 * found.slip, curve, label=str(label))
 axes.set(xlabel="Slip [%]", ylabel=f"Friction coefficient at {force:.0f} N [–]")
 axes.legend()
-print("\n".join(account_of(found).sentences(found)[:3]))
+print("\n".join(rollslip.findings(found)[:3]))

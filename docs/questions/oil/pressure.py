@@ -1,19 +1,18 @@
 """
-How stiff does the oil get under pressure?
-==========================================
+How viscous is the oil under pressure?
+======================================
 
-In a contact the oil bears some hundred megapascals. By Barus's law viscosity rises exponentially, by Roelands's more
-slowly.
+In a contact the pressure is some hundred megapascals. By Barus's law viscosity rises exponentially, by Roelands's law
+more slowly.
 
-Both laws of this picture start with the same slope. At 500 MPa they are far apart. This is why Roelands's is the
-default, and why a result says it first where a scene names ``barus``.
+Both laws of this figure start with the same slope. At 500 MPa they differ widely. Therefore Roelands's law is the
+default, and a result warns where a scene names ``barus``.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from rollslip import Conditions
-from rollslip_plugins.pressure_viscosity import Barus, Roelands
+from rollslip import Conditions, get_model
 
 pressure = np.linspace(0.0, 8e8, 100)
 oil = Conditions(
@@ -24,7 +23,8 @@ oil = Conditions(
 )
 
 fig, axes = plt.subplots()
-for law in (Barus(), Roelands()):
+for name in ("barus", "roelands"):
+    law = get_model("pressure-viscosity", name)
     viscosity, _ = law.at(oil, pressure)
     axes.plot(pressure / 1e6, viscosity, label=law.name)
 axes.set(yscale="log", xlabel="Pressure [MPa]", ylabel="Viscosity [Pa s]")

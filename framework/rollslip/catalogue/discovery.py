@@ -58,7 +58,7 @@ def folded(name: str) -> str:
     return "".join(letter for letter in name.casefold() if letter.isalnum())
 
 
-def available(kind: str) -> Mapping[str, Offer]:
+def available(kind: str = "") -> Mapping[str, Offer]:
     """Return the usable models of a kind that have their own entry point: name -> offer.
 
     Parameters

@@ -111,8 +111,11 @@ class Kind:
 def check_kind(name: str) -> None:
     """Raise `UnknownNameError` for an unknown kind, without loading any."""
     if name not in kinds():
-        hint = did_you_mean(nearest(name, kinds(), count=1), f"there are: {', '.join(kinds())}")
-        raise UnknownNameError(f"no kind of model is called {name!r}; {hint}")
+        every = f"there are: {', '.join(kinds())}"
+        hint = did_you_mean(nearest(name, kinds(), count=1), every)
+        raise UnknownNameError(
+            f"no kind of model is called {name!r}; {hint}" if name else f"name a kind; {every}"
+        )
 
 
 @cache

@@ -35,13 +35,17 @@ def models(what: str | None, as_json: bool) -> None:
 
 
 @click.command()
-@click.argument("code")
+@click.argument("code", required=False, default="")
 @json_option
 def explain(code: str, as_json: bool) -> None:
-    """Say what the CODE of a note stands for, such as W11, or of a rule of the verdict, such as V6."""
+    """Explain the CODE of a note, such as W11, or of a rule of the verdict, such as V6."""
     from rollslip.cli.models import explained
     from rollslip.results.answer import align_columns
 
+    if not code:
+        raise click.UsageError(
+            "give a code, such as W11; 'rollslip run SCENE' prints those of its notes"
+        )
     code = code.strip().upper()
     rows = explained(code)
     lines = align_columns([*rows.items()], shutil.get_terminal_size((100, 24)).columns)

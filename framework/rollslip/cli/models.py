@@ -1,6 +1,8 @@
 """Print models, data and kinds on a terminal, and convert them to plain values for JSON."""
 
 import inspect
+import re
+from contextlib import suppress
 from typing import Any
 
 import attrs
@@ -104,12 +106,11 @@ def explained(code: str) -> dict[str, str]:
             f"{', '.join(laws)}: {text}" if len(texts) > 1 else text for text, laws in texts.items()
         )
     if code not in found:
-        known = nearest(code, found, cutoff=0.4)
-        hint = (
-            f"did you mean {' or '.join(known)}?"
-            if known
-            else "notes are W01, W02 ..., rules of a verdict V1, V2 ..."
-        )
+        hint = "notes are W01, W02 ..., rules of a verdict V1, V2 ..."
+        with suppress(PluginError):
+            hint = f"it is a {kinds_of(code.lower())[0]}: rollslip models '{code.lower()}'"
+        if re.fullmatch(r"[WV]\d+", code):
+            hint = f"did you mean {' or '.join(nearest(code, found, cutoff=0.4))}?"
         raise UnknownNameError(f"no note and no rule has the code {code!r}; {hint}")
     return found[code]
 

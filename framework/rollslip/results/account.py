@@ -64,6 +64,8 @@ class Account:
     units: ClassVar[Mapping[str, str]] = {}
     #: Function that draws its figures: "module:function", ".module:function" relative to its package; empty for none.
     figures_function: ClassVar[str] = ""
+    #: Function that draws several of its results together, by their names; written like `figures_function`.
+    together_function: ClassVar[str] = ""
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
@@ -106,10 +108,18 @@ class Account:
 
     def figures(self, dataset: "xr.Dataset") -> "Figures":
         """Yield file name, caption and figure; figures are drawn during the iteration, with the style of the caller."""
-        if self.figures_function:
-            module, _, function = self.figures_function.partition(":")
+        yield from self._draw(self.figures_function, dataset)
+
+    def together(self, datasets: "Mapping[str, xr.Dataset]") -> "Figures":
+        """Yield the figures of several results by their names, drawn together; none where the study has none."""
+        yield from self._draw(self.together_function, datasets)
+
+    def _draw(self, name: str, results: object) -> "Figures":
+        """Yield the figures of a function; none where it has no name."""
+        if name:
+            module, _, function = name.partition(":")
             package = type(self).__module__.rpartition(".")[0]
-            yield from getattr(import_module(module, package), function)(dataset)
+            yield from getattr(import_module(module, package), function)(results)
 
     def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
         """Return the contacts of the load parameters of the dataset, in their order."""

@@ -31,7 +31,14 @@ from rollslip.scene.reading import shipped_scenes
 from rollslip.structure import raise_problem_if
 from rollslip.units import expect_results
 
-__all__ = ["PlainAccount", "account_of", "answer", "refuse_unreadable", "scene_file"]
+__all__ = [
+    "PlainAccount",
+    "account_of",
+    "answer",
+    "findings",
+    "refuse_unreadable",
+    "scene_file",
+]
 
 
 class PlainAccount(Account):
@@ -139,7 +146,7 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     --------
     >>> import rollslip
     >>> rollslip.answer(rollslip.run("gearbox", "steady-slip"))["cage_slip"].text
-    '1.5 %'
+    '2.0 %'
     """
     expect_results("answer", *results)
     cases = set(map(describe_case, results)) - {()}
@@ -165,6 +172,37 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
         notes=tuple(note for note in collect_notes(results) if note.code not in ignored),
         assumed=tuple(dict.fromkeys(filter(None, assumed))),
     )
+
+
+def findings(result: "xr.Dataset", topic: str = "") -> list[str]:
+    """Return the findings of a result as sentences without full stops.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Result of a study or a campaign.
+    topic : str
+        Topic of the findings; all by default.
+
+    Raises
+    ------
+    OutputError
+        If the result has no such topic.
+
+    Examples
+    --------
+    >>> import rollslip
+    >>> len(rollslip.findings(rollslip.run("1032930-70C", "friction-curve")))
+    2
+    """
+    expect_results("findings", result)
+    account = account_of(result)
+    if not topic:
+        return account.sentences(result)
+    topics = account.topics(result)
+    if topic not in topics:
+        raise OutputError(f"findings: there is no topic {topic!r}; there are {', '.join(topics)}")
+    return topics[topic]
 
 
 def scene_file(dataset: "xr.Dataset") -> str:

@@ -183,15 +183,15 @@ def rows_along(dataset: "xr.Dataset", dim: str) -> list[dict[str, Any]]:
     ]
 
 
-def save(dataset: "xr.Dataset", path: Path) -> None:
+def save(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
     """Write a dataset as netCDF-4; the file is written completely or not at all.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         The result.
-    path : Path
-        The file.
+    path : str or path
+        The file; `open_result` reads it.
 
     Raises
     ------
@@ -205,7 +205,7 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     content = bytes(
         dataset.assign_attrs({**attributes, _MARK[0]: _MARK[1]}).to_netcdf(engine="h5netcdf")
     )
-    with whole_file(path) as partial:
+    with whole_file(Path(path)) as partial:
         partial.write_bytes(content + _SEAL % (FORMAT, sha256(content).hexdigest().encode()))
 
 

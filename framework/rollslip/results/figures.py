@@ -28,6 +28,19 @@ if TYPE_CHECKING:
 __all__ = ["Figures", "Result", "plot", "report", "save_plots"]
 
 
+class ResultArray(xr.DataArray):  # type: ignore[no-untyped-call]
+    """A variable of a result; one with a single value converts to a number, whatever its dimensions."""
+
+    __slots__ = ()
+
+    def __float__(self) -> float:
+        if self.size != 1:
+            raise TypeError(
+                f"{self.name} has {self.size} values; choose one by index, such as {self.name}[0]"
+            )
+        return float(self.to_numpy().item())
+
+
 class Result(xr.Dataset):  # type: ignore[no-untyped-call]
     """The result of a run: the dataset of its first study, with the answer and the datasets of all studies.
 
@@ -90,6 +103,10 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
     @attrs.setter
     def attrs(self, value: Mapping[Any, Any]) -> None:
         self._attrs = dict(value)
+
+    def __getitem__(self, key: Any) -> Any:
+        value = super().__getitem__(key)
+        return ResultArray(value) if isinstance(value, xr.DataArray) else value
 
     @property
     def studies(self) -> xr.DataTree:
@@ -157,13 +174,14 @@ class Figures(dict[str, "Figure"]):
         )
 
 
-def plot(result: "xr.Dataset") -> Figures:
+def plot(result: "xr.Dataset | dict[str, xr.Dataset]") -> Figures:
     """Draw the figures of a result, to look at or to edit.
 
     Parameters
     ----------
-    result : xarray.Dataset
-        Result of a study or a campaign.
+    result : xarray.Dataset or dict
+        Result of a study or a campaign; or several results of study dynamics by their names, which are drawn together
+        and compared with the first.
 
     Returns
     -------
@@ -180,10 +198,14 @@ def plot(result: "xr.Dataset") -> Figures:
     >>> figures["friction-curve"].axes[0].get_xlabel()
     'Slide–roll ratio $V/u$ [%]'
     """
-    expect_results("plot", result)
+    results = (result,) if not isinstance(result, dict) else tuple(result.values())
+    expect_results("plot", *(results or [result]))
+    account = account_of(results[0])
     figures = Figures()
     with styled():
-        for name, caption, figure in _drawn(result):
+        for name, caption, figure in (
+            account.together(result) if isinstance(result, dict) else _drawn(result)
+        ):
             figures[name] = figure
             figures.captions[name] = caption
     return figures

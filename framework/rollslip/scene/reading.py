@@ -60,14 +60,19 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
         if source in shipped:
             return parse_scene(decoded(_of_package(source), source), source)
         if not source or not _exists(path):
+            from rollslip.catalogue.discovery import find  # as in `shipped_scenes`
+
             with suppress(UnknownNameError):  # raises where a package offers a scene it cannot read
                 _of_package(source)
             similar = ", ".join(nearest(source, shipped, cutoff=0.0)) or "none"
-            raise SceneError(
-                [
-                    f"{source!r}: no scene of this name is shipped; nearest: {similar} (a file's name ends in .toml)"
-                ]
-            )
+            hint = f"no scene of this name is shipped; nearest: {similar} (a file's name ends in .toml)"
+            with suppress(PluginError):
+                find("bearing", source)
+                hint = (
+                    f"is a bearing; 'rollslip new FILE.toml --bearing \"{source}\"' makes a scene of it, and in Python "
+                    f"rollslip.new({source!r})"
+                )
+            raise SceneError([f"{source!r}: {hint}"])
     try:
         content = content_of(path)
     except FileNotFoundError:

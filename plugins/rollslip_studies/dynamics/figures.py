@@ -6,7 +6,6 @@ in dashes, maps in lightness.
 
 import math
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any, Final
 
 import attrs
@@ -24,9 +23,9 @@ from rollslip.results.style import (
     TWO_COLUMNS,
     Sheet,
     light_to_dark,
-    save_figures,
     seamless,
 )
+from rollslip.results.text import capitalise
 from rollslip.search import Array
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.findings import (
@@ -43,7 +42,7 @@ from rollslip_studies.dynamics.history.figures import phase, slip_along
 from rollslip_studies.surface_damage.figures import over_time
 from rollslip_studies.thermal_balance.figures import course
 
-__all__ = ["motion_figures", "plot_together"]
+__all__ = ["motion_figures", "motions_together"]
 
 #: Revolutions per minute in a radian per second: speeds are shown in rpm.
 _RPM = 30.0 / math.pi
@@ -123,31 +122,17 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         )
 
 
-def plot_together(datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[Path]:
-    """Draw motions of one bearing together: speed of cage and roller against time, and their differences.
+def motions_together(datasets: "Mapping[str, xr.Dataset]") -> "Iterator[tuple[str, str, Figure]]":
+    """Yield the figure of several motions of one bearing: speeds of cage and roller over time, and their differences.
 
     Parameters
     ----------
     datasets : mapping of str to xarray.Dataset
         Two or more results of dynamics, by their names in the legend; the others are compared with the first.
-    folder : Path
-        Folder of the file; it is created if it does not exist.
-
-    Returns
-    -------
-    list of Path
-        The one file, "dynamics-together.svg".
     """
-
-    def figures() -> "Iterator[tuple[str, str, Figure]]":
-        caption = f"Speed of cage and roller against time: {', '.join(datasets)}."
-        yield "dynamics-together", caption, _together(datasets)
-
-    return save_figures(
-        figures(),
-        " ".join(f"{text[:1].upper()}{text[1:]}." for text in describe_differences(datasets)),
-        folder,
-    )
+    differences = " ".join(f"{capitalise(text)}." for text in describe_differences(datasets))
+    caption = f"Speed of cage and roller against time: {', '.join(datasets)}. {differences}"
+    yield "dynamics-together", caption, _together(datasets)
 
 
 # Figures ------------------------------------------------------------------------------------------------------------

@@ -147,6 +147,7 @@ class DynamicsAccount(Account):
         "final_temperatures": "K", "hottest_temperature": "K",
     }  # fmt: skip
     figures_function = ".figures:motion_figures"
+    together_function = ".figures:motions_together"
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
