@@ -142,6 +142,8 @@ def parse(text: str, source: str) -> tuple[dict[str, Any], dict[KeyPath, str]]:
 
 _UNQUOTED = re.compile(r"=\s*[+-]?[\d.]+(?:,|\s*(?![eE][+-]?\d|[xob_])[A-Za-z%/])")
 _BARE_TEXT = re.compile(r"=\s*[A-Za-z]")
+#: Quotes of word processors and of keyboards of other languages.
+_TYPOGRAPHIC = re.compile("[\u2018-\u201f\u00ab\u00bb\u2032\u2033]")
 
 
 def _syntax_error(error: Exception, text: str, source: str) -> str:
@@ -154,9 +156,14 @@ def _syntax_error(error: Exception, text: str, source: str) -> str:
     position = re.fullmatch(r"line (\d+), column (\d+)\)", where)
     line = int(position[1]) if position else text.count("\n") + 1
     column = f" (column {position[2]})" if position else " (at the end of the file)"
-    unquoted = _UNQUOTED.search(text.split("\n")[line - 1])
+    written = text.split("\n")[line - 1]
+    unquoted = _UNQUOTED.search(written)
     hint = '; write a number as 1.5, and one with a unit in quotes, as "15 mm"' if unquoted else ""
-    if message == "Invalid value" and _BARE_TEXT.search(text.split("\n")[line - 1]):
+    if found := _TYPOGRAPHIC.search(written):
+        hint = f'; {found[0]} is a typographic quote, write " instead'
+    elif "Unescaped '\\'" in message or "hex value" in message:
+        hint = "; write a path in single quotes, as 'C:\\data\\rig.csv', or with /"
+    elif message == "Invalid value" and _BARE_TEXT.search(written):
         hint = '; write a text in quotes, as "moes"'
     elif "'\\n'" in message:
         hint = "; a quote is missing at the end of the line"

@@ -536,9 +536,12 @@ def _without_comma(text: str, unit: str) -> str:
     if number is None or len(text) > _LONGEST:
         return f"here {expectation(unit)}"
     whole, digits, rest = number.groups(default="")
-    # three digits may be thousands: show both
-    thousands = f" or '{whole}{digits}{rest}'" if len(digits) == 3 else ""
-    return f"write '{whole}.{digits}{rest}'{thousands}"
+    choices = [f"{whole}.{digits}{rest}"]
+    if len(digits) == 3 and whole.strip(
+        "+-0"
+    ):  # likely thousands; zeros go, since 3.000 would be read as thousands
+        choices = [f"{whole}{digits}{rest}", f"{whole}.{digits}".rstrip("0").rstrip(".") + rest]
+    return f"write {' or '.join(map(repr, choices[: 1 if rest.startswith('.') else 2]))}"
 
 
 def unit_given(value: object, unit: str) -> str:

@@ -104,7 +104,7 @@ def test_all_that_is_wrong_is_told_at_once(capsys):
     code, said = told(capsys, "my.toml", *given)
     assert code == 2
     assert said.splitlines() == [
-        "speed: '1,500 rpm': a decimal comma is not read; write '1.500 rpm' or '1500 rpm'",
+        "speed: '1,500 rpm': a decimal comma is not read; write '1500 rpm' or '1.5 rpm'",
         "load: '2000' has no unit, here a force is expected, such as '2000 N'",
         "no lubricant is called 'Shell Morlina S2 B 68'; did you mean 'iso-vg-68' or 'pao-68'? ('rollslip models "
         "lubricant' lists them)",
@@ -120,6 +120,15 @@ def test_what_nobody_gives_is_assumed_and_marked():
     )
     text = load_scene("my.toml").text
     assert len(re.findall("ASSUMED, write yours", text)) == 7
+
+
+def test_without_a_file_it_asks_or_says_what_to_name(monkeypatch):
+    done = new()
+    assert done.exit_code == 2
+    assert "rollslip new my.toml --bearing 'NU 2210'" in done.stderr
+    monkeypatch.setattr(run, "is_interactive", lambda: True)
+    assert new(input="\n" * 8).exit_code == 0
+    assert load_scene("my.toml").raw["bearing"]["name"] == "NU2210"
 
 
 def test_every_commented_value_of_the_bearing_is_the_one_that_counts():

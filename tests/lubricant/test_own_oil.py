@@ -266,3 +266,35 @@ def test_walther_through_the_points_of_a_grade_is_that_of_the_fit():
     law = fit_walther([313.15, 373.15], [68e-6, hot], density=1.0)
     assert made.viscosity(343.15) == pytest.approx(law(343.15) * made.density(343.15), rel=1e-12)
     assert attrs.evolve(made, base_oil="pao") == made
+
+
+def oil_of(*points, **more):
+    """The paper's bearing with an own mineral oil of kinematic viscosities [mm2/s] at temperatures [degC]."""
+    table = {
+        "base_oil": "mineral",
+        "points": [
+            {"temperature": f"{T} degC", "kinematic_viscosity": f"{nu} mm2/s"} for T, nu in points
+        ],
+    }
+    return evolve("1032930-70C", {"lubricant": table | more})
+
+
+def test_viscosities_that_walthers_law_misses_are_stated():
+    near, far = ((40, 68), (70, 20.3), (100, 8.5)), ((40, 68), (70, 23.0), (100, 8.5))
+    told = [implausible(oil_of(*points)) for points in (near, far)]
+    assert not any("Walther" in text for text in told[0])
+    (text,) = (text for text in told[1] if "Walther" in text)
+    # the straight line of ASTM D341 through all three, by NumPy
+    T, nu = np.log10([313.15, 343.15, 373.15]), np.log10(np.log10(np.array([68, 23, 8.5]) + 0.7))
+    of_line = 10**10 ** np.polyval(np.polyfit(T, nu, 1), T[1]) - 0.7
+    deviation = f"{100 * (of_line / 23 - 1):+.2g} %"
+    assert f"differs by {deviation} from the viscosity stated at 70 degC" in text
+    assert not any("Walther" in text for text in implausible(oil_of(*far, viscosity_law="vogel")))
+
+
+def test_an_own_oil_reaches_0_degc_as_the_built_in_ones_do():
+    def at_0(oil):
+        return assemble(evolve(oil, {"operation.temperature": "0 degC"})).lubricant.at(273.15)
+
+    own, ours = oil_of((40, 67.5), (100, 8.47)), evolve("1032930-70C", {"lubricant": "iso-vg-68"})
+    assert at_0(own).viscosity == pytest.approx(at_0(ours).viscosity, rel=1e-6)

@@ -203,6 +203,18 @@ def holds(document: Any, path: tuple[str | int, ...]) -> bool:
             "scene.toml:1: not valid TOML: ",
             "; a quote is missing at the end of the line",
         ),
+        (
+            "a = \u201c1 kN\u201d",
+            "scene.toml:1: not valid TOML: ",
+            'typographic quote, write " instead',
+        ),
+        (
+            "a = \u20181 kN\u2019",
+            "scene.toml:1: not valid TOML: ",
+            'typographic quote, write " instead',
+        ),
+        (r'a = "C:\data\x"', "scene.toml:1: not valid TOML: ", "'C:\\data\\rig.csv', or with /"),
+        (r'a = "C:\users\x"', "scene.toml:1: not valid TOML: ", "'C:\\data\\rig.csv', or with /"),
         ("a = 1\nb = [1,\n", "scene.toml:3: not valid TOML: ", "(at the end of the file)"),
         ("a = 1e5\na = 1e5\nb = 1", "scene.toml:2: not valid TOML: ", ")"),
         ("a = " + "1" * 5000, "scene.toml: not valid TOML: ", ""),

@@ -159,7 +159,14 @@ def test_rpm_is_two_pi_per_minute() -> None:
     ("value", "unit", "message"),
     [
         ("1,5 mm", "m", "'1,5 mm': a decimal comma is not read; write '1.5 mm'"),
-        ("1,500 mm", "m", "'1,500 mm': a decimal comma is not read; write '1.500 mm' or '1500 mm'"),
+        ("1,500 mm", "m", "'1,500 mm': a decimal comma is not read; write '1500 mm' or '1.5 mm'"),
+        (
+            "3,000 rpm",
+            "rad/s",
+            "'3,000 rpm': a decimal comma is not read; write '3000 rpm' or '3 rpm'",
+        ),
+        ("3,000.5 rpm", "rad/s", "; write '3000.5 rpm'"),
+        ("0,500 mm", "m", "; write '0.500 mm'"),
         (
             "1,000,5 mm",
             "m",

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option(
     "--bearing",
     metavar="NAME",
@@ -65,10 +65,10 @@ if TYPE_CHECKING:
     help="How oil gets there: bath, splash, circulating, jet, mist or grease.",
 )
 @click.option("--profile", metavar="SHAPE", help="Of the rollers: logarithmic or none.")
-def new(file: Path, **given: str | None) -> None:
-    """Write a complete commented scene into FILE, which then runs.
+def new(file: Path | None, **given: str | None) -> None:
+    """Write a complete commented scene into FILE.
 
-    In a terminal it asks for what no option gives. Elsewhere that is assumed, and marked in the scene.
+    In a terminal it asks for values without an option. Elsewhere these are assumed, and marked in the scene.
     """
     from rollslip.errors import OutputError, RollslipError
     from rollslip.files import whole_file
@@ -76,6 +76,12 @@ def new(file: Path, **given: str | None) -> None:
     from rollslip.planning.plausibility import implausible
     from rollslip.scene.reading import parse_scene
 
+    interactive = is_interactive()
+    if file is None and not interactive:
+        raise click.UsageError(
+            "name the file and the bearing: rollslip new my.toml --bearing 'NU 2210'; in a terminal it asks for both"
+        )
+    file = file or Path(click.prompt("file to write", default="my.toml", err=True))
     path = file if file.suffix == ".toml" else file.with_name(f"{file.name}.toml")
     if path.exists():
         raise OutputError(f"{path}: exists, and is not replaced; name another file")
@@ -98,7 +104,6 @@ def new(file: Path, **given: str | None) -> None:
         )
         return value
 
-    interactive = is_interactive()
     values, missing = completed(written, prompt if interactive else None)
     text = new_scene(str(path), frozenset(() if interactive else missing), **values)
     with whole_file(path) as partial_file:

@@ -52,11 +52,21 @@ from rollslip.lubricant.temperature import Constant, Product, SmoothTable, Table
 from rollslip.structure import FrozenTable, Location, structure
 from rollslip.units import format_quantity
 
-__all__ = ["OilPoint", "OilTable", "OverTemperature", "lubricant_from_table"]
+__all__ = [
+    "OilPoint",
+    "OilTable",
+    "OverTemperature",
+    "deviation_of",
+    "index_of",
+    "lubricant_from_table",
+]
 
 #: Range by which a fitted law is extrapolated beyond its points [K]. Doubling it accepts temperatures at which the law
 #: is less certain. Chosen.
 _MARGIN = 20.0
+#: Range by which Walther's law is extrapolated below its points [K]: from 40 degC to 0 degC, as for the built-in oils,
+#: which have this law through 40 and 100 degC. Doubling it accepts temperatures near the pour point, where none holds.
+_MARGIN_BELOW = 40.0
 #: 40 degC [K], the temperature of ISO 3448 grades.
 _AT_40 = 313.15
 #: 100 degC [K], the second temperature of the viscosity index.
@@ -489,8 +499,8 @@ def lubricant_from_table(
     oil, which lacks properties that the table does not state, or has those of its ``base_oil``: then a data sheet is
     sufficient, with viscosities at two temperatures or ``iso_grade``. ``viscosity_law`` is fitted to ``points``, each
     with a ``temperature`` and either a ``viscosity`` or a ``kinematic_viscosity``. The range of the fit is that of the
-    points and 20 K beyond, within the range of the named oil, unless ``minimum_temperature`` or
-    ``maximum_temperature`` state another one.
+    points and 20 K beyond, by Walther's law 40 K below, within the range of the named oil, unless
+    ``minimum_temperature`` or ``maximum_temperature`` state another one.
 
     A property is a constant, as papers give it at their working temperature, or a table over temperature,
     ``{ temperature = ["40 degC", "100 degC"], value = ["12 1/GPa", "8 1/GPa"] }``: a smooth curve with its own slope,
@@ -612,7 +622,7 @@ def _temperature_range(
     low, high = _ANY if base is None else (base.minimum_temperature, base.maximum_temperature)
     if table.points or table.iso_grade is not None:
         T = [T for T, _ in table.nu()] or [point.temperature for point in table.points]
-        low = max(low, min(T) - _MARGIN)
+        low = max(low, min(T) - (_MARGIN if table.viscosity_law == "vogel" else _MARGIN_BELOW))
         high = min(high, max(T) + _MARGIN)
     for key, value in stated.items():
         if isinstance(value, OverTemperature):
@@ -634,6 +644,16 @@ def index_of(data: Mapping[str, object]) -> float:
         return viscosity_index(law(_AT_40), law(_AT_100))
     except (ValueError, ArithmeticError):  # the reader of the oil reports it
         return math.nan
+
+
+def deviation_of(data: Mapping[str, object]) -> tuple[float, float]:
+    """Return the largest relative deviation of Walther's law from the points of a table, and its temperature [K]."""
+    table = structure(OilTable, _with_grade_as_text(data), _WHERE, [])
+    if table is None or table.viscosity_law == "vogel" or len(table.points) < 3:
+        return 0.0, math.nan
+    points = table.nu()
+    law = fit_walther([T for T, _ in points], [nu for _, nu in points], density=1.0)
+    return max(((law(T) / nu - 1.0, T) for T, nu in points), key=lambda item: abs(item[0]))
 
 
 def _with_grade_as_text(data: Mapping[str, object]) -> Mapping[str, object]:

@@ -21,7 +21,7 @@ from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import PluginError, RollslipError
 from rollslip.fields import unusual
 from rollslip.lubricant.base_oil import HIGHEST_INDEX, LOWEST_INDEX
-from rollslip.lubricant.table import OilTable, index_of
+from rollslip.lubricant.table import OilTable, deviation_of, index_of
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused_keys
 from rollslip.scene.relations import RELATIONS
@@ -30,13 +30,16 @@ from rollslip.scene.values import Scene, model_kind
 from rollslip.structure import Location, fields_of, resolved, types_of
 from rollslip.studies.study import study_class
 from rollslip.toml import as_table, parse, split_key
-from rollslip.units import UnitError, as_written, quantity, unit_given
+from rollslip.units import UnitError, as_written, format_quantity, quantity, unit_given
 
 __all__ = ["implausible", "implausible_in_sweep"]
 
 
 #: Angles at which the form of a ring is sampled, one for half a degree: enough for waves of up to 100 lobes.
 _FORM_ANGLES: Final = 721
+#: Relative deviation of Walther's law from a stated viscosity that is reported. Chosen: twice the reproducibility of
+#: viscosity measurements, about 1 %; with a larger one the shown slips differ from those by the stated viscosity.
+_POINT_TOLERANCE: Final = 0.02
 
 
 def implausible(scene: Scene, varied_keys: Collection[str] = ()) -> list[str]:
@@ -97,6 +100,14 @@ def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tupl
         yield (
             where.at("points"),
             f"the viscosities make a viscosity index of {index:.0f}, oils have -50 to 300; check them",
+        )
+    deviation, temperature = deviation_of(present)
+    if abs(deviation) > _POINT_TOLERANCE:
+        yield (
+            where.at("points"),
+            f"Walther's law differs by {100.0 * deviation:+.2g} % from the viscosity stated at "
+            f"{format_quantity(temperature, 'K')}; check the points, or write viscosity_law = 'vogel', which passes "
+            "through three",
         )
     try:
         written = parse(scene.text, "")[0].get("lubricant")
