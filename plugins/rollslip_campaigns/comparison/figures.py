@@ -22,6 +22,7 @@ from rollslip.results.style import (
     Sheet,
     axis_label,
 )
+from rollslip.search import Array
 from rollslip_campaigns.comparison.findings import captioned, curves_of, members
 
 __all__ = ["figures", "side_by_side"]
@@ -85,21 +86,25 @@ def _slips(dataset: "xr.Dataset") -> "Figure":
 
 def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     """Return a figure of all curves with their critical slips, their differences, and the differences over costs."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    sheet = Sheet(
-        (TWO_COLUMNS[0], 100 * MM),
-        [["curves", "costs"], ["differences", "costs"]],
-        width_ratios=(3, 2),
-        height_ratios=(3, 2),
-    )
-    panels = sheet.axes
     of = curves_of(dataset)
     selected = dataset.isel({of.over: position})
     reference = dataset.attrs["reference"]
     difference, error, cost = (
         selected[name].to_numpy() for name in ("difference", "rms_error", "cost")
     )
+    has_costs = np.count_nonzero(error > 0.0) > 1  # one point needs no panel
+    layout = [["curves", "costs"], ["differences", "costs"]]
+    widths = {"width_ratios": (3, 2)}
+    if not has_costs:
+        layout = [["curves"], ["differences"]]
+        widths = {}
+    sheet = Sheet(
+        ((TWO_COLUMNS if has_costs else SINGLE_COLUMN)[0], 100 * MM),
+        layout,
+        height_ratios=(3, 2),
+        **widths,
+    )
+    panels = sheet.axes
     for k, ((label, member), style) in enumerate(
         zip(members(dataset), _styles(dataset), strict=True)
     ):
@@ -117,19 +122,6 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
                 100 * x[critical], y[critical], color=style["color"], zorder=4, **MARKER
             )
         panels["differences"].plot(100 * curve.slip, 100 * difference[k], **style)
-        if label == reference:
-            panels["costs"].axvline(cost[k], color="black", linewidth=1.0, zorder=0)
-        elif error[k] > 0.0:
-            place = cost[k], 100 * error[k]
-            panels["costs"].plot(*place, marker="o", markersize=5, color=style["color"])
-            panels["costs"].annotate(
-                f"{k + 1}",
-                place,
-                (5, (0, 6, -6)[k % 3]),
-                textcoords="offset points",
-                va="center_baseline",
-                zorder=5,
-            )
     cage = of.over == "ring"
     friction = axis_label(dataset[of.variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–")
     panels["curves"].set(ylabel=friction, ylim=(min(0.0, np.nanmin(selected[of.variable])), None))
@@ -138,29 +130,51 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     if spread:
         panels["differences"].set_yscale("symlog", linthresh=_LINEAR_RANGE)
         panels["differences"].yaxis.set_major_formatter("{x:g}")
-    beyond = f",\nlogarithmic beyond ±{_LINEAR_RANGE:g} %" if spread else ""
+    beyond = f",\nlog beyond ±{_LINEAR_RANGE:g} %" if spread else ""
     symbol = {"symbol": "$V/u$", "name": "slide–roll ratio"}
     if cage:
         symbol = {"symbol": r"$S_\mathrm{c}$"}
     slip = axis_label(dataset[of.slip], unit="%", **symbol)
-    panels["differences"].set(xlabel=slip, ylabel=f"Relative difference [%]{beyond}")
+    panels["differences"].set(xlabel=slip, ylabel=f"Difference [%]{beyond}")
     for name in ("curves", "differences"):
         panels[name].set_xlim(0.0, 100 * float(selected[of.slip][-1]))
+    if has_costs:
+        colours = [style["color"] for style in _styles(dataset)]
+        _draw_costs(panels["costs"], error, cost, colours)
+    longest = max(len(str(handle.get_label())) for handle in sheet.handles)
+    return sheet.done(columns=max(1, min(4, int(140 / (6 + longest)))))
+
+
+def _draw_costs(axes: Any, error: Array, cost: Array, colours: list[Any]) -> None:
+    """Draw errors over costs with the numbers of the combinations; the reference is a line."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    for k, place in enumerate(zip(cost, 100 * error, strict=True)):
+        if place[1] > 0.0:
+            axes.plot(*place, marker="o", markersize=5, color=colours[k])
+            axes.annotate(
+                f"{k + 1}",
+                place,
+                (5, (0, 6, -6)[k % 3]),
+                textcoords="offset points",
+                va="center_baseline",
+                zorder=5,
+            )
+        elif place[1] == 0.0:
+            axes.axvline(place[0], color="black", linewidth=1.0, zorder=0)
     shown = np.log10(100 * error[error > 0.0])
-    panels["costs"].loglog()
-    panels["costs"].set(
+    axes.loglog()
+    axes.set(
         xlim=(0.8, 1.3 * max(2.0, np.nanmax(cost))),
         ylim=(10 ** np.floor(shown.min(initial=1.0)), 10 ** np.ceil(shown.max(initial=0.0))),
         xlabel="Time for a slice over that of the fastest [–]",
         ylabel="Relative difference, root mean square [%]",
     )
-    for axis in (panels["costs"].xaxis, panels["costs"].yaxis):
+    for axis in (axes.xaxis, axes.yaxis):
         decades = np.ptp(np.log10(axis.get_view_interval()))
         axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 2.5 else (1,)))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
-    longest = max(len(str(handle.get_label())) for handle in sheet.handles)
-    return sheet.done(columns=max(1, min(4, int(140 / (6 + longest)))))
 
 
 def _styles(dataset: "xr.Dataset") -> list[dict[str, Any]]:

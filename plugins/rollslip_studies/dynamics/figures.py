@@ -170,6 +170,7 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
         )
         sheet.key("events (at the foot)", linestyle="none", marker="|", color="0.3", markersize=5)
     _draw_roller_speeds(sheet, dataset)
+    _draw_orbit_means(sheet, dataset)
     cage.set_ylabel("Cage speed [rpm]")
     roller.set_ylabel("Roller speed, relative to the cage [rpm]")
     for axes in (cage, roller):
@@ -178,7 +179,7 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
 
 
 def _draw_levels(sheet: Sheet, dataset: "xr.Dataset") -> None:
-    """Draw the speeds without slip, the axis of slips, and the cage speed at which skidding begins."""
+    """Draw the speeds without slip, and the cage speed at which skidding begins."""
     cage, roller = sheet.axes
     epicyclic = _RPM * median_epicyclic_speed(dataset, "cage")
     if math.isnan(epicyclic):
@@ -190,7 +191,6 @@ def _draw_levels(sheet: Sheet, dataset: "xr.Dataset") -> None:
         if not math.isnan(speed):
             axes.axhline(speed, linestyle="dotted", **_QUIET)
     sheet.key("without slip", linestyle="dotted", **_QUIET)
-    _slip_axis(cage, epicyclic)
     limit = skidding_slip(dataset)
     if float(dataset["cage_slip"].max()) > _MIN_SLIP_RATIO * limit:
         cage.axhline((1.0 - limit) * epicyclic, linestyle=DASHES[1], **_QUIET)
@@ -213,6 +213,22 @@ def _draw_roller_speeds(sheet: Sheet, dataset: "xr.Dataset") -> None:
         sheet.handles.append(Patch(label="range of all rollers", **tint))
     curve, label = _shown_roller(dataset)
     _line(sheet, roller, time, curve, label=label, color=MODEL_COLOURS[1], linewidth=0.8)
+
+
+def _draw_orbit_means(sheet: Sheet, dataset: "xr.Dataset") -> None:
+    """Draw the means over an orbit of the speeds of cage and rollers, where the motion is longer than an orbit."""
+    time = dataset["time"].to_numpy()
+    orbit = 2.0 * math.pi / max(float(np.abs(dataset["cage_speed"]).mean()), 1e-300)
+    middle = time[(time >= time[0] + 0.5 * orbit) & (time <= time[-1] - 0.5 * orbit)]
+    if middle.size < 2:
+        return
+    style: dict[str, Any] = {"color": "black", "linewidth": 1.1, "linestyle": DASHES[1]}
+    speeds = (dataset["cage_speed"].to_numpy(), dataset["roller_speed"].mean("roller").to_numpy())
+    for axes, speed in zip(sheet.axes, speeds, strict=True):
+        turned = np.append(0.0, np.cumsum(0.5 * np.diff(time) * (speed[1:] + speed[:-1])))
+        ends = [np.interp(middle + side * orbit, time, turned) for side in (-0.5, 0.5)]
+        axes.plot(_scale(dataset) * middle, _RPM * (ends[1] - ends[0]) / orbit, **style)
+    sheet.key("mean over an orbit", **style)
 
 
 def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
@@ -290,6 +306,7 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         pocket = np.abs(dataset["pocket_force"].to_numpy())
         cells = _Cells.summarise(dataset, np.where(pocket > 0.0, pocket, np.nan), np.max)
         rows.append(("Pocket force [N]", cells, "no roller touches the cage"))
+    half = max((cells.half_width for _, cells, _ in rows), default=0.0) or 180.0
     sheet = Sheet(
         (TWO_COLUMNS[0], (32 * len(rows) + 8) * MM),
         len(rows),
@@ -301,8 +318,10 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
     panels = sheet.axes[:, 0]
     for axes, (label, cells, otherwise) in zip(panels, rows, strict=True):
         axes.set_xlim(cells.edges[0], cells.edges[-1])
-        axes.set_ylim(-180.0, 180.0)
-        axes.set_yticks((-180, -90, 0, 90, 180))
+        axes.set_ylim(-half, half)
+        axes.set_yticks(
+            [tick for tick in range(-180, 181, 90 if half > 90.0 else 30) if abs(tick) <= half]
+        )
         axes.set_ylabel("Orbit position [°]")
         if np.isfinite(cells.values).any():
             _draw_cells(
@@ -450,6 +469,14 @@ class _Cells:
                 found[i, j] = summary(known_values[cells == j])
         return cls(edges, found)
 
+    @property
+    def half_width(self) -> float:
+        """Angle on both sides of the line of load within which all known values lie [°]; 0 without values."""
+        count = self.values.shape[1]
+        cells = np.flatnonzero(np.isfinite(self.values).any(axis=0))
+        farthest = (np.minimum(cells, count - cells) + 0.5).max(initial=0.0)
+        return float(min(180.0, 360.0 / count * farthest))
+
     def rectangles(self, chosen: NDArray[np.bool_]) -> Array:
         """Return corners of rectangles that cover the chosen cells, (rectangles, 5, 2), neighbours in time as one."""
         count = chosen.shape[1]
@@ -523,10 +550,8 @@ def _draw_cells(
 
 
 def _sheet(rows: int, **options: Any) -> Sheet:
-    """Return a sheet of two columns with room for the axis of slips."""
-    sheet = Sheet(TWO_COLUMNS, rows, 2, **options)
-    sheet.figure.get_layout_engine().set(wspace=0.04)  # type: ignore  # the slip axis has labels there
-    return sheet
+    """Return a sheet of two columns."""
+    return Sheet(TWO_COLUMNS, rows, 2, **options)
 
 
 def _scale(dataset: "xr.Dataset") -> float:
@@ -593,20 +618,6 @@ def _shown_roller(dataset: "xr.Dataset", single: bool | None = None) -> tuple[Ar
     if _resolved(dataset) if single is None else single:
         return speeds[:, 0], f"roller {dataset['roller'].to_numpy()[0]}"
     return speeds.mean(axis=1), "the mean of all rollers"
-
-
-def _slip_axis(axes: "Axes", epicyclic: float) -> None:
-    """Add an axis at the right with the cage slip of each cage speed."""
-
-    def slip(speed: Any) -> Array:
-        return np.asarray(100.0 * (1.0 - np.asarray(speed) / epicyclic))
-
-    def speed(slip: Any) -> Array:
-        return np.asarray((1.0 - np.asarray(slip) / 100.0) * epicyclic)
-
-    axes.secondary_yaxis("right", functions=(slip, speed)).set_ylabel(
-        r"Cage slip $S_\mathrm{c}$ [%]"
-    )
 
 
 def _done(sheet: Sheet, **options: Any) -> "Figure":

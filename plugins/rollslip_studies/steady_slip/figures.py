@@ -5,13 +5,16 @@ grey.
 """
 
 import json
+import math
 from collections.abc import Iterator, Mapping
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
+import attrs
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip.results.accounts import account_of
 from rollslip.results.dataset import xr
@@ -25,6 +28,7 @@ from rollslip.results.style import (
     Sheet,
     axis_label,
     light_to_dark,
+    plain_decades,
     unit_label,
 )
 from rollslip.results.text import format_slip_band, percent, two_digits
@@ -32,6 +36,8 @@ from rollslip.scene.reading import from_raw
 from rollslip.search import Array
 from rollslip.units import converted, shown_unit
 from rollslip_studies.effective_friction.ring_figures import ring_figure
+from rollslip_studies.motion.torque_balance import torque_balance
+from rollslip_studies.steady_slip.evaluated import slip_with_play, without_play
 from rollslip_studies.steady_slip.findings import has_steady, varied
 from rollslip_studies.steady_slip.minimum_load import RULES, minimum_loads_of_makers
 
@@ -53,6 +59,43 @@ _OPEN: Final[dict[str, Any]] = {
     "markerfacecolor": "white",
     "markeredgewidth": 0.9,
 }
+
+#: Difference of two curves, over the largest value, below which they are drawn once: about the width of a line.
+#: Doubled, the forces on both rings of a fast bearing would become one curve. Chosen.
+_COINCIDENT: Final = 0.02
+#: Height of the figure of the torques over the drag at the steady slip. Doubled, the operating point lies near the axis
+#: where the rollers carry far more than the drag. Chosen.
+_DRAGS: Final = 3.0
+#: Ratio of the largest torque to this height from which the window is used. Chosen: below it the whole shows the same.
+_ZOOMED: Final = 1.5
+#: Corners of an inset, in fractions of the axes: left, bottom, width, height. Chosen by eye.
+_CORNERS: Final = ((0.58, 0.58, 0.4, 0.38), (0.58, 0.11, 0.4, 0.34), (0.12, 0.58, 0.4, 0.38))
+#: Width of the labels of an inset, in fractions of the axes. Chosen by eye.
+_INSET_LABELS: Final = 0.1
+# Slip over load. The curve is for the eye: exact are the slip of the run and the minimum load. Runs at seven other
+# loads of three scenes of the catalogue, 0.4 to 2.9 times the load of the scene, have 0.5 to 2 times its slips.
+
+#: Loads of the curve. Doubled, they take twice the time, 0.3 s for 13 rollers. Chosen by eye.
+_LOADS: Final = 11
+#: Factor by which the loads go beyond those that are marked, so that the letters of the verdicts have room. Chosen by
+#: eye.
+_BEYOND: Final = 1.8
+#: Slices of a roller, at most. Twice as many changed slips of three scenes of the catalogue by up to 7 %, which the
+#: shift through the results of the run takes away in part.
+_SLICES: Final = 12
+#: Smallest and largest slip and the number of slips between which the torque is interpolated. Chosen: smaller slips are
+#: below the axis.
+_SLIPS: Final = (1e-4, 0.9, 20)
+#: Bounds of a slip that has log-odds: a cage that skids has the larger one. Chosen, far beyond the axis.
+_SHIFTED_SLIPS: Final = (1e-6, 0.999)
+#: Lower end of the axis of slips [%]. Chosen: a smaller slip is printed as below 0.1 %.
+_LOWEST_SLIP: Final = 0.1
+#: Slip above which the verdict is SKIDS: rule V3.
+_SKIDDING_SLIP: Final = 0.2
+#: Verdict -> its colour, pale enough for lines and letters on it, from the smallest slips on.
+_ZONES: Final = {"OK": "#e3f1e4", "SLIPS": "#fdf0d2", "SKIDS": "#f9dedb"}
+#: Slips [%], torques [N m], label and style of a curve.
+_TorqueCurve: TypeAlias = tuple[Array, Array, str, dict[str, Any]]
 
 #: What a roller does -> style. The crossing is dashed, so that the figure is readable in grey.
 _STYLES: Final[dict[str, dict[str, Any]]] = {
@@ -80,6 +123,7 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         )
         yield "steady-slip-orbit", caption, _orbit(dataset)
         yield from _pocket_figure(dataset)
+        yield from _load_figure(dataset)
         yield from ring_figure(dataset)
         # one bar would only repeat a sentence
         if (
@@ -102,75 +146,244 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
 
 
 def _torques(dataset: "xr.Dataset") -> "Figure":
-    """Draw driving torque and drag torque over cage slip, with steady slips and the limit drag torque."""
-    from scipy.interpolate import PchipInterpolator
-
+    """Draw driving torque and drag torque over cage slip near the operating point, and the whole range in an inset."""
     sheet = Sheet()
     axes = sheet.axes
-    slip = dataset["cage_slip"].to_numpy()
-    driving = dataset["driving_torque"].to_numpy()
-    fine = np.linspace(0.0, slip[-1], 400)
-    drag = dataset["drag_torque"].to_numpy()
-    curve = PchipInterpolator(slip, driving)(fine)
-    sheet.line(100 * fine, curve, "driving torque of the rollers", color=MODEL_COLOURS[0])
-    if "driving_torque_without_play" in dataset:
-        sheet.line(
-            100 * slip,
-            dataset["driving_torque_without_play"].to_numpy(),
-            "without play in the pockets",
-            color=MODEL_COLOURS[0],
-            linewidth=0.8,
-            linestyle=DASHES[1],
-        )
-    sheet.line(
-        100 * slip, drag, "drag torque", color=MODEL_COLOURS[1], linewidth=1.0, linestyle=DASHES[3]
-    )
+    curves = _torque_curves(dataset)
+    for slip, torque, label, style in curves:
+        sheet.line(slip, torque, label, **style)
     rows = {row.key: row for row in account_of(dataset).answer(dataset).rows}
+    _mark_steady(sheet, dataset, rows["cage_slip"].band)
+    acceptable = 100 * float(dataset.attrs.get("acceptable_slip", np.nan))
+    if not np.isnan(acceptable):
+        axes.axvline(acceptable, **_LIMIT)
+        sheet.key(f"acceptable slip, {acceptable:.3g} %", **_LIMIT)
+    whole = axes
+    if window := _window(dataset, curves, rows["cage_slip"].band):
+        right, bottom, top = window
+        axes.set_xlim(0.0, right)
+        axes.set_ylim(bottom, top)
+        whole = axes.inset_axes(_free_corner(curves, window))
+        for slip, torque, _, style in curves:
+            whole.plot(slip, torque, **{**style, "linewidth": 0.7})
+        across = [0.0, right, right, 0.0, 0.0]
+        whole.plot(across, [bottom, bottom, top, top, bottom], color="0.35", linewidth=0.6)
+        whole.tick_params(labelsize=6.5, length=2.0, pad=1.5)
+        whole.locator_params(nbins=3)
     largest = float(dataset["limit_drag"])
     if not np.isnan(largest):
-        sheet.mark(
-            100 * float(dataset["skidding_slip"]),
-            largest,
-            f"limit drag torque, {two_digits(largest)} N m",
-            marker="^",
-            markersize=4,
-        )
+        label = f"limit drag torque, {two_digits(largest)} N m"
+        style = {"axes": whole, "marker": "^", "markersize": 4}
+        sheet.mark(100 * float(dataset["skidding_slip"]), largest, label, **style)
+    values = np.concatenate([torque for _, torque, *_ in curves] + [[0.0]])
+    whole.set_xlim(0.0, curves[0][0][-1])
+    whole.set_ylim(values.min(), values.max() + 0.08 * np.ptp(values))
+    return sheet.done(
+        axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"), "Torque on the cage [N m]"
+    )
+
+
+def _torque_curves(dataset: "xr.Dataset") -> list[_TorqueCurve]:
+    """Return the curves of the torques: that of the rollers first, the drag last."""
+    from scipy.interpolate import PchipInterpolator
+
+    slip = dataset["cage_slip"].to_numpy()
+    fine = np.linspace(0.0, slip[-1], 400)
+    driving = PchipInterpolator(slip, dataset["driving_torque"].to_numpy())(fine)
+    colour = MODEL_COLOURS[0]
+    curves: list[_TorqueCurve] = [
+        (100 * fine, driving, "driving torque of the rollers", {"color": colour})
+    ]
+    if "driving_torque_without_play" in dataset:
+        torque = dataset["driving_torque_without_play"].to_numpy()
+        style = {"color": colour, "linewidth": 0.8, "linestyle": DASHES[1]}
+        curves.append((100 * slip, torque, "without play in the pockets", style))
+    style = {"color": MODEL_COLOURS[1], "linewidth": 1.0, "linestyle": DASHES[3]}
+    curves.append((100 * slip, dataset["drag_torque"].to_numpy(), "drag torque", style))
+    return curves
+
+
+def _mark_steady(sheet: Sheet, dataset: "xr.Dataset", band: tuple[float, float] | None) -> None:
+    """Mark stable and unstable steady slips, with the band of the stable ones."""
+    if not has_steady(dataset):
+        return
     for stable, style, label in (
         (1, MARKER, "steady slip"),
         (0, _OPEN, "unstable steady slip"),
     ):
-        if has_steady(dataset) and (chosen := dataset["stable"].to_numpy() == stable).any():
-            at = 100 * dataset["steady_slip"].to_numpy()[chosen]
-            torque = dataset["torque"].to_numpy()[chosen]
-            label = f"{label}, {', '.join(percent(0.01 * value) for value in at)}"
-            if stable and (band := rows["cage_slip"].band):
-                label += f"; where data scatter {format_slip_band(*band)}"
-                axes.plot(
-                    100 * np.minimum(band, 10.0),  # an end beyond the axis has no tick
-                    [torque[0]] * 2,
-                    color="black",
-                    linewidth=0.9,
-                    marker="|",
-                    markersize=5,
-                    zorder=3,
-                )
-            sheet.mark(at, torque, label, zorder=4, clip_on=False, **style)
-    if "minimum_load" in rows:
-        acceptable = 100 * float(dataset.attrs["acceptable_slip"])
-        minimum = rows["minimum_load"]
-        axes.axvline(acceptable, **_LIMIT)
-        label = f"minimum load {minimum.text}, {minimum.note}"
-        if not np.isfinite(minimum.value):
-            label = f"acceptable slip, {acceptable:.3g} %; {label}"
-        sheet.key(label, **_LIMIT)
-    values = np.concatenate([curve, drag, [0.0]])
-    low = values.min()
-    high = values.max()
-    axes.set_xlim(0.0, 100 * slip[-1])
-    axes.set_ylim(low, high + 0.08 * (high - low))
-    return sheet.done(
-        axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"), "Torque on the cage [N m]"
+        chosen = dataset["stable"].to_numpy() == stable
+        if not chosen.any():
+            continue
+        slips = dataset["steady_slip"].to_numpy()[chosen]
+        torque = dataset["torque"].to_numpy()[chosen]
+        label = f"{label}, {', '.join(map(percent, slips))}"
+        if stable and band:
+            label += f"; where data scatter {format_slip_band(*band)}"
+            sheet.axes.plot(
+                100 * np.minimum(band, 10.0),  # an end beyond the axis has no tick
+                [torque[0]] * 2,
+                color="black",
+                linewidth=0.9,
+                marker="|",
+                markersize=5,
+                zorder=3,
+            )
+        sheet.mark(100 * slips, torque, label, zorder=4, **style)
+
+
+def _window(
+    dataset: "xr.Dataset", curves: list[_TorqueCurve], band: tuple[float, float] | None
+) -> tuple[float, float, float] | None:
+    """Return largest slip [%] and smallest and largest torque near the operating point; None for the whole range."""
+    stable = dataset["stable"].to_numpy() == 1
+    slip, driving, *_ = curves[0]
+    top = _DRAGS * float(dataset["torque"].to_numpy()[stable][0]) if stable.any() else 0.0
+    if not 0.0 < _ZOOMED * top < driving.max():
+        return None
+    ends = [float(dataset.attrs.get("acceptable_slip", 0.0)), *(band or ())]
+    right = max(
+        float(slip[np.argmax(driving >= top)]), *(110 * end for end in ends if end < math.inf)
     )
+    right = min(right, float(slip[-1]))
+    return right, max(min(float(driving.min()), 0.0), -top), top
+
+
+def _free_corner(
+    curves: list[_TorqueCurve], window: tuple[float, float, float]
+) -> tuple[float, float, float, float]:
+    """Return the corner of the window in which an inset covers the least of the curves, in fractions of the axes."""
+    right, bottom, top = window
+    fine = np.linspace(0.0, right, 200)
+    heights = [
+        (np.interp(fine, slip, torque) - bottom) / (top - bottom) for slip, torque, *_ in curves
+    ]
+
+    def covered(corner: tuple[float, float, float, float]) -> int:
+        left, low, width, height = corner
+        within = (fine / right > left - _INSET_LABELS) & (fine / right < left + width)
+        return sum(
+            int(np.count_nonzero(within & (y > low - _INSET_LABELS) & (y < low + height)))
+            for y in heights
+        )
+
+    return min(_CORNERS, key=covered)
+
+
+def _load_figure(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Yield name, caption and figure of the slip over the load; nothing where it is followed or not known."""
+    if "makers_minimum_load" not in dataset or "radial_load" in varied(dataset):
+        return
+    try:
+        load, slip = _slip_over_load(dataset)
+    except (KeyError, RollslipError):  # an older result, or one of a package that is not installed
+        return
+    caption = (
+        "Steady cage slip over the radial load with minimum loads, estimated through slip and minimum load of the run; "
+        "at other loads within a factor of 2. Colours are verdicts by the slip alone."
+    )
+    yield "steady-slip-load", caption, _over_load(dataset, load, slip)
+
+
+def _slip_over_load(dataset: "xr.Dataset") -> tuple[Array, Array]:
+    """Return loads [N] and the slip at each, nearly 1 where the cage skids.
+
+    The slip of rollers set in the cage is where the torque of few slices, at one position of the rollers, first exceeds
+    the drag. The slip with play follows from the curves of the run.
+    """
+    scene = from_raw(json.loads(dataset.attrs["scene_resolved"]), "")
+    known = _known_slips(dataset, scene.operation.radial_load)
+    of_set_rollers = _known_slips(without_play(dataset), scene.operation.radial_load)
+    marks = [*known, *of_set_rollers, *catalogue_loads(dataset).values()]
+    loads = np.unique([*np.geomspace(min(marks) / _BEYOND, _BEYOND * max(marks), _LOADS), *marks])
+    assembly = assemble(scene)
+    assembly = assembly.at(
+        attrs.evolve(assembly.resolution, slices=min(assembly.slices, _SLICES), quadrature="graded")
+    )
+    shared = torque_balance(assembly, n_positions=1, inertia=False)
+    slips = np.geomspace(*_SLIPS)
+    drags = np.array([shared.drag(slip) for slip in slips.tolist()])
+    found = np.ones(loads.size)
+    for k, load in enumerate(loads.tolist()):
+        balance = torque_balance(
+            assembly.at_load(load), n_positions=1, inertia=False, similar=shared
+        )
+        excess = balance.torques(slips) + drags
+        if (excess >= 0.0).any():
+            after = max(int(np.argmax(excess >= 0.0)), 1)
+            around = slice(after - 1, after + 1)
+            found[k] = np.exp(np.interp(0.0, excess[around], np.log(slips[around])))
+    with_play = slip_with_play(dataset)
+    set_slips = _shifted(loads, found, of_set_rollers)
+    return loads, _shifted(loads, np.array([with_play(slip) for slip in set_slips.tolist()]), known)
+
+
+def _known_slips(dataset: "xr.Dataset", load: float) -> dict[float, float]:
+    """Return the slips of a result by load [N]: that of the scene, and the acceptable one at the minimum load."""
+    minimum = float(dataset["minimum_load"])
+    known = {minimum: float(dataset.attrs["acceptable_slip"])} if minimum > 0.0 else {}
+    return known | {load: float(dataset["steady_slip"].to_numpy()[0])}
+
+
+def _shifted(loads: Array, slips: Array, known: Mapping[float, float]) -> Array:
+    """Return slips that are moved along the logarithm of the load [N], so that they are those known at some loads.
+
+    A slip that falls with load is more sensitive to the load than the model is wrong by a factor of it.
+    """
+    log = np.log(loads)
+    odds = np.log(np.clip(slips, *_SHIFTED_SLIPS) / (1.0 - np.clip(slips, *_SHIFTED_SLIPS)))
+    at = np.array(sorted(known))
+    right = np.array([known[load] for load in at.tolist()])
+    model_log = np.interp(-np.log(right / (1.0 - right)), -odds, log)
+    shift = np.interp(log, np.log(at), model_log - np.log(at))
+    return np.asarray(1.0 / (1.0 + np.exp(-np.interp(log + shift, log, odds))))
+
+
+def _over_load(dataset: "xr.Dataset", load: Array, slip: Array) -> "Figure":
+    """Draw slip over load with the minimum loads, on the colours of the verdicts."""
+    sheet = Sheet()
+    axes = sheet.axes
+    unit = shown_unit(float(load[-1]), "N")
+    shown = converted(load, "N", unit)
+    acceptable = 100 * float(dataset.attrs["acceptable_slip"])
+    edges = [_LOWEST_SLIP, min(acceptable, 100 * _SKIDDING_SLIP), 100 * _SKIDDING_SLIP, 100.0]
+    for low, high, (verdict, colour) in zip(edges[:-1], edges[1:], _ZONES.items(), strict=True):
+        axes.axhspan(low, high, color=colour, linewidth=0.0, zorder=0)
+        axes.text(
+            0.99,
+            math.sqrt(low * high),
+            verdict,
+            transform=axes.get_yaxis_transform(),
+            ha="right",
+            va="center",
+            color="0.25",
+        )
+    sheet.line(shown, np.minimum(100 * slip, 100.0), "steady slip", color=MODEL_COLOURS[0])
+    here = json.loads(dataset.attrs["scene_resolved"])["operation"]["radial_load"]
+    slip_here = 100 * float(dataset["steady_slip"].to_numpy()[0])
+    sheet.mark(converted(here, "N", unit), max(slip_here, _LOWEST_SLIP), "the scene", **MARKER)
+    plain_decades(axes.xaxis)
+    plain_decades(axes.yaxis)
+    axes.set_xlim(shown[0], shown[-1])
+    axes.set_ylim(_LOWEST_SLIP, 100.0)
+    _mark_minimum_load(sheet, dataset, unit)
+    return sheet.done(
+        f"Radial load {_SYMBOLS['radial_load']} [{unit}]",
+        axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"),
+    )
+
+
+def _mark_minimum_load(sheet: Sheet, dataset: "xr.Dataset", unit: str) -> None:
+    """Draw the minimum load with its band, and those of catalogues, across an axis of loads."""
+    rows = account_of(dataset).answer(dataset).rows
+    row = next((row for row in rows if row.key == "minimum_load"), None)
+    if row is not None and np.isfinite(row.value):
+        band = ""
+        if row.band:
+            low, high = converted(np.array(row.band), "N", unit)
+            band = f", {two_digits(low)} to {two_digits(high)} where data scatter:"
+            sheet.axes.axvspan(low, high, color="0.5", alpha=0.2, linewidth=0.0, zorder=0)
+        mark_loads(sheet, {f"minimum load{band}": row.value}, unit, color="black")
+    mark_loads(sheet, catalogue_loads(dataset), unit)
 
 
 def _losses(dataset: "xr.Dataset") -> "Figure":
@@ -222,24 +435,36 @@ def _set_turn(axes: Axes) -> None:
 
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
-    """Draw normal forces and roller slip over the orbit at each steady slip."""
+    """Draw normal forces and roller slip over the orbit at each steady slip; curves that coincide are drawn once."""
     sheet = Sheet(TWO_COLUMNS, 1, 2)
     forces, slips = sheet.axes
     angle = np.degrees(dataset["angle"].to_numpy())
     centred = np.argsort((angle + 180.0) % 360.0)
     shown = (angle[centred] + 180.0) % 360.0 - 180.0
+    drawn = list[Array]()
+    largest = float(dataset["normal_force"].max())
     for k in range(dataset.sizes["steady"]):
         state = dataset.isel(steady=k)
         style: dict[str, Any] = {"linestyle": "solid" if int(state["stable"]) else "dashed"}
-        for ring in state["ring"].to_numpy():
-            force = state["normal_force"].sel(ring=ring).to_numpy()[centred]
-            forces.plot(shown, force, color=RING_COLOURS[str(ring)], **style)
         cage = 100 * float(state["steady_slip"])
-        slips.plot(shown, 100 * state["roller_slip"].to_numpy()[centred], color="black", **style)
         label = f"cage slip {cage:.3g} %, {str(state['stability'].item()).partition(':')[0]}"
-        sheet.key(label, color="black", **style)
-    for ring, colour in RING_COLOURS.items():
-        sheet.key(f"{ring} ring", color=colour)
+        roller_slip = 100 * state["roller_slip"].to_numpy()[centred]
+        sheet.line(shown, roller_slip, label, slips, color="black", **style)
+        for ring, force in zip(
+            state["ring"].to_numpy(), state["normal_force"].to_numpy(), strict=True
+        ):
+            if all(np.abs(force - other).max() > _COINCIDENT * largest for other in drawn):
+                drawn.append(force)
+                sheet.line(
+                    shown,
+                    force[centred],
+                    f"{ring} ring",
+                    forces,
+                    color=RING_COLOURS[str(ring)],
+                    **style,
+                )
+    if len(drawn) == 1:
+        sheet.handles[1].set_label("inner and outer ring")
     for axes in (forces, slips):
         _set_turn(axes)
     forces.set_ylim(bottom=0.0)
@@ -279,18 +504,7 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
         acceptable = 100 * float(dataset.attrs["acceptable_slip"])
         axes.axhline(acceptable, **_LIMIT)
         sheet.key(f"acceptable slip, {acceptable:.3g} %", **_LIMIT)
-        row = next(
-            (row for row in account_of(dataset).answer(dataset).rows if row.key == "minimum_load"),
-            None,
-        )
-        if row is not None and np.isfinite(row.value):
-            band = ""
-            if row.band:
-                low, high = converted(np.array(row.band), "N", unit)
-                band = f", {two_digits(low)} to {two_digits(high)} where data scatter:"
-                axes.axvspan(low, high, color="0.9", linewidth=0.0, zorder=0)
-            mark_loads(sheet, {f"minimum load{band}": row.value}, unit, color="black")
-        mark_loads(sheet, catalogue_loads(dataset), unit)
+        _mark_minimum_load(sheet, dataset, unit)
     return sheet.done(
         axis_label(dataset[name], symbol, unit),
         axis_label(dataset[f"{name}_slip"], r"$S_\mathrm{c}$", "%"),
