@@ -243,7 +243,7 @@ def test_the_first_page_is_one_sheet_of_a4_also_with_all_notes_and_assumptions(s
     title = "Bearing NU 2312 of the second stage of a gearbox, as it runs in spring at 70 degC in ISO VG 220, idle"
     html, full = page(validity=json.dumps({"messages": told}), title=title)
     assert full.count(longest.replace("<", "&lt;").replace("'", "&#x27;")) == 8
-    assert title in html
+    assert title.replace("degC", "°C") in html
     assert height_of(first) + 20.0 < height_of(full) < HEIGHT
 
 
@@ -344,7 +344,8 @@ def test_it_has_no_script_and_loads_nothing(page):
             assert not name.startswith("on")
             if name in ("src", "href", "xlink:href", "srcset", "data", "action") and not (
                 tag == "a"
-                and value.startswith("https://doi.org/10.")  # which a reader has to follow
+                # which a reader has to follow, or to save
+                and value.startswith(("https://doi.org/10.", "data:text/plain;"))
             ):
                 assert value.startswith("#"), (tag, name, value)
     assert not re.search(r"@import|url\((?!#)", page)
@@ -437,26 +438,22 @@ def test_it_says_in_words_that_there_is_no_critical_slip(figures, tmp_path):
         "2030-01-02T03:04:05+00:00",
         "7.8.9",
         "some-package 4.5.6",
-        "H < M & so on",
         "Moes(a=1)",
-        "Another 1993.",
         "Oil some-oil. some handbook",
         "16.3 mPa s",
         "12986 J/(m2 K s^0.5)",
         "17 slices",
         "nobody asked",
-        'title = "x"  # <verbatim> & so on',
         "https://doi.org/10.3103/S1068366622010068",
         "1,234,567",
         "1.5 s",
         "bearing.roller_diameter",
         "15 mm",
         "6371 rpm",
-        "30 degC",
+        "30 °C",
         "300 N, 518 N",
         "epicyclic",
         "rigid-piezoviscous",
-        "Below M = 2",
     ],
 )
 def test_it_says(page, words):
@@ -468,12 +465,10 @@ def test_what_all_say_alike_is_said_once(page):
     for words in (
         "mind the load < 2",
         "nobody asked",
-        "Another 1993.",
         "some handbook",
-        "<verbatim>",
     ):
         assert text.count(words) == 1
-    assert text.count("Moes 1992.") == 2  # once with the model, once to be cited
+    assert text.count("as it was written") == 1
 
 
 def test_a_citation_that_is_data_has_its_doi_as_a_link(results, figures, tmp_path):

@@ -12,6 +12,7 @@
 - The page is well-formed XML, which tests can check more strictly than HTML.
 """
 
+import base64
 import contextlib
 import json
 import math
@@ -26,15 +27,14 @@ from typing import Any, Final, TypeAlias
 import attrs
 
 from rollslip.bearing.regimes import LIGHT, LONG_NAMES
-from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import PluginError
 from rollslip.files import whole_file
-from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
+from rollslip.references import Citation, as_bibtex
 from rollslip.results.account import Table
 from rollslip.results.accounts import account_of, answer
-from rollslip.results.answer import Answer, describe_case
+from rollslip.results.answer import Answer, collect_notes, describe_case
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of, xr
 from rollslip.results.style import GROUND, INK, adapting
@@ -80,6 +80,12 @@ _FIRST_INPUTS: Final = {
     "operation.misalignment": "misalignment", "operation.temperature": "temperature", "lubricant.name": "oil",
     "lubrication.supply": "oil supply", "cage.make": "cage", "cage.guidance": "guided by",
 }  # fmt: skip
+
+#: Works that are cited in full, the first ones: the paper of the equations and rollslip. Others are a link and a file.
+_FULL_CITATIONS: Final = 2
+
+#: A temperature in a sentence, which people write with the sign of a degree; a value in a command has quotes.
+_CELSIUS: Final = re.compile(r"(?<=\d) degC\b(?!['\"&])")
 
 #: A command that writes a report, in a shell or in Python; a report proposes a study of uncertainty in its place.
 _REPORT_COMMAND: Final = re.compile(
@@ -133,13 +139,13 @@ def write_report(
             _Section("Numbers", "numbers", _numbers(datasets)),
             _Section("Provenance", "provenance", _provenance(datasets)),
             _Section("To be cited", "citations", _citations(datasets)),
-            _Section("Scene as it was written", "scene", _scene(datasets)),
         )
         if section.body
     ]
     titles = [title for _, title in _distinct(datasets, "title") if title]
     with whole_file(path) as partial:
-        partial.write_text(
+        page = _CELSIUS.sub(
+            " °C",
             _PAGE.substitute(
                 title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
                 style=_STYLE + colours,
@@ -153,8 +159,8 @@ def write_report(
                 ),
                 sections="".join(section.html for section in sections),
             ),
-            encoding="utf-8",
         )
+        partial.write_text(page, encoding="utf-8")
 
 
 @attrs.frozen
@@ -201,18 +207,13 @@ def _first_page(first: Answer, lead: str, datasets: Datasets) -> str:
 
 
 def _warnings(datasets: Datasets) -> str:
-    """Return the most severe warnings, with all others folded below."""
+    """Return the most severe warnings, with all others, each once, folded below."""
     first, more = collect_warnings(datasets.values())
     if not more:
         return _list(first)
-    body = ""
-    for heading, record in _per_study(datasets, "validity"):
-        messages = record.get("messages", ())
-        others = [message["text"] for message in messages if message["text"] not in first]
-        if others:
-            body += heading + _list(others)
+    notes = [note.text for note in collect_notes(datasets.values()) if note.text not in first]
     summary = _tag("summary", describe_more_bounds(more).partition(":")[0])
-    return f"{_list(first)}<details>{summary}{body}</details>"
+    return f"{_list(first)}<details>{summary}{_list(notes)}</details>"
 
 
 def _findings(datasets: Datasets) -> str:
@@ -283,28 +284,35 @@ def _figure(svg: str, number: int, name: str) -> str:
 
 
 def _plan(datasets: Datasets) -> str:
-    """Return the lines of the plan, the errors against their tolerances, and the processor time."""
+    """Return the lines of the plan, errors and times.
+
+    Lines of several studies are shown once. Models are in a section of their own, and ``rollslip plan -v`` prints the
+    reasons.
+    """
+    kinds = {model["kind"] for _, models in _per_study(datasets, "models") for model in models}
     body = ""
-    for heading, parts in _per_study(datasets, "plan"):
-        body += heading
-        for caption, included in (("Modelled", True), ("Left out", False)):
-            rows = [
-                [
-                    p["part"],
-                    p["choice"],
-                    p["resolution"],
-                    error_text(p.get("errors", {})),
-                    "" if p.get("seconds") is None else format_quantity(p["seconds"], "s", 2),
-                    p["reason"],
-                ]
-                for p in parts
-                if p["included"] is included
-            ]
-            body += html_table(
-                ("part", "choice", "resolution", "estimated error", "estimated cost", "why"),
-                rows,
-                caption,
-            )
+    for caption, included, last in (
+        ("Modelled", True, "resolution"),
+        ("Left out", False, "reason"),
+    ):
+        rows = dict[tuple[str, ...], list[str]]()
+        for name, dataset in datasets.items():
+            for part in json.loads(dataset.attrs.get("plan", "[]")):
+                texts = (part["part"], part["choice"], part[last])
+                if part["included"] is included and part["part"] not in kinds and any(texts[1:]):
+                    rows.setdefault(texts, []).append(name)
+        table = [
+            [*texts, "" if len(names) == len(datasets) else ", ".join(names)]
+            for texts, names in rows.items()
+        ]
+        heads = ("part", "choice", {"reason": "why"}.get(last, last), "only in")
+        body += html_table(heads, table, caption)
+    return body + _accuracy(datasets)
+
+
+def _accuracy(datasets: Datasets) -> str:
+    """Return the errors against their tolerances, and the times of the processor."""
+    body = ""
     for heading, rows in _per_study(datasets, "accuracy"):
         body += heading + html_table(
             ("result", "tolerance", "estimated error", "error", "found"),
@@ -322,11 +330,11 @@ def _plan(datasets: Datasets) -> str:
             ],
             "Whether the errors keep their tolerances",
         )
-    for _, cost in _per_study(datasets, "cost"):
+    for heading, cost in _per_study(datasets, "cost"):
         actual, estimated = (
             format_quantity(cost[which], "s", 2) for which in ("actual", "estimated")
         )
-        body += f"<p>Time of the processor: {actual}, estimated {estimated}.</p>"
+        body += f"{heading}<p>Time of the processor: {actual}, estimated {estimated}.</p>"
     return body
 
 
@@ -335,14 +343,12 @@ def _models(datasets: Datasets) -> str:
     return "".join(
         heading
         + html_table(
-            ("kind", "model", "equation", "with parameters", "after"),
+            ("kind", "model", "with parameters"),
             [
                 [
                     m["kind"],
                     [m["name"], f"{m['package']} {m['version']}"],
-                    m["equation"],
                     m["parameters"],
-                    m["references"],
                 ]
                 for m in models
             ],
@@ -352,28 +358,34 @@ def _models(datasets: Datasets) -> str:
 
 
 def _input(datasets: Datasets) -> str:
-    """Return all keys of the resolved scene, with values and meanings."""
+    """Return the keys of the resolved scene that differ from their defaults, and the scene as files."""
     body = ""
     for heading, scene in _per_study(datasets, "scene_resolved"):
-        rows = []
         known = _known_keys(scene.get("study", {}))
-        for key, value in _flat(
-            {k: v for k, v in scene.items() if k not in ("title", "description")}
-        ):
-            unit, meaning = known.get(key, ("", ""))
-            rows.append([key, _value(value, unit), meaning])
-        body += heading + html_table(("key", "value", "meaning"), rows)
+        rows = [
+            [key, text]
+            for key, value in _flat(
+                {k: v for k, v in scene.items() if k not in ("title", "description")}
+            )
+            for unit, default in [known.get(key, ("", ""))]
+            if (text := _value(value, unit)) != default
+        ]
+        body += heading + html_table(("key", "value"), rows)
+        body += _download("all keys with their values", "scene.json", json.dumps(scene, indent=1))
+    for heading, text in _per_study(datasets, "scene", str):
+        if text:
+            body += heading + _download("the scene as it was written", "scene.toml", text)
     return body
 
 
 def _known_keys(studies: Iterable[str]) -> dict[str, tuple[str, str]]:
-    """Return unit and meaning of the keys of a scene, those of oil and studies included."""
+    """Return unit and default of the keys of a scene, those of oil and studies included."""
     rows = [*schema(), *rows_of(OilTable, "lubricant.")]
     for name in studies:
-        # keys of a study whose package is missing or broken have no meaning
+        # keys of a study whose package is missing or broken are not known
         with contextlib.suppress(PluginError):
             rows += rows_of(get_class("study", name), f"study.{name}.")
-    return {row.key: (row.unit, row.doc) for row in rows}
+    return {row.key: (row.unit, row.default) for row in rows}
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -391,15 +403,15 @@ def _oil(datasets: Datasets) -> str:
     """Return oil, named data, clearance and the conditions of the contacts."""
     body = ""
     for heading, oil in _per_study(datasets, "lubricant"):
-        body += heading + _tag("p", f"Oil {oil['name']}. {oil['source'] or ''}")
+        body += heading + _tag("p", f"Oil {oil['name']}. {_first_sentence(oil['source'] or '')}")
         grades = oil.get("grades")  # older results do not have it
         if grades:
             each = ", ".join(f"{key.replace('_', ' ')} ({grade})" for key, grade in grades.items())
-            body += _tag("p", f"Data quality: {each}. {legend(grades.values())}.")
+            body += _tag("p", f"Data quality, A printed to D estimated: {each}.")
     for heading, items in _per_study(datasets, "data"):
         for item in items:
             name = f"{item['kind'].capitalize()} {item['name']}"
-            body += heading + _tag("p", f"{name}. {item['source']} {item['validity']}")
+            body += heading + _tag("p", f"{name}. {_first_sentence(item['source'])}")
     for heading, clearance in _per_study(datasets, "clearance"):
         body += heading + _tag("p", f"Clearance in operation: {clearance['text']}.")
     for heading, rings in _per_study(datasets, "conditions"):
@@ -444,11 +456,7 @@ def _regimes(datasets: Datasets) -> str:
     if not rows:
         return ""
     head = ("contact", "film regime", "smallest film parameter Λ", "largest M", f"at M < {LIGHT:g}")
-    note = (
-        f"Below M = {LIGHT:g} (Moes load parameter) the pressure in the film is far from Hertz's, on which traction is "
-        "based: friction there is uncertain, less so with models.pressure = 'light-contact'."
-    )
-    return html_table(head, rows) + _tag("p", note)
+    return html_table(head, rows)
 
 
 def _numbers(datasets: Datasets) -> str:
@@ -497,24 +505,27 @@ def _provenance(datasets: Datasets) -> str:
 
 
 def _citations(datasets: Datasets) -> str:
-    """Return what is to be cited, with a DOI as a link."""
-    items = ""
-    for citation in citations_of(*datasets.values()):
-        text = escape(str(citation))
-        if not isinstance(citation, str) and citation.doi:
-            doi = f"doi:{escape(citation.doi)}"
-            text = text.replace(doi, f'<a href="{escape(citation.link)}">{doi}</a>')
-        items += f"<li>{text}</li>"
-    return f"<ul>{items}</ul>" if items else ""
-
-
-def _scene(datasets: Datasets) -> str:
-    """Return the scenes as they were written."""
-    return "".join(
-        f"{heading}<details><summary>show</summary>{_tag('pre', text)}</details>"
-        for heading, text in _per_study(datasets, "scene", str)
-        if text
+    """Return what is to be cited: the first works in full, all with author, year and a link, and as BibTeX."""
+    works = citations_of(*datasets.values())
+    if not works:
+        return ""
+    first = "".join(_tag("li", work) for work in works[:_FULL_CITATIONS])
+    others = ", ".join(_short_citation(work) for work in works)
+    body = f"<ul>{first}</ul><p>All works: {others}.</p>"
+    return (
+        body
+        + _download("all works in full", "references.txt", "\n".join(map(str, works)))
+        + (_download("all works as BibTeX", "references.bib", as_bibtex(works)))
     )
+
+
+def _short_citation(work: Citation) -> str:
+    """Return the first author and the year of a work, with its DOI as a link."""
+    if isinstance(work, str):
+        return escape(work)
+    name = work.authors[0].partition(",")[0] if work.authors else work.number or work.title
+    text = escape(f"{name} {work.year or ''}".strip())
+    return f'<a href="{escape(work.link)}">{text}</a>' if work.doi else text
 
 
 # Shared by sections --------------------------------------------------------------------------------------------------
@@ -553,6 +564,18 @@ def _value(value: object, unit: str, digits: int = 6) -> str:
     if not isinstance(value, Real):
         return str(value)
     return with_unit(float(value), unit or "1", digits)
+
+
+def _first_sentence(text: str) -> str:
+    """Return the first sentence of the source of data; ``rollslip models`` prints all of it."""
+    return re.split(r"(?<=[.;])\s", text, maxsplit=1)[0]
+
+
+def _download(label: str, name: str, text: str) -> str:
+    """Return a paragraph with a link that saves a text as a file; the text is part of the page."""
+    content = base64.b64encode(text.encode()).decode()
+    link = f"data:text/plain;charset=utf-8;base64,{content}"
+    return f'<p><a download="{name}" href="{link}">{escape(label)}</a></p>'
 
 
 def _tag(name: str, text: object) -> str:
