@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import shutil
 import subprocess
 
@@ -133,7 +134,7 @@ def test_the_page_holds_units_angles_and_errors(tmp_path, monkeypatch):
     )
     text = (tmp_path / "p.html").read_text(encoding="utf-8")
     assert "<td>1 %</td><td>2 %</td><td>1 of 4</td>" in text
-    data, _ = json.JSONDecoder().raw_decode(text, text.index('{"dials":'))
+    data, _ = json.JSONDecoder().raw_decode(text, text.index('{"command":'))
     [dial] = data["dials"]
     assert (dial["unit"], dial["size"], dial["zero"]) == (
         "\N{DEGREE SIGN}C",
@@ -254,3 +255,14 @@ def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, 
     assert "3 points, 0 random ones" in done.output
     assert (tmp_path / "1032930-70C-explorer.html").read_text() == "page"
     assert "exists; name another --out" in str(CliRunner().invoke(cli, requested).exception)
+
+
+def test_the_command_of_the_page_is_that_of_a_run_with_all_changes_that_no_slider_has():
+    scene = rollslip.evolve(
+        rollslip.load_scene("1032930-50C"),
+        {"accuracy.slices": 7, "operation.temperature": "60 degC", "lubricant.name": "iso-vg-32"},
+    )
+    planned = ExplorerSettings(scene, {"operation.temperature": "46 degC:70 degC"}).plan()
+    assert shlex.split(written._command(planned)) == [
+        "rollslip", "run", "1032930-50C", "--set", "lubricant.name=iso-vg-32", "--set", "accuracy.slices=7",
+    ]  # fmt: skip

@@ -7,6 +7,7 @@
 
 import base64
 import json
+import shlex
 from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
@@ -22,6 +23,7 @@ from rollslip.files import whole_file
 from rollslip.results.dataset import xr
 from rollslip.results.style import GROUND, INK, RING_COLOURS, on_dark, unit_label
 from rollslip.search import Array
+from rollslip.structure import thawed
 from rollslip.units import converted
 from rollslip_campaigns.explorer.grid import Explorer
 
@@ -81,6 +83,7 @@ def write_page(
             "key": dial.key,
             "name": dial.name,
             "unit": unit_label(dial.shown),
+            "written": dial.shown,
             "size": float(
                 converted(1.0, dial.unit, dial.shown) - converted(0.0, dial.unit, dial.shown)
             ),
@@ -95,6 +98,7 @@ def write_page(
     ]
     angle = grid["angle"].to_numpy().reshape(-1, grid.sizes["roller"])[0]
     data = {
+        "command": _command(explorer),
         "dials": dials,
         "choices": {key: list(names) for key, names in explorer.choices.items()},
         "layout": {name: list(ends) for name, ends in layout.items()},
@@ -132,6 +136,23 @@ def write_page(
     )
     with whole_file(path) as partial:
         partial.write_text(text, encoding="utf-8")
+
+
+def _command(explorer: "Explorer") -> str:
+    """Return the command that runs the scene, with its changes that no slider or list has."""
+    scene = explorer.scene
+    moved = {dial.key for dial in explorer.dials} | explorer.choices.keys()
+    words = ["rollslip", "run", scene.source]
+    for path, origin in scene.origins.items():
+        key = ".".join(map(str, path))
+        if origin != "changes" or key in moved:
+            continue
+        value: Any = thawed(scene.raw)
+        for name in path:
+            value = value[name]
+        if not isinstance(value, dict):
+            words += ["--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}"]
+    return shlex.join(words)
 
 
 def _controls(explorer: "Explorer") -> str:
