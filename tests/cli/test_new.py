@@ -29,6 +29,7 @@ GIVEN = {
     "--temperature": "60 degC",
     "--cage": "polyamide",
     "--supply": "oil jet",
+    "--profile": "straight",
 }
 
 
@@ -61,6 +62,7 @@ def test_options_make_a_scene_that_says_what_they_say(tmp_path):
     assert scene.cage["guidance"] == "roller"
     assert plan(scene).assembly.cage.mass == pytest.approx(mass, rel=5e-3)
     assert scene.lubrication.supply == "jet"
+    assert scene.bearing.profile.shape == "none"
     assert not implausible(scene)
     assert "ASSUMED" not in scene.text
     assert sorted(plan(scene).studies) == ["effective-friction", "steady-slip"]
@@ -85,7 +87,7 @@ def test_numbers_and_names_are_read_as_people_write_them():
     assert scene.operation.temperature == pytest.approx(344.261, rel=1e-6)
     assert scene.cage == {"make": "polyamide", "guidance": "roller"}  # ECP says so
     assert not scene.raw["cage"]
-    assert "assumed, since no option gives it: oil, supply;" in done.output
+    assert "assumed, since no option gives it: oil, supply, profile;" in done.output
     sheet = new("other.toml", "--bearing", "NU2210 ECP", "--cage", "bronze")
     assert "brass" in sheet.output
 
@@ -115,11 +117,11 @@ def test_what_nobody_gives_is_assumed_and_marked():
     done = new("my")
     assert done.exit_code == 0, done.output
     assert (
-        "assumed, since no option gives it: bearing, oil, speed, load, temperature, cage, supply"
+        "assumed, since no option gives it: bearing, oil, speed, load, temperature, cage, supply, profile"
         in done.stderr
     )
     text = load_scene("my.toml").text
-    assert len(re.findall("ASSUMED, write yours", text)) == 7
+    assert len(re.findall("ASSUMED, write yours", text)) == 8
 
 
 def test_without_a_file_it_asks_or_says_what_to_name(monkeypatch):
@@ -136,7 +138,7 @@ def test_every_commented_value_of_the_bearing_is_the_one_that_counts():
     scene = load_scene("my.toml")
     comments = [
         line[2:]
-        for line in scene.text.partition("[surface]")[0].splitlines()
+        for line in scene.text.partition("\n[bearing.mounting]")[0].splitlines()
         if re.match(r"# \w+ = ", line)
     ]
     assert len(comments) == 7
@@ -165,8 +167,8 @@ def test_a_new_scene_says_how_its_clearance_comes_about(bearing, fit, says):
         f"[bearing.mounting]                       # clearance in operation: {says}\n" in scene.text
     )
     assert str(scene.bearing.mounted) == says
-    assert scene.bearing.mounted.assumed == ()
-    assert (scene.bearing.mounting.shaft_fit, scene.bearing.mounting.housing_fit) == (fit, "H7")
+    assert scene.bearing.mounted.assumed == ("shaft_fit", "housing_fit")
+    assert f'# shaft_fit = "{fit}" ' in scene.text
 
 
 def test_a_bearing_without_clearance_classes_is_not_mounted():
@@ -187,6 +189,8 @@ def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
         "steel",
         "tap",
         "drip",
+        "round",
+        "log",
     ]
     done = new("my.toml", "--load", "3 kN", input="\n".join(answers) + "\n")
     assert done.exit_code == 0, done.output
@@ -198,7 +202,9 @@ def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
         "there are supplies by bath, splash, circulating, jet, mist, grease, not by 'tap'"
         in done.output
     )
+    assert "there are profiles called iso16281, none, not called 'round'" in done.output
     assert (scene.lubricant.name, scene.lubrication.supply) == ("iso-vg-68", "mist")
+    assert scene.bearing.profile.shape == "iso16281"
     assert scene.operation.temperature == pytest.approx(363.15)
     assert "ASSUMED" not in scene.text
 
@@ -311,8 +317,8 @@ def test_python_names_an_option_that_is_none():
         (["\x03"], 130, "interrupted; nothing was left behind"),  # Ctrl-C
         (["\x04"], 130, "interrupted; nothing was left behind"),  # Ctrl-D
         (["\n", "\n", "fast\n", "\x04"], 130, "speed: 'fast' is not a number with a unit"),
-        (["\n"] * 7, 0, "written to my.toml: NU2210, iso-vg-68, 1500 rpm"),
-        (["\xff\x1b\n", *["\n"] * 7], 0, "written to my.toml: NU2210"),
+        (["\n"] * 8, 0, "written to my.toml: NU2210, iso-vg-68, 1500 rpm"),
+        (["\xff\x1b\n", *["\n"] * 8], 0, "written to my.toml: NU2210"),
     ],
 )
 def test_keys_at_a_terminal_end_it_or_are_answers(keys, code, says, tmp_path):

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
@@ -22,34 +24,79 @@ from rollslip_studies.motion.torque_balance import (
 pytestmark = pytest.mark.quick
 
 
-def balance(drag, **branch):
-    return SimpleNamespace(drag=drag, loading_branch=lambda max_slip: SimpleNamespace(**branch))
-
-
-def test_a_reserve_is_the_drag_of_running_away_over_that_of_the_scene():
-    away = SkiddingOnset(0.2, 3.0, "found")
-    runs = Running(0.1, 1.5, Status.FOUND)
-    assert reserve(balance(None), away, runs).factor == 2.0
-    without = SkiddingOnset(math.nan, math.nan, "no skidding", max_torque=3.0, max_torque_slip=0.95)
-    for at_rest, factor in (
-        (-2.0, 1.5),
-        (-1.0, 3.0),
-        (-6.0, 1.0),
-    ):  # drags that fall with slip do not count for more
-        found = reserve(
-            balance(lambda _, of=at_rest: of, end=0.95), without, Running(0.1, 1.0, Status.FOUND)
-        )
-        assert (found.factor, found.status.startswith(Status.AT_LEAST)) == (factor, True)
-
-
-def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
-    branch = {"curve": ([0.1, 0.5, 0.9], [1.0, 2.0, -1.0])}
-    found = reserve(
-        balance(lambda _: -4.0, **branch),
-        SkiddingOnset(math.nan, math.nan, ""),
-        Running(math.nan, 0.0, Status.NO_STEADY_SLIP),
+def balance(drag, carried, end=0.95, points=60):
+    """The torques of a bearing: drags, and what rollers carry, as functions of the slip."""
+    slips = np.geomspace(1e-4, end, points)
+    branch = SimpleNamespace(curve=(slips, np.array([*map(carried, slips)])))
+    return SimpleNamespace(
+        drag=drag,
+        torques=lambda slips: np.array([*map(carried, slips)]),
+        loading_branch=lambda max_slip: branch,
     )
-    assert (found.factor, found.status.startswith(Status.SKIDS)) == (0.5, True)
+
+
+NO_ONSET = SkiddingOnset(math.nan, math.nan, "no skidding")
+
+
+@pytest.mark.parametrize(
+    ("onset", "drag", "expected"),
+    [
+        (SkiddingOnset(0.1, 3.0, "found"), lambda _: -1.5, 2.0),  # at the onset
+        (NO_ONSET, lambda _: -1.5, 4.0),  # at a slip of 20 %, not at the largest torque beyond
+        (NO_ONSET, lambda slip: -1.5 * (1.0 - slip), 5.0),  # drags that fall with slip
+        (
+            NO_ONSET,
+            lambda slip: -30.0 * slip,
+            3.0e-3 / 3.0e-3,
+        ),  # drags as large as the torque everywhere
+    ],
+)
+def test_a_reserve_is_the_largest_torque_over_the_drag_at_the_same_slip(onset, drag, expected):
+    found = reserve(
+        balance(drag, lambda slip: 30.0 * slip), onset, Running(0.05, 1.5, Status.FOUND)
+    )
+    assert found.factor == pytest.approx(expected, rel=1e-9)
+    assert found.status == Status.FOUND
+
+
+def test_a_smooth_maximum_between_the_points_of_a_curve_is_found():
+    def carried(slip):
+        return 3.0 - math.log(slip / 0.0512) ** 2
+
+    found = reserve(
+        balance(lambda _: -1.5, carried, points=12), NO_ONSET, Running(0.01, 0.1, Status.FOUND)
+    )
+    assert (found.factor, found.slip) == pytest.approx((2.0, 0.0512), rel=1e-9)
+
+
+@given(
+    acceptable=st.floats(0.01, 0.15),
+    peak=st.floats(0.02, 0.9),
+    fall=st.floats(-0.9, 0.9),
+    onset=st.floats(0.16, 0.95),
+)
+def test_the_reserve_to_skidding_is_not_below_that_to_a_slip_before_the_onset(
+    acceptable, peak, fall, onset
+):
+    def carried(slip):
+        return 4.0 * slip / peak / (1.0 + (slip / peak) ** 2)
+
+    def drag(slip):
+        return -(1.0 - fall * slip)
+
+    away = SkiddingOnset(onset, carried(onset), "found")
+    found = reserve(balance(drag, carried), away, Running(1e-4, -drag(1e-4), Status.FOUND))
+    assert found.factor >= max(carried(acceptable) / -drag(acceptable), 1.0) * (1.0 - 1e-4)
+
+
+@pytest.mark.parametrize("slip", [0.21, math.nan])
+def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip(slip):
+    status = Status.NO_STEADY_SLIP if math.isnan(slip) else Status.FOUND
+    found = reserve(
+        balance(lambda _: -4.0, lambda slip: 10.0 * slip), NO_ONSET, Running(slip, 4.0, status)
+    )
+    assert found.factor == pytest.approx(0.5)
+    assert found.status.startswith(Status.SKIDS)
 
 
 @pytest.mark.parametrize(

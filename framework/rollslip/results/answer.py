@@ -267,10 +267,10 @@ class Rule:
 
 #: The rules of the verdict. Of those that hold the one for the worst verdict decides, of several the first.
 RULES: Final = (
+    Rule(code="V3", verdict=Verdict.SKIDS, conditions=((Fact.CAGE_SLIP, ">", SKIDDING_SLIP),), remark="above 20 %"),
     Rule(code="V1", verdict=Verdict.SKIDS, conditions=((Fact.RESERVE, "<", 1.0),), row="drag_reserve",
          remark="the drags are larger than what the rollers carry", source="balance of torques"),
     Rule(code="V2", verdict=Verdict.UNKNOWN, conditions=((Fact.CAGE_SLIP, "none", 0.0),), source="nothing can be said"),
-    Rule(code="V3", verdict=Verdict.SKIDS, conditions=((Fact.CAGE_SLIP, ">", SKIDDING_SLIP),), remark="above 20 %"),
     Rule(code="V4", verdict=Verdict.UNKNOWN, conditions=((Fact.RESERVE, "<", 1.5),), row="drag_reserve",
          remark="below 1.5, may skid", source="a choice: drags are known to a factor"),
     Rule(code="V5", verdict=Verdict.UNKNOWN, conditions=((Fact.BAND_HIGH, ">", SKIDDING_SLIP),),
@@ -683,7 +683,9 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
     inner, outer = (
         operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer")
     )
-    speed = f"{inner:.0f} rpm" + (f" (outer ring {outer:.0f} rpm)" if outer else "")
+    speed = f"{format_plain(inner)} rpm" + (
+        f" (outer ring {format_plain(outer)} rpm)" if outer else ""
+    )
     load = operation["radial_load"]
     unit, factor = force_unit(load)
     parts = (

@@ -138,7 +138,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "steady_drag": Output("", "N m", "drag torque there", status="steady_status"),
         "steady_status": Output("", "1", "what was found of the slip at which the cage runs"),
         "drag_reserve": Output(
-            "", "1", "limit drag torque over the drag of the scene", status="reserve_status"
+            "", "1", "largest torque over drag before the cage skids", status="reserve_status"
         ),
         "reserve_status": Output(
             "", "1", "what was found of the reserve: found, at least, or why there is none"

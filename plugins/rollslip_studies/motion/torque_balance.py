@@ -28,6 +28,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.text import Status
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
@@ -510,24 +511,21 @@ def running(balance: TorqueBalance, max_slip: float = RANGE) -> Running:
 
 @attrs.frozen
 class Reserve:
-    """Drag reserve to skidding: the limit drag over the drags of a scene; below 1 the cage skids."""
+    """Drag reserve to skidding: the factor on the drags of a scene at which the cage skids; below 1 it does."""
 
     factor: float  # NaN where the status is another one than `Status.FOUND`, `AT_LEAST` or `SKIDS`
     status: str  # begins with a member of `Status`
+    slip: float = math.nan  # slip at which torque over drags is largest, NaN without one
 
 
 def reserve(
     balance: TorqueBalance, onset: SkiddingOnset, runs: Running, max_slip: float = RANGE
 ) -> Reserve:
-    """Return the drag reserve to skidding: the limit drag over the drags of the scene where the cage runs.
+    """Return the drag reserve to skidding: the largest torque of the rollers over the drags at the same slip.
 
-    - Where the cage does not skid in the range, the reserve is a lower bound: the largest torque of the rollers, over
-      the drags where the cage runs, or without slip where these are larger. Drags that fall with slip, as churning
-      does, would let a cage that has slowed down look safe.
-    - Where the cage runs, the reserve is at least 1. A cage that is faster than its epicyclic speed has the drags
-      without slip, through which it passes before it skids.
-    - Where the cage has no steady slip, or runs beyond the onset of skidding, the reserve is less than 1: the largest
-      ratio of torque and drags at a slip of the loading branch.
+    It is the factor on all drags at which the cage skids: at the onset of skidding, or at `SKIDDING_SLIP`, whatever
+    comes first on the loading branch; a lower bound where the branch ends before. It is at least 1 where the cage runs
+    below, and at most 1 elsewhere.
 
     Parameters
     ----------
@@ -540,44 +538,85 @@ def reserve(
     max_slip : float
         Largest cage slip.
     """
-    is_found = runs.status == Status.FOUND
-    if is_found and not runs.slip > onset.slip:  # NaN where the cage does not skid
-        return _reserve_to_onset(balance, onset, runs, max_slip)
     outcome = Status.of(runs.status)
     if outcome is Status.DRIVEN:
         return Reserve(math.inf, f"{Status.AT_LEAST}: {runs.status}")
     if outcome not in (Status.FOUND, Status.NO_STEADY_SLIP):
         return Reserve(math.nan, runs.status)
-    slips, torques = balance.loading_branch(max_slip).curve
-    ratios = [
-        torque / -balance.drag(slip)
-        for slip, torque in zip(slips, torques, strict=True)
-        if torque > 0.0 and balance.drag(slip) < 0.0
-    ]
-    return Reserve(
-        min(max(ratios, default=0.0), 1.0),
-        f"{Status.SKIDS}: its drags are more than the rollers carry",
-    )
-
-
-def _reserve_to_onset(
-    balance: TorqueBalance, onset: SkiddingOnset, runs: Running, max_slip: float
-) -> Reserve:
-    """The reserve of a cage that runs below the onset of skidding."""
     is_driven = runs.slip < 0.0
-    drag = -balance.drag(0.0) if is_driven else runs.drag
-    if not drag > 0.0:
+    is_found = outcome is Status.FOUND
+    if is_found and not (-balance.drag(0.0) if is_driven else runs.drag) > 0.0:
         where = " without slip" if is_driven else ""
         return Reserve(math.inf, f"{Status.AT_LEAST}: no torque drags the cage{where}")
-    if not math.isnan(onset.slip):
-        return Reserve(onset.drag / drag, Status.FOUND)
-    if math.isnan(onset.max_torque):
+    try:
+        slips, torques = balance.loading_branch(max_slip).curve
+    except (DomainError, ConvergenceError):
         return Reserve(math.nan, onset.status)
-    factor = onset.max_torque / max(runs.drag, -balance.drag(0.0))
-    return Reserve(
-        max(factor, 1.0),
-        f"{Status.AT_LEAST}: no skidding up to a slip of {balance.loading_branch(max_slip).end:.4g}",
-    )
+    limit = SKIDDING_SLIP if math.isnan(onset.slip) else min(SKIDDING_SLIP, onset.slip)
+    factor, slip = largest_ratio(balance, slips, torques, limit)
+    if (
+        not math.isnan(onset.slip) and onset.slip <= limit
+    ):  # an end of the branch is no slip of a smooth curve
+        factor, slip = max((factor, slip), (onset.drag / -balance.drag(onset.slip), onset.slip))
+    if is_found and runs.slip <= limit:
+        status: str = Status.FOUND
+        if slips[-1] < limit:
+            status = f"{Status.AT_LEAST}: no skidding up to a slip of {slips[-1]:.4g}"
+        return Reserve(max(factor, 1.0), status, slip)
+    status = f"{Status.SKIDS}: its drags are more than the rollers carry"
+    return Reserve(min(factor, 1.0), status, slip)
+
+
+def largest_ratio(
+    balance: CageTorques, slips: Array, torques: Array, limit: float
+) -> tuple[float, float]:
+    """Return the largest ratio of torque and drags, and its slip; 0 and NaN where none is positive.
+
+    Beside the points of a curve the ratio is evaluated at the limit, and at the vertex of the parabola through the
+    largest one and its neighbours, in the logarithm of the slip.
+
+    Parameters
+    ----------
+    balance : CageTorques
+        Torques at other slips, and drags.
+    slips, torques : ndarray of float, (n,)
+        A curve by ascending slips, with torques [N m].
+    limit : float
+        Largest slip that counts.
+    """
+    known = {
+        float(slip): float(torque)
+        for slip, torque in zip(slips, torques, strict=True)
+        if 0.0 < slip <= limit
+    }
+    ratios = dict[float, float]()
+
+    def add(slip: float, torque: float) -> None:
+        if torque > 0.0 and (drag := -balance.drag(slip)) > 0.0:
+            ratios[slip] = torque / drag
+
+    def evaluate(slip: float) -> None:
+        with contextlib.suppress(DomainError, ConvergenceError):
+            add(slip, float(balance.torques(np.array([slip]))[0]))
+
+    for slip, torque in known.items():
+        add(slip, torque)
+    if limit not in known and limit < slips[-1]:
+        evaluate(limit)
+    ordered = sorted(ratios)
+    if not ordered:
+        return 0.0, math.nan
+    at = max(range(len(ordered)), key=lambda k: ratios[ordered[k]])
+    if 0 < at < len(ordered) - 1:
+        nearest = ordered[at - 1 : at + 2]
+        bend, slope, _ = np.polyfit(
+            np.log(nearest) - math.log(nearest[1]), [ratios[slip] for slip in nearest], 2
+        )
+        vertex = nearest[1] * math.exp(-0.5 * slope / bend) if bend < 0.0 else math.nan
+        if nearest[0] < vertex < nearest[2]:
+            evaluate(vertex)
+    best = max(ratios, key=ratios.__getitem__)
+    return ratios[best], best
 
 
 def describe_near_skidding(assembly: Assembly, slip: float) -> str:

@@ -218,7 +218,7 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
 
 
 def reserve_row(reserve: float, status: str, *, known: int, within: float, slip: float) -> Row:
-    """Return the row of the drag reserve to skidding: the limit drag torque over the drag of the scene.
+    """Return the row of the drag reserve to skidding: the factor on the drags of the scene at which the cage skids.
 
     Where no drag brakes the cage and it nevertheless lags, the rolling resistance of the rollers brakes it.
 
@@ -251,7 +251,8 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float, slip:
             note = _BRAKED
         return Row(**row, text="no limit", note=note)
     band = (reserve, math.inf) if is_bound else (reserve, reserve)
-    return Row(**row, text=_format_reserve(reserve, is_bound), band=band)
+    text = _format_reserve(reserve, is_bound) if reserve > 0.0 else "none"
+    return Row(**row, text=text, band=band)
 
 
 def _minimum_load_row(dataset: "xr.Dataset", acceptable: float, load: float, preload: float) -> Row:
@@ -508,13 +509,22 @@ def _is_slow(dataset: "xr.Dataset") -> bool:
 
 def _is_doubtful(dataset: "xr.Dataset", ratio: float) -> bool:
     """Whether a ratio of the friction torque to the formulas of makers is doubtful; one that is not known is not."""
-    return not _is_slow(dataset) and (ratio < 1.0 / _DOUBTFUL_FACTOR or ratio > _DOUBTFUL_FACTOR)
+    return not _is_slow(dataset) and _is_far(ratio)
+
+
+def _is_far(ratio: float) -> bool:
+    """Whether a ratio to the formulas of makers is far from 1; one that is not known is not."""
+    return ratio < 1.0 / _DOUBTFUL_FACTOR or ratio > _DOUBTFUL_FACTOR
 
 
 def describe_doubt(dataset: "xr.Dataset") -> str:
-    """Return the ratio of the friction torque to the formulas of makers; empty where it is not doubtful."""
+    """Return the ratio of the friction torque to the formulas of makers; empty where it is not doubtful.
+
+    It has a mark where the bearing is so slow that losses leave out what is not small there.
+    """
     ratio = _ratio_to_formulas(dataset)
-    return f"{ratio:.2g} x makers' formulas" * _is_doubtful(dataset, ratio)
+    mark = ", outside the model's range" * _is_slow(dataset)
+    return f"{ratio:.2g} x makers' formulas{mark}" * _is_far(ratio)
 
 
 def _explain_doubt(dataset: "xr.Dataset") -> list[str]:

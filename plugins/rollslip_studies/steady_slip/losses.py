@@ -155,12 +155,18 @@ def _errors(
         yield "reserve to slipping", abs(own - finer) / max(abs(finer), _MIN_RESERVE)
     if math.isfinite(float(dataset["limit_drag"])):
         yield from _limit_drag_errors(balance, dataset)
-    elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _MAX_ESTIMATED_RESERVE:
-        slip, own = (float(dataset[name]) for name in ("largest_torque_slip", "largest_torque"))
+    own = float(dataset.get("drag_reserve", math.nan))
+    slip = (
+        float(dataset["drag_reserve"].attrs.get("slip", math.nan))
+        if 0.0 < own < _MAX_ESTIMATED_RESERVE
+        else math.nan
+    )
+    if not math.isnan(slip) and slip != float(dataset["skidding_slip"]):
+        carried = own * -balance.drag(slip)
         # of several motions the nearest one: a loading branch on all slices would take far longer
         motions = balance.motions.find(np.array([slip]))[0]
-        nearest = min(motions, key=lambda motion: abs(motion.torque - own))
-        yield "reserve to skidding", _relative_error(own, nearest.torque)
+        nearest = min(motions, key=lambda motion: abs(motion.torque - carried))
+        yield "reserve to skidding", _relative_error(carried, nearest.torque)
     if "minimum_load" not in dataset:
         return
     load = float(dataset["minimum_load"])

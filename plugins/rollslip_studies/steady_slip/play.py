@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
 from rollslip_studies.motion.pockets import (
@@ -25,7 +26,7 @@ from rollslip_studies.motion.pockets import (
     relative_play,
     steady_slip_with_play,
 )
-from rollslip_studies.motion.torque_balance import TorqueBalance
+from rollslip_studies.motion.torque_balance import TorqueBalance, largest_ratio
 from rollslip_studies.steady_slip.losses import acceptable_reserve
 from rollslip_studies.steady_slip.minimum_load import load_from_known
 from rollslip_studies.steady_slip.outputs import OUTPUTS
@@ -212,22 +213,17 @@ class Play:
 
     def _reserve(self, dataset: "xr.Dataset", known: dict[str, Any]) -> dict[str, Any]:
         """Return the drag reserve to skidding, and its status where the cage skids because of the play."""
-        drags = dataset["drag_torque"].to_numpy()
+        factor = float(dataset["drag_reserve"])
+        if not math.isfinite(factor) or "driving_torque" not in known:
+            return {"drag_reserve": factor}
+        onset = float(known.get("skidding_slip", dataset["skidding_slip"]))
+        limit = SKIDDING_SLIP if math.isnan(onset) else min(SKIDDING_SLIP, onset)
+        slips = dataset["cage_slip"].to_numpy()
+        largest, _ = largest_ratio(self._balance, slips, known["driving_torque"], limit)
         if self._skids:
-            brakes = drags > 0.0
-            largest = (known["driving_torque"][brakes] / drags[brakes]).max(initial=0.0)
             status = f"{Status.SKIDS}: its drags are more than the rollers carry"
             return {"drag_reserve": min(largest, 1.0), "reserve_status": status}
-        factor = float(dataset["drag_reserve"])
-        if self.found.status == Status.FOUND:
-            carried = [-self.set_balance.drag(slip) for slip in (self._slip, self.found.slip)]
-            if Status.of(str(dataset["reserve_status"].item())) is Status.AT_LEAST:
-                carried = [max(drag, float(drags[0])) for drag in carried]
-            if math.isfinite(factor) and carried[1] > 0.0:
-                factor = factor * carried[0] / carried[1]
-        if "limit_drag" in known:
-            factor = factor * known["limit_drag"] / float(dataset["limit_drag"])
-        return {"drag_reserve": factor}
+        return {"drag_reserve": max(largest, 1.0) if factor >= 1.0 else min(largest, 1.0)}
 
     def minimum_load(
         self,

@@ -534,7 +534,10 @@ class SteadySlip(Study):
         largest = max(RANGE, self.max_cage_slip)
         onset = skidding_onset(balance, largest, f"{self.table}.max_cage_slip")
         to_skidding = reserve(balance, onset, running(balance, largest), largest)
-        return self.variables(drag_reserve=to_skidding.factor, reserve_status=to_skidding.status)
+        found = self.variables(drag_reserve=to_skidding.factor, reserve_status=to_skidding.status)
+        *value, attributes = found["drag_reserve"]
+        found["drag_reserve"] = (*value, attributes | {"slip": to_skidding.slip})
+        return found
 
     def _play(self, balance: TorqueBalance, slips: Sequence[float]) -> "Play":
         """Return the play of the pockets, by the steady slips of rollers set in the cage."""
