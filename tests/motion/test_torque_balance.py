@@ -99,6 +99,16 @@ def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip(slip)
     assert found.status.startswith(Status.SKIDS)
 
 
+def test_a_cage_beyond_the_slip_of_skidding_has_a_reserve_of_1_at_most():
+    found = reserve(
+        balance(lambda _: -1.0, lambda slip: 10.0 * slip),
+        NO_ONSET,
+        Running(0.21, 1.0, Status.FOUND),
+    )
+    assert found.factor == 1.0
+    assert found.status.startswith(Status.SKIDS)
+
+
 @pytest.mark.parametrize(
     ("end", "told"),
     [(0.95, "there the cage nearly stands still"), (0.9, "raise KEY to look further")],

@@ -131,6 +131,7 @@ def test_every_rule_has_a_threshold_above_and_a_source():
         ({"slip": 0.5, "band": None, "reserve": None}, "SKIDS", "V3: above 20 %"),
         ({"slip": -0.7, "band": None}, "SKIDS", "V3: above 20 %"),
         ({"film": math.nan}, "OK", ""),
+        ({"slip": 0.06, "band": None}, "SLIPS", "V6: above the acceptable 5 %"),
     ],
 )  # fmt: skip
 def test_a_rule_for_something_worse_that_cannot_be_decided_makes_the_verdict_unknown_and_says_why(
