@@ -43,6 +43,8 @@ INTERRUPTED = 130
 FORMATS = frozenset({"svg", "pdf", "png"})
 #: File formats of tables.
 TABLES = frozenset({"csv", "xlsx"})
+#: Endings of files with the points of a campaign, which are not listed beside its results.
+_OF_POINTS = (".sqlite", ".lock", "sweep.json")
 #: Options on the output of results, not on the computation; names of the fields of `Results`.
 OUTPUT_OPTIONS = frozenset({"out", "overwrite", "resume", "report", "as_json"})
 
@@ -336,22 +338,14 @@ class Results:
         """Return folder and files of the results as plain values."""
         return {"folder": str(self.target), "files": self.files}
 
-    def print_summary(self, *datasets: "xr.Dataset", laws: bool = True) -> None:
-        """Print the most severe warnings of results, and the folder and the files that were written.
+    def print_summary(self, *datasets: "xr.Dataset") -> None:
+        """Print the warnings of results that their answer does not have, and the files that were written."""
+        from rollslip.results.text import CATALOGUE_LOAD_WARNING, collect_warnings
 
-        Without ``laws`` warnings on laws outside their range are left out, because an answer has them as notes.
-        """
-        from rollslip.results.text import collect_warnings, describe_more_bounds
-
-        first, more = collect_warnings(datasets, laws=laws)
-        warn(first)
-        if more:
-            warn(
-                [
-                    f"{describe_more_bounds(more)}; rollslip info of the .nc files in {self.target} tells of each"
-                ]
-            )
-        click.echo(f"written to {self.target}: {', '.join(self.files)}")
+        texts, _ = collect_warnings(datasets, laws=False)
+        warn(text for text in texts if CATALOGUE_LOAD_WARNING not in text)
+        files = [name for name in self.files if not name.endswith(_OF_POINTS)]
+        click.echo(f"written to {self.target}: {', '.join(files)}")
 
     # Runs that can go on after an interruption ------------------------------------------------------------------------
 

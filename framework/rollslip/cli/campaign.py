@@ -5,7 +5,7 @@ import json
 import shlex
 import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -28,13 +28,90 @@ from rollslip.cli.app import (
     results_options,
     scene_of,
     set_option,
+    verbose_option,
     warn,
 )
 from rollslip.planning.campaign import Campaign, OfPoints, OfScene, help_of, options_of, own_command
 from rollslip.results.dataset import xr
 from rollslip.toml import as_list
 
-__all__ = ["command_of", "with_settings"]
+__all__ = [
+    "Printing",
+    "command_of",
+    "detail_options",
+    "typed_scene",
+    "warn_unusual",
+    "with_settings",
+]
+
+
+@attrs.frozen(kw_only=True)
+class Printing:
+    """What the command of a campaign prints besides the answer."""
+
+    verbose: bool  #: Whether findings, notes in full and provenance are printed.
+    all_rows: bool  #: Whether all rows of the tables are printed.
+
+    def log(self, lines: Iterable[str]) -> None:
+        """Print lines on a plan or on the progress to stderr, if they are requested."""
+        if self.verbose:
+            for line in lines:
+                click.echo(line, err=True)
+
+    def show(self, dataset: "xr.Dataset", results: Results, scene: str, plan: Any = None) -> None:
+        """Print the answer of a campaign, what was requested besides, and the files.
+
+        Parameters
+        ----------
+        dataset : xarray.Dataset
+            The result.
+        results : Results
+            Folder and files of the results.
+        scene : str
+            Argument of the commands in the answer; empty where the campaign is not of a scene.
+        plan : object
+            The plan, whose messages are the provenance.
+        """
+        from rollslip.cli import console
+        from rollslip.results.accounts import answer
+        from rollslip.results.answer import MAX_LINES
+
+        found = answer(dataset, scene=scene)
+        folder = shlex.quote(str(results.target))
+        steps = tuple(step.replace("FOLDER", folder) for step in found.next)
+        found = attrs.evolve(found, next=steps)
+        console.print_answer(found, MAX_LINES - 1)  # the line on files follows
+        if self.all_rows or self.verbose:
+            console.print_tables(dataset)
+        if self.verbose:
+            console.print_details(dataset, found, getattr(plan, "messages", ()))
+        results.print_summary(dataset)
+
+
+def detail_options(command: Any) -> Any:
+    """Add the options -v and --all; the command gets `printing`."""
+
+    @functools.wraps(command)
+    def with_printing(verbose: bool, all_rows: bool, **given: Any) -> None:
+        command(printing=Printing(verbose=verbose, all_rows=all_rows), **given)
+
+    every = click.option("--all", "all_rows", is_flag=True, help="Print all rows of the tables.")
+    return verbose_option("All that was found, with notes in full, versions and samples.")(
+        every(with_printing)
+    )
+
+
+def warn_unusual(plan: Any) -> None:
+    """Print warnings of implausible values of a plan; the answer has catalogue minimum loads."""
+    from rollslip.results.text import CATALOGUE_LOAD_WARNING
+
+    warn(text for text in getattr(plan, "unusual", ()) if CATALOGUE_LOAD_WARNING not in text)
+
+
+def typed_scene(about: str) -> str:
+    """Return the scene of the command with the options --set, as they are typed."""
+    changes = click.get_current_context().params.get("changes", ())
+    return shlex.join([about, *(f"--set={change}" for change in changes)])
 
 
 @functools.cache
@@ -53,9 +130,10 @@ def command_of(cls: type[Campaign]) -> Any:
     )
 
     @results
+    @detail_options
     @json_option
-    def run(requested: Campaign, about: str, results: Results) -> None:
-        _run(requested, about, results)
+    def run(requested: Campaign, about: str, results: Results, printing: Printing) -> None:
+        _run(requested, about, results, printing)
 
     return click.command(cls.name)(with_settings(cls, run))
 
@@ -81,9 +159,14 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
         first = settings[arguments[0].name]
         about = ", ".join(map(str, as_list(first)))
         if issubclass(cls, OfScene):
+            from rollslip.results.text import CATALOGUE_LOAD_WARNING
+
             over = settings.get("over") or ()
             settings["scene"] = scene_of(
-                about, changes, over=(over,) if isinstance(over, str) else over
+                about,
+                changes,
+                later=CATALOGUE_LOAD_WARNING,
+                over=(over,) if isinstance(over, str) else over,
             )
         values = {name: value for name, value in settings.items() if value not in (None, ())}
         run(requested=cls(**values), about=about, **given)
@@ -135,28 +218,22 @@ def _argument(field: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
     )
 
 
-def _run(requested: Campaign, about: str, results: Results) -> None:
-    """Plan and run a campaign, write its results and print its findings."""
-    from rollslip.cli import console
-
+def _run(requested: Campaign, about: str, results: Results, printing: Printing) -> None:
+    """Plan and run a campaign, write its results and print its answer."""
     if text := requested.alternative_action():
         click.echo(text)
         return
     plan = requested.plan()
     resumes_folder = requested.resume_mode == "folder"
-    warn(getattr(plan, "unusual", ()))
+    warn_unusual(plan)
     results.choose_folder(requested.folder_name(plan, about))
-    if not results.as_json and (messages := getattr(plan, "messages", ())):
-        click.echo("\n".join(messages))
     run = _run_in_folder if resumes_folder else _run_and_write
-    dataset, first = run(requested, plan, results)
+    dataset = run(requested, plan, results, printing)
     if results.as_json:
         print_json(_as_dict(requested, dataset) | results.as_dict())
     else:
-        if first:
-            click.echo(first)
-        console.print_found(dataset, "  " if resumes_folder else "")
-        results.print_summary(dataset)
+        scene = typed_scene(about) if isinstance(requested, OfScene) else about
+        printing.show(dataset, results, scene, plan)
     if (hints := requested.retry_hints(dataset, results.target)) is not None:
         for line in hints:
             click.echo(f"{line} {_resume_hint(results)}", err=True)
@@ -167,11 +244,13 @@ def _as_dict(requested: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
     """Return the findings of a campaign as plain values, with scene and warnings of a campaign of a scene."""
     from rollslip.cli import console
     from rollslip.cli.units import with_units
-    from rollslip.results.accounts import account_of
+    from rollslip.results.accounts import account_of, answer
 
     if isinstance(requested, OfScene) and requested.resume_mode != "folder":
         return console.result_as_dict(dataset)
-    record = with_units(account_of(dataset).record(dataset), dataset)
+    record = {"answer": answer(dataset).as_dict()} | with_units(
+        account_of(dataset).record(dataset), dataset
+    )
     if not isinstance(requested, OfScene):
         return record
     return (
@@ -186,7 +265,9 @@ def _resume_hint(results: Results) -> str:
     return f"go on by the same command with --out {shlex.quote(str(results.target))}"
 
 
-def _run_in_folder(requested: Campaign, plan: Any, results: Results) -> "tuple[xr.Dataset, str]":
+def _run_in_folder(
+    requested: Campaign, plan: Any, results: Results, printing: Printing
+) -> "xr.Dataset":
     """Run a campaign in the folder of results, from which the same command resumes it; return its result."""
     from rollslip.errors import EngineError
 
@@ -197,7 +278,7 @@ def _run_in_folder(requested: Campaign, plan: Any, results: Results) -> "tuple[x
                 plan,
                 results.target,
                 show,
-                lambda text: click.echo(f"  {text}", err=results.as_json),
+                lambda text: printing.log([text]),
             )
     except KeyboardInterrupt:
         click.echo(f"interrupted; what was done is kept; {_resume_hint(results)}", err=True)
@@ -205,11 +286,13 @@ def _run_in_folder(requested: Campaign, plan: Any, results: Results) -> "tuple[x
     except EngineError as error:
         raise EngineError(f"{error}\nwhat was done is kept; {_resume_hint(results)}") from error
     results.show({name: dataset}, results.target)
-    return dataset, ""
+    return dataset
 
 
-def _run_and_write(requested: Campaign, plan: Any, results: Results) -> "tuple[xr.Dataset, str]":
-    """Run a campaign and write its results at the end; return the result and the first line of the output."""
+def _run_and_write(
+    requested: Campaign, plan: Any, results: Results, printing: Printing
+) -> "xr.Dataset":
+    """Run a campaign, write its results at the end and return them."""
     from rollslip.results.dataset import save
 
     name = requested.result or requested.name
@@ -218,13 +301,15 @@ def _run_and_write(requested: Campaign, plan: Any, results: Results) -> "tuple[x
     guard = interruptible(checkpoints, hint) if checkpoints is not None else nullcontext()
     with guard, results.folder() as folder:
         with progress(requested.name, getattr(plan, "seconds", float("nan"))) as show:
-            dataset = requested.run(plan, checkpoints or folder, show, lambda text: None)
+            dataset = requested.run(
+                plan, checkpoints or folder, show, lambda text: printing.log([text])
+            )
         save(dataset, folder / f"{name}.nc")
-        first = requested.write(dataset, folder)
+        requested.write(dataset, folder)
         results.show({name: dataset}, folder)
     if checkpoints is not None:
         shutil.rmtree(checkpoints, ignore_errors=True)
-    return dataset, first
+    return dataset
 
 
 def _typed_command() -> list[str]:
@@ -237,6 +322,8 @@ def _typed_command() -> list[str]:
         if source is click.core.ParameterSource.COMMANDLINE and name not in OUTPUT_OPTIONS | {
             "no_plots",
             "formats",
+            "verbose",
+            "all_rows",
         }:
             value = context.params[name]
             for text in as_list(value):

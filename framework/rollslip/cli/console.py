@@ -19,7 +19,8 @@ from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
 from rollslip.cli.units import with_units
 from rollslip.results.accounts import account_of
-from rollslip.results.answer import COLOURS, Answer, Verdict
+from rollslip.results.accounts import answer as answer_of
+from rollslip.results.answer import COLOURS, MAX_LINES, Answer, Verdict
 from rollslip.results.text import confidence, describe_law_outputs, first_line, in_brackets
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
@@ -184,9 +185,19 @@ def print_changed(
     print_table(("part", this, other, "reason"), rows)
 
 
-def print_answer(answer: Answer, *, whole: bool = False) -> None:
-    """Print an answer, with its verdict in colour on a terminal."""
-    lines = answer.lines(whole=whole)
+def print_answer(answer: Answer, *, max_lines: int = MAX_LINES, whole: bool = False) -> None:
+    """Print an answer, with its verdict in colour on a terminal.
+
+    Parameters
+    ----------
+    answer : Answer
+        The answer.
+    max_lines : int
+        Number of lines at most.
+    whole : bool
+        Whether all rows and assumptions are shown, whatever the number of lines.
+    """
+    lines = answer.lines(max_lines=max_lines, whole=whole)
     if not sys.stdout.isatty():
         click.echo("\n".join(lines))
         return
@@ -244,14 +255,34 @@ def accuracy_and_time(dataset: "xr.Dataset") -> str:
     return f"relative errors: {'; '.join(texts) or 'not estimated'}; time of the processor {times}"
 
 
-def print_found(dataset: "xr.Dataset", indent: str = "") -> None:
-    """Print the findings of a campaign: its tables and lines."""
-    account = account_of(dataset)
-    for table in account.tables(dataset):
+def print_tables(dataset: "xr.Dataset") -> None:
+    """Print all rows of the tables of a campaign."""
+    for table in account_of(dataset).tables(dataset):
         if table.caption:
             click.echo(f"{table.caption}:")
         print_table(table.head, table.rows)
-    click.echo("\n".join(f"{indent}{line}" for line in account.lines(dataset)))
+
+
+def print_details(dataset: "xr.Dataset", answer: Answer, provenance: Iterable[str]) -> None:
+    """Print what is below the answer of a campaign: findings, confidence, notes in full, provenance.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result.
+    answer : Answer
+        Its answer, with the notes.
+    provenance : iterable of str
+        Lines on versions, hashes, engine and samples.
+    """
+    for line in account_of(dataset).lines(dataset):
+        click.echo(f"  {line}")
+    for text in filter(None, [confidence([dataset])]):
+        click.echo(f"confidence: {text}")
+    for note in answer.notes:
+        click.echo(f"note {note.code} {note.text}")
+    for line in provenance:
+        click.echo(line)
 
 
 def run_as_dict(
@@ -299,6 +330,7 @@ def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
         "rollslip": importlib.metadata.version("rollslip"),
         "scene": a["source"],
         "scene_hash": a["scene_hash"],
+        "answer": answer_of(dataset).as_dict(),
         **account_of(dataset).record(dataset),
         "warnings": json.loads(a["warnings"]),
         **{

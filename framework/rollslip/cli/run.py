@@ -316,7 +316,7 @@ def _print_answer(
             )
             click.echo(f"confidence: {confidence(datasets.values())}\nnotes:{notes or ' none'}")
         console.print_results(datasets.values(), whole=verbose)
-        results.print_summary(*datasets.values(), laws=False)
+        results.print_summary(*datasets.values())
     return found.verdict.lower()
 
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rollslip.planning.progress import ProgressReporter
+    from rollslip.results.figures import Result
     from rollslip.scene.values import Scene
 
 __all__ = [
@@ -35,6 +36,11 @@ __all__ = [
 ]  # fmt: skip
 
 P = ParamSpec("P")
+#: Option of a command about its engine -> the argument of the function in its place.
+_ENGINE_OPTIONS: Final = {
+    "workers": 'engine={"model": "processes", "count": 2}',
+    "scheduler": 'engine={"model": "dask", "scheduler": "ADDRESS"}',
+}
 
 
 def setting(
@@ -174,8 +180,8 @@ class Campaign(abc.ABC):
         """
         return f"{Path(about).stem}-{self.result or self.name}"
 
-    def write(self, dataset: "xr.Dataset", folder: Path) -> str:
-        """Write further files into the folder of the results; return a line to print before the findings.
+    def write(self, dataset: "xr.Dataset", folder: Path) -> None:
+        """Write further files into the folder of the results; by default none.
 
         Parameters
         ----------
@@ -184,7 +190,7 @@ class Campaign(abc.ABC):
         folder : Path
             Folder of the results.
         """
-        return ""
+        return
 
     def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return lines on what to do about runs that failed; None if all runs have a result.
@@ -199,16 +205,24 @@ class Campaign(abc.ABC):
         return None
 
     def execute(self) -> Any:
-        """Plan and run, as the function does; checkpoints are in the folder ``out``, if it is given."""
+        """Plan and run, as the function does, and return the result with its answer.
+
+        Checkpoints are in the folder ``out``, if it is given.
+        """
         from tempfile import TemporaryDirectory
 
         from rollslip.planning.progress import progress_in_notebook
+        from rollslip.results.figures import Result
 
         made = self.plan()
         out = getattr(self, "out", None) if self.resume_mode == "folder" else None
         directory = TemporaryDirectory() if out is None else nullcontext(out)
         with directory as folder, progress_in_notebook(self.name) as show:
-            return self.run(made, Path(folder), self.report or show, lambda text: None)
+            found = self.run(made, Path(folder), self.report or show, lambda text: None)
+        if isinstance(found, dict):  # what is not a dataset, such as a page
+            return found
+        results = {self.name: found}
+        return Result.from_studies(results, lambda: results)
 
 
 @attrs.frozen(eq=False)
@@ -310,11 +324,12 @@ def _fault(option: "attrs.Attribute[Any]", value: Any) -> str:
     return f"{option.name}: {kind} is expected, not {value!r}"
 
 
-def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
+def function_of(cls: Callable[P, Campaign]) -> "Callable[P, Result]":
     """Return the function of a campaign: its arguments are the fields of the class, with their types and docs."""
     import xarray as xr
 
     from rollslip.planning.progress import ProgressReporter
+    from rollslip.results.figures import Result
     from rollslip.scene.values import Scene
 
     def function(*args: P.args, **settings: P.kwargs) -> Any:
@@ -326,6 +341,8 @@ def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
     assert issubclass(cls, Campaign)
     types = {"Scene": Scene, "xr": xr, "ProgressReporter": ProgressReporter}
     returns = typing.get_type_hints(cls.run, None, types).get("return", xr.Dataset)
+    if returns is xr.Dataset:
+        returns = Result
     hints = typing.get_type_hints(cls, None, types) | {"return": returns}
     signature = inspect.signature(cls)
     parameters = [
@@ -354,6 +371,8 @@ def _describe_unknown(function: str, name: str, parameters: Sequence[inspect.Par
     """Say that a function has no argument of a name, what is similar, and which it has."""
     known = [parameter.name for parameter in parameters]
     near = [f"did you mean {similar}? " for similar in nearest(name, known, 1, cutoff=0.5)]
+    if name in _ENGINE_OPTIONS and "engine" in known:
+        near = [f"write {_ENGINE_OPTIONS[name]}; "]
     return f"{function}: there is no argument {name}; {''.join(near)}there are {', '.join(known)}"
 
 

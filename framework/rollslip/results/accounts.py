@@ -26,7 +26,13 @@ from rollslip.results.answer import (
 )
 from rollslip.results.curves import Curve, critical_rows, curves, json_value
 from rollslip.results.dataset import READ_ERRORS, shown_short, xr
-from rollslip.results.text import LOWER_BOUNDS, percent, single_value_indices, single_values
+from rollslip.results.text import (
+    CATALOGUE_LOAD_WARNING,
+    LOWER_BOUNDS,
+    percent,
+    single_value_indices,
+    single_values,
+)
 from rollslip.scene.reading import shipped_scenes
 from rollslip.structure import raise_problem_if
 from rollslip.units import expect_results
@@ -159,6 +165,13 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
         for result in results
     ]
     merged = merge_answers(answers, scene or next(filter(None, map(scene_file, results)), ""))
+    has_row = any("makers_minimum_load" in result for result in results)
+    small_loads = [
+        text.partition(" (bearing.catalogue)")[0]
+        for result in results
+        for text in json.loads(result.attrs.get("warnings", "[]"))
+        if CATALOGUE_LOAD_WARNING in text and not has_row
+    ]
     oils = [
         json.loads(result.attrs["lubricant"]) for result in results if result.attrs.get("lubricant")
     ]
@@ -170,6 +183,7 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
         merged,
         case=max(map(describe_case, results), key=len, default=()),
         notes=tuple(note for note in collect_notes(results) if note.code not in ignored),
+        faults=(*merged.faults, *small_loads[:1]),
         assumed=tuple(dict.fromkeys(filter(None, assumed))),
     )
 

@@ -345,11 +345,11 @@ class Answer:
     facts: Mapping[Fact, float] = attrs.field(factory=dict)  #: Facts that rows do not have.
     #: Verdict -> commands that help, with ``{scene}`` for the scene.
     commands: Mapping[str, tuple[str, ...]] = attrs.field(factory=dict)
-    #: Commands for the verdict, and those that help whatever the verdict is.
+    #: Commands for the verdict, and those that help whatever it is; FOLDER is that of the results.
     next: tuple[str, ...] = ()
     case: tuple[str, ...] = ()  #: Bearing, oil, speeds, load and temperature.
     notes: tuple[Note, ...] = ()
-    faults: tuple[str, ...] = ()  #: Quantities on which studies disagree.
+    faults: tuple[str, ...] = ()  #: Quantities on which studies disagree, and what is unusual.
     verdict: str = ""
     rule: str = ""  #: Code of the rule that decided.
     marked_row: str = ""  #: Key of the row that decided, if the verdict is not OK.
@@ -535,7 +535,10 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
     if "cage_slip" in best or commands is not None:
         merged = with_verdict(merged)
         steps += (commands or {}).get(merged.verdict, ())
-    lines = [text.replace("{scene}", scene) if scene else python_call(text) for text in steps]
+    lines = [
+        python_call(text) if "{scene}" in text and not scene else text.replace("{scene}", scene)
+        for text in steps
+    ]
     return attrs.evolve(merged, next=tuple(lines))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account, Story, Table
 from rollslip.results.accounts import account_of
+from rollslip.results.answer import MAX_ROWS, Answer
 from rollslip.results.curves import Curves, curve_names, json_value
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.text import two_digits
@@ -37,6 +38,38 @@ class ComparisonAccount(Account):
 
     units: ClassVar[Mapping[str, str]] = {"contribution": "1", "fraction": "1"}
     figures_function = ".figures:figures"
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the largest difference from the reference, and a row for each combination."""
+        reference = dataset.attrs["reference"]
+        found = [
+            record
+            for record in records(dataset)
+            if record["combination"] != reference and record["rms_error"] is not None
+        ]
+        found.sort(key=lambda record: -float(record["rms_error"]))
+        rows = [
+            (
+                record["combination"],
+                record["curve"],
+                f"{100.0 * record['rms_error']:.2g} %",
+                f"{100.0 * record['max_error']:.2g} %",
+                _or_dash(record["cost"], "{:.2g}"),
+            )
+            for record in found
+        ]
+        summary = f"no differences: {reference} failed"
+        if rows:
+            mean = found[0]["mean_difference"]
+            summary = f"{found[0]['combination']} {_format_difference(mean)} {reference} ({found[0]['curve']})"
+        which = "error" if dataset.attrs["reference_named"] else "difference"
+        head = ("combination", "curve", f"rms {which}", f"largest {which}", "relative cost")
+        return Answer(
+            summary=summary,
+            table=(head, *rows[:MAX_ROWS]) if rows else (),
+            omitted=max(len(rows) - MAX_ROWS, 0),
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -272,6 +305,16 @@ _SLIP_SENTENCES: Final = {
 }
 
 
+#: How the slip of the second compares with that of the first, in the first line of an answer.
+_SLIP_VERDICTS: Final = {
+    "small": "both below 0.1 %, as is",
+    "same": "the same as",
+    "uncertain": "within the scatter of the data no clear winner over",
+    "larger": "less than with 95 % confidence",
+    "unknown": "with unknown certainty over",
+}
+
+
 def _compare_slips(row: Mapping[str, Any], best: Mapping[str, Any]) -> str:
     """Return how the slip of an alternative compares with that of the best one: a key of `_SLIP_SENTENCES`."""
     low = row["ratio_low"]
@@ -288,6 +331,33 @@ class AlternativesAccount(Account):
     """Reports alternatives of a scene: a row for each, and which slips least."""
 
     figures_function = ".figures:side_by_side"
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the best alternative and its certainty, and a row for each alternative."""
+        account = AlternativesAccount("alternatives")
+        rows = rows_along(dataset, "alternative")
+        answers = json.loads(dataset.attrs["rows"])
+        done = [row for row in rows if row["status"] == "done"]
+        failed = [f"{row['alternative']} failed" for row in rows if row["message"]]
+        summary = "no alternative has a result"
+        if done:
+            cells = answers.get(done[0]["alternative"], {})
+            slip = cells.get("cage_slip", "")
+            summary = f"{done[0]['alternative']} first: {done[0]['verdict']}, cage slip {slip}"
+        if len(done) > 1:
+            summary += (
+                f"; {_SLIP_VERDICTS[_compare_slips(done[1], done[0])]} {done[1]['alternative']}"
+            )
+        table = account.tables(dataset)[0]
+        return Answer(
+            summary=summary,
+            table=(table.head, *map(tuple, table.rows[:MAX_ROWS])),
+            omitted=max(len(table.rows) - MAX_ROWS, 0),
+            assumed=("ratio: slip over that of the first, 5 to 95 %",)
+            * any(row[-1] for row in table.rows),
+            faults=tuple(failed),
+        )
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a table with a row for each alternative, best first."""

@@ -8,7 +8,7 @@ import attrs
 import click
 
 from rollslip.cli.app import json_option, print_json, progress
-from rollslip.cli.campaign import with_settings
+from rollslip.cli.campaign import Printing, detail_options, with_settings
 from rollslip_campaigns.explorer import ExplorerSettings
 
 
@@ -19,9 +19,15 @@ from rollslip_campaigns.explorer import ExplorerSettings
     help="File.  [default: SCENE-explorer.html]",
 )
 @click.option("--overwrite", is_flag=True, help="Replace the file, if it is a page of rollslip.")
+@detail_options
 @json_option
 def _explore(
-    requested: ExplorerSettings, about: str, out: Path | None, overwrite: bool, as_json: bool
+    requested: ExplorerSettings,
+    about: str,
+    out: Path | None,
+    overwrite: bool,
+    as_json: bool,
+    printing: Printing,
 ) -> None:
     from rollslip.cli.units import with_units
     from rollslip.errors import OutputError
@@ -38,16 +44,18 @@ def _explore(
     library()  # a missing library is reported before anything else
     requested = attrs.evolve(requested, out=target)
     planned = requested.plan()
-    if not as_json:
-        click.echo("\n".join(planned.messages))
+    printing.log(planned.messages)
     with progress("explore") as show, TemporaryDirectory() as folder:
         found = requested.run(planned, Path(folder), show, lambda text: None)
     if as_json:
         print_json({"scene": about, "file": str(target), **with_units(found)})
         return
-    for line in found["messages"]:
-        click.echo(f"  {line}")
-    click.echo(f"written to {shlex.quote(str(target))}")
+    largest = max((error["largest"] or 0.0 for error in found["errors"].values()), default=0.0)
+    checked = (
+        f"interpolation error {100.0 * largest:.2g} % at most" if found["errors"] else "not checked"
+    )
+    click.echo(f"{shlex.quote(str(target))}: page of {found['points']} points, {checked}")
+    click.echo("\n".join(f"  {line}" for line in found["messages"]))
 
 
 explore = click.command("explore")(with_settings(ExplorerSettings, _explore))

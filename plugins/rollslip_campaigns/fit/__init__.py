@@ -81,10 +81,8 @@ class FitSettings(Campaign):
         problem, parameters = made
         return run_fit(problem, parameters, show)
 
-    def write(self, dataset: "xr.Dataset", folder: Path) -> str:
-        """Write the oil too; return a line of version, data and models."""
-        from rollslip_campaigns.fit.findings import headline
+    def write(self, dataset: "xr.Dataset", folder: Path) -> None:
+        """Write the oil too."""
         from rollslip_campaigns.fit.oil import write_oil
 
         write_oil(dataset, folder / f"{Path(self.data).stem}.toml")
-        return headline(dataset)

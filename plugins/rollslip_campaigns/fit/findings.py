@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import Account, Table
+from rollslip.results.answer import MAX_ROWS, Answer
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.text import first_line
@@ -23,6 +24,8 @@ __all__ = ["FitAccount", "headline", "parameter_rows"]
 UNKNOWN: Final = "is not known"
 #: Status of a parameter whose interval has both limits.
 DETERMINED: Final = "determined"
+#: Words for two parameters of which the data determine a combination only.
+EXCHANGEABLE: Final = "are exchangeable"
 #: Correlation above which two parameters are reported as exchangeable: the error of either is then at least seven
 #: times, 1/sqrt(1 - 0.99^2), what it would be if the other was known. Doubling the distance from 1 reports five times.
 _MIN_EXCHANGEABLE: Final = 0.99
@@ -31,7 +34,7 @@ _HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data de
 
 
 def headline(dataset: "xr.Dataset") -> str:
-    """Return the first line of a report: version, data with hash, and models with third-party packages."""
+    """Return the line on provenance: version, data with hash, and models with third-party packages."""
     a = dataset.attrs
     return first_line(
         json.loads(a["packages"])["rollslip"],
@@ -93,6 +96,22 @@ class FitAccount(Account):
     figures_function = ".figures:figures"
 
     @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the first parameter with its interval, and a row for each parameter."""
+        rows = parameter_rows(dataset)
+        name, value, _, _, limits, _ = rows[0]
+        others = f"; {len(rows) - 1} more below" * (len(rows) > 1)
+        table = FitAccount("fit").tables(dataset)[0]
+        return Answer(
+            summary=f"{name} {value} (95 %: {limits}){others}",
+            table=(_HEAD, *map(tuple, table.rows[:MAX_ROWS])),
+            omitted=max(len(rows) - MAX_ROWS, 0),
+            faults=tuple(
+                line.partition(":")[0] for line in FitAccount.lines(dataset) if EXCHANGEABLE in line
+            ),
+        )
+
+    @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return a sentence on each parameter: value, interval and status."""
         return {
@@ -135,12 +154,12 @@ class FitAccount(Account):
             if (r := abs(correlation[i, j])) >= _MIN_EXCHANGEABLE:
                 factor = 1.0 / math.sqrt(max(1.0 - r**2, 1e-24))
                 lines.append(
-                    f"{names[j]} and {names[i]} are exchangeable: the data determine a combination of them only, and "
+                    f"{names[j]} and {names[i]} {EXCHANGEABLE}: the data determine a combination of them only, and "
                     f"the error of either is {factor:.2g} times what it would be if the other was known; leave out the "
                     "one that is known from elsewhere, or measure where they act differently, at other pressures, "
                     "temperatures or slips"
                 )
-        return lines
+        return [*lines, headline(dataset)]
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the parameters with their errors and intervals."""

@@ -1,6 +1,8 @@
 """Report the results of a search for a limit as sentences, tables and plain values, from its dataset alone."""
 
+import json
 import math
+import shlex
 from collections import Counter
 from typing import Any, Final
 
@@ -12,9 +14,9 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.table import point_rows
-from rollslip.results.text import Status, in_percent
+from rollslip.results.text import Status, in_percent, short_label
 from rollslip.units import format_quantity
-from rollslip_campaigns.sweep.findings import point_table
+from rollslip_campaigns.sweep.findings import answer_table, point_table
 
 __all__ = ["LimitAccount", "describe_limit", "satisfied_spans"]
 
@@ -24,6 +26,8 @@ _JUMP_FRACTION = 0.1
 #: The second condition of a jump: the mean slope between the neighbours is at least this multiple of that over the
 #: whole range. It matters where neighbours are far apart. Chosen.
 _JUMP_STEEPNESS = 10.0
+#: Number of points in an answer, those nearest to the limit. Chosen: with notes and next step they fill 15 lines.
+_NEAREST: Final = 6
 #: Differences of neighbouring results below this fraction of their range do not count as a change of direction, because
 #: they may be errors of the results. Twice the value ignores larger ripples. Chosen: well below all tolerances.
 _FLAT_FRACTION: Final = 1e-6
@@ -36,9 +40,27 @@ class LimitAccount(Account):
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return the sentence on where the limit is kept."""
+        """Return the limit, the points nearest to it, and a run at the limit as the next step."""
+        edges = dataset["edge_kept"].to_numpy()
+        points = np.arange(dataset.sizes["point"])
+        nearest = points
+        if edges.size:
+            indices = np.searchsorted(dataset["searched"].to_numpy(), edges)
+            distances = np.abs(points[:, np.newaxis] - indices).min(axis=1)
+            nearest = np.argsort(distances, kind="stable")
+        topics = LimitAccount.topics(dataset)
         return Answer(
-            rows=(Row(key="limit", label="limit", text="", note=describe_limit(dataset)),)
+            summary=summarise_limit(dataset),
+            rows=tuple(
+                Row(key=name, label=name, text="", note=text)
+                for name in ("width", "jump", "points failed")
+                for text in topics.get(name, ())
+            ),
+            faults=tuple(_turns(dataset)),
+            next=tuple(_next_steps(dataset)),
+            **answer_table(
+                LimitAccount("limit").tables(dataset), sorted(nearest[:_NEAREST].tolist())
+            ),
         )
 
     @staticmethod
@@ -124,6 +146,58 @@ def satisfied_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, boo
             spans.append((float(values[start]), float(values[k]), start == 0, k + 1 == values.size))
             start = None
     return spans
+
+
+def summarise_limit(dataset: "xr.Dataset") -> str:
+    """Return the limit in a few words: "minimum radial load 0.875 kN for steady slip up to 5 %"."""
+    a = dataset.attrs
+    unit = dataset["result"].attrs["units"]
+    limit = format_quantity(float(a["limit"]), unit, 6, a["limit_given"] or None)
+    side = "up to" if a["sense"] == "<=" else "of at least"
+    requirement = f"{a['output'].replace('_', ' ')} {side} {limit}"
+    label = short_label(a["searched_key"])
+    values = dataset["searched"].to_numpy()[dataset["status"].to_numpy() == "ok"]
+    if not values.size:
+        return f"no {label} has a result, so that the limit is unknown"
+    spans = satisfied_spans(dataset)
+    extent = f"from {_format_bounds(dataset, values)}"
+    if not spans:
+        return f"{requirement} at no {label} {extent}"
+    if len(spans) > 1:
+        texts = (
+            f"{_format_searched(dataset, low)} to {_format_searched(dataset, high)}"
+            for low, high, *_ in spans
+        )
+        return f"{requirement} with {label} {', and '.join(texts)}"
+    ((low, high, is_first, is_last),) = spans
+    if is_first and is_last:
+        return f"{requirement} at every {label} {extent}"
+    bounds = [f"minimum {label} {_format_searched(dataset, low, 3)}"] * (not is_first)
+    bounds += [f"maximum {label} {_format_searched(dataset, high, 3)}"] * (not is_last)
+    return f"{', '.join(bounds)} for {requirement}"
+
+
+def _turns(dataset: "xr.Dataset") -> list[str]:
+    """Return a remark where the result is not monotonic, so that the limit may be crossed unseen."""
+    turns = _turning_points(dataset)
+    return [f"the result turns back {turns} times: the limit may be crossed more often"] * bool(
+        turns
+    )
+
+
+def _next_steps(dataset: "xr.Dataset") -> list[str]:
+    """Return a search with more values where the result is not monotonic, else the run at the limit."""
+    a = dataset.attrs
+    low, high = json.loads(a["range"])
+    search = f"rollslip limit {{scene}} --over {shlex.quote(a['searched_key'] + '=' + low + ':' + high + ':{}')}"
+    search += f" --keep {shlex.quote(a['requirement'])}"
+    edges = dataset["edge_kept"].to_numpy()
+    if _turning_points(dataset):
+        return [search.replace(":{}", f":{2 * int(a['first']) - 1}")]
+    if not edges.size:
+        return []
+    value = _format_searched(dataset, float(edges[0]))
+    return [f"rollslip run {{scene}} --set {a['searched_key']}={shlex.quote(value)}"]
 
 
 def describe_limit(dataset: "xr.Dataset") -> str:
@@ -268,10 +342,10 @@ def _describe_failures(dataset: "xr.Dataset") -> list[str]:
     ]
 
 
-def _format_searched(dataset: "xr.Dataset", value: float) -> str:
+def _format_searched(dataset: "xr.Dataset", value: float, digits: int = 4) -> str:
     """Text of a value of the varied quantity, in the unit in which it was given."""
     return format_quantity(
-        value, dataset["searched"].attrs["units"], 4, dataset.attrs["searched_given"] or None
+        value, dataset["searched"].attrs["units"], digits, dataset.attrs["searched_given"] or None
     )
 
 

@@ -510,8 +510,8 @@ def _dataset(
         variables,
         attrs=attributes
         | {
-            "left": json.dumps(
-                [*_describe_errors(search), *json.loads(attributes.get("left", "[]"))]
+            "warnings": json.dumps(
+                [*_describe_errors(search), *json.loads(attributes["warnings"])]
             ),
             "study": "limit",
             "searched_key": search.axis.key,

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import Account, Table
+from rollslip.results.answer import MAX_ROWS, Answer, Row
 from rollslip.results.curves import json_value
 from rollslip.results.dataset import rows_along, xr
+from rollslip.results.text import two_digits
 from rollslip.units import format_quantity
 
 #: Label of the choice of the plan.
@@ -93,6 +95,42 @@ class ParetoAccount(Account):
     }
     units: ClassVar[Mapping[str, str]] = {"floors": "1"}
     figures_function = ".figures:front_figures"
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the recommended choice for each study, and the choices of the first study on its front."""
+        found = {
+            name: _recommended(part, int(dataset.attrs["rounds"]))
+            for name, part in studies(dataset)
+        }
+        several = len(found) > 1
+        texts = [f"{name}: {text}" if several else text for name, (text, _) in found.items()]
+        (name, part), *_ = studies(dataset)
+        fronts = _rows_on_front(part, found[name][1])
+        known = [
+            j
+            for j in range(part.sizes["result"])
+            if np.isfinite(part["error"].to_numpy()[:, j]).any()
+        ]
+        head = ("choice", "time [ms]", *(f"error of {part['result'].values[j]}" for j in known))
+        rows = [
+            (
+                str(part["label"].values[k]),
+                two_digits(1e3 * float(part["seconds"][k])),
+                *(_error_text(part, k, j) for j in known),
+            )
+            for k in fronts[:MAX_ROWS]
+        ]
+        return Answer(
+            summary=texts[0],
+            rows=tuple(
+                Row(key=study, label=study, text="", note=text)
+                for study, (text, _) in list(found.items())[1:]
+            ),
+            table=(head, *rows),
+            omitted=part.sizes["choice"] - len(rows),
+            next=tuple(_next_steps(str(part["label"].values[found[name][1]]), name)),
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -187,6 +225,75 @@ def _cell(value: float, status: str, star: bool) -> str:
 def is_faster(part: "xr.Dataset", row: Any, other: Any) -> bool:
     """Return whether each round of one choice is faster than all rounds of another."""
     return float(part["seconds_high"][row]) < float(part["seconds_low"][other])
+
+
+def _recommended(part: "xr.Dataset", rounds: int) -> tuple[str, int]:
+    """Return the recommended numerical choice of a study in words, and its number; -1 where there is none.
+
+    It is the fastest choice with which every result is within its tolerance. The choice of the plan is kept where the
+    other is not faster in every round.
+    """
+    errors = np.fmax(part["error"].to_numpy(), part["floor"].to_numpy())
+    ratios = errors / part["tolerance"].to_numpy()
+    (reference,) = np.flatnonzero(part["label"].to_numpy() == REFERENCE)
+    is_known = np.isfinite(part["error"].to_numpy()[reference])
+    if not is_known.any():
+        return "no recommendation: the finest choice has no result", -1
+    largest = np.where(np.isnan(ratios[:, is_known]), np.inf, ratios[:, is_known]).max(axis=1)
+    rows = [int(k) for k in rows_of_kinds(part, "numerical") if np.isfinite(part["seconds"][k])]
+    within = [k for k in rows if largest[k] <= 1.0]
+    planned = int(np.flatnonzero(part["label"].to_numpy() == PLANNED)[0])
+    if not within:
+        best = min(rows, key=lambda k: largest[k])
+        return (
+            f"no choice within the tolerance; nearest is {_choice_text(part, best, errors[best, is_known])}",
+            best,
+        )
+    best = within[0]
+    is_better = planned not in within or (rounds > 1 and is_faster(part, best, planned))
+    if best == planned or not is_better:
+        return f"keep the plan: {_choice_text(part, planned, errors[planned, is_known])}", planned
+    plan = two_digits(1e3 * float(part["seconds"][planned]))
+    return (
+        f"recommended: {_choice_text(part, best, errors[best, is_known])}; the plan takes {plan} ms",
+        best,
+    )
+
+
+def _next_steps(label: str, study: str) -> list[str]:
+    """Return the command that runs a study with the recommended choice, where that is a number of slices."""
+    command = f"rollslip run {{scene}} --study {study}"
+    if label == PLANNED:
+        return [command]
+    count, _, name = label.partition(" ")
+    return [f"{command} --set accuracy.slices={count}"] if name == "slices" else []
+
+
+def _choice_text(part: "xr.Dataset", row: int, errors: NDArray[Any]) -> str:
+    """Return label, time and largest error of a choice."""
+    time = two_digits(1e3 * float(part["seconds"][row]))
+    return f"{part['label'].values[row]}, error {_percent(float(np.nanmax(errors)))} in {time} ms"
+
+
+def _rows_on_front(part: "xr.Dataset", recommended: int) -> list[int]:
+    """Return the recommended choice, that of the plan and those on a front, the fastest first."""
+    on_front = np.atleast_1d(part["on_front"].to_numpy().any(axis=1))
+    (planned,) = np.flatnonzero(part["label"].to_numpy() == PLANNED)
+    rows = [
+        int(k)
+        for k in rows_of_kinds(part, "numerical")
+        if on_front[k] or k in (planned, recommended)
+    ]
+    chosen = sorted(rows, key=lambda k: k not in (planned, recommended))[:MAX_ROWS]
+    return [k for k in rows if k in chosen]
+
+
+def _error_text(part: "xr.Dataset", row: int, result: int) -> str:
+    """Return an error in percent; the status where there is none."""
+    error = float(part["error"][row, result])
+    if math.isnan(error):
+        return str(part["error_status"].values[row, result]).partition(",")[0]
+    return _percent(error, float(part["floor"][result]))
 
 
 def _describe_result(part: "xr.Dataset", name: str, rounds: int) -> list[str]:

@@ -21,18 +21,40 @@ class SurrogateAccount(Account):
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return the largest and the median error of the tables."""
-        return Answer(rows=(Row(key="error", label="tables", text="", note=_error(dataset)),))
+        """Return the file with its error, the ranges of the tables and the nodes that skid."""
+        skids = np.isnan(dataset["steady_cage_slip"].to_numpy())
+        rows = [
+            Row(key=name, label=name.replace("_", " "), text=_format_span(dataset, name))
+            for name in _RANGES
+        ]
+        nodes = " x ".join(map(str, json.loads(dataset.attrs["nodes"])))
+        rows.append(
+            Row(
+                key="nodes",
+                label="nodes",
+                text=nodes,
+                note="temperature x load x cage x rolling speed x slide-roll",
+            )
+        )
+        if skids.any():
+            rows.append(
+                Row(
+                    key="skids",
+                    label="skids at",
+                    text=f"{int(skids.sum())} of {skids.size}",
+                    note="nodes of load, speed and temperature",
+                )
+            )
+        return Answer(
+            summary=f"surrogate.nc: {_error(dataset)}",
+            rows=tuple(rows),
+            next=("rollslip export --result FOLDER/surrogate.nc --out bearing.fmu",),
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return sentences on the errors of the tables, their ranges, and nodes at which the bearing skids."""
-        spans = []
-        for name, unit in _RANGES.items():
-            low, high = (
-                format_quantity(float(end), unit, 4) for end in dataset[f"{name}_range"].to_numpy()
-            )
-            spans.append(f"{name} {low}" + (f" to {high}" if high != low else ""))
+        spans = [f"{name} {_format_span(dataset, name)}" for name in _RANGES]
         ranges = f"ranges: {', '.join(spans)}; beyond them the tables give the last values"
         topics = {"error": [_error(dataset)], "ranges": [ranges]}
         skids = np.isnan(dataset["steady_cage_slip"].to_numpy())
@@ -57,6 +79,12 @@ class SurrogateAccount(Account):
             "nodes": dict(zip(_NODES, json.loads(a["nodes"]), strict=True)),
             "ranges": {name: dataset[f"{name}_range"].to_numpy().tolist() for name in _RANGES},
         }
+
+
+def _format_span(dataset: "xr.Dataset", name: str) -> str:
+    """Return the range of a quantity as text."""
+    ends = dataset[f"{name}_range"].to_numpy().tolist()
+    return " to ".join(dict.fromkeys(format_quantity(end, _RANGES[name], 4) for end in ends))
 
 
 def _error(dataset: "xr.Dataset") -> str:

@@ -659,7 +659,7 @@ def _dataset(
         variables,
         coords=coords,
         attrs=origin_of_points(
-            attrs.evolve(plan.sweep, scene=plan.scene), [], [], study="surrogate"
+            attrs.evolve(plan.sweep, scene=plan.scene), [], {}, study="surrogate"
         )
         | {
             "error": float(errors.max()),

@@ -20,12 +20,19 @@ from rollslip.cli.app import (
     print_json,
     progress,
     results_options,
-    warn,
 )
-from rollslip.cli.campaign import with_settings
+from rollslip.cli.campaign import (
+    Printing,
+    detail_options,
+    typed_scene,
+    warn_unusual,
+    with_settings,
+)
 from rollslip_campaigns.sweep import SweepSettings
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from rollslip_campaigns.sweep.definition import Sweep
     from rollslip_campaigns.sweep.folder import SweepStatus
     from rollslip_campaigns.sweep.run import Progress
@@ -51,16 +58,16 @@ sweep = _SweepCommands("sweep", help=SweepSettings.summary)
 
 
 @results_options("Folder for the sweep, new or empty.", overwrite=False)
+@detail_options
 @json_option
-def _sweep_run(requested: SweepSettings, about: str, results: Results) -> None:
+def _sweep_run(requested: SweepSettings, about: str, results: Results, printing: Printing) -> None:
     from rollslip_campaigns.sweep.folder import create_folder
 
     planned = requested.plan()
-    warn(planned.unusual)
-    if not results.as_json:
-        click.echo("\n".join(planned.messages))
+    warn_unusual(planned)
     results.choose_folder(requested.folder_name(planned, about))
-    _run_sweep(planned, create_folder(planned, results.target), (), results)
+    folder = create_folder(planned, results.target)
+    _run_sweep(planned, folder, (), results, printing, typed_scene(about))
 
 
 sweep.command("run")(with_settings(SweepSettings, _sweep_run))
@@ -70,15 +77,20 @@ sweep.command("run")(with_settings(SweepSettings, _sweep_run))
 @click.argument("folder", type=click.Path(path_type=Path))
 @engine_options
 @results_options(out=False, overwrite=False)
+@detail_options
 @json_option
 def sweep_resume(
-    folder: Path, engine: Mapping[str, object] | None, time_limit: str | None, results: Results
+    folder: Path,
+    engine: Mapping[str, object] | None,
+    time_limit: str | None,
+    results: Results,
+    printing: Printing,
 ) -> None:
     """Compute the points of the sweep in FOLDER that are not done yet."""
     from rollslip_campaigns.sweep.sweep import open_sweep, with_engine
 
     planned = with_engine(open_sweep(folder), engine, time_limit)
-    _run_sweep(planned, folder, (), results)
+    _run_sweep(planned, folder, (), results, printing)
 
 
 @sweep.command("retry")
@@ -93,6 +105,7 @@ def sweep_resume(
 )
 @engine_options
 @results_options(out=False, overwrite=False)
+@detail_options
 @json_option
 def sweep_retry(
     folder: Path,
@@ -101,6 +114,7 @@ def sweep_retry(
     engine: Mapping[str, object] | None,
     time_limit: str | None,
     results: Results,
+    printing: Printing,
 ) -> None:
     """Compute points of the sweep in FOLDER again that have failed."""
     from rollslip_campaigns.sweep.journal import FAILED
@@ -115,7 +129,7 @@ def sweep_retry(
             f"no point fails as {', '.join(unknown)}; there are: {', '.join(FAILED)}"
         )
     planned = with_engine(open_sweep(folder), engine, time_limit)
-    _run_sweep(planned, folder, FAILED if failed else tuple(statuses), results)
+    _run_sweep(planned, folder, FAILED if failed else tuple(statuses), results, printing)
 
 
 @sweep.command("status")
@@ -139,7 +153,12 @@ def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
 
 
 def _run_sweep(
-    planned: "Sweep", folder: Path, retry_statuses: Sequence[str], results: Results
+    planned: "Sweep",
+    folder: Path,
+    retry_statuses: Sequence[str],
+    results: Results,
+    printing: Printing,
+    scene: str = "",
 ) -> None:
     """Run a sweep in its folder and print its results."""
     import os
@@ -154,7 +173,7 @@ def _run_sweep(
                 planned,
                 folder,
                 retry_statuses=tuple(retry_statuses),
-                print_line=lambda text: click.echo(f"  {text}", err=results.as_json),
+                print_line=lambda text: printing.log([text]),
                 report=lambda now: show(*now.summary),
             )
     except KeyboardInterrupt:
@@ -169,50 +188,60 @@ def _run_sweep(
         click.echo(f"interrupted: {sweep_progress(outcome.progress)}; {resume}", err=True)
         sys.exit(INTERRUPTED)
     try:
-        _report_sweep(planned, folder, describe_outcome(outcome), results, resume)
+        results.target = folder
+        dataset = _write_sweep(planned, folder, results)
+        if results.as_json:
+            _print_sweep_json(planned, dataset, describe_outcome(outcome), results)
+        else:
+            printing.show(dataset, results, scene, planned)
+        _exit_unless_done(dataset, folder, resume)
     except KeyboardInterrupt:
         click.echo(f"interrupted; all points are kept; {resume}", err=True)
         sys.exit(INTERRUPTED)
 
 
-def _report_sweep(
-    planned: "Sweep", folder: Path, run: dict[str, object], results: Results, resume: str
-) -> None:
-    """Save the dataset of a sweep and print its results, with the advice to resume where points are pending."""
-    from rollslip.cli import console
-    from rollslip.cli.units import with_units
-    from rollslip.results.accounts import account_of
+def _write_sweep(planned: "Sweep", folder: Path, results: Results) -> "xr.Dataset":
+    """Save the dataset of a sweep, with plots and tables where no point is pending, and return it."""
     from rollslip_campaigns.sweep.folder import RESULT, write_result
 
     dataset = write_result(planned, folder)
-    record = account_of(dataset).record(dataset)
-    files = [
-        RESULT,
-        *(results.show({"sweep": dataset}, folder) if not record["counts"]["pending"] else []),
-    ]
-    if results.as_json:
-        print_json(
-            {
-                "scene": planned.given.source,
-                "sweep_hash": planned.hash,
-                "study": planned.study,
-                "run": with_units(run),
-            }
-            | with_units(record, dataset)
-            | {"folder": str(folder), "files": files}
-        )
+    if json.loads(dataset.attrs["counts"])["pending"]:
+        results.files = [RESULT]
     else:
-        console.print_found(dataset, "  ")
-        click.echo(f"written to {folder}: {', '.join(files)}")
-    warn(json.loads(dataset.attrs["left"]))
-    if record["counts"]["ok"] < sum(record["counts"].values()):
-        command = shlex.join(["rollslip", "sweep", "status", str(folder)])
-        click.echo(f"some points have no result; see: {command}", err=True)
-        if record["counts"]["pending"]:
-            click.echo(
-                f"{record['counts']['pending']} of them are not computed yet; {resume}", err=True
-            )
-        sys.exit(SOME_FAILED)
+        results.show({"sweep": dataset}, folder)
+    return dataset
+
+
+def _print_sweep_json(
+    planned: "Sweep", dataset: "xr.Dataset", run: dict[str, object], results: Results
+) -> None:
+    """Print the results of a sweep as JSON."""
+    from rollslip.cli.units import with_units
+    from rollslip.results.accounts import account_of, answer
+
+    print_json(
+        {
+            "scene": planned.given.source,
+            "sweep_hash": planned.hash,
+            "study": planned.study,
+            "answer": answer(dataset).as_dict(),
+            "run": with_units(run),
+        }
+        | with_units(account_of(dataset).record(dataset), dataset)
+        | results.as_dict()
+    )
+
+
+def _exit_unless_done(dataset: "xr.Dataset", folder: Path, resume: str) -> None:
+    """Exit with the advice to resume or to retry where points have no result."""
+    counts = json.loads(dataset.attrs["counts"])
+    if counts["ok"] == sum(counts.values()):
+        return
+    command = shlex.join(["rollslip", "sweep", "status", str(folder)])
+    click.echo(f"some points have no result; see: {command}", err=True)
+    if counts["pending"]:
+        click.echo(f"{counts['pending']} of them are not computed yet; {resume}", err=True)
+    sys.exit(SOME_FAILED)
 
 
 # Texts ----------------------------------------------------------------------------------------------------------------

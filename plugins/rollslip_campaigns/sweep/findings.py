@@ -1,19 +1,31 @@
 """Report the results of a sweep as sentences, tables and plain values, from its dataset alone."""
 
 import json
-from collections.abc import Collection
+import shlex
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import Account, SpreadsheetRows, Table
+from rollslip.results.answer import ACCEPTABLE, MAX_ROWS, Answer, Row, Verdict, with_verdict
 from rollslip.results.dataset import STATUS_VARIABLE, UNITS, xr
 from rollslip.results.table import sheet
-from rollslip.results.text import format_plain, in_brackets, in_percent, two_digits, with_unit
+from rollslip.results.text import (
+    Status,
+    format_plain,
+    in_brackets,
+    in_percent,
+    short_label,
+    two_digits,
+    with_unit,
+)
+from rollslip.units import format_quantity
 
 __all__ = [
     "SweepAccount",
+    "answer_table",
     "axis_keys",
     "closure_note",
     "named_dims",
@@ -43,6 +55,36 @@ class SweepAccount(Account):
     figures_function = ".figures:sweep_figures"
 
     @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the range of the first output, the points at which the cage skids, and some points."""
+        summaries = _summaries(dataset)
+        name, summary = next(iter(summaries.items()), ("no output", None))
+        counts = json.loads(dataset.attrs["counts"])
+        number = sum(counts.values())
+        parts = [f"{name.replace('_', ' ')} {_format_range(name, summary)} over {number} points"]
+        skids, first = _skidding_points(dataset)
+        if skids:
+            parts.append(f"skids at {skids} of {counts['ok']}, the first at {first}")
+        tables = SweepAccount("sweep").tables(dataset)
+        rows = [
+            Row(
+                key=key,
+                label=key.replace("_", " "),
+                text=_format_range(key, item),
+                note=_why_missing(item),
+            )
+            for key, item in summaries.items()
+        ]
+        missing = number - counts["ok"]
+        return Answer(
+            summary="; ".join(parts),
+            rows=() if tables else tuple(rows),
+            faults=(f"{missing} of {number} points have no result",) * bool(missing),
+            next=_next_steps(dataset, missing - counts["pending"]),
+            **answer_table(tables),
+        )
+
+    @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:
         """Return a line with the number of points by status, and a line for each output with its range."""
         counts = json.loads(dataset.attrs["counts"])
@@ -50,16 +92,12 @@ class SweepAccount(Account):
             ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no points"
         ]
         for name, row in _summaries(dataset).items():
-            extent = "none"
+            extent = _format_range(name, row)
             if row["values"]:
-                smallest, largest, median = (
-                    _format_value(row[statistic], name, row["unit"])
-                    for statistic in ("smallest", "largest", "median")
-                )
-                extent = f"{smallest} to {largest}, median {median}"
-            why = in_brackets(row["why"])
+                extent += f", median {_format_value(row['median'], name, row['unit'])}"
             label = f"{name}{closure_note(dataset)}" if name.startswith("critical_") else name
             values = f"{row['values']} value{'s' * (row['values'] != 1)}"
+            why = in_brackets(row["why"])
             lines.append(f"{label}: {extent}; {values}, {row['missing']} without one{why}")
         return lines
 
@@ -112,6 +150,116 @@ def point_table(spreadsheet: SpreadsheetRows, varied: Collection[str]) -> list[T
             [[format_cell(row[k], head[k]) for k in columns] for row in rows],
         )
     ]
+
+
+def answer_table(tables: list[Table], numbers: Sequence[int] | None = None) -> dict[str, Any]:
+    """Return the arguments of an answer for the first of some tables: some of its rows, and how many more there are.
+
+    Parameters
+    ----------
+    tables : list of Table
+        Tables of a result; may be empty.
+    numbers : sequence of int, optional
+        Numbers of the rows to show, in their order; by default rows that are spread evenly.
+    """
+    if not tables:
+        return {}
+    rows = tables[0].rows
+    if numbers is None:
+        numbers = sorted({*np.linspace(0, len(rows) - 1, MAX_ROWS).round().astype(int).tolist()})
+    head = tuple(_format_head(name) for name in tables[0].head)
+    return {
+        "table": (head, *(tuple(rows[k]) for k in numbers)),
+        "omitted": len(rows) - len(numbers),
+    }
+
+
+def _format_head(name: str) -> str:
+    """Return the head of a column with a short label in place of a key."""
+    key, bracket, unit = name.partition(" [")
+    return f"{key.replace('_', ' ') if ' ' in key else short_label(key)}{bracket}{unit}"
+
+
+def _format_range(name: str, summary: Mapping[str, Any] | None) -> str:
+    """Return smallest and largest value of an output with its unit; "none" without a value."""
+    if not summary or not summary["values"]:
+        return "none"
+    ends = (summary["smallest"], summary["largest"])
+    if in_percent(name, summary["unit"]):
+        texts = [two_digits(100.0 * end) for end in ends]
+        return f"{' to '.join(dict.fromkeys(texts))} %"
+    return " to ".join(dict.fromkeys(with_unit(end, summary["unit"], 2) for end in ends))
+
+
+def _why_missing(summary: Mapping[str, Any]) -> str:
+    """Return at how many points an output has no value; empty where all have one."""
+    return f"none at {summary['missing']} points" * bool(summary["missing"])
+
+
+def _next_steps(dataset: "xr.Dataset", failed: int) -> tuple[str, ...]:
+    """Return the command for points that failed, else the search for the acceptable slip that is passed."""
+    if failed:
+        return ("rollslip sweep retry FOLDER --failed",)
+    keys = axis_keys(dataset)
+    if (
+        dataset.attrs.get("swept") != "steady-slip"
+        or len(keys) != 1
+        or "steady_slip" not in dataset
+    ):
+        return ()
+    ((dim, key),) = keys.items()
+    slips = np.abs(dataset["steady_slip"].to_numpy())
+    is_passed = bool((slips <= ACCEPTABLE).any() and not (slips <= ACCEPTABLE).all())
+    if not is_passed or dataset[dim].dtype.kind != "f":
+        return ()
+    low, high = (_format_coordinate(dataset[dim][k]) for k in (0, -1))
+    span = shlex.quote(f"{key}={low}:{high}")
+    return (
+        f"rollslip limit {{scene}} --study steady-slip --over {span} --keep 'steady_slip<={100 * ACCEPTABLE:g} %'",
+    )
+
+
+def _skidding_points(dataset: "xr.Dataset") -> tuple[int, str]:
+    """Return the number of points at which the cage skids by its steady slip, and the first of them in words."""
+    if dataset.attrs.get("swept") != "steady-slip" or "steady_slip" not in dataset:
+        return 0, ""
+    slips = dataset["steady_slip"]
+    reasons = _status_of(dataset, slips)
+    texts = (
+        np.full(slips.shape, "") if reasons is None else reasons.broadcast_like(slips).to_numpy()
+    )
+    skids = [
+        at
+        for at, slip in np.ndenumerate(slips.to_numpy())
+        if _is_skidding(float(slip), str(texts[at]))
+    ]
+    if not skids:
+        return 0, ""
+    first = slips.isel(dict(zip(slips.dims, skids[0], strict=True)))
+    keys = axis_keys(dataset)
+    values = [
+        f"{short_label(keys[str(dim)])} {_format_coordinate(first[dim])}"
+        for dim in slips.dims
+        if str(dim) in keys
+    ]
+    return len(skids), ", ".join(values) or f"sample {skids[0][0]}"
+
+
+def _is_skidding(slip: float, status: str) -> bool:
+    """Whether the cage skids by the rules of the verdict on its slip, or by the status where it has none."""
+    if np.isnan(slip):
+        return Status.of(status) in (Status.SKIDS, Status.NO_STEADY_SLIP)
+    row = Row(key="cage_slip", label="cage slip", value=slip, text="")
+    return with_verdict(Answer(rows=(row,))).verdict == Verdict.SKIDS
+
+
+def _format_coordinate(coordinate: "xr.DataArray") -> str:
+    """Return the value of an axis in the unit in which it was given."""
+    value = coordinate.item()
+    if not isinstance(value, float):
+        return str(value)
+    given = coordinate.attrs.get("written_in")
+    return format_quantity(value, coordinate.attrs.get("units", "1"), 4, given)
 
 
 def _format_value(value: float, name: str, unit: str) -> str:

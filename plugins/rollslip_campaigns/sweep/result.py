@@ -20,6 +20,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
+import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
@@ -29,7 +30,6 @@ from rollslip.planning.plan import plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import describe_citations, describe_scene, origin
 from rollslip.results.dataset import STATUS_VARIABLE, about, xr
-from rollslip.results.text import describe_more_bounds
 from rollslip.scene.changes import evolve, full_key
 from rollslip.studies import validity
 from rollslip.studies.bounds import errors_between
@@ -45,9 +45,6 @@ __all__ = ["collect", "deviations_from_run", "origin_of_points"]
 #: Number of points, besides the one nearest to the median, at which validity ranges are checked. Twice as many take
 #: twice the time, some milliseconds per point, and find more of the points outside a range. Chosen.
 _CHECKED_POINTS: Final = 8
-#: Maximum number of exceeded validity ranges with a full message; others are summarised in one. Chosen: what a user
-#: reads.
-_MAX_REPORTED: Final = 3
 
 
 def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
@@ -198,7 +195,7 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     )
     return origin_of_points(
         sweep,
-        warnings,
+        [*warnings, *exceeded["unchecked"]],
         exceeded,
         study="sweep",
         swept=sweep.study,
@@ -207,12 +204,11 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
         axes=sweep.facts["axes"],
         sampling=sweep.table.sampling if sweep.design.has_samples else "",
         counts=counts,
-        left=exceeded,
     )
 
 
 def origin_of_points(
-    sweep: Sweep, warnings: Iterable[str], outside: Iterable[str], **facts: Any
+    sweep: Sweep, warnings: Iterable[str], validity: Mapping[str, Any], **facts: Any
 ) -> dict[str, Any]:
     """Return the attributes of a dataset of points: facts of the campaign, and the origin of the points.
 
@@ -222,12 +218,13 @@ def origin_of_points(
         The sweep of the points.
     warnings : iterable of str
         Warnings of the campaign, which come first.
-    outside : iterable of str
-        Warnings about exceeded validity ranges, which come last.
+    validity : mapping
+        Record of exceeded validity ranges, as in the attribute of a dataset of points; empty for none.
     **facts : object
         Further attributes.
     """
     varied_keys = {*map(full_key, sweep.table.over)}
+    outside = [message["text"] for message in validity.get("messages", ()) if message["is_warning"]]
     return origin(
         **facts,
         **describe_scene(sweep.scene, sweep.given),
@@ -237,6 +234,7 @@ def origin_of_points(
         seed=sweep.table.seed,
         packages=sweep.facts["packages"],
         **describe_citations(sweep.citations),
+        validity=validity,
         warnings=[*warnings, *implausible(sweep.given, varied_keys), *sweep.unusual, *outside],
     )
 
@@ -266,52 +264,45 @@ def _spread_numbers(design: Design, numbers_done: "np.ndarray[Any, Any]") -> lis
     ]
 
 
-def _describe_validity(sweep: Sweep, numbers: list[int]) -> list[str]:
-    """Messages on exceeded validity ranges: at how many of some points, and the most severe message of each range."""
+def _describe_validity(sweep: Sweep, numbers: list[int]) -> dict[str, list[Any]]:
+    """Record of exceeded validity ranges: of each the most severe message, and at how many of some points."""
     severest = dict[tuple[str, str], validity.ValidityMessage]()
     counts = Counter[tuple[str, str]]()
-    others = list[str]()
+    unchecked = list[str]()
     for number in numbers:
         try:
             messages = _validity_at(sweep, number)
         except Exception as error:
             # a third-party law may raise anything; the dataset is valid all the same
-            others.append(
+            unchecked.append(
                 f"whether laws are within their range of validity could not be checked at "
                 f"{sweep.design.describe_point(number)}: {describe_error(error)}"
             )
             continue
+        counts.update(
+            {(message.law, message.made_for) for message in messages}
+        )  # of both rings once
         for message in messages:
             key = message.law, message.made_for
-            counts[key] += 1
             known = severest.setdefault(key, message)
             if (message.is_warning, message.severity) > (known.is_warning, known.severity):
                 severest[key] = message
-    ranked = sorted(
-        severest,
-        key=lambda key: (
-            not severest[key].is_warning,
-            not severest[key].measured,
-            -severest[key].severity,
-        ),
+    all_points = (
+        "all points" if len(numbers) == len(sweep.numbers) else f"all {len(numbers)} points checked"
     )
-    reported = [key for key in ranked[:_MAX_REPORTED] if severest[key].is_warning]
-    texts = [
-        f"at {counts[key]} of {len(numbers)} points checked: {severest[key].text}"
-        for key in reported
-    ]
-    if more := [
-        f"{severest[key].short} at {counts[key]} of them" for key in ranked[len(reported) :]
-    ]:
-        texts.append(describe_more_bounds(more))
-    if texts:
-        extent = "all points were checked"
-        if len(numbers) != len(sweep.numbers):
-            extent = f"only {len(numbers)} of {len(sweep.numbers)} points were checked, which lie far apart"
-        texts[-1] += (
-            f"; {extent}; rollslip run of the scene with the values of a point tells all of it"
-        )
-    return [*texts, *others[:1]]
+    return {
+        "messages": [
+            attrs.asdict(message)
+            | {
+                "text": f"at {counts[key]} of {len(numbers)} points checked: {message.text}",
+                "where": f"at {all_points}"
+                if counts[key] == len(numbers)
+                else f"at {counts[key]} of {len(numbers)} points checked",
+            }
+            for key, message in severest.items()
+        ],
+        "unchecked": unchecked[:1],
+    }
 
 
 def _validity_at(sweep: Sweep, number: int) -> list[validity.ValidityMessage]:

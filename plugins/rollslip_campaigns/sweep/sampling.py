@@ -30,6 +30,7 @@ from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError, refuse_if
 from rollslip.scene.changes import Quantity, parse_set
 from rollslip.search import Array
+from rollslip.structure import raise_problem_if
 from rollslip.toml import as_list, thawed
 from rollslip.units import (
     TypedRange,
@@ -214,6 +215,10 @@ def parse_over(text: str) -> tuple[str, object]:
     >>> parse_over("operation.radial_load=500 N:5 kN:10"), parse_over("models.film=moes, dowson-1968")
     (('operation.radial_load', '500 N:5 kN:10'), ('models.film', ['moes', 'dowson-1968']))
     """
+    raise_problem_if(
+        "=" not in text,
+        f"over: {as_written(text)} has no values; write KEY=LOW:HIGH, such as operation.radial_load='500 N:5 kN'",
+    )
     key, value = parse_set(text)
     if not isinstance(value, str):
         return key, value

@@ -50,7 +50,10 @@ class UncertaintySettings(OfPoints):
     name = "uncertainty"
 
     samples: int | None = setting(
-        "Samples of reserve and slips.  [default: 1024]", value_type=int, minimum=2, metavar="N"
+        "Samples of reserve and slips.  [default: 128, doubled until the bounds have 95 % intervals, for 10 min]",
+        value_type=int,
+        minimum=2,
+        metavar="N",
     )
     until: float | None = setting(
         "Double samples until the interval's half width is H, a slip.",
@@ -61,7 +64,7 @@ class UncertaintySettings(OfPoints):
     probability: float = setting(
         "Probability of the reported bounds.",
         value_type=float,
-        default=0.99,
+        default=0.95,
         metavar="P",
         show_default=True,
     )

@@ -18,6 +18,7 @@ from rollslip.results.text import (
     format_plain,
     format_slip_band,
     percent,
+    short_label,
     two_digits,
 )
 from rollslip.units import format_quantity
@@ -47,6 +48,11 @@ _CAVEAT_CORRELATION: Final = -0.3
 
 #: Ratio of a median to the value of the run from which both are told apart. Chosen: a change of the second digit.
 _DIFFERS: Final = 1.1
+#: Size of a rank correlation with the slip above which a quantity is listed as deciding. Chosen: twice the standard
+#: error of 128 independent samples.
+_MIN_RANK: Final = 0.18
+#: Number of quantities that are listed as deciding. Chosen: what fits in a line.
+_MAX_DECIDING: Final = 3
 #: Sentence where Sobol indices were requested and no result has any.
 _NO_INDICES = (
     "no Sobol indices: the result varies in no sample, for example because all lie beyond the range, or fewer than "
@@ -66,16 +72,7 @@ class UncertaintyAccount(Account):
         quantities = dataset["quantity"].to_numpy()
         p = float(dataset.attrs["probability"])
         if RESERVE not in quantities:
-            return Answer(
-                rows=(
-                    Row(
-                        key="skidding",
-                        label="limit drag torque",
-                        text="",
-                        note=_describe_skidding_onset(dataset),
-                    ),
-                )
-            )
+            return Answer(summary=_describe_skidding_onset(dataset), assumed=_scatter_note(dataset))
         low, slip, high = (_quantile(dataset, STEADY, q)[0] for q in (0.05, 0.5, 0.95))
         lower_reserve = _quantile(dataset, RESERVE, round(1.0 - p, 12))[0]
         skids = float(dataset["skidding"])
@@ -129,7 +126,28 @@ class UncertaintyAccount(Account):
                     tolerance=math.inf,
                 )
             )
-        return Answer(rows=tuple(rows))
+        deciding = _deciding_inputs(dataset)
+        if deciding:
+            rows.append(
+                Row(
+                    key="deciding_inputs",
+                    label="decides the slip",
+                    text=short_label(deciding[0][0]),
+                    note="rank correlation "
+                    + ", ".join(
+                        f"{short_label(key)} {rank:+.2f}".removeprefix(
+                            short_label(deciding[0][0])
+                        ).strip()
+                        for key, rank in deciding
+                    ),
+                )
+            )
+        return Answer(
+            summary=_summarise_slip(dataset),
+            rows=tuple(rows),
+            assumed=_scatter_note(dataset),
+            next=tuple(_next_steps(dataset, deciding)),
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -149,6 +167,10 @@ class UncertaintyAccount(Account):
         }
         if "margin" in dataset:
             topics["margin"] = [describe_margin(dataset)]
+        if scatter := dataset.attrs.get("scatter", ""):
+            topics["scatter"] = [
+                f"the scene has no table [uncertainty]; the scatter is that of its data and models: {scatter}"
+            ]
         if closure := dataset.attrs.get("curves_with"):
             topics["critical slip"] = [f"slips at largest traction are {closure}"]
         if "indexed" in dataset.coords:
@@ -296,6 +318,51 @@ class UncertaintyAccount(Account):
                 for name in dataset["indexed"].to_numpy()
             }
         return results
+
+
+def _summarise_slip(dataset: "xr.Dataset") -> str:
+    """Return the slip below which 95 % of the samples are, or how many skid where these are more than 5 %."""
+    counts = dataset.sel(quantity=STEADY)
+    slip = _quantile(dataset, STEADY, 0.95)[0]
+    if math.isfinite(slip):
+        return f"95 % of the samples slip less than {percent(slip)}"
+    if math.isnan(slip):
+        return f"none of {int(counts['samples'])} samples has a steady slip"
+    return f"the cage skids in {int(counts['beyond'])} of {int(counts['samples'])} samples"
+
+
+def _scatter_note(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """Return what is sampled, and why no more samples were computed."""
+    stop = str(dataset.attrs.get("stop", ""))
+    inputs = f"scatter of {dataset.sizes['input']} data"
+    inputs += " as their sources and models declare it" * bool(dataset.attrs.get("scatter", ""))
+    return tuple(filter(None, (inputs, stop)))
+
+
+def _deciding_inputs(dataset: "xr.Dataset") -> list[tuple[str, float]]:
+    """Return the uncertain quantities with the largest rank correlations with the steady slip, the largest first."""
+    ranks = dataset["rank_correlation"].sel(acted=STEADY)
+    known = [
+        (str(key), float(rank))
+        for key, rank in zip(dataset["input"].to_numpy(), ranks.to_numpy(), strict=True)
+        if abs(rank) > _MIN_RANK
+    ]
+    return sorted(known, key=lambda item: -abs(item[1]))[:_MAX_DECIDING]
+
+
+def _next_steps(dataset: "xr.Dataset", deciding: list[tuple[str, float]]) -> list[str]:
+    """Return the command with more samples where an interval needs them, and that without the deciding scatter."""
+    steps = []
+    if dataset.attrs.get("more_samples"):
+        steps.append(
+            f"rollslip uncertainty {{scene}} --samples {int(dataset.attrs['more_samples'])}"
+        )
+    if deciding:
+        key, _ = deciding[0]
+        values = dataset["input_value"].sel(input=key).to_numpy()
+        value = "1" if key.endswith("factor") else f"{np.median(values):.3g}"
+        steps.append(f"rollslip uncertainty {{scene}} --set {key}={value}")
+    return steps
 
 
 def _nominal_note(dataset: "xr.Dataset", name: str, median: float) -> str:

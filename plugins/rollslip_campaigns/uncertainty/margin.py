@@ -6,8 +6,9 @@ Method: randomized quasi-Monte Carlo, by sweeps over samples of the uncertain da
    sequences give the confidence intervals of the quantiles (`rollslip_campaigns.uncertainty.estimators.quantile`).
 2. Compute the study effective-friction for a batch of samples. Each batch has as many samples as all batches before it,
    because a sequence of 2^k points begins with that of 2^(k-1).
-3. Estimate the allowable slip. Stop where its interval is narrow enough (``until``) or all samples are computed.
-   Without ``until`` all samples are computed in one run.
+3. Estimate the allowable slip. Stop where its interval is narrow enough (``until``); by default where the 95 %
+   intervals of the bounds of slip and reserve have two ends, or where another batch would take too long. A given number
+   of samples is computed in one run.
 4. Compute the minimum load for the first samples, and Saltelli's design for Sobol indices, if they are requested.
 5. Estimate quantiles, probabilities and rank correlations, and save them as a dataset.
 
@@ -35,6 +36,7 @@ no meaning.
 
 import json
 import math
+import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
@@ -103,10 +105,15 @@ _FIRST_BATCH = 256
 #: Maximum number of samples with ``until``, which bounds the time of a run whose interval stays wider. Twice as many
 #: make the interval at the maximum narrower by about 1/sqrt(2), for twice the time. Chosen.
 _MAX_SAMPLES = 16384
-#: Default number of samples. Twice as many double the time and make the intervals narrower by about 1/sqrt(2) or more.
-#: Chosen: a power of two, three times the 336 samples that a 1 % quantile needs for two finite bounds
+#: Default number of samples of the first batch. Twice as many double the time of a default run. Chosen: a power of two
+#: above the 72 samples that a 5 % quantile needs for two finite bounds
 #: (`rollslip_campaigns.uncertainty.estimators.min_samples`).
-_DEFAULT_SAMPLES = 1024
+_DEFAULT_SAMPLES = 128
+#: Default maximum number of samples. Twice as many double the time where points fail, so that intervals stay open.
+#: Chosen: three times the 336 samples that a 1 % quantile needs.
+_MAX_DEFAULT_SAMPLES = 1024
+#: Time [s] beyond which no batch is to end that the number of samples by default begins. Chosen: a user waits as long.
+_MAX_SECONDS = 600.0
 #: Default number of samples of the minimum load, for which a point is a search over loads. Twice as many double its
 #: time. Chosen: enough for the median. The ends of a 90 % band have two finite bounds from 72 samples on
 #: (`rollslip_campaigns.uncertainty.estimators.min_samples`), and one with 64.
@@ -144,7 +151,9 @@ class Margin:
     probability : float
         Probability with which the slip is to be below the one at which skidding begins.
     until : float or None
-        Half width of the interval of the allowable slip at which batches end; None if all samples are computed.
+        Half width of the interval of the allowable slip at which batches end; None if it does not end them.
+    by_default : bool
+        Whether batches end where the intervals of the bounds have two ends.
     scatter : tuple of str
         Scatter that oil, bearing and models declare, in sentences, if the samples are drawn from it.
     """
@@ -154,6 +163,7 @@ class Margin:
     varied: Sweep | None
     probability: float
     until: float | None
+    by_default: bool
     scatter: tuple[str, ...]
 
     @property
@@ -178,6 +188,34 @@ class Margin:
             for name, seconds in expected_seconds(self).items()
         )
         return [self.critical.headline, *planned, *cost]
+
+    @property
+    def first_batch(self) -> int:
+        """Number of samples after which the batches may end."""
+        total = len(self.critical.design.samples)
+        if self.by_default:
+            return min(_DEFAULT_SAMPLES, total)
+        return total if self.until is None else min(_FIRST_BATCH, total)
+
+    def is_bounded(self, critical: "xr.Dataset") -> bool:
+        """Whether the intervals of the upper bound of the slip and of the lower bound of the reserve have two ends.
+
+        An interval of a quantile beyond a range has no upper end, however many samples there are.
+
+        Parameters
+        ----------
+        critical : Dataset
+            Points of the samples.
+        """
+        values = self.friction_samples(critical)
+        bounds = [(SKIDDING, 1.0 - self.probability)]
+        if STEADY in values:
+            bounds = [(STEADY, self.probability), (RESERVE, 1.0 - self.probability)]
+        estimates = [self.quantile(values[name], fraction) for name, fraction in bounds]
+        return all(
+            estimate.low > -math.inf and (estimate.high < math.inf or estimate.value == math.inf)
+            for estimate in estimates
+        )
 
     @property
     def confidence(self) -> float:
@@ -302,6 +340,7 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
         else None,
         probability=requested.probability,
         until=requested.until,
+        by_default=requested.samples is None and requested.until is None,
         scatter=scatter,
     )
 
@@ -310,7 +349,7 @@ def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
     """Number of all samples, and of those of the minimum load, by default where they are not given."""
     samples = requested.samples
     if samples is None:
-        samples = _DEFAULT_SAMPLES if requested.until is None else _MAX_SAMPLES
+        samples = _MAX_DEFAULT_SAMPLES if requested.until is None else _MAX_SAMPLES
     if (loads := requested.loads) is None:
         has_acceptable_slip = "acceptable_slip" in requested.base_scene.study.get(
             SteadySlip.name, {}
@@ -389,11 +428,14 @@ def run_margin(
         points_of[name].compute(numbers)
         return points_of[name].collect(numbers).isel(sample=slice(count))
 
+    start_time = time.monotonic()
     batches = list[tuple[int, Estimate]]()
     total = len(plan.critical.design.samples)
-    count = min(_FIRST_BATCH, total)
-    # without `until` all samples are computed in one run, for which workers start once
-    all_samples = compute_samples("critical", total) if plan.until is None else None
+    first = plan.first_batch
+    # a given number of samples is computed in one run, for which workers start once
+    all_samples = compute_samples("critical", total) if first == total else None
+    count = min(_FIRST_BATCH, first)
+    stop = ""
     while True:
         critical = (
             compute_samples("critical", count)
@@ -403,11 +445,14 @@ def run_margin(
         allowable = plan.quantile(friction_samples(critical)[SKIDDING], 1.0 - plan.probability)
         batches.append((count, allowable))
         print_line(f"{count} samples: {_describe_allowable(allowable)}")
+        if plan.by_default:
+            # the next batch takes about as long as all before it
+            stop = _stop_reason(plan, critical, 2.0 * (time.monotonic() - start_time))
         # a bound beyond the range stays there, however many samples there are
-        if count == total or (
-            plan.until is not None
-            and (allowable.low == math.inf or allowable.half_width <= plan.until)
-        ):
+        is_narrow = plan.until is not None and (
+            allowable.low == math.inf or allowable.half_width <= plan.until
+        )
+        if count == total or is_narrow or stop:
             break
         count = min(2 * count, total)
     points = {"critical": critical}
@@ -416,8 +461,31 @@ def run_margin(
     if plan.varied is not None:
         points["indices"] = compute_samples("indices")
     dataset = _dataset(plan, batches, points)
+    dataset.attrs |= {"stop": stop, "more_samples": 0 if plan.is_bounded(critical) else 2 * count}
     save(dataset, folder / RESULT)
     return dataset
+
+
+def _stop_reason(plan: Margin, critical: "xr.Dataset", seconds: float) -> str:
+    """Return why no more samples are computed by default; empty where more are needed and may be computed.
+
+    Parameters
+    ----------
+    plan : Margin
+        The plan.
+    critical : Dataset
+        Points of the samples so far.
+    seconds : float
+        Time [s] at which another batch would end.
+    """
+    count = critical.sizes["sample"]
+    if plan.is_bounded(critical):
+        return f"{count} samples, enough for 95 % intervals of all bounds"
+    if count == len(plan.critical.design.samples):
+        return f"{count} samples, the maximum by default: some bounds have no 95 % interval"
+    if seconds > _MAX_SECONDS:
+        return f"{count} samples within 10 min, too few for 95 % intervals of all bounds"
+    return ""
 
 
 def _describe_allowable(allowable: Estimate) -> str:
@@ -521,7 +589,7 @@ def _dataset(
     return xr.Dataset(
         variables,
         coords,
-        _attributes(plan, status_counts, json.loads(critical.attrs.get("left", "[]"))),
+        _attributes(plan, status_counts, json.loads(critical.attrs["validity"])),
     )
 
 
@@ -657,7 +725,7 @@ def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
 
 
 def _attributes(
-    plan: Margin, status_counts: Mapping[str, Mapping[str, int]], left_out: Sequence[str]
+    plan: Margin, status_counts: Mapping[str, Mapping[str, int]], validity: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Attributes of the dataset: origin, warnings, and the settings that its sentences need."""
     study = EffectiveFriction.from_scene(plan.critical.scene)
@@ -667,15 +735,10 @@ def _attributes(
         for status, count in counts.items()
         if status != "ok"
     ]
-    if plan.scatter:
-        warnings.append(
-            f"the scene has no table [uncertainty]; the scatter is the one that its data and models come with: "
-            f"{'; '.join(plan.scatter)}"
-        )
     return origin_of_points(
         plan.critical,
         warnings,
-        left_out,
+        validity,
         study="uncertainty",
         probability=plan.probability,
         slip_range=study.skidding_range,
@@ -689,5 +752,6 @@ def _attributes(
         play_status=plan.play_status,
         nominal=json.dumps(plan.nominal_values),
         until=plan.until or "",
+        scatter="; ".join(plan.scatter),
         points=status_counts,
     )

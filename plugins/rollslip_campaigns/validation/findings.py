@@ -8,8 +8,10 @@ from typing import Any, ClassVar, Final
 import numpy as np
 
 from rollslip.results.account import Account, Table
+from rollslip.results.answer import MAX_ROWS, Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
+from rollslip.results.text import two_digits
 from rollslip.units import format_quantity
 
 __all__ = [
@@ -156,6 +158,39 @@ class ValidationAccount(Account):
         ("chi2", "freedom", "probability", "ratio", "ratio_high", "ratio_low"), "1"
     )
     figures_function = ".figures:figures"
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the numbers of statements that hold and of values inside, and those that disagree first."""
+        counts = [_count_verdicts(dataset, name) for name in models_of(dataset)]
+        ratios = dataset["ratio"].to_numpy()[np.isfinite(dataset["ratio"].to_numpy())]
+        summary = counts[0].removeprefix("models as stated: ").partition(", a value takes")[0]
+        if ratios.size:
+            low, median, high = (two_digits(float(np.quantile(ratios, q))) for q in (0.0, 0.5, 1.0))
+            summary += f"; calculated over measured {median} in the median, {low} to {high}"
+        body = [
+            (
+                row["row_condition"],
+                f"{row['ratio']:.2f}" if math.isfinite(row["ratio"]) else "-",
+                row["row_verdict"],
+            )
+            for row in rows_along(dataset, "row")
+        ]
+        body += [
+            (row["statement_text"], "", row["statement_verdict"])
+            for row in rows_along(dataset, "statement")
+        ]
+        agreeing = (INSIDE, CONFIRMED)
+        body.sort(key=lambda cells: cells[-1] in agreeing)
+        return Answer(
+            summary=summary,
+            rows=tuple(
+                Row(key=name, label=name, text="", note=text.partition(": ")[2])
+                for name, text in zip(models_of(dataset)[1:], counts[1:], strict=True)
+            ),
+            table=(("value or statement", "calculated/measured", "verdict"), *body[:MAX_ROWS]),
+            omitted=max(len(body) - MAX_ROWS, 0),
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

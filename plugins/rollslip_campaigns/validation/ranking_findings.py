@@ -7,9 +7,10 @@ from typing import Any, ClassVar, Final
 import numpy as np
 
 from rollslip.results.account import Account, Table
+from rollslip.results.answer import MAX_ROWS, Answer
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
-from rollslip.results.text import in_brackets
+from rollslip.results.text import in_brackets, two_digits
 from rollslip.units import format_quantity
 
 __all__ = ["RankingAccount", "better"]
@@ -57,6 +58,33 @@ class RankingAccount(Account):
         ("chance", "conditions", "confidence", "error", "interval", "parameters"), "1"
     )
     figures_function = ".ranking_figures:figures"
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the law with the smallest error, what it is better than, and a row for each law."""
+        names = dataset["law"].to_numpy().tolist()
+        errors = dataset["error"].to_numpy()
+        known = int(np.isfinite(errors).sum())
+        sentences = RankingAccount.sentences(dataset)
+        summary = sentences[0]
+        if known > 1:
+            worse, undetermined = better(dataset, 0)
+            summary = (
+                f"{names[0]} first: error {two_digits(errors[0])} times the uncertainty of the data"
+            )
+            summary += f"; better than {', '.join(worse)}" * bool(worse)
+            summary += f"; not distinguishable from {', '.join(undetermined)}" * bool(undetermined)
+        table = RankingAccount("ranking").tables(dataset)[0]
+        body = [(row[0], row[1], row[3], row[4]) for row in table.rows]
+        too_few = [text for text in sentences if "too few" in text]
+        return Answer(
+            summary=summary,
+            table=(("law", "error, 95 %", "time of a value", "better than"), *body[:MAX_ROWS]),
+            omitted=max(len(body) - MAX_ROWS, 0),
+            assumed=("errors of conditions are independent (--groups=set, --groups=series)",)
+            * (not dataset.attrs.get("groups")),
+            faults=tuple(too_few),
+        )
 
     @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:
