@@ -80,7 +80,7 @@ class Printing:
         folder = shlex.quote(str(results.target))
         steps = tuple(step.replace("FOLDER", folder) for step in found.next)
         found = attrs.evolve(found, next=steps)
-        console.print_answer(found, MAX_LINES - 1)  # the line on files follows
+        console.print_answer(found, max_lines=MAX_LINES - 1)  # the line on files follows
         if self.all_rows or self.verbose:
             console.print_tables(dataset)
         if self.verbose:
