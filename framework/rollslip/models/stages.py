@@ -147,6 +147,11 @@ class FilmModel(SliceModel):
     at_any_load: ClassVar[bool] = True
     #: Whether Pareto fronts of error against cost include it where no films are requested.
     on_fronts: ClassVar[bool] = False
+    #: Oil on both surfaces together before a contact [m], where the model takes one; NaN leaves it to a scene.
+    oil_layer: float = math.inf
+    #: Exponent g of a film that a layer limits, (h^-g + layer^-g)^(-1/g): the larger, the less oil flows to the sides.
+    #: Rollers in two dimensions agree with 4 to 9 %.
+    layer_exponent: float = 4.0
 
     @property
     def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
@@ -164,9 +169,9 @@ class FilmModel(SliceModel):
         return self
 
     @property
-    def inlet_starvation(self) -> str:
-        """Description of the law by which a starved inlet thins the film; empty if the inlet is fully flooded."""
-        return ""
+    def flooded(self) -> "FilmModel":
+        """The same film model with a fully flooded inlet; the model itself if its inlet is flooded."""
+        return self
 
     def film_thickness(
         self,

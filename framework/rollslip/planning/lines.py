@@ -13,6 +13,7 @@ from rollslip.catalogue.registry import find
 from rollslip.models import FilmModel, PressureModel, SliceModel
 from rollslip.results.curves import or_none
 from rollslip.results.text import LOWER_BOUNDS, SWITCHED_OFF, duration_range
+from rollslip.scene.supply import PLENTY
 from rollslip.scene.values import EXACT, Scene
 from rollslip.studies.answers import Part
 from rollslip.studies.parts import rings
@@ -355,8 +356,8 @@ def _body_forces(assembly: Assembly, has_weight: bool) -> list[Part]:
 def _inlet(film: FilmModel) -> Part:
     """Return the line on thermal inlet shear and the oil before the film."""
     choice = film.inlet_heating or "isothermal inlet"
-    if film.inlet_starvation:
-        choice += f", {film.inlet_starvation}"
+    if film.oil_layer < PLENTY:
+        choice += f", an oil layer of {format_quantity(film.oil_layer, 'm', 3)}"
     line = Part(
         part="thermal inlet shear",
         included=False,

@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rollslip.bearing.approach import limited_by_layer
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
 from rollslip.fields import choice_of, parameter, positive, refuse_if, within_possible
@@ -29,7 +30,6 @@ from rollslip.models import (
 from rollslip.references import Reference
 from rollslip.scene.supply import PLENTY
 from rollslip.search import Array
-from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import film as compiled
 from rollslip_plugins.bibliography import (
@@ -40,9 +40,6 @@ from rollslip_plugins.bibliography import (
     ZHOU_1991,
 )
 from rollslip_plugins.film.formulas import Moes
-
-#: Ratio of the thinner of film and layer to the thicker one, below which the thicker one has no effect on the last bit.
-_MIN_FRACTION: Final = 1e-30
 
 #: Members that each law reads, in the order of the laws in the kernel.
 LAWS: Final[dict[str, Domain]] = {
@@ -185,7 +182,7 @@ class InletCorrection(FilmModel):
     )
     oil_layer: float = oil_before_contact()
     layer_exponent: float = parameter(
-        default=4.0,
+        default=FilmModel.layer_exponent,
         unit="1",
         validator=positive,
         doc="exponent of a thin layer: the larger, the less of it flows to the sides",
@@ -195,7 +192,7 @@ class InletCorrection(FilmModel):
 
     def __attrs_post_init__(self) -> None:
         refuse_if(
-            self.film.inlet_heating or self.film.inlet_starvation,
+            self.film.inlet_heating or self.film.oil_layer < PLENTY,
             "film",
             f"the inlet of {self.film.name!r} is corrected already; give the film inside it",
         )
@@ -248,26 +245,20 @@ class InletCorrection(FilmModel):
     @property
     def isothermal(self) -> FilmModel:
         """The film of a cold inlet, which is starved as much."""
-        if stated_layer(self.oil_layer) == PLENTY:
-            return self.film
-        return attrs.evolve(self, thermal="none")
+        return attrs.evolve(self, thermal="none") if self.oil_layer < PLENTY else self.film
 
     @property
-    def inlet_starvation(self) -> str:
-        """Layer of oil before the inlet, in words; empty for plenty."""
-        layer = stated_layer(self.oil_layer)
-        return "" if layer == PLENTY else f"an oil layer of {format_quantity(layer, 'm', 3)}"
+    def flooded(self) -> FilmModel:
+        """The film of an inlet with oil in plenty, which is heated as much."""
+        return attrs.evolve(self, oil_layer=PLENTY) if self.inlet_heating else self.film
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the film thickness, and what else the film fills."""
         self.film.evaluate(slices)
-        slices.film_thickness[...] *= self._thermal_factor(slices)
-        if (oil := stated_layer(self.oil_layer)) < PLENTY:
-            film = slices.film_thickness
-            g = self.layer_exponent
-            thin = np.minimum(film, oil)
-            fraction = np.maximum(thin / np.maximum(film, oil), _MIN_FRACTION)
-            slices.film_thickness[...] = thin * (1.0 + fraction**g) ** (-1.0 / g)
+        film = slices.film_thickness
+        film *= self._thermal_factor(slices)
+        if self.oil_layer < PLENTY:
+            film[...] = limited_by_layer(film, self.oil_layer, self.layer_exponent)
 
     def _thermal_factor(self, s: Slices) -> Array:
         """Return the reduction C_T of slices by shear heating."""
