@@ -119,7 +119,7 @@ def test_there_are_blocks_to_test():
 def test_scene_snippets_can_be_used(snippet):
     changes = tomllib.loads(snippet)
     flat = {"models.traction": changes["models"]["traction"]} if "models" in changes else changes
-    assemble(evolve(load_scene(str(DOCS / "examples" / "my-bearing.toml")), flat))
+    assemble(evolve(load_scene(str(DOCS / "examples" / "my-bearing.toml")), flat, si=True))
 
 
 HOOKS = {get_kind(kind).hook for kind in kinds()}
@@ -535,7 +535,7 @@ def test_scenes_of_the_paper_say_what_the_defaults_make_of_their_bearing(name, m
         ("the paper's", load_scene(name)),
         ("defaults of the box", paper_defaults.by_default(name)),
     ):
-        slip, *_ = paper_defaults.found(evolve(scene, paper_defaults.TOLERANCE))
+        slip, *_ = paper_defaults.found(evolve(scene, paper_defaults.TOLERANCE, si=True))
         told = float(cell("paper_defaults", "slip_percent", scene=name, models=models))
         assert 100.0 * slip == pytest.approx(told, rel=0.02)  # twice the tolerance of both
 
@@ -543,9 +543,9 @@ def test_scenes_of_the_paper_say_what_the_defaults_make_of_their_bearing(name, m
 @pytest.mark.parametrize("name", ["1032930-70C", "1032930-50C"])
 def test_tables_are_those_of_the_shipped_scenes(name):
     changes = {"study.effective-friction.map_points": 0, "study.effective-friction.points": 21}
-    slip = run(evolve(load_scene(name), changes), "effective-friction").critical_cage_slip.sel(
-        ring="inner"
-    )
+    slip = run(
+        evolve(load_scene(name), changes, si=True), "effective-friction"
+    ).critical_cage_slip.sel(ring="inner")
     figure = {"1032930-70C": "Fig. 2", "1032930-50C": "Fig. 3"}[name]
     table = cell("reproduction_effective", "critical_inner_percent", **SHIPPED, figure=figure)
     assert 100 * float(slip) == pytest.approx(float(table), abs=0.06)
@@ -569,7 +569,7 @@ def test_parameters_of_the_calibration_give_what_its_table_says():
         "study.effective-friction.closure": "outer-rolling",
     }
     slip = run(
-        evolve(load_scene("1032930-70C"), changes), "effective-friction"
+        evolve(load_scene("1032930-70C"), changes, si=True), "effective-friction"
     ).critical_cage_slip.sel(ring="inner")
     # the table rounds the factor on alpha to three digits, which moves the slip by 0.1 %
     assert 100 * float(slip) == pytest.approx(11.0, abs=0.15)

@@ -137,4 +137,4 @@ def test_a_change_within_itself_is_refused():
     deep = []
     deep.append(deep)
     with pytest.raises(SceneError, match=r"changes: 'study.x' is nested too deeply"):
-        evolve(parse_scene(OWN.decode(), "mine.toml"), {"study.x": deep})
+        evolve(parse_scene(OWN.decode(), "mine.toml"), {"study.x": deep}, si=True)

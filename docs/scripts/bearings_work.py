@@ -178,6 +178,7 @@ def scene(machine):
             "accuracy": {"tolerance": TOLERANCE, "slices": "auto"},
             "study": {"effective-friction": {"closure": closure, "max_cage_slip": 0.6}},
         },
+        si=True,
     )
 
 

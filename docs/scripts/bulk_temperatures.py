@@ -25,7 +25,7 @@ TOLERANCE = {"accuracy.tolerance": 0.01}
 
 def row(name, drags, changes, cooling):
     """Return the cells of one case."""
-    scene = evolve(load_scene(name), {**TOLERANCE, **changes, **COOLED[cooling]})
+    scene = evolve(load_scene(name), {**TOLERANCE, **changes, **COOLED[cooling]}, si=True)
     result = run(scene, "thermal-balance")
     shown = [
         f"{float(result.steady_slip[0]):.2%}" if np.isfinite(result.steady_slip[0]) else "none"

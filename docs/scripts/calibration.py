@@ -79,10 +79,10 @@ def search(case):
     """Return all sets of one closure, profile and law: name -> changes of the scene."""
     closure, profile, traction = case
     model = {PROFILE: profile, TRACTION: traction}
-    base = evolve(load_scene("1032930-70C"), {**model, **FAST})
+    base = evolve(load_scene("1032930-70C"), {**model, **FAST}, si=True)
 
     def slip(moves, more=None):
-        return critical(evolve(base, {**changes(moves), **(more or {})}), closure)
+        return critical(evolve(base, {**changes(moves), **(more or {})}, si=True), closure)
 
     nominal = np.zeros(len(SCATTER))
     starts = [np.array([1.0, stress, 1.0, 0.5, 1.0]) for stress in (0.3, 1.0)]
@@ -134,14 +134,14 @@ def found(case):
         study = {"closure": closure, "points": 41 if case == PLOTTED else 11, "map_points": 0}
         study = {f"study.effective-friction.{key}": value for key, value in study.items()}
         fig2, fig3 = (
-            run(evolve(load_scene(scene), {**values, **study}), "effective-friction").sel(
+            run(evolve(load_scene(scene), {**values, **study}, si=True), "effective-friction").sel(
                 ring="inner"
             )
             for scene in ("1032930-70C", "1032930-50C")
         )
         curve = {"study.friction-curve.max_slip": 1.0, "study.friction-curve.points": 101}
         oil = {key: value for key, value in values.items() if key != CLEARANCE[0]}
-        fig1 = run(evolve(load_scene("1032930-30C"), {**oil, **curve}), "friction-curve")
+        fig1 = run(evolve(load_scene("1032930-30C"), {**oil, **curve}, si=True), "friction-curve")
         slips = [
             float(fig2.critical_cage_slip),
             float(fig3.critical_cage_slip),

@@ -70,7 +70,7 @@ class Coupled:
 
     def at(self, T):
         """The bearing at temperatures of the nodes."""
-        changed = evolve(self.scene, self.model.changes(T, self.scene))
+        changed = evolve(self.scene, self.model.changes(T, self.scene), si=True)
         return assemble(changed, self.made.resolution, like=self.made)
 
     def cooled(self, heat, guess):
@@ -152,7 +152,9 @@ def look(given):
     """Folds of a scene with one cooling."""
     x, cooling = given
     try:
-        one = evolve(scene(x), {"accuracy.tolerance": 1e-2, "models.thermal": COOLED[cooling]})
+        one = evolve(
+            scene(x), {"accuracy.tolerance": 1e-2, "models.thermal": COOLED[cooling]}, si=True
+        )
         what = described(one).rpartition(";")[0]
         coupled = Coupled(one)
         fold, ended, slip, runs = folded(coupled)

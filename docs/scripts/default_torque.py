@@ -56,7 +56,7 @@ def scene(name, **changes):
     """A bearing as ``rollslip new`` writes it, with a twentieth of its static rating."""
     made = parse_scene(new_scene(name, bearing=name, supply="bath", **REQUESTED), name)
     own = {"operation.radial_load": 0.05 * static_rating(made.bearing), "accuracy.tolerance": 0.01}
-    return evolve(made, own | changes)
+    return evolve(made, own | changes, si=True)
 
 
 def torque(one, rpm, nu):
@@ -64,7 +64,9 @@ def torque(one, rpm, nu):
     oil = plan(one, "steady-slip").assembly.lubricant
     factor = nu * 1e-6 * oil.density(343.15) / oil.at(343.15).viscosity
     at = evolve(
-        one, {"operation.inner_speed": rpm * math.pi / 30.0, "lubricant.viscosity_factor": factor}
+        one,
+        {"operation.inner_speed": rpm * math.pi / 30.0, "lubricant.viscosity_factor": factor},
+        si=True,
     )
     power = (
         Heated(plan(at, "steady-slip").assembly, Given(), SteadySlip(inertia=False)).given().power
@@ -139,7 +141,11 @@ def main():
         {"supply": "grease"},
     ):
         found = [
-            torque(evolve(one, {"lubrication": {"supply": "bath"} | supply}), turned / mean, nu)
+            torque(
+                evolve(one, {"lubrication": {"supply": "bath"} | supply}, si=True),
+                turned / mean,
+                nu,
+            )
             / torque(one, turned / mean, nu)
             for (_, one, _, mean), nu, turned in itertools.product(
                 some[::3], (12.0, 40.0), (2e5, 4.6e5)

@@ -49,6 +49,7 @@ def slip_and_seconds(scene, duration, level, friction, contact):
         scene,
         {"cage.pocket_contact": contact, "accuracy.tolerance": 1e-2}
         | {f"study.dynamics.{name}": value for name, value in changes.items()},
+        si=True,
     )
     found = execute(plan(moved, "dynamics"), "dynamics")
     slip = found["cage_slip"].to_numpy()

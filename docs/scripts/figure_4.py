@@ -50,7 +50,7 @@ STEADY = {
 def motion(changes):
     """Return a motion of the scene with changes of study.dynamics."""
     return run(
-        evolve(SCENE, {f"study.dynamics.{key}": value for key, value in changes.items()}),
+        evolve(SCENE, {f"study.dynamics.{key}": value for key, value in changes.items()}, si=True),
         "dynamics",
     )
 
@@ -136,7 +136,9 @@ def costs():
             for name, changes in FRICTIONS.items():
                 settings = {"level": level, "duration": duration, "points": 2, **changes}
                 scene = evolve(
-                    SCENE, {f"study.dynamics.{key}": value for key, value in settings.items()}
+                    SCENE,
+                    {f"study.dynamics.{key}": value for key, value in settings.items()},
+                    si=True,
                 )
                 made = run(evolve(scene, {"accuracy.slices": slices}), "dynamics").attrs
                 if name not in best or made["integration_time"] < best[name]["integration_time"]:
@@ -168,7 +170,9 @@ def steady():
     """The slip of a long motion against the slip that is found without one."""
     rows = []
     for name, changes in STEADY.items():
-        scene = evolve(SCENE, {"accuracy.slices": 15, "study.dynamics.duration": 8.0, **changes})
+        scene = evolve(
+            SCENE, {"accuracy.slices": 15, "study.dynamics.duration": 8.0, **changes}, si=True
+        )
         data = run(scene, "dynamics")
         found = run(evolve(scene, {"study.steady-slip.pockets": "set"}), "steady-slip")
         speed = abs((1 - slip_of(data)) / (1 - float(found.steady_slip[0])) - 1)

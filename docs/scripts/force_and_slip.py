@@ -51,6 +51,7 @@ def moving(level, friction):
     scene = evolve(
         load_scene("1032930-50C"),
         {f"study.dynamics.{name}": value for name, value in settings.items()},
+        si=True,
     )
     made = plan(scene, "dynamics")
     study = made.studies["dynamics"].with_settings(

@@ -69,7 +69,7 @@ def main():
     for table in sys.argv[1:] or CASES:
         name, study, changes, rounds, figures = CASES[table]
         family = ParetoSettings(
-            evolve(load_scene(name), changes), study=study, rounds=rounds
+            evolve(load_scene(name), changes, si=True), study=study, rounds=rounds
         ).plan()
         dataset = run_family(family, KEPT / table, lambda *told: print(*told, flush=True))
         names = [

@@ -61,7 +61,7 @@ HEADER = (
 def rows():
     """Rows of the table; three of them are drawn."""
     for name, history in HISTORIES.items():
-        scene = evolve(SCENE, {"study.dynamics.history": history})
+        scene = evolve(SCENE, {"study.dynamics.history": history}, si=True)
         result = run(scene, "dynamics")
         told = record(result)
         if name in DRAWN:
@@ -85,6 +85,7 @@ def gentlest():
     scene = evolve(
         SCENE,
         {"study.dynamics.history": HISTORIES["run-up in 0.3 s"], "study.dynamics.duration": "3 s"},
+        si=True,
     )
     over = {"study.dynamics.history.inner_speed.within": "0.1 s:3 s"}
     return limit(scene, over, "largest_cage_slip <= 5 %", study="dynamics")

@@ -129,7 +129,7 @@ def estimates():
             settings |= {"planar.inner_ring_mass": 5.0} if level == "planar" else {}
             changed = changes | {f"study.dynamics.{key}": value for key, value in settings.items()}
             begin = time.process_time()
-            made = plan(evolve(load_scene(scene), changed), "dynamics")
+            made = plan(evolve(load_scene(scene), changed, si=True), "dynamics")
             planning = time.process_time() - begin
             found = execute(made, "dynamics")
             cost = json.loads(found.attrs["cost"])

@@ -48,6 +48,7 @@ def job(number):
     scene = evolve(
         load_scene("1032930-50C"),
         {f"study.dynamics.{name}": value for name, value in settings.items()},
+        si=True,
     )
     made = plan(scene, "dynamics")
     study = made.studies["dynamics"]

@@ -38,7 +38,7 @@ def changed(scene, approach, is_inlet, layer):
         changes["cage.drag"] = [
             "goksem-hargreaves" if name == "rolling-resistance" else name for name in names
         ]
-    return rollslip.evolve(scene, changes)
+    return rollslip.evolve(scene, changes, si=True)
 
 
 def percent(value):

@@ -76,7 +76,7 @@ def search(case):
         "models.traction.hydrodynamic": LAWS[law],
         "accuracy.tolerance": 1e-2,
     }
-    bases = {name: evolve(load_scene(name), fixed) for name in TARGETS}
+    bases = {name: evolve(load_scene(name), fixed, si=True) for name in TARGETS}
     low = np.array(low)
     high = np.array(high)
     counted = 0
@@ -87,7 +87,7 @@ def search(case):
         changes = dict(
             zip(keys, map(float, low + np.clip(fraction, 0.0, 1.0) * (high - low)), strict=True)
         )
-        return [critical(evolve(base, changes), closure) for base in bases.values()]
+        return [critical(evolve(base, changes, si=True), closure) for base in bases.values()]
 
     def misfit(fraction):
         off = zip(pair(fraction), TARGETS.values(), strict=True)

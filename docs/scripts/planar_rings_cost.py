@@ -47,7 +47,7 @@ RINGS: dict[str, dict[str, object]] = {
 
 
 def moving(rings: dict[str, object], friction: str) -> PlanarMotion:
-    assembly = assemble(evolve(load_scene("1032930-50C"), LIST | rings))
+    assembly = assemble(evolve(load_scene("1032930-50C"), LIST | rings, si=True))
     return planar_motion(
         assembly,
         PlanarSettings(inner_ring_mass=5.0),

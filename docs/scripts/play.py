@@ -61,7 +61,7 @@ def with_dry_contacts(scene):
     """Return a scene whose rollers touch dry, with the resistance of the inlet alone."""
     drags = rollslip.plan(scene, "steady-slip").assembly.cage.drags
     names = [drag.name.replace("rolling-resistance", "goksem-hargreaves") for drag in drags]
-    return rollslip.evolve(scene, {"models.approach": "dry", "cage.drag": names})
+    return rollslip.evolve(scene, {"models.approach": "dry", "cage.drag": names}, si=True)
 
 
 def row(name, scene):
@@ -72,6 +72,7 @@ def row(name, scene):
         changed = rollslip.evolve(
             scene,
             {"models.traction.hydrodynamic": law, "study.steady-slip.pockets": pockets},
+            si=True,
         )
         found = rollslip.run(changed, "steady-slip")
         values[f"slip_{case}"] = 100.0 * float(found.steady_slip[0])
@@ -83,7 +84,7 @@ def row(name, scene):
     values["high"] = 100.0 * (np.inf if band["high"] is None else band["high"])
     duration = DURATIONS.get(name, 40.0 * 2.0 * np.pi / abs(scene.operation.inner_speed))
     moved = rollslip.run(
-        rollslip.evolve(scene, MOTION | {"study.dynamics.duration": duration}), "dynamics"
+        rollslip.evolve(scene, MOTION | {"study.dynamics.duration": duration}, si=True), "dynamics"
     )
     slips = 100.0 * moved.cage_slip.to_numpy()
     values["motion"] = float(slips[slips.size // 4 :].mean())
@@ -121,7 +122,7 @@ def trends():
     for name, (key, values) in TRENDS.items():
         cells = []
         for value in values:
-            found = rollslip.run(rollslip.evolve(gearbox, {key: value}), "steady-slip")
+            found = rollslip.run(rollslip.evolve(gearbox, {key: value}, si=True), "steady-slip")
             slips = (found.steady_slip[0], found.slip_without_play)
             cells.append("{} ({}) %".format(*(f"{100.0 * float(slip):.2g}" for slip in slips)))
         rows.append([f"{name}: {', '.join(values)}", *cells])

@@ -94,6 +94,7 @@ def lines(level, starts, only, before):
     scene = evolve(
         load_scene("1032930-50C"),
         {f"study.dynamics.{name}": value for name, value in settings.items()},
+        si=True,
     )
     made = plan(scene, "dynamics")
     study = made.studies["dynamics"]

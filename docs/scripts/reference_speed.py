@@ -40,12 +40,12 @@ def scene(name):
     }
     written = parse_scene(new_scene(name, **(ASSUMED | requested)), name)
     load = 0.05 * static_rating(written.bearing)
-    return evolve(written, {"operation.radial_load": load, "accuracy.tolerance": 0.01})
+    return evolve(written, {"operation.radial_load": load, "accuracy.tolerance": 0.01}, si=True)
 
 
 def lost(one, speed):
     """Power that the bearing loses at a steady slip [W]."""
-    made = plan(evolve(one, {"operation.inner_speed": speed}), "steady-slip").assembly
+    made = plan(evolve(one, {"operation.inner_speed": speed}, si=True), "steady-slip").assembly
     return Heated(made, Given(), SteadySlip()).given().power.total
 
 

@@ -36,7 +36,9 @@ def contact_curves():
     (made, axes) = figure(2, sharey=True)
     study = {"study.friction-curve.max_slip": 1.0, "study.friction-curve.points": 101}
     for profile, traction in itertools.product(PROFILES, TRACTIONS):
-        scene = evolve(load_scene("1032930-30C"), {PROFILE: profile, TRACTION: traction, **study})
+        scene = evolve(
+            load_scene("1032930-30C"), {PROFILE: profile, TRACTION: traction, **study}, si=True
+        )
         data = run(scene, "friction-curve")
         for force, colour in zip(data.normal_force.values, (BLUE, ORANGE), strict=True):
             one = data.sel(normal_force=force)
@@ -94,7 +96,7 @@ def effective_friction(kept=lambda *_: True):
             changes = {"closure": closure, "points": 41, "per_roller": True}
             changes = {f"study.effective-friction.{key}": value for key, value in changes.items()}
             data = run(
-                evolve(base, {PROFILE: profile, TRACTION: traction, **changes}),
+                evolve(base, {PROFILE: profile, TRACTION: traction, **changes}, si=True),
                 "effective-friction",
             )
             inner, outer = (data.sel(ring=ring) for ring in ("inner", "outer"))
@@ -203,7 +205,7 @@ def sensitivity():
     )
     rows = []
     for name, changes in SENSITIVITY.items():
-        inner = run(evolve(base, changes), "effective-friction").sel(ring="inner")
+        inner = run(evolve(base, changes, si=True), "effective-friction").sel(ring="inner")
         rows.append(
             (
                 name,

@@ -57,7 +57,7 @@ def lobed(lobes, preload):
 
 def solved(name, changes):
     """Slip [%], largest drag [N m] and pressure on the inner ring [MPa] of a shipped scene with changes."""
-    bearing = assemble(evolve(load_scene(name), BASE | changes))
+    bearing = assemble(evolve(load_scene(name), BASE | changes, si=True))
     result = SteadySlip(points=13).run(bearing)
     b = bearing.scene.bearing
     radius = 1.0 / (2.0 / b.roller_diameter + 2.0 / b.inner_raceway_diameter)
@@ -157,7 +157,7 @@ def cost():
         yielding = held(thickness)
         few = {"models.outer_ring": yielding["models.outer_ring"] | {"harmonics": 3}}
         scenes = [
-            evolve(load_scene("1032930-50C"), BASE | kept | changes | more)
+            evolve(load_scene("1032930-50C"), BASE | kept | changes | more, si=True)
             for more in ({}, few, yielding)
         ]
         bearings = [assemble(scene) for scene in scenes]
@@ -166,7 +166,9 @@ def cost():
         solves = [partial(bearing.load_distribution, 32, cage_speed=300.0) for bearing in bearings]
         cells += [f"{ratio(solves[0], solves[k]):.1f}" for k in (1, 2)]
         for study, own in whole.items():
-            pair = [partial(run, evolve(scene, own), study) for scene in (scenes[0], scenes[2])]
+            pair = [
+                partial(run, evolve(scene, own, si=True), study) for scene in (scenes[0], scenes[2])
+            ]
             cells.append(f"{ratio(*pair, times=2):.1f}")
         rows.append((state, housing, *cells))
         print(*rows[-1], sep=" | ", flush=True)

@@ -49,7 +49,7 @@ def bearing(rollers):
     changes["operation.radial_load"] = SCENE.operation.radial_load * grown
     drag = {"model": "constant-torque", "size": 0.4 * grown}
     changes["cage"] = {"mass": 0.4 * grown, "inertia": 3.3e-3 * grown**3, "drag": [drag]}
-    return assemble(evolve(SCENE, changes))
+    return assemble(evolve(SCENE, changes, si=True))
 
 
 def moving(level, friction, assembly, loads):

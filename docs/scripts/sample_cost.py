@@ -63,7 +63,7 @@ if __name__ == "__main__":
 
     like = assemble(work.scene, resolution)
     scenes = step(
-        "scene changed and checked", lambda _, changes: evolve(work.scene, changes), points
+        "scene changed and checked", lambda _, changes: evolve(work.scene, changes, si=True), points
     )
     step(
         "key of the point",

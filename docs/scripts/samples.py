@@ -67,7 +67,11 @@ def job(name):
     else:
         _, study, outputs, changes, points = POINTS[name]
         sweep = plan_sweep(
-            evolve(load_scene(SCENE), changes), OIL, samples=points, study=study, output=outputs
+            evolve(load_scene(SCENE), changes, si=True),
+            OIL,
+            samples=points,
+            study=study,
+            output=outputs,
         )
         work = sweep.work
         compute(work, [(0, sweep.design.changes(0))])  # what is imported once

@@ -133,7 +133,7 @@ def changed(one, changes):
     changes = dict(changes)
     if "operation.radial_load" in changes:
         changes["operation.radial_load"] *= one.operation.radial_load
-    return evolve(one, changes)
+    return evolve(one, changes, si=True)
 
 
 def moved(name):
@@ -142,7 +142,7 @@ def moved(name):
     slip, held, folds = found(one)
     print(f"{name}: slip {slip:.4f}, reserve {held:.3g}, fold: {folds}", flush=True)
     for key, (grade, both) in ends(one).items():
-        each = [found(evolve(one, {key: float(end)})) for end in both]
+        each = [found(evolve(one, {key: float(end)}, si=True)) for end in both]
         yield Moved(
             name,
             key,

@@ -40,7 +40,7 @@ def rows(name):
         fractions = []
         at = {} if slip is None else {"study.surface-damage.cage_slip": slip}
         for measure in MEASURES.values():
-            result = run(evolve(scene, {"models.damage": measure, **at}), "surface-damage")
+            result = run(evolve(scene, {"models.damage": measure, **at}, si=True), "surface-damage")
             fractions.append(fraction(result.isel(measure=0), operation.temperature))
         fractions += [load / operation.radial_load for load in loads]
         state = f"{100 * float(result.slip):.3g}{' (steady)' if slip is None else ''}"

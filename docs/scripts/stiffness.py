@@ -38,7 +38,7 @@ def main():
     """Measure."""
     rows = []
     for level, friction, changes, words in CASES:
-        scene = evolve(load_scene("1032930-50C"), changes)
+        scene = evolve(load_scene("1032930-50C"), changes, si=True)
         assembly = assemble(scene, Resolution(slices=12, table_tolerance=1e-3))
         study = Dynamics(level=level, friction=friction, planar=PlanarSettings(inner_ring_mass=5.0))
         moving = study.moving(assembly)

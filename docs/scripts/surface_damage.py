@@ -15,7 +15,7 @@ def row(name, slip):
     changes = {"models.damage": list(MEASURES)} | (
         {} if slip is None else {"study.surface-damage.cage_slip": slip}
     )
-    result = run(evolve(load_scene(name), changes), "surface-damage")
+    result = run(evolve(load_scene(name), changes, si=True), "surface-damage")
     values = (
         f"{float(result.worst.sel(measure=measure, ring=ring)) / READ.get(measure, 1.0):.3g}"
         for measure in MEASURES

@@ -135,7 +135,7 @@ def scene(name, n_dm, oil, load, supply, **changes):
         "operation.inner_speed": speed,
         "operation.radial_load": LOADS[load] * static_rating(one.bearing),
     }
-    return evolve(one, at_work | {"lubrication.supply": supply} | changes)
+    return evolve(one, at_work | {"lubrication.supply": supply} | changes, si=True)
 
 
 def torque(made):

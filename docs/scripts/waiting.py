@@ -55,6 +55,7 @@ def job(name):
         scene = evolve(
             load_scene("1032930-70C"),
             {f"study.effective-friction.{key}": value for key, value in changes.items()},
+            si=True,
         )
         assembly = assemble(scene)
         study = EffectiveFriction.from_scene(scene)

@@ -97,7 +97,7 @@ def order():
         ("cage-set, as shipped", {}, 0.002, 0.05),
     ):
         moving = carried_motion(
-            assemble(evolve(SCENE, changes)),
+            assemble(evolve(SCENE, changes, si=True)),
             FrictionSettings(name="conventional"),
             level="cage-set",
         )

@@ -60,7 +60,9 @@ def test_a_shaft_of_another_material_is_half_of_its_contacts():
     bronze = {"elastic_modulus": "110 GPa", "poisson_ratio": 0.34, "thermal_conductivity": "60 W/(m K)",
               "specific_heat": "380 J/(kg K)", "density": "8800 kg/m3"}  # fmt: skip
     shaft = assemble(
-        evolve(SCENE, {"bearing.inner_raceway.material": bronze, "models.contact": "lundberg"})
+        evolve(
+            SCENE, {"bearing.inner_raceway.material": bronze, "models.contact": "lundberg"}, si=True
+        )
     )
     inner = shaft.inner.conditions
     outer = shaft.outer.conditions
@@ -79,7 +81,9 @@ def test_a_shaft_of_another_material_is_half_of_its_contacts():
     assert half_width == pytest.approx(
         math.sqrt(4.0 * 1e5 * inner.radius * soft / math.pi), rel=1e-12
     )
-    same = evolve(SCENE, {"bearing.inner_raceway.material": resolved(SCENE.bearing.material)})
+    same = evolve(
+        SCENE, {"bearing.inner_raceway.material": resolved(SCENE.bearing.material)}, si=True
+    )
     assert assemble(same).inner.conditions == plain.inner.conditions  # to the bit
 
 
@@ -122,7 +126,7 @@ OTHER_OIL = {"lubricant.viscosity_factor": 1.07, "operation.temperature": "68 de
     ],
 )
 def test_what_is_taken_from_another_bearing_is_the_same_to_the_last_bit(changes, shared):
-    scene = evolve(SCENE, changes)
+    scene = evolve(SCENE, changes, si=True)
     like = assemble(SCENE)
     like.load_distribution(2)
     taken = assemble(scene, like=like)
@@ -178,7 +182,9 @@ def test_what_is_wrong_with_an_oil_is_said_beside_another_bearing_too():
 @pytest.mark.parametrize("slices", [6, 7])
 @pytest.mark.parametrize("tilt", ["0 mrad", "0.5 mrad"])
 def test_loaded_slices_carry_what_their_rollers_carry(slices, tilt):
-    assembly = assemble(evolve(SCENE, {"accuracy.slices": slices, "operation.misalignment": tilt}))
+    assembly = assemble(
+        evolve(SCENE, {"accuracy.slices": slices, "operation.misalignment": tilt}, si=True)
+    )
     loads = assembly.load_distribution(2)
     for raceway, load in zip(assembly.raceways, (loads.inner_load, loads.outer_load), strict=True):
         contacts = LoadedContacts(raceway, load[0], assembly.widths, 1.0)

@@ -40,7 +40,7 @@ def planet(**changes):
     """A bearing whose inner ring stands on the pin of a carrier and whose outer one turns against it."""
     carrier = {"speed": "400 rpm", "radius": "0.3 m", **changes}
     return evolve(SCENE, {"operation.inner_speed": "0 rpm", "operation.outer_speed": "-3000 rpm",
-                          "operation.carrier": carrier, "operation.radial_load": "8 kN"})  # fmt: skip
+                          "operation.carrier": carrier, "operation.radial_load": "8 kN"}, si=True)  # fmt: skip
 
 
 @given(
@@ -239,7 +239,7 @@ def test_motions_in_time_and_friction_in_pockets_refuse_a_carrier():
 )
 def test_half_a_carrier_is_refused(carrier, says):
     with pytest.raises(SceneError, match=says):
-        evolve(SCENE, {"operation.carrier": carrier})
+        evolve(SCENE, {"operation.carrier": carrier}, si=True)
 
 
 # Gravity -------------------------------------------------------------------------------------------------------------
@@ -247,7 +247,9 @@ def test_half_a_carrier_is_refused(carrier, says):
 
 def slow(**changes):
     return evolve(
-        SCENE, {"operation.inner_speed": "20 rpm", "operation.radial_load": "30 N", **changes}
+        SCENE,
+        {"operation.inner_speed": "20 rpm", "operation.radial_load": "30 N", **changes},
+        si=True,
     )
 
 
@@ -276,11 +278,13 @@ def test_weight_is_left_out_where_it_moves_nothing_beyond_the_tolerance(toleranc
         "operation.inner_speed": "6371 rpm",
         "accuracy.tolerance": tolerance,
     }
-    light = assemble(evolve(SCENE, {**given, "operation.radial_load": "3 kN"}))
+    light = assemble(evolve(SCENE, {**given, "operation.radial_load": "3 kN"}, si=True))
     assert light.weight_fraction < tolerance
     assert light.body_force == (0.0, 0.0)
     exact = assemble(
-        evolve(SCENE, {**given, "operation.radial_load": "3 kN", "accuracy.tolerance": 1e-6})
+        evolve(
+            SCENE, {**given, "operation.radial_load": "3 kN", "accuracy.tolerance": 1e-6}, si=True
+        )
     )
     assert exact.body_force[1] > 0.0
     one, other = (of.load_distribution(2).inner_force.sum(axis=1) for of in (light, exact))
@@ -320,7 +324,10 @@ def test_a_run_says_what_weight_leaves_out():
     scene = slow(**few)
     fraction = f"{100.0 * assemble(scene).weight_fraction:.2g} % of what presses them"
     assert run(scene, "effective-friction").attrs["warnings"].count(fraction) == 1
-    for other in (slow(**few, **{"operation.gravity_direction": "0 deg"}), evolve(SCENE, few)):
+    for other in (
+        slow(**few, **{"operation.gravity_direction": "0 deg"}),
+        evolve(SCENE, few, si=True),
+    ):
         assert "weight of the rollers" not in run(other, "effective-friction").attrs["warnings"]
 
 
@@ -330,7 +337,7 @@ def test_plane_motion_takes_the_direction_of_the_operation_unless_it_has_its_own
     def rates(direction, **own):
         given = {} if direction is None else {"operation.gravity_direction": direction}
         assembly = assemble(
-            evolve(SCENE, {"accuracy.tolerance": 1e-6, "accuracy.slices": 5, **given})
+            evolve(SCENE, {"accuracy.tolerance": 1e-6, "accuracy.slices": 5, **given}, si=True)
         )
         planar = planar_motion(assembly, PlanarSettings(inner_ring_mass=3.0, **own), friction)
         return planar.system(0.0, planar.initial())

@@ -31,12 +31,12 @@ WEIGHT = {"mass": "0.4 kg", "inertia": "0.0033 kg m2"}
 
 def bearing(*drag, scene=SCENE, **table):
     """The bearing with a cage that nothing drags but what is named."""
-    return assemble(evolve(scene, {"cage": WEIGHT | table | {"drag": list(drag)}}))
+    return assemble(evolve(scene, {"cage": WEIGHT | table | {"drag": list(drag)}}, si=True))
 
 
 def faults(scene=None, /, **table):
     with pytest.raises(SceneError) as caught:
-        _ = assemble(evolve(scene or SCENE, {"cage": table})).cage
+        _ = assemble(evolve(scene or SCENE, {"cage": table}, si=True)).cage
     return [problem.removeprefix("changes: ") for problem in caught.value.problems]
 
 
@@ -120,7 +120,7 @@ def weights(density, thickness, b):
 def test_all_of_a_cage_follows_from_its_make_and_the_bearing(
     make, density, thickness, guidance, clearance, stiffness
 ):
-    cage = assemble(evolve(SCENE, {"cage": {"make": make}})).cage
+    cage = assemble(evolve(SCENE, {"cage": {"make": make}}, si=True)).cage
     assert (cage.mass, cage.inertia) == pytest.approx(
         weights(density, thickness, SCENE.bearing), rel=1e-12
     )
@@ -218,7 +218,7 @@ def test_what_a_scene_states_of_its_cage_stays_and_is_questioned():
     ],
 )
 def test_a_cage_that_cannot_be_the_bearings_is_questioned(table, sentence):
-    (told,) = implausible(evolve(parse_scene(NAMED, "mine.toml"), {"cage": table}))
+    (told,) = implausible(evolve(parse_scene(NAMED, "mine.toml"), {"cage": table}, si=True))
     assert told.startswith(f"changes: {sentence}")
 
 
@@ -244,9 +244,11 @@ def test_what_is_estimated_of_a_land_can_be_sampled():
     scene = parse_scene(NAMED, "mine.toml")
     cage = assemble(scene).cage
     assert quantities(assemble(scene), {})["cage.land_clearance"].value == cage.land_clearance
-    assert assemble(evolve(scene, {"cage.land_clearance": cage.land_clearance})).cage == cage
+    assert (
+        assemble(evolve(scene, {"cage.land_clearance": cage.land_clearance}, si=True)).cage == cage
+    )
     for factor in (0.5, 2.0):
-        other = evolve(scene, {"cage.land_clearance": factor * cage.land_clearance})
+        other = evolve(scene, {"cage.land_clearance": factor * cage.land_clearance}, si=True)
         assert assemble(other).cage.land_clearance == pytest.approx(factor * cage.land_clearance)
 
 
@@ -350,7 +352,7 @@ def test_a_resolved_cage_reads_as_the_same():
     cage = bearing("pocket-friction", guidance="inner").cage
     table = resolved(cage)
     assert "drags" not in table
-    assert assemble(evolve(SCENE, {"cage": table})).cage == cage
+    assert assemble(evolve(SCENE, {"cage": table}, si=True)).cage == cage
 
 
 # What drags take from the scene --------------------------------------------------------------------------------------
@@ -403,10 +405,10 @@ def test_a_drag_takes_from_the_scene_what_it_is_not_given():
 )
 def test_a_cage_whose_drags_are_not_stated_has_those_of_its_supply(table, guidance, named):
     cage = assemble(
-        evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}, "lubrication": table})
+        evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}, "lubrication": table}, si=True)
     ).cage
     assert [drag.name for drag in cage.drags] == named
-    whole = assemble(evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}})).cage.drags
+    whole = assemble(evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}}, si=True)).cage.drags
     fraction = {"grease": 0.0, "mist": 0.01 / whole.torques[0].oil_fraction}.get(
         table.get("supply"), 1.0
     )
@@ -429,7 +431,9 @@ def test_drags_that_are_stated_stay_what_they_are():
 def test_the_oil_of_a_drag_has_the_temperature_of_the_scene():
     cold, warm = (
         bearing(
-            "petroff-land", guidance="inner", scene=evolve(SCENE, {"operation.temperature": T})
+            "petroff-land",
+            guidance="inner",
+            scene=evolve(SCENE, {"operation.temperature": T}, si=True),
         ).cage.drags.torques[0]
         for T in ("40 degC", "100 degC")
     )
@@ -451,10 +455,12 @@ def test_density_is_that_of_the_oil():
         "eyring_stress": "4 MPa",
         "shear_modulus": "0.3 GPa",
     }
-    own = evolve(SCENE, {"lubricant": oil | {"density": "950 kg/m3"}})
+    own = evolve(SCENE, {"lubricant": oil | {"density": "950 kg/m3"}}, si=True)
     assert bearing("churning", scene=own).cage.drags.torques[0].density == 950.0
     falling = {"temperature": ["40 degC", "60 degC"], "value": ["900 kg/m3", "880 kg/m3"]}
-    over = evolve(SCENE, {"lubricant.density": falling, "operation.temperature": "40 degC"})
+    over = evolve(
+        SCENE, {"lubricant.density": falling, "operation.temperature": "40 degC"}, si=True
+    )
     assert bearing("churning", scene=over).cage.drags.torques[0].density == pytest.approx(
         900.0, rel=1e-15
     )
@@ -464,7 +470,7 @@ def test_density_is_that_of_the_oil():
     assert bearing("churning", scene=named).cage.drags.torques[0].density == pytest.approx(
         920.6, rel=1e-12
     )
-    of_none = evolve(SCENE, {"lubricant": oil})  # as everywhere where an oil has none
+    of_none = evolve(SCENE, {"lubricant": oil}, si=True)  # as everywhere where an oil has none
     assert bearing("churning", scene=of_none).cage.drags.torques[0].density == DENSITY
 
 

@@ -52,7 +52,7 @@ def test_a_law_of_a_contact_has_what_the_scene_gives():
         assert (found.rollers, found.temperature, found.load) == (28.0, 343.15, 5.0)
         within = {"model": "lambda-blend", "hydrodynamic": "starved"}
         assert (
-            assemble(evolve(PAPER, {"models.traction": within})).traction.hydrodynamic.load
+            assemble(evolve(PAPER, {"models.traction": within}, si=True)).traction.hydrodynamic.load
             == 3415.0
         )
 
@@ -79,7 +79,7 @@ def test_under_another_load_a_law_and_a_drag_know_it():
         register(Starved)
         register(Flange)
         for changes in ({"models.traction": "starved"}, {"cage.drag": ["flange"]}):
-            found = assemble(evolve(PAPER, changes)).with_resistance().at_load(500.0)
+            found = assemble(evolve(PAPER, changes, si=True)).with_resistance().at_load(500.0)
             given = [found.traction] if "models.traction" in changes else found.cage.drags.torques
             assert [one.load for one in given] == [500.0]
 

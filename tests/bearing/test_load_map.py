@@ -34,7 +34,7 @@ TOLERANCE = 5e-3
 
 
 def bearing(**changes):
-    return assemble(evolve(load_scene("1032930-50C"), changes))
+    return assemble(evolve(load_scene("1032930-50C"), changes, si=True))
 
 
 @pytest.fixture(scope="module", params=SCENES)
@@ -243,7 +243,7 @@ def test_forces_and_resistances_follow_the_loads():
 
 def evolve_chain(assembly):
     changes = {"cage.mass": 0.4, "cage.inertia": 3.3e-3, "cage.drag": [RollingResistance.name]}
-    return assemble(evolve(assembly.scene, changes)).with_resistance()
+    return assemble(evolve(assembly.scene, changes, si=True)).with_resistance()
 
 
 def test_an_unreachable_tolerance_is_refused_in_words(monkeypatch):

@@ -31,6 +31,7 @@ from without_bands import run
 PAPER = evolve(
     load_scene("1032930-70C"),
     {"accuracy.slices": 4, "operation.misalignment": 2e-4, "models.film": "moes"},
+    si=True,
 )
 
 
@@ -67,7 +68,9 @@ def placed():
 
     def scene(of, factor=0.0, **changes):
         return evolve(
-            PAPER, {"models.traction": {"model": "placed", "of": of, "factor": factor}, **changes}
+            PAPER,
+            {"models.traction": {"model": "placed", "of": of, "factor": factor}, **changes},
+            si=True,
         )
 
     with registrations_rolled_back():

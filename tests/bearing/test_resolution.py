@@ -112,7 +112,9 @@ def test_stages_run_in_numpy_where_a_resolution_says_so():
 def test_leaving_boundary_friction_out_changes_nothing_in_a_full_film():
     """Above the limit of the blend its share is exactly zero; below it there is a difference."""
     rough = evolve(
-        SCENE, {f"surface.{part}_roughness": "0.4 um" for part in ("inner_raceway", "roller")}
+        SCENE,
+        {f"surface.{part}_roughness": "0.4 um" for part in ("inner_raceway", "roller")},
+        si=True,
     )
     for scene, same in ((SCENE, True), (rough, False)):
         with_it, without = (
@@ -165,7 +167,7 @@ def test_a_map_takes_more_slices_than_a_table_holds():
 @pytest.mark.parametrize(("key", "word"), [("tolerance", "exact"), ("slices", "auto")])
 def test_a_word_that_is_not_known_is_answered_with_the_one_that_is(key, word):
     with pytest.raises(SceneError, match=f"accuracy.{key}: .*'exakt'.*; or write '{word}'"):
-        evolve(load_scene("1032930-70C"), {f"accuracy.{key}": "exakt"})
+        evolve(load_scene("1032930-70C"), {f"accuracy.{key}": "exakt"}, si=True)
 
 
 def test_the_finest_of_some_takes_each_number_from_the_one_that_has_it_finest():

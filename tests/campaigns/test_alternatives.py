@@ -29,7 +29,7 @@ def oils():
 @pytest.mark.slow
 @pytest.mark.parametrize("oil", ["iso-vg-68", "iso-vg-220"])
 def test_each_is_told_as_its_run_tells_it(oils, oil):
-    alone = rollslip.run(rollslip.evolve(SCENE, {"lubricant": oil}), "steady-slip")
+    alone = rollslip.run(rollslip.evolve(SCENE, {"lubricant": oil}, si=True), "steady-slip")
     rows = {row.key: row for row in rollslip.answer(alone).rows}
     one = oils.sel(alternative=oil)
     assert float(one.cage_slip) == rows["cage_slip"].value

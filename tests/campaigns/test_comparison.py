@@ -149,7 +149,9 @@ def test_a_combination_gives_what_a_run_of_its_scene_gives_bit_for_bit(study):
     found = compare(SCENE, traction=["muraki", "eyring"], film=["moes", "blok"], study=study)
     for label, one in members(found):
         film, traction = label.split(" + ")
-        scene = evolve(SCENE, {"models.film": film, "models.traction.hydrodynamic": traction})
+        scene = evolve(
+            SCENE, {"models.film": film, "models.traction.hydrodynamic": traction}, si=True
+        )
         alone = run(scene, study)
         for name in ("friction", "effective_friction", "film_parameter", "critical_slip", "critical_cage_slip",
                      "critical_friction", "critical_status"):  # fmt: skip
@@ -269,7 +271,7 @@ def test_slices_are_not_sorted_by_what_the_oil_does_not_give():
         "pressure_viscosity": "19 1/GPa",
     }
     bare |= {"eyring_stress": "4 MPa", "conductivity": "0.14 W/(m K)"}
-    scene = evolve(SCENE, {"lubricant": bare, "models.traction": "eyring"})
+    scene = evolve(SCENE, {"lubricant": bare, "models.traction": "eyring"}, si=True)
     found = compare(scene, film="moes,blok", study="friction-curve")
     assert found["grouping"].values.tolist() == [
         "film regime",
@@ -280,7 +282,7 @@ def test_slices_are_not_sorted_by_what_the_oil_does_not_give():
 
 def test_heating_is_that_of_the_law_with_its_own_factor_and_the_stresses_risen_with_pressure():
     rises = {"lubricant.eyring_stress_slope": 0.02, "lubricant.shear_modulus_slope": 1.5}
-    scene = evolve(SCENE, {"models.traction": {"model": "muraki", "flash": 2.0}, **rises})
+    scene = evolve(SCENE, {"models.traction": {"model": "muraki", "flash": 2.0}, **rises}, si=True)
     made = rollslip.plan(scene, "friction-curve")
     s = made.assembly.inner.evaluate(
         np.array([20.0, 200.0]), np.array([8.0, 9.0]), np.array([-0.1, 3.0])
@@ -379,7 +381,9 @@ def test_all_have_the_same_instants_even_where_one_settles_later():
     needs = {}
     for name in ("muraki", "constant"):
         changed = evolve(
-            scene, {"models.traction.hydrodynamic": name, "study.effective-friction.map_points": 0}
+            scene,
+            {"models.traction.hydrodynamic": name, "study.effective-friction.map_points": 0},
+            si=True,
         )
         needs[name] = run(changed, "effective-friction")
     assert needs["constant"].attrs["n_positions"] < needs["muraki"].attrs["n_positions"]
@@ -418,7 +422,7 @@ def test_a_ring_without_friction_has_no_differences():
 def test_the_film_is_the_smallest_without_slip_and_says_its_place(result):
     for label, one in members(result):
         film = label.split(" + ")[0]
-        alone = run(evolve(SCENE, {"models.film": film}), result.attrs["compared"])
+        alone = run(evolve(SCENE, {"models.film": film}, si=True), result.attrs["compared"])
         slip = {"cage_slip": 0} if "ring" in result.dims else {"slip": 0}
         np.testing.assert_allclose(
             one["smallest_film_parameter"], alone["film_parameter"].isel(slip)
@@ -768,7 +772,7 @@ def test_what_was_compared_can_be_run_again_from_the_file(result):
     study = result.attrs["compared"]
     again = run(evolve(rollslip.scene.reading.parse_scene(result.attrs["scene"], "again"), {
         **changes, "bearing.profile": "none", f"study.{study}.points": 15 if study == STUDIES[0] else 21,
-        "lubricant.pressure_viscosity_factor": 1.3}), study)  # fmt: skip
+        "lubricant.pressure_viscosity_factor": 1.3}, si=True), study)  # fmt: skip
     name = "effective_friction" if study == STUDIES[0] else "friction"
     assert np.array_equal(again[name], result[name].sel(combination="dowson-1968 + eyring"))
     assert result.attrs["scene_hash"] == rollslip.scene.scene_hash(SCENE)

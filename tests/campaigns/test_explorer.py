@@ -208,14 +208,15 @@ def test_in_a_browser_a_slider_moves_the_curves_and_the_numbers_are_those_of_a_r
     scene, path, found = page
     start, curves = seen(path, "operation.radial_load=900&operation.temperature=323.15")
     values = {"operation.radial_load": 900.0, "operation.temperature": 323.15}
-    run = rollslip.run(rollslip.evolve(scene, values), "effective-friction")
+    run = rollslip.run(rollslip.evolve(scene, values, si=True), "effective-friction")
     assert start["skidding"] == pytest.approx(float(run.skidding_slip), rel=2e-3)
     assert start["drag"] == pytest.approx(float(run.limit_drag), rel=2e-3)
     assert start["load"] == pytest.approx(float(run.normal_force.sel(ring="inner").max()), rel=2e-3)
     slide = "sliders[0].value = 1000; sliders[0].dispatchEvent(new Event('input'))"
     moved, others = seen(path, "operation.radial_load=900&operation.temperature=323.15", slide)
     run = rollslip.run(
-        rollslip.evolve(scene, values | {"operation.radial_load": 1200.0}), "effective-friction"
+        rollslip.evolve(scene, values | {"operation.radial_load": 1200.0}, si=True),
+        "effective-friction",
     )
     assert moved["skidding"] == pytest.approx(float(run.skidding_slip), rel=2e-3)
     assert moved["load"] == pytest.approx(float(run.normal_force.sel(ring="inner").max()), rel=2e-3)
@@ -223,7 +224,7 @@ def test_in_a_browser_a_slider_moves_the_curves_and_the_numbers_are_those_of_a_r
     assert curves != others
     between_nodes, _ = seen(path, "operation.radial_load=1010&operation.temperature=321.15")
     at = {"operation.radial_load": 1010.0, "operation.temperature": 321.15}
-    run = rollslip.run(rollslip.evolve(scene, at), "effective-friction")
+    run = rollslip.run(rollslip.evolve(scene, at, si=True), "effective-friction")
     assert (
         abs(between_nodes["skidding"] - float(run.skidding_slip))
         < 2.0 * found["errors"]["skidding_slip"]["largest"]

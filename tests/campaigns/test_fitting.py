@@ -1018,7 +1018,9 @@ def test_the_fitted_oil_is_the_same_in_a_scene(tmp_path, parameters):
     for T in (313.15, 330.0, 343.15):
         for name, value in attrs.asdict(oil.at(T)).items():
             assert getattr(read.at(T), name) == pytest.approx(value, rel=1e-12)
-    scene = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"lubricant": written["lubricant"]})
+    scene = rollslip.evolve(
+        rollslip.load_scene("1032930-70C"), {"lubricant": written["lubricant"]}, si=True
+    )
     assembled = rollslip.plan(scene).assembly
     assert attrs.asdict(assembled.lubricant.at(343.15)) == attrs.asdict(read.at(343.15))
     assert (
@@ -1032,7 +1034,9 @@ def test_the_fitted_oil_is_the_same_in_a_scene(tmp_path, parameters):
             "traction", written["models"]["traction"], Location({}), [], read.constants_for
         )
         assert again == traction != problem.traction
-        in_scene = rollslip.evolve(scene, {"models.traction": written["models"]["traction"]})
+        in_scene = rollslip.evolve(
+            scene, {"models.traction": written["models"]["traction"]}, si=True
+        )
         assert rollslip.plan(in_scene).assembly.traction.flash == traction.flash
         of_rig = attrs.evolve(
             rig, lubricant=LubricantTable(name="mil-prf-7808", data={"models": read.models})

@@ -111,7 +111,7 @@ def test_a_limit_is_that_of_another_search_over_single_runs():
 
     def excess(length):
         result = rollslip.run(
-            rollslip.evolve(scene, {"bearing.roller_length": length}), "friction-curve"
+            rollslip.evolve(scene, {"bearing.roller_length": length}, si=True), "friction-curve"
         )
         return float(result.half_width.min()) - 60e-6
 
@@ -382,14 +382,16 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
     loads = {"operation.radial_load": "2 kN:8 kN:3"}
 
     def limit(keep, *models):
-        one = rollslip.evolve(scene, {"models.damage": list(models)})
+        one = rollslip.evolve(scene, {"models.damage": list(models)}, si=True)
         return rollslip.limit(one, loads, keep, study="surface-damage")
 
     found = limit("worst <= 12 MW/m2", "power-density")
     kept, passed = (
         rollslip.run(
             rollslip.evolve(
-                scene, {"models.damage": ["power-density"], "operation.radial_load": float(at[0])}
+                scene,
+                {"models.damage": ["power-density"], "operation.radial_load": float(at[0])},
+                si=True,
             ),
             "surface-damage",
         ).worst.max()
@@ -423,13 +425,15 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
         "models.damage": "power-density",
         "study.surface-damage.cage_slip": 0.1,
     }
-    scene = rollslip.evolve(promise_scenes.scene(41, 350), {**own, "cage.drag": ["churning"]})
+    scene = rollslip.evolve(
+        promise_scenes.scene(41, 350), {**own, "cage.drag": ["churning"]}, si=True
+    )
     load = scene.operation.radial_load
     over = {"operation.radial_load": f"{0.8 * load} N:{1.2 * load} N:3"}
     kept = float(rollslip.run(scene, "surface-damage").worst.max())
 
     def limit(**changes):
-        one = rollslip.evolve(scene, changes)
+        one = rollslip.evolve(scene, changes, si=True)
         return rollslip.limit(
             one, over, f"worst <= {kept} W/m2", study="surface-damage", within=2e-3
         )
@@ -443,7 +447,7 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
     assert not any(text.startswith("worst") for text in json.loads(fine.attrs["left"]))
 
     def worst(fraction, **changes):
-        one = rollslip.evolve(scene, {"operation.radial_load": fraction * load, **changes})
+        one = rollslip.evolve(scene, {"operation.radial_load": fraction * load, **changes}, si=True)
         return float(rollslip.run(one, "surface-damage").worst.max())
 
     # on 301 slices: a run may itself be 1e-3 off
@@ -496,6 +500,7 @@ def moving(history, **more):
             "study.dynamics.history": history,
             **more,
         },
+        si=True,
     )
 
 
@@ -529,7 +534,7 @@ def test_a_limit_along_a_history_is_that_of_another_search_over_single_runs(case
     limit = float(found.attrs["limit"])
 
     def excess(value):
-        result = rollslip.run(rollslip.evolve(scene, {key: value}), "dynamics")
+        result = rollslip.run(rollslip.evolve(scene, {key: value}, si=True), "dynamics")
         return float(np.nanmax(result.cage_slip)) - limit
 
     low, high = sorted((kept, beyond))

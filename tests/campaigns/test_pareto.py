@@ -423,7 +423,9 @@ def test_a_motion_and_a_steady_slip_have_errors_too():
     }  # rk45 takes the same steps at any tolerance; at level pocket nothing is touched in 2 ms
     changes |= {"study.dynamics": {"duration": "2 ms", "points": 5, **named}}
     changes |= {"study.effective-friction.points": 7, "cage.drag": ["constant-torque"]}
-    scene = evolve(load_scene("1032930-50C"), changes | {"operation.misalignment": "0.01 mrad"})
+    scene = evolve(
+        load_scene("1032930-50C"), changes | {"operation.misalignment": "0.01 mrad"}, si=True
+    )
     found = pareto(scene, study="dynamics", choices="integrator_tolerance,friction", rounds=1)
     speed = found.sel(result="cage speed")
     assert float(speed.error.sel(choice="steps to 1e-03")) > float(

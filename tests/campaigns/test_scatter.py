@@ -81,7 +81,8 @@ def test_every_drag_scatters_by_as_much_as_it_declares_and_says_why():
 )
 def test_what_a_scene_states_does_not_scatter(change, fixed):
     before, after = (
-        set(scattering(assemble(scene))) for scene in (SCENE, rollslip.evolve(SCENE, change))
+        set(scattering(assemble(scene)))
+        for scene in (SCENE, rollslip.evolve(SCENE, change, si=True))
     )
     assert before - after == {fixed}
 
@@ -116,7 +117,7 @@ def test_data_of_a_bearing_and_fields_of_a_cage_or_a_table_scatter_alike(monkeyp
     )
     assert scattering(assemble(SCENE)) == {}, "the scene states it"
     cage = {key: value for key, value in SCENE.raw["cage"].items() if key != "land_clearance"}
-    scene = rollslip.evolve(SCENE, {"cage": cage})
+    scene = rollslip.evolve(SCENE, {"cage": cage}, si=True)
     assert list(scattering(assemble(scene))) == ["cage.land_clearance"]
     nothing = attrs.evolve(declared, value=0.0)
     monkeypatch.setattr(
@@ -443,6 +444,7 @@ def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
         there = rollslip.evolve(
             scene,
             {"operation.radial_load": float(load), "cage.drag.petroff-land.factor": float(factor)},
+            si=True,
         )
         slip = rollslip.sweep(attrs.evolve(there, uncertainty=None), {"accuracy.slices": [3]}, study="steady-slip",
                               output=["steady_slip"]).steady_slip  # fmt: skip

@@ -40,7 +40,7 @@ def scene(name="NU 2216", supply="bath", cage="brass", **changes):
     made = parse_scene(
         new_scene(name, **(ASSUMED | requested | {"supply": supply, "cage": cage})), name
     )
-    return evolve(made, {"accuracy.slices": 5} | changes)
+    return evolve(made, {"accuracy.slices": 5} | changes, si=True)
 
 
 def ends(one, key):
@@ -88,7 +88,7 @@ def test_the_layer_of_oil_scatters_in_film_and_rolling_resistance(supply):
     middle = SUPPLIES[supply].layer
     assert (low, high) == pytest.approx([middle * math.exp(side * TAIL) for side in (-1, 1)], 1e-9)
     for layer in (low, high):
-        made = assemble(evolve(plain, {KEY: layer}))
+        made = assemble(evolve(plain, {KEY: layer}, si=True))
         assert made.models["film"].oil_layer == layer
         rolling = made.cage.drags.resistance.terms[0]
         assert rolling.oil_layer == layer
@@ -108,14 +108,16 @@ def test_everything_that_scatters_moves_the_steady_slip(supply):
     """Each alone, from 5 to 95 %: none is declared of what nothing is made of."""
     one = scene(supply=supply)
     for key in scattering(assemble(one)):
-        at = [slip(evolve(one, {key: end})) for end in ends(one, key)]
+        at = [slip(evolve(one, {key: end}, si=True)) for end in ends(one, key)]
         # above the rounding of a search; the shear modulus of the oil moves a film of 0.7 um by 1e-4
         assert abs(math.log(at[1] / at[0])) > 1e-5, key
 
 
 def test_the_band_of_a_run_knows_the_layer_of_oil():
     only = {KEY: {"distribution": "lognormal", "deviation_of_ln": 2.0}}
-    one = evolve(scene(supply="mist"), {"uncertainty": {"lubrication": {"oil_layer": only[KEY]}}})
+    one = evolve(
+        scene(supply="mist"), {"uncertainty": {"lubrication": {"oil_layer": only[KEY]}}}, si=True
+    )
     band = bands(one, slip(one))["steady_slip"]
     assert band.dominant == KEY
     assert band.low < 1.0 < band.high

@@ -123,7 +123,7 @@ def test_tables_are_right_at_an_operation_that_nobody_looked_at(dataset, error, 
     low, high = dataset["rolling_speed"].to_numpy()[[0, -1]]
     study = RacewayFriction(slowest=float(low), fastest=float(high))
     true = study.run(
-        assemble(evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W}))
+        assemble(evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W}, si=True))
     )
     u = true["rolling_speed"].to_numpy()
     ratio = true["slide_roll"].to_numpy()[1:]
@@ -145,7 +145,7 @@ def test_tables_are_right_at_an_operation_that_nobody_looked_at(dataset, error, 
 def test_the_drags_of_the_cage_are_those_of_the_scene_at_the_speeds_of_its_rings(dataset):
     folded = Tables.from_dataset(dataset).interpolate(SCENE.operation.temperature, 1500.0)
     for speed in (55.0, 100.0, 185.0):  # less oil is between the rings, the faster they are
-        drags = assemble(evolve(SCENE, {"operation.inner_speed": speed})).cage.drags
+        drags = assemble(evolve(SCENE, {"operation.inner_speed": speed}, si=True)).cage.drags
         for w in (-40.0, 0.0, 3.0, 60.0, 110.0):
             assert folded.drag(np.array([w]), speed, 0.0)[0] == pytest.approx(
                 drags.torque(w, speed, 0.0), rel=2e-3, abs=1e-9
@@ -223,7 +223,7 @@ def test_a_table_of_operations_says_where_the_bearing_runs(operations, error, st
     for row in operations[::step]:
         T, W, speed = (row[name] for name in ("temperature", "radial_load", "inner_speed"))
         if T not in bearings:
-            bearings[T] = MeanRoller(evolve(SCENE, {"operation.temperature": T}))
+            bearings[T] = MeanRoller(evolve(SCENE, {"operation.temperature": T}, si=True))
         slip = row["steady_cage_slip"]
         left, torque = bearings[T].balanced(slip, W, speed, 0.0)
         largest = bearings[T].largest(slip, W, speed, 0.0)
@@ -255,7 +255,8 @@ def test_rollers_of_one_spin_slip_less_than_rollers_of_their_own_by_what_the_pag
         .steady_state(np.array([SCENE.operation.inner_speed]), 0.0)
     )
     run = rollslip.run(
-        evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W}), study="steady-slip"
+        evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W}, si=True),
+        study="steady-slip",
     )
     assert ONE_SPIN[0] < told.cage_slip[0] / float(run["slip_without_play"]) < 0.96
     assert told.torque[0] == pytest.approx(float(run["friction_torque"][0]), rel=ONE_SPIN[1])
@@ -268,7 +269,9 @@ def test_stiffnesses_are_what_small_forces_say(dataset):
             one = dataset.isel(at)
             keys = ("operation.temperature", "operation.radial_load", "operation.inner_speed")
             bearing = assemble(
-                evolve(SCENE, dict(zip(keys, (float(one[name]) for name in at), strict=True)))
+                evolve(
+                    SCENE, dict(zip(keys, (float(one[name]) for name in at), strict=True)), si=True
+                )
             )
             cage = bearing.kinematics.epicyclic_cage_speed * (1.0 - float(one["steady_cage_slip"]))
             true = by_differences(bearing, cage, N_POSITIONS)
@@ -556,7 +559,9 @@ def test_the_cage_moves_nearly_as_in_study_dynamics_with_the_friction_of_every_s
     told = {f"study.dynamics.{key}": value for key, value in motion.items() if value} | {
         "accuracy.tolerance": 0.05
     }
-    true = np.abs(rollslip.run(evolve(SCENE, told), study="dynamics")["cage_speed"].to_numpy())
+    true = np.abs(
+        rollslip.run(evolve(SCENE, told, si=True), study="dynamics")["cage_speed"].to_numpy()
+    )
     assert np.abs(moved(driver, inputs, true.size) - true).max() <= OF_SPEED * true.max()
 
 
@@ -591,7 +596,7 @@ def test_tables_are_made_and_a_second_call_goes_on_with_what_is_there(tmp_path, 
     scene = evolve(SCENE, {"accuracy.slices": 3})
     over = ["radial_load=1.4 kN:1.6 kN", "temperature=80 degC", "inner_speed=1400 rpm:1500 rpm"]
     first, _ = made(tmp_path, over, 0.2, scene)
-    bearing = MeanRoller(evolve(scene, {"operation.temperature": 353.15}))
+    bearing = MeanRoller(evolve(scene, {"operation.temperature": 353.15}, si=True))
     found = (
         Tables.from_dataset(first).interpolate(353.15, 1500.0).steady_state(np.array([150.0]), 0.0)
     )

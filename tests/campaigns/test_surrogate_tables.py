@@ -192,7 +192,7 @@ def test_an_error_of_a_fifth_is_the_most_that_is_asked_for():
 
 def test_drags_are_told_apart_by_what_they_go_with():
     drag = [{"model": "constant-torque", "size": "0.2 N m"}]
-    scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"cage.drag": drag})
+    scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"cage.drag": drag}, si=True)
     ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
     found, top, off = tabulate_drags(scene, np.array([350.0]), ranges, np.geomspace(1.0, 10.0, 5))
     assert [found["inner"][0], found["outer"][0], *found["cage"][0]] == pytest.approx(

@@ -415,6 +415,7 @@ def test_a_point_gives_what_a_run_of_its_scene_gives(tmp_path):
                 "models.traction": model,
                 "study.friction-curve.ring": ring,
             },
+            si=True,
         )
         alone = as_stated(scene, "friction-curve")["friction"]
         point = result["friction"].sel(temperature=T, traction=model, ring=ring)
@@ -439,7 +440,7 @@ def test_the_short_way_to_an_output_gives_the_bits_of_a_run(name, tmp_path):
         output=[name],
     )
     alone = as_stated(
-        rollslip.evolve(scene, {"operation.radial_load": 3000.0}), "effective-friction"
+        rollslip.evolve(scene, {"operation.radial_load": 3000.0}, si=True), "effective-friction"
     )
     assert np.array_equal(result[name].isel(radial_load=0), alone[name], equal_nan=True)
 
@@ -969,7 +970,7 @@ def test_keys_of_points_tell_scenes_and_outputs_apart():
 )
 def test_the_hash_of_a_point_is_that_of_its_scene(changes):
     work = planned().work
-    scene = rollslip.evolve(work.scene, changes)
+    scene = rollslip.evolve(work.scene, changes, si=True)
     whole = json.dumps(resolved(scene), sort_keys=True, separators=(",", ":"))
     assert (
         point._Task(work).hashes.of(scene)
@@ -1099,7 +1100,7 @@ def test_a_sweep_says_at_how_many_of_its_corners_a_law_is_outside_what_it_was_ma
     assert "all points were checked" in said[-1]
     for number, film in enumerate(("moes", "dowson-1968")):
         alone = rollslip.run(
-            rollslip.evolve(rollslip.load_scene("1032930-70C"), {"models.film": film}),
+            rollslip.evolve(rollslip.load_scene("1032930-70C"), {"models.film": film}, si=True),
             "effective-friction",
         )
         outside = {

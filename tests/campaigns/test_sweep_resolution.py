@@ -38,7 +38,7 @@ class TestTheResolutionOfASweep:
             changes = made.design.changes(number)
             (row,) = compute(made.work, [(number, changes)]).rows
             found = unpack_values(json.loads(row.layout), row.numbers, row.texts)
-            scene = evolve(load_scene("1032930-70C"), changes)
+            scene = evolve(load_scene("1032930-70C"), changes, si=True)
             study = settings(scene, "effective-friction")["effective-friction"]
             exact, *_ = evaluate(study, assemble(scene, reference_resolution(scene)), made.outputs)
             for name in ("critical_cage_slip", "critical_friction"):

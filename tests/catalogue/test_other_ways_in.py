@@ -150,7 +150,7 @@ def test_a_study_runs_with_it_and_says_that_it_is_not_packaged():
         "models.traction": "my-law",
         "study.friction-curve": {"points": 11, "normal_force": ["300 N"]},
     }
-    result = run(evolve(load_scene("1032930-70C"), changes), "friction-curve")
+    result = run(evolve(load_scene("1032930-70C"), changes, si=True), "friction-curve")
     np.testing.assert_allclose(
         result.friction.to_numpy()[0], 0.5 * result.slip.to_numpy(), rtol=1e-12
     )

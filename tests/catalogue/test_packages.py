@@ -191,7 +191,7 @@ def test_a_requirement_is_checked_before_the_models_are_looked_up():
         PluginError,
         match=r"^changes: plugins.require\[0\]: package rollslip-nowhere is required but",
     ):
-        plan(evolve(load_scene("1032930-70C"), changes))
+        plan(evolve(load_scene("1032930-70C"), changes, si=True))
 
 
 def test_nothing_is_required_by_default():

@@ -113,7 +113,11 @@ def test_an_explorer_refuses_it_too(over: str) -> None:
 def test_tables_lists_and_temperatures_are_no_way_round(change: str, key: str) -> None:
     with pytest.raises(SceneError) as error:
         rollslip.run(
-            evolve(load_scene(SCENE), {"study.steady-slip.points": 9, **dict([parse_set(change)])})
+            evolve(
+                load_scene(SCENE),
+                {"study.steady-slip.points": 9, **dict([parse_set(change)])},
+                si=True,
+            )
         )
     assert f"{key}: " in str(error.value)
     assert "has no unit" in str(error.value)
@@ -164,13 +168,15 @@ def test_what_has_no_unit_stays_free_and_zero_is_zero_in_every_unit() -> None:
         map(parse_set, ["accuracy.tolerance=0.01", "accuracy.slices=5", "models.traction.exponent=5",
                         "operation.outer_speed=0"])
     )  # fmt: skip
-    scene = evolve(load_scene(SCENE), changes)
+    scene = evolve(load_scene(SCENE), changes, si=True)
     assert (scene.accuracy.tolerance, scene.accuracy.slices, scene.operation.outer_speed) == (
         0.01,
         5,
         0.0,
     )
-    again = evolve(scene, {"operation.inner_speed": 300.0})  # from Python a number is in SI units
+    again = evolve(
+        scene, {"operation.inner_speed": 300.0}, si=True
+    )  # from Python a number is in SI units
     assert again.operation.inner_speed == 300.0
     assert again.models.traction.parameters["exponent"] == 5
 

@@ -288,7 +288,9 @@ def test_every_commented_value_of_the_cage_is_the_one_that_counts():
         "pocket_contact",
         "drag",
     }
-    cage, own = (plan(one).assembly.cage for one in (evolve(scene, {"cage": written}), scene))
+    cage, own = (
+        plan(one).assembly.cage for one in (evolve(scene, {"cage": written}, si=True), scene)
+    )
     for name in ("make", "guidance", "pocket_stiffness", "pocket_contact"):
         assert getattr(cage, name) == getattr(own, name)
     for name in ("mass", "inertia", "pocket_clearance"):

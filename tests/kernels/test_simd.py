@@ -200,7 +200,9 @@ BENT = {
 def test_loops_over_rollers_give_the_same_bits_on_every_set(friction, rings, monkeypatch):
     """From the same tables, which stages make: the baseline too, since these loops fuse nothing."""
     scene = evolve(
-        load_scene("1032930-50C"), {"accuracy.slices": 15, "accuracy.tolerance": 2e-2} | rings
+        load_scene("1032930-50C"),
+        {"accuracy.slices": 15, "accuracy.tolerance": 2e-2} | rings,
+        si=True,
     )
     assembly = assemble(scene)
     rates = []

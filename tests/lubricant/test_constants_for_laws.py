@@ -16,7 +16,7 @@ PAPER = evolve(
 
 
 def traction(models, **more):
-    return assemble(evolve(PAPER, {"lubricant.models": models, **more})).traction
+    return assemble(evolve(PAPER, {"lubricant.models": models, **more}, si=True)).traction
 
 
 def test_they_are_defaults_of_a_law_and_of_the_laws_within_it():

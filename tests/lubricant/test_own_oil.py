@@ -188,7 +188,7 @@ def test_one_oil_gives_one_answer_however_it_is_named(name):
     raw = {key: value for key, value in bare.raw.items() if key != "lubricant"}
     stated = {key: value for key, value in bare.raw["lubricant"].items() if key == "nothing"}
     ways = [
-        evolve(bare, {"lubricant": name}),
+        evolve(bare, {"lubricant": name}, si=True),
         from_raw({**raw, "lubricant": name}, "a test's"),
         from_raw({**raw, "lubricant": {"name": name, **stated}}, "a test's"),
         evolve(
@@ -276,7 +276,7 @@ def oil_of(*points, **more):
             {"temperature": f"{T} degC", "kinematic_viscosity": f"{nu} mm2/s"} for T, nu in points
         ],
     }
-    return evolve("1032930-70C", {"lubricant": table | more})
+    return evolve("1032930-70C", {"lubricant": table | more}, si=True)
 
 
 def test_viscosities_that_walthers_law_misses_are_stated():

@@ -152,7 +152,7 @@ def test_a_viscosity_that_rises_with_temperature_is_refused_with_what_to_give():
     """Roelands's law with one coefficient at all temperatures, z ln(1 + p/p0) > 1, where heat takes part."""
     oil = {"name": "sae-30", "conductivity": 0.14, "eyring_stress": "5 MPa"}
     hot = {"lubricant": oil, "operation.temperature": "108 degC", "operation.radial_load": "40 kN"}
-    scene = evolve(load_scene("1032930-70C"), hot | {"accuracy.slices": 8})
+    scene = evolve(load_scene("1032930-70C"), hot | {"accuracy.slices": 8}, si=True)
     said = r"film_thermoviscosity = -0.0\d+ 1/K .* rise with temperature; give a larger "
     with pytest.raises(DomainError, match=said):
         run(scene, "friction-curve")
@@ -295,6 +295,7 @@ def test_an_oil_without_the_data_of_its_law_is_refused_in_words(monkeypatch):
     scene = evolve(
         load_scene("1032930-70C"),
         {"lubricant.pressure_viscosity_law": {"model": "yasutomi", **ETHER}},
+        si=True,
     )
     assert assemble(scene).lubricant.pressure_viscosity_law == FIVE_RINGS
     with pytest.raises(SceneError) as refused:

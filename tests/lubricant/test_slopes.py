@@ -41,7 +41,7 @@ def test_a_slice_has_the_stress_and_modulus_of_its_pressure(law, compiled, stres
     """As that slice alone, in an oil that has these values at all pressures."""
     both = {"models.traction": {"model": law}}
     slopes = {"lubricant.eyring_stress_slope": stress, "lubricant.shear_modulus_slope": modulus}
-    rising = assemble(evolve(SCENE, both | slopes)).inner
+    rising = assemble(evolve(SCENE, both | slopes, si=True)).inner
     together = table(rising)
     oil = rising.chain.models[2]
     Chain(*rising.chain.models, compiled=compiled)(together)
@@ -94,7 +94,11 @@ def test_models_that_take_one_value_refuse_a_slope(law):
     slope = "shear_modulus" if law == "limiting-shear" else "eyring_stress"
     with pytest.raises(SceneError) as caught:
         assemble(
-            evolve(SCENE, {"models.traction.hydrodynamic": law, f"lubricant.{slope}_slope": 0.02})
+            evolve(
+                SCENE,
+                {"models.traction.hydrodynamic": law, f"lubricant.{slope}_slope": 0.02},
+                si=True,
+            )
         )
     (problem,) = caught.value.problems
     assert problem.startswith(

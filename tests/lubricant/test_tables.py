@@ -274,7 +274,9 @@ def test_a_result_has_the_notes_and_runs():
 
 def test_a_scene_reads_tables_and_says_the_place_of_a_fault():
     scene = evolve(
-        load_scene("1032930-70C"), {"lubricant.eyring_stress": over("MPa", _60="6", _80="4")}
+        load_scene("1032930-70C"),
+        {"lubricant.eyring_stress": over("MPa", _60="6", _80="4")},
+        si=True,
     )
     assert assemble(scene).inner.conditions.eyring_stress == pytest.approx(math.sqrt(24.0) * 1e6)
     with pytest.raises(SceneError) as caught:

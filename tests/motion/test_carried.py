@@ -40,7 +40,7 @@ CONVENTIONAL = FrictionSettings(name="conventional", tabulated=False)
 
 
 def bearing(**changes):
-    return assemble(evolve(load_scene("1032930-50C"), FAST | changes))
+    return assemble(evolve(load_scene("1032930-50C"), FAST | changes, si=True))
 
 
 MADE = {}

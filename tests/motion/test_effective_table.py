@@ -253,7 +253,7 @@ def test_extrema_that_are_no_nodes_are_neither_flattened_nor_moved():
 
 
 def bearing(**changes):
-    return assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 5, **changes}))
+    return assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 5, **changes}, si=True))
 
 
 def all_slices(raceway, load, rolling):
@@ -448,7 +448,7 @@ def test_a_motion_says_how_right_its_tables_are():
         "study.effective-friction.max_cage_slip": 0.4,
         "study.effective-friction.points": 11,
     }
-    found = run(evolve(load_scene("1032930-50C"), changes), "dynamics")
+    found = run(evolve(load_scene("1032930-50C"), changes, si=True), "dynamics")
     records = json.loads(found.attrs["effective_tables"])
     assert list(records) == ["inner", "outer"]
     for record in records.values():
@@ -462,7 +462,7 @@ def test_a_motion_says_how_right_its_tables_are():
     }
     assert (
         "effective_tables"
-        not in run(evolve(load_scene("1032930-50C"), conventional), "dynamics").attrs
+        not in run(evolve(load_scene("1032930-50C"), conventional, si=True), "dynamics").attrs
     )
 
 

@@ -39,7 +39,9 @@ def motion(level, case, load=1037.0):
     changes = {"accuracy.slices": slices, "accuracy.tolerance": 2e-2, "operation.radial_load": load}
     changes |= BENT if "bent" in level else {}
     assembly = assemble(
-        evolve(load_scene("1032930-50C"), changes | {"cage.drag": ["petroff-land", *drags]})
+        evolve(
+            load_scene("1032930-50C"), changes | {"cage.drag": ["petroff-land", *drags]}, si=True
+        )
     )
     if level.startswith("planar"):
         return planar_motion(assembly, PlanarSettings(inner_ring_mass=5.0), friction)

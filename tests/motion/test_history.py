@@ -248,7 +248,8 @@ def test_between_nodes_rates_are_those_of_a_bearing_put_together_there(name, raw
     for t in np.random.default_rng(7).uniform(0.0, 1.0, 12):
         value = float(way.courses[key].at(t))
         there = assemble(
-            rollslip.evolve(SCENE, {f"operation.{key}": f"{value!r} {unit}"}), bearing.resolution
+            rollslip.evolve(SCENE, {f"operation.{key}": f"{value!r} {unit}"}, si=True),
+            bearing.resolution,
         )
         direct = carried_motion(there, moving.stations.friction, level="cage-set", per_roller=True)
         rows = [[one.split(one.system(t, y)) for one in (moving, direct)] for y in states(direct)]
@@ -302,7 +303,7 @@ def test_two_axes_are_followed_together():
         "operation.radial_load": f"{now['radial_load']!r} N",
         "operation.temperature": f"{now['temperature']} K",
     }
-    there = assemble(rollslip.evolve(SCENE, changes), bearing.resolution)
+    there = assemble(rollslip.evolve(SCENE, changes, si=True), bearing.resolution)
     direct = carried_motion(there, moving.stations.friction, level="cage-set", per_roller=True)
     for y in states(direct):
         assert (
@@ -325,7 +326,7 @@ def test_a_part_with_a_course_of_its_own_does_not_follow_the_temperature():
         f"operation.{name}": f"{float(way.courses[name].at(0.6))!r} K" for name in way.prescribed
     }
     assert len(now) == 2
-    there = assemble(rollslip.evolve(SCENE, now), bearing.resolution)
+    there = assemble(rollslip.evolve(SCENE, now, si=True), bearing.resolution)
     assert there.scene.operation.roller_temperature == there.scene.operation.temperature
     direct = carried_motion(there, moving.stations.friction, level="cage-set", per_roller=True)
     for y in states(direct):
@@ -442,7 +443,7 @@ def test_speeds_of_both_rings_reach_the_rates():
     way = history(BOTH)
     moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set")
     speeds = {f"operation.{name}": f"{float(way.courses[name].at(0.2))!r} rad/s" for name in BOTH}
-    there = assemble(rollslip.evolve(SCENE, speeds))
+    there = assemble(rollslip.evolve(SCENE, speeds, si=True))
     direct = carried_motion(there, moving.stations.friction, level="cage-set", per_roller=True)
     y = direct.initial(0.05, 0.06)
     np.testing.assert_allclose(moving.system(0.2, y), direct.system(0.2, y), rtol=2e-3, atol=0.1)

@@ -44,7 +44,7 @@ from without_bands import run
 def balance(
     name="1032930-50C", *, n_positions=2, inertia=True, effective=False, slices=6, **changes
 ):
-    made = assemble(evolve(load_scene(name), changes))
+    made = assemble(evolve(load_scene(name), changes, si=True))
     few = made.at(
         attrs.evolve(made.resolution, slices=slices, quadrature="equal", table_tolerance=1e-3)
     )
@@ -384,7 +384,7 @@ def test_the_error_told_of_the_most_that_is_carried_holds_against_four_times_the
 @settings(max_examples=3, deadline=None)
 def test_a_bearing_that_turns_the_other_way_has_the_same_branch(number):
     scene = scenes.free(number)
-    mirrored = evolve(scene, {"operation.inner_speed": -scene.operation.inner_speed})
+    mirrored = evolve(scene, {"operation.inner_speed": -scene.operation.inner_speed}, si=True)
     try:
         branches = [scenes.balance(one).loading_branch() for one in (scene, mirrored)]
     except (

@@ -28,7 +28,7 @@ BRAKED = [drag.replace("rolling-resistance", "goksem-hargreaves") for drag in DR
 
 
 def bearing(changes, slices=4):
-    scene = evolve(SHIPPED, changes)
+    scene = evolve(SHIPPED, changes, si=True)
     return assemble(
         scene, attrs.evolve(as_stated(scene), slices=slices, n_positions=2)
     ).with_resistance()
@@ -182,6 +182,6 @@ def test_where_the_cage_runs_away_no_loss_is_told():
         "cage.drag": [{"model": "constant-torque", "size": "1 N m"}],
         "accuracy.slices": 3,
     }
-    result = run(evolve(SHIPPED, beyond), "steady-slip")
+    result = run(evolve(SHIPPED, beyond, si=True), "steady-slip")
     assert np.isnan(result.loss).all()
     assert "losses" not in account_of(result).topics(result)

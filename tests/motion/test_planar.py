@@ -1009,7 +1009,7 @@ def test_what_is_no_small_displacement_is_refused(body, at):
     ],
 )
 def test_the_play_along_the_radius_is_that_along_the_orbit_unless_given(table, expected):
-    cage = assemble(evolve(load_scene("1032930-50C"), {"cage": {**CAGE, **table}})).cage
+    cage = assemble(evolve(load_scene("1032930-50C"), {"cage": {**CAGE, **table}}, si=True)).cage
     assert cage.pocket_radial_clearance == (expected and pytest.approx(expected, rel=1e-12))
 
 
@@ -1029,7 +1029,7 @@ def test_the_play_along_the_radius_is_that_along_the_orbit_unless_given(table, e
 )
 def test_a_play_that_cannot_be_is_refused(table, message):
     with pytest.raises(SceneError) as caught:
-        _ = assemble(evolve(load_scene("1032930-50C"), {"cage": {**CAGE, **table}})).cage
+        _ = assemble(evolve(load_scene("1032930-50C"), {"cage": {**CAGE, **table}}, si=True)).cage
     (found,) = caught.value.problems
     assert message in found
 

@@ -42,7 +42,7 @@ INNER = {"model": "annulus", "bore": "20 mm", "harmonics": 2}
 
 def bent_scene(rollers=5, guidance="roller", outer=None, inner=None, more=(), **held):
     rings = [(f"models.{name}_ring", of) for name, of in (("outer", outer), ("inner", inner)) if of]
-    return evolve(scene_of(rollers, guidance, **held), dict((LIST, *rings, *more)))
+    return evolve(scene_of(rollers, guidance, **held), dict((LIST, *rings, *more)), si=True)
 
 
 #: Scene, settings, share of the yardstick that is allowed: 1e-12, but for what a spline leaves of a form.
@@ -805,7 +805,7 @@ def along(level="planar", history=(), friction="conventional", **changes):
     found |= {"history": dict(history)} if history else {}
     found |= {"planar": {"inner_ring_mass": "5 kg"}} if level == "planar" else {}
     scene = evolve(
-        bent_scene(28, "outer", **changes), {"accuracy.slices": 5, "study.dynamics": found}
+        bent_scene(28, "outer", **changes), {"accuracy.slices": 5, "study.dynamics": found}, si=True
     )
     return run(scene, "dynamics")
 

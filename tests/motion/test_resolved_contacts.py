@@ -45,7 +45,7 @@ def motion(level, film="metal", mass=5.0, drag=None):
         changes["cage"]["drag"] = [drag]
     elif drag:
         changes["cage.drag"] = [drag]
-    assembly = assemble(evolve(load_scene("1032930-50C"), SCENE | changes))
+    assembly = assemble(evolve(load_scene("1032930-50C"), SCENE | changes, si=True))
     if level.startswith("planar"):
         return planar_motion(assembly, PlanarSettings(inner_ring_mass=mass), FRICTION)
     return carried_motion(assembly, FRICTION, level=level)

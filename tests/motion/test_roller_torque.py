@@ -80,7 +80,9 @@ def known():
 
 def scene(**changes):
     torque = {"model": "constant-torque", "size": "0.1 N m"}
-    return evolve(PRELOADED, {"cage.drag": [torque, {"model": "flange-torque"}], **changes})
+    return evolve(
+        PRELOADED, {"cage.drag": [torque, {"model": "flange-torque"}], **changes}, si=True
+    )
 
 
 def test_it_brakes_the_spin_and_leaves_the_cage_alone():

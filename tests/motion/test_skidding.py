@@ -31,7 +31,7 @@ from tabled import REFERENCES, rows_of
 
 
 def bearing(name="1032930-50C", slices=15, n_positions=4, **changes):
-    fine = assemble(evolve(load_scene(name), changes))
+    fine = assemble(evolve(load_scene(name), changes, si=True))
     return fine.at(
         attrs.evolve(fine.resolution, slices=min(slices, fine.slices), n_positions=n_positions)
     )

@@ -139,7 +139,7 @@ def test_tractions_are_positive_where_they_drive_whichever_ring_turns(driven):
         for ring in ("inner", "outer")
     }
     one = torque_balance(
-        assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 4, **speeds})), 2
+        assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 4, **speeds}, si=True)), 2
     )
     assert one.motions.sense == (1.0 if driven == "inner" else -1.0)
     orbit = one.orbit(0.1)
@@ -172,7 +172,7 @@ def test_rollers_that_rub_at_neighbours_slip_without_the_cage():
     ("effective", "speed"), [(False, "0.05 rpm"), (False, "1500 rpm"), (True, "1500 rpm")]
 )
 def test_resistance_to_rolling_is_that_of_python_also_where_hardly_anything_rolls(effective, speed):
-    scene = evolve(load_scene("gearbox"), {"operation.inner_speed": speed})
+    scene = evolve(load_scene("gearbox"), {"operation.inner_speed": speed}, si=True)
     slow = torque_balance(assemble(scene), 2, inertia=False, effective=effective)
     assert slow.assembly.inner.chain.resists
     orbit = slow.orbit(0.1)

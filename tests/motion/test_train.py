@@ -32,7 +32,9 @@ def apart(scene, **separator):
     """Return a scene without a table of its cage, and what is between its rollers."""
     raw = {key: value for key, value in scene.raw.items() if key != "cage"}
     return evolve(
-        attrs.evolve(scene, raw=type(scene.raw)(raw), cage=None), {"models.separator": separator}
+        attrs.evolve(scene, raw=type(scene.raw)(raw), cage=None),
+        {"models.separator": separator},
+        si=True,
     )
 
 
@@ -187,7 +189,9 @@ def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage
 @pytest.mark.parametrize("angle", ["90 deg", "200 deg"])
 def test_neighbours_bear_what_a_carrier_pulls_along_the_orbit(angle):
     scene = evolve(
-        NONE, {"operation.carrier": {"speed": "300 rpm", "radius": "0.5 m", "direction": angle}}
+        NONE,
+        {"operation.carrier": {"speed": "300 rpm", "radius": "0.5 m", "direction": angle}},
+        si=True,
     )
     a = assemble(scene)
     mu = 0.1

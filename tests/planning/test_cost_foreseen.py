@@ -31,7 +31,7 @@ DEAR = {
 @pytest.mark.parametrize(("study", "setting"), DEAR.items(), ids=[*DEAR])
 def test_a_result_that_no_memory_holds_is_refused_before_anything_runs(study, setting):
     name, number = setting
-    scene = evolve(load_scene("1032930-50C"), {f"study.{study}.{name}": number})
+    scene = evolve(load_scene("1032930-50C"), {f"study.{study}.{name}": number}, si=True)
     with pytest.raises(
         SceneError, match=rf"study\.{study}\.{name} = 1e\+1[01] asks for at least .* GB of memory"
     ):

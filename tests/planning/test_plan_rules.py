@@ -121,7 +121,7 @@ def test_one_slice_serves_where_the_load_is_even():
     study = EffectiveFriction(points=11, map_points=0)
     one = study.run(assemble(straight, Resolution(slices=9, n_positions=2)))
     circular = evolve(
-        BASE, {"bearing.profile": {"shape": "circular", "radius": 1e7}}
+        BASE, {"bearing.profile": {"shape": "circular", "radius": 1e7}}, si=True
     )  # a drop of 3e-12 m
     nine = study.run(assemble(circular, Resolution(slices=9, n_positions=2)))
     assert (one.attrs["slices"], nine.attrs["slices"]) == (1, 9)
@@ -148,7 +148,7 @@ def test_unloaded_contacts_take_no_part():
 
 @pytest.mark.quick
 def test_boundary_friction_is_left_out_of_full_films_without_a_trace():
-    made = plan(evolve(BASE, SMOOTH), STUDY)
+    made = plan(evolve(BASE, SMOOTH, si=True), STUDY)
     assert not made.choices[STUDY].resolution.boundary
     assert made.assemblies[STUDY].traction.name == "muraki"
     result = execute(made, STUDY)
@@ -185,7 +185,9 @@ def test_a_closed_form_serves_only_within_its_bounds():
         "lubricant.eyring_stress": "10 MPa",
     }
     named = evolve(
-        BASE, stiff | {"study.effective-friction.max_cage_slip": 1e-4, "accuracy.tolerance": 2e-2}
+        BASE,
+        stiff | {"study.effective-friction.max_cage_slip": 1e-4, "accuracy.tolerance": 2e-2},
+        si=True,
     )
     made = plan(named, STUDY)
     resolution = made.choices[STUDY].resolution
@@ -199,7 +201,7 @@ def test_a_closed_form_serves_only_within_its_bounds():
     assert (
         float((np.abs(result.effective_friction - exact.effective_friction) / scale).max()) <= 2e-3
     )
-    assert plan(evolve(BASE, stiff), STUDY).choices[STUDY].resolution.traction == "named"
+    assert plan(evolve(BASE, stiff, si=True), STUDY).choices[STUDY].resolution.traction == "named"
     law = get_model("traction", "maxwell-eyring")
     most = {"strain_rate": 1e-9, "deborah": 1.0, "heating": 1e9}
     tight = attrs.evolve(made.choices[STUDY], left_out=(ExactLaw(law, most),))
@@ -342,6 +344,7 @@ def test_a_followed_branch_is_watched_too():
                 for part in ("inner_raceway", "outer_raceway", "roller")
             },
         },
+        si=True,
     )
     made = plan(cool, "steady-slip")
     assert not made.choices["steady-slip"].resolution.boundary
@@ -363,6 +366,7 @@ HEAVY = evolve(
         "bearing.profile": "none",
         "study.effective-friction.max_cage_slip": 0.5,
     },
+    si=True,
 )
 PARTS = {
     "inlet_heating": ("thermal inlet shear", InletHeating),
@@ -384,7 +388,7 @@ def test_what_moves_no_value_by_a_fifth_of_the_tolerance_is_left_out(speed, load
         "operation.inner_speed": speed,
         "operation.radial_load": load,
     }
-    heavy = evolve(HEAVY, changes)
+    heavy = evolve(HEAVY, changes, si=True)
     made = plan(heavy, STUDY)
     result = execute(made, STUDY)
     whole = made.at(
@@ -441,7 +445,7 @@ def test_mistakes_of_studies_oil_and_cage_are_told_at_once():
         "models.film": "mos",
     }
     with pytest.raises(SceneError) as caught:
-        plan(evolve(load_scene("gearbox"), wrong))
+        plan(evolve(load_scene("gearbox"), wrong, si=True))
     told = " ".join(caught.value.problems)
     parts = (
         "steady-slip.poins",

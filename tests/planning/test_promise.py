@@ -58,6 +58,7 @@ JUMPS = evolve(
         },
         "accuracy": {"tolerance": 1e-3, "slices": "auto"},
     },
+    si=True,
 )
 
 
@@ -118,7 +119,7 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
 
 def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     """Errors fourfold: second order asks for 4^(1/2)/0.35^(1/2) times as many, others for four times."""
-    epicyclic = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
+    epicyclic = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}, si=True), STUDY)
     free = plan(JUMPS, STUDY)
 
     def then(made, errors, orders, joint_errors=None, **changes):
@@ -305,7 +306,9 @@ def test_no_random_scene_misses_in_silence(k):
 @pytest.mark.parametrize(("slices", "n_positions"), [(8, 16), (64, 1), (64, 2)])
 def test_too_few_slices_or_instants_are_seen(slices, n_positions):
     """The error found is that of the finest, from a third of it to three times as much."""
-    one = evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic", "bearing.profile": "iso16281"})
+    one = evolve(
+        JUMPS, {f"study.{STUDY}.closure": "epicyclic", "bearing.profile": "iso16281"}, si=True
+    )
     made = plan(one, STUDY)
     coarse = made.at(
         STUDY,
@@ -326,7 +329,7 @@ def test_too_few_slices_or_instants_are_seen(slices, n_positions):
 
 
 def test_a_kept_word_has_no_warning():
-    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
+    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}, si=True), STUDY)
     result = execute(made, STUDY)
     assert all(row["found"] <= row["tolerance"] for row in json.loads(result.attrs["accuracy"]))
     assert not any(
@@ -337,7 +340,7 @@ def test_a_kept_word_has_no_warning():
 
 def test_what_is_to_be_typed_follows_the_order_that_was_seen():
     """Errors tenfold: of second order a tolerance of a tenth, of first order of a hundredth, halved for safety."""
-    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
+    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}, si=True), STUDY)
     errors = {"n_positions": {"friction": 1e-2}}
     for order, typed in ((2.0, "5e-05"), (1.0, "5e-06")):
         (said,) = error_warnings(
@@ -364,7 +367,7 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
 
 
 def test_what_slices_and_instants_hide_from_each_other_is_told():
-    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
+    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}, si=True), STUDY)
     error = ErrorEstimate(
         errors={"n_positions": {"friction": 2e-4}},
         joint_errors={"friction": 1.3e-3, "cage slip": 3e-3},
@@ -428,7 +431,7 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
     number, variable = SEEN[name]
     one = loading_branch_scenes.wide(number) if number else evolve(load_scene("gearbox"), DRY)
     changes = {"accuracy.tolerance": 1e-2, "study.steady-slip.pockets": "set"}
-    made = plan(evolve(one, changes), "steady-slip")
+    made = plan(evolve(one, changes, si=True), "steady-slip")
     resolution = attrs.evolve(made.choices["steady-slip"].resolution, slices=8, n_positions=5)
     result = execute(made.at("steady-slip", resolution), "steady-slip", fixed_resolution=True)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
@@ -451,7 +454,7 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
 ):
     """There points of Gauss's rule lie farther apart than equal ones: twice as many would tell half of the error."""
     scene = evolve(
-        loading_branch_scenes.wide(number), {"study.steady-slip.pockets": "set", **changes}
+        loading_branch_scenes.wide(number), {"study.steady-slip.pockets": "set", **changes}, si=True
     )
     made = plan(scene, "steady-slip")
     resolution = attrs.evolve(
@@ -489,7 +492,11 @@ def test_a_skidding_slip_is_compared_as_it_is_told_and_not_as_the_maximum_of_a_c
 
 def test_the_thinnest_film_of_a_curve_is_seen_too():
     made = plan(
-        evolve(load_scene("1032930-70C"), {"accuracy.slices": 7, f"study.{STUDY}.map_points": 0}),
+        evolve(
+            load_scene("1032930-70C"),
+            {"accuracy.slices": 7, f"study.{STUDY}.map_points": 0},
+            si=True,
+        ),
         STUDY,
     )
     result = execute(made, STUDY)
@@ -519,7 +526,9 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
     """
     changes = {"cage.drag": ["goksem-hargreaves", "hysteresis", "churning"], **DRY}
     scene = evolve(
-        loading_branch_scenes.wide(100_076), {"study.steady-slip.pockets": "set", **changes}
+        loading_branch_scenes.wide(100_076),
+        {"study.steady-slip.pockets": "set", **changes},
+        si=True,
     )
     made = plan(scene, "steady-slip")
     result = execute(made, "steady-slip", fixed_resolution=True)

@@ -333,7 +333,8 @@ def test_twice_as_many_slices_take_twice_the_time_that_was_foreseen(plan):
 def test_lines_tell_what_a_scene_names_and_what_it_asks_for():
     films = {"plain": "moes", "hot": {"model": "inlet-correction", "thermal": "murch-wilson"}}
     plans = {
-        name: planned(evolve(SCENE, {"models.film": film}), STUDY) for name, film in films.items()
+        name: planned(evolve(SCENE, {"models.film": film}, si=True), STUDY)
+        for name, film in films.items()
     }
     made = {name: {one.part: one for one in of.parts} for name, of in plans.items()}
     assert [made[name]["thermal inlet shear"].included for name in ("plain", "hot")] == [

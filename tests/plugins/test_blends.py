@@ -416,7 +416,7 @@ def test_a_scene_takes_each_blend(name):
     assert rows["traction"].choice.startswith(name)
     assert rows["boundary friction"].included == (name != "linear-blend")
     with pytest.raises(SceneError, match=r"models\.traction\.exponents: unknown"):
-        plan(evolve(scene, {"models.traction": {"model": name, "exponents": 2.0}}))
+        plan(evolve(scene, {"models.traction": {"model": name, "exponents": 2.0}}, si=True))
 
 
 @pytest.mark.slow

@@ -288,7 +288,7 @@ def test_scuffing_temperatures_take_the_oil_of_the_scene():
         for part in ("inner_ring", "outer_ring", "roller")
     }
     assembly = assemble(
-        evolve(load_scene("1032930-70C"), {"lubricant.density": "930 kg/m3", **warm})
+        evolve(load_scene("1032930-70C"), {"lubricant.density": "930 kg/m3", **warm}, si=True)
     )
     oil = assembly.lubricant
     assert ScuffingIso(fzg_stage=8).of(assembly).viscosity == oil.at(343.15).viscosity
@@ -368,7 +368,7 @@ def test_an_oil_that_does_not_say_what_it_is_made_of_is_taken_for_mineral_and_th
 )
 def test_what_a_scuffing_temperature_lacks_is_told(raw, words):
     with pytest.raises(SceneError, match=words):
-        run(evolve(load_scene("1032930-70C"), {"models.damage": raw}), "surface-damage")
+        run(evolve(load_scene("1032930-70C"), {"models.damage": raw}, si=True), "surface-damage")
 
 
 def test_an_oil_without_density_or_data_at_40_degrees_is_told_by_what_needs_it():
@@ -393,7 +393,7 @@ def test_contacts_of_a_bearing_have_the_temperatures_and_speeds_of_its_scene():
         "operation.inner_ring_temperature": "75 degC",
         "operation.roller_temperature": "80 degC",
     }
-    assembly = assemble(evolve(load_scene("1032930-70C"), changes))
+    assembly = assemble(evolve(load_scene("1032930-70C"), changes, si=True))
     speeds = assembly.kinematics.surface_speeds(0.1, 0.05)
     slices = assembly.inner.evaluate(np.array([1e4]), speeds.inner_rolling, speeds.inner_sliding)
     of = Contacts.of(assembly, "inner", slices)
@@ -425,4 +425,4 @@ def test_wrong_measures_are_refused_where_the_scene_is_read():
         (3.0, "models.damage: a list is expected"),
     ):
         with pytest.raises(SceneError, match=words):
-            assemble(evolve(scene, {"models.damage": raw}))
+            assemble(evolve(scene, {"models.damage": raw}, si=True))

@@ -358,7 +358,7 @@ def test_a_scene_with_two_corrections_is_refused_at_its_place():
         SceneError,
         match=r"models\.film\.film: the inlet of 'inlet-correction' is corrected already",
     ):
-        plan(evolve(load_scene("1032930-70C"), {"models.film": nested}))
+        plan(evolve(load_scene("1032930-70C"), {"models.film": nested}, si=True))
 
 
 @pytest.mark.parametrize(
@@ -384,7 +384,7 @@ def test_a_scene_with_two_corrections_is_refused_at_its_place():
 )
 def test_the_plan_says_what_the_scene_asks_for(film, included, choice):
     scene = evolve(
-        load_scene("1032930-70C"), {"models.film": film, "study.friction-curve.points": 5}
+        load_scene("1032930-70C"), {"models.film": film, "study.friction-curve.points": 5}, si=True
     )
     part = next(
         part for part in plan(scene, "friction-curve").parts if part.part == "thermal inlet shear"

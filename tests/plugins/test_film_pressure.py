@@ -151,7 +151,8 @@ def names(assembly):
 def test_hertz_is_no_stage_and_a_light_contact_stands_between_film_and_viscosity():
     scene = load_scene("1032930-70C")
     hertz, light = (
-        assemble(evolve(scene, {"models.pressure": name})) for name in ("hertz", "light-contact")
+        assemble(evolve(scene, {"models.pressure": name}, si=True))
+        for name in ("hertz", "light-contact")
     )
     assert names(hertz) == ["palmgren", "moes", "barus", "lambda-blend"]
     assert names(light) == ["palmgren", "moes", "light-contact", "barus", "lambda-blend"]
@@ -176,7 +177,7 @@ def test_hysteresis_rests_on_the_width_of_the_dry_contact():
     found = []
     for name, chosen in itertools.product(("hertz", "light-contact"), ("hysteresis",)):
         there = assemble(
-            evolve(scene, {"models.pressure": name, "cage.drag": [chosen]})
+            evolve(scene, {"models.pressure": name, "cage.drag": [chosen]}, si=True)
         ).with_resistance()
         found.append(there.inner.evaluate(np.array([1e3, 1e4]), 25.0, 0.5).resistance)
     np.testing.assert_array_equal(*found)

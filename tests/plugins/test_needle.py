@@ -71,7 +71,7 @@ def test_a_new_scene_runs_on_its_shaft_and_refuses_a_fit_there():
     assert "# shaft_fit" in scene.text
     rough = {"surface.name": "ground", "surface.inner_raceway_roughness": "0.4 um",
              "bearing.inner_raceway.material.elastic_modulus": "120 GPa", "models.contact": "lundberg"}  # fmt: skip
-    soft = assemble(evolve(scene, rough))
+    soft = assemble(evolve(scene, rough, si=True))
     hard = assemble(scene)
     assert soft.inner.conditions.modulus < 0.8 * hard.inner.conditions.modulus
     assert soft.inner.conditions.roughness > 1.5 * hard.inner.conditions.roughness
@@ -88,7 +88,7 @@ def test_a_new_scene_runs_on_its_shaft_and_refuses_a_fit_there():
 def test_deflections_of_steel_are_told_where_the_shaft_is_none(law, warned):
     few = {"study.effective-friction.points": 5, "study.effective-friction.map_points": 0,
            "study.effective-friction.skidding_range": 0.0, "models.contact": law}  # fmt: skip
-    steel = evolve(new("NK 20/16", speed="3000 rpm", load="500 N"), few)
+    steel = evolve(new("NK 20/16", speed="3000 rpm", load="500 N"), few, si=True)
     bronze = evolve(steel, {"bearing.inner_raceway.material.elastic_modulus": "110 GPa"})
     told = [str(run(scene, "effective-friction").attrs["warnings"]) for scene in (steel, bronze)]
     assert ["deflections are those of steel" in one for one in told] == [False, warned]

@@ -77,7 +77,7 @@ def members(kind, name):
 def test_every_oil_runs_every_traction_and_film_and_the_drags(oil, law):
     drags = ["petroff-land", "churning", "rolling-resistance"]  # those that read the oil
     changes = {"lubricant": {"name": oil.name, "pressure_viscosity_law": law}, "cage.drag": drags}
-    scene = evolve(load_scene("1032930-50C"), changes)
+    scene = evolve(load_scene("1032930-50C"), changes, si=True)
     bearing = assemble(scene)
     assert bearing.cage.drags.torques
     load = bearing.load_distribution().inner_load.max(keepdims=True).ravel()
@@ -85,7 +85,9 @@ def test_every_oil_runs_every_traction_and_film_and_the_drags(oil, law):
     for kind, key in (("traction", "models.traction"), ("film", "models.film")):
         for name in available(kind):
             if not any(a.default is attrs.NOTHING for a in attrs.fields(get_class(kind, name))):
-                slices = assemble(evolve(scene, {key: name})).inner.evaluate(load, 28.0, 3.0)
+                slices = assemble(evolve(scene, {key: name}, si=True)).inner.evaluate(
+                    load, 28.0, 3.0
+                )
                 assert 0.0 < float(slices.friction[0]) < 0.3, name
                 tried += 1
     assert tried > 20

@@ -399,7 +399,7 @@ def test_the_model_names_what_the_oil_lacks():
     "name", ["carreau", "limiting-shear", "newtonian-thermal", "eyring-thermal", "gupta"]
 )
 def test_a_scene_runs_with_them(name):
-    scene = evolve(load_scene("1032930-50C"), {"models.traction.hydrodynamic": name})
+    scene = evolve(load_scene("1032930-50C"), {"models.traction.hydrodynamic": name}, si=True)
     friction = run(scene, "friction-curve")["friction"].to_numpy()
     assert np.all(np.isfinite(friction))
     assert 0.0 < np.max(friction) < 0.2
@@ -689,13 +689,13 @@ def test_a_scene_takes_a_table_and_reports_its_faults_with_their_place(tmp_path)
     file = written(tmp_path, "slide_roll_ratio [%], friction [1]\n1, 0.03\n100, 0.05")
     scene = load_scene("1032930-50C")
     table = {"models.traction.hydrodynamic": {"model": "tabulated", "file": file}}
-    friction = run(evolve(scene, table), "friction-curve")["friction"]
+    friction = run(evolve(scene, table, si=True), "friction-curve")["friction"]
     assert 0.03 < float(friction.max()) < 0.12
     Path(file).write_text("slide_roll_ratio [%], friction [1]\n1, x", encoding="utf-8")
     with pytest.raises(
         SceneError, match=r"models.traction.hydrodynamic.file: .*table.csv:2: friction: 'x' is not"
     ):
-        run(evolve(scene, table), "friction-curve")
+        run(evolve(scene, table, si=True), "friction-curve")
 
 
 def test_equal_files_make_equal_models():

@@ -57,7 +57,9 @@ def alone():
 
 def curve(changes, oil=None):
     scene = evolve(
-        load_scene("1032930-70C"), changes | QUICK | ({"lubricant.models": oil} if oil else {})
+        load_scene("1032930-70C"),
+        changes | QUICK | ({"lubricant.models": oil} if oil else {}),
+        si=True,
     )
     return run(scene, "friction-curve").isel(normal_force=0)
 
@@ -136,7 +138,9 @@ def test_a_flange_drag_that_knows_the_load():
     register(FlangeDrag)
     few, many = (
         evolve(
-            load_scene("1032930-70C"), {"cage.drag": ["flange-drag"], "operation.radial_load": load}
+            load_scene("1032930-70C"),
+            {"cage.drag": ["flange-drag"], "operation.radial_load": load},
+            si=True,
         )
         for load in ("2 kN", "6 kN")
     )
@@ -158,7 +162,7 @@ def test_an_elastic_contact_in_series():
     register(Seated)
     paper = load_scene("1032930-70C")
     stiff, rigid, soft = (
-        rollslip.load_distribution(evolve(paper, {"models.contact": contact}))
+        rollslip.load_distribution(evolve(paper, {"models.contact": contact}, si=True))
         .displacement.to_numpy()
         .max()
         for contact in (

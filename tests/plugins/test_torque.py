@@ -338,7 +338,9 @@ def test_what_a_formula_lacks_is_told_and_the_others_are_given():
         "shear_modulus": "0.3 GPa",
     }
     result = run(
-        evolve(SCENE, {"models.torque": ["skf", "constant-coefficient"], "lubricant": own}),
+        evolve(
+            SCENE, {"models.torque": ["skf", "constant-coefficient"], "lubricant": own}, si=True
+        ),
         "steady-slip",
     )
     known = dict(zip(result.formula.to_numpy(), result.formula_torque.to_numpy(), strict=True))
@@ -376,7 +378,7 @@ def named(name, **changes):
     }
     text = new_scene("-", **(ASSUMED | requested))
     drags = ["rolling-resistance", "hysteresis", {"model": "churning", "oil_fraction": 0.055}]
-    return evolve(parse_scene(text, "-"), {"cage.drag": drags} | changes)
+    return evolve(parse_scene(text, "-"), {"cage.drag": drags} | changes, si=True)
 
 
 def test_a_designation_gives_series_and_boundary_dimensions():

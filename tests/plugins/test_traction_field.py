@@ -500,7 +500,7 @@ def test_it_serves_as_the_traction_of_a_scene():
         "accuracy": 1e-3,
         "heat_capacity": "1.9e6 J/(m3 K)",
     }
-    scene = evolve(load_scene("1032930-30C"), {"models.traction.hydrodynamic": traction})
+    scene = evolve(load_scene("1032930-30C"), {"models.traction.hydrodynamic": traction}, si=True)
     model = assemble(scene).traction.hydrodynamic
     assert model == MaxwellEyringField(accuracy=1e-3, heat_capacity=1.9e6, law=Barus())
 

@@ -704,7 +704,7 @@ def test_what_another_law_does_to_the_answer_is_what_a_run_with_it_gives():
         ("W01", "models.film", {"model": "inlet-correction", "film": "moes"}),
         ("W23", "models.traction", "maxwell-eyring"),
     ):
-        there = answer_of(rollslip.run(rollslip.evolve(scene, {key: law}), "steady-slip"))
+        there = answer_of(rollslip.run(rollslip.evolve(scene, {key: law}, si=True), "steady-slip"))
         slip, reserve, torque = notes[code].changes.values()
         assert slip[1] == pytest.approx(there["cage_slip"].value, rel=0.1), code
         assert reserve[1] == pytest.approx(there["acceptable_reserve"].value, rel=0.1), code

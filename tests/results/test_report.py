@@ -196,7 +196,7 @@ def skidding(tmp_path_factory):
     scene = rollslip.new(
         "NU 2312", oil="iso-vg-220", speed="1500 rpm", load="1 kN", temperature="70 degC"
     )
-    result = rollslip.run(rollslip.evolve(scene, COARSE), "steady-slip")
+    result = rollslip.run(rollslip.evolve(scene, COARSE, si=True), "steady-slip")
     assert len(answer_of(result).visible_rows()) == 8
     figures = save_plots(result, folder)
 

@@ -36,6 +36,7 @@ def test_evolve_changes_values_by_dotted_key() -> None:
             "bearing.material.density": 7850,
             "surface.roller_roughness": "0.2 um",
         },
+        si=True,
     )
     assert changed.operation.radial_load == 500
     assert changed.lubricant.name == "mil-prf-7808"
@@ -66,7 +67,7 @@ def test_a_bare_name_becomes_a_table_when_a_parameter_is_set() -> None:
     scene = parse_scene(scene_with("[models.traction]", 'model = "constant"'), "scene.toml")
     film = evolve(scene, {"models.film": "regime", "models.film.thermal": True}).models.film
     assert film == ModelChoice(name="regime", parameters=FrozenTable({"thermal": True}))
-    traction = evolve(scene, {"models.traction.friction": 0.1}).models.traction
+    traction = evolve(scene, {"models.traction.friction": 0.1}, si=True).models.traction
     assert traction == ModelChoice(name="constant", parameters=FrozenTable({"friction": 0.1}))
 
 
@@ -75,8 +76,10 @@ def test_a_person_s_word_stands_for_its_key(word: str, key: str) -> None:
     base = load_scene("gearbox")
     known = quantities(assemble(base), {})
     value: object = "iso-vg-68" if word == "oil" else known[key].value
-    changed = evolve(base, {key: value if known[key].unit is None else value * 1.5})  # type: ignore[operator]
-    assert changed == evolve(base, {word: value if known[key].unit is None else value * 1.5})  # type: ignore[operator]
+    changed = evolve(base, {key: value if known[key].unit is None else value * 1.5}, si=True)  # type: ignore[operator]
+    assert changed == evolve(
+        base, {word: value if known[key].unit is None else value * 1.5}, si=True
+    )  # type: ignore[operator]
     assert known[word] is known[key] is known.get(word)
     assert word in known
 
@@ -95,8 +98,8 @@ def test_the_title_of_a_result_follows_what_was_changed() -> None:
 
 def test_changes_add_up() -> None:
     scene = parse_scene(SCENE, "scene.toml")
-    both = evolve(scene, {"operation.radial_load": 1, "title": "x"})
-    assert evolve(evolve(scene, {"operation.radial_load": 1}), {"title": "x"}) == both
+    both = evolve(scene, {"operation.radial_load": 1, "title": "x"}, si=True)
+    assert evolve(evolve(scene, {"operation.radial_load": 1}, si=True), {"title": "x"}) == both
     assert evolve(scene, {}) == scene
 
 
@@ -119,6 +122,7 @@ def test_faults_of_changes_are_marked_and_the_others_keep_their_lines() -> None:
                 "bearing.material": 5,
                 "operation.temperature": None,
             },
+            si=True,
         )
     assert sorted(problem.split("; ")[0] for problem in caught.value.problems) == [
         "changes: bearing.material: a table is expected, not 5",
@@ -136,7 +140,7 @@ def test_faults_of_changes_are_marked_and_the_others_keep_their_lines() -> None:
 )
 def test_what_is_no_key_is_reported(key: str) -> None:
     with pytest.raises(SceneError, match="is not a key"):
-        evolve(parse_scene(SCENE, "scene.toml"), {key: 1})
+        evolve(parse_scene(SCENE, "scene.toml"), {key: 1}, si=True)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +166,7 @@ def test_what_is_no_key_is_reported(key: str) -> None:
 )
 def test_what_was_meant_otherwise_gets_advice(key: str, value: object, said: str) -> None:
     with pytest.raises(RollslipError) as caught:
-        evolve(parse_scene(SCENE, "scene.toml"), {key: value})
+        evolve(parse_scene(SCENE, "scene.toml"), {key: value}, si=True)
     assert said in str(caught.value)
 
 
@@ -173,12 +177,12 @@ def test_a_key_below_a_value_is_reported(key: str) -> None:
     with pytest.raises(
         SceneError, match=f"changes: '{key}' does not exist: '{key.split('.')[-2]}' is not a table"
     ):
-        evolve(parse_scene(SCENE, "scene.toml"), {key: 1})
+        evolve(parse_scene(SCENE, "scene.toml"), {key: 1}, si=True)
 
 
 def test_keys_may_be_quoted() -> None:
     changed = evolve(
-        parse_scene(SCENE, "scene.toml"), {'study."my study".x': 1, "study.'a.b'.x": 2}
+        parse_scene(SCENE, "scene.toml"), {'study."my study".x': 1, "study.'a.b'.x": 2}, si=True
     )
     assert changed.study["my study"] == {"x": 1}
     assert changed.study["a.b"] == {"x": 2}
@@ -200,7 +204,7 @@ scene_keys = st.sampled_from(
 def test_any_change_gives_a_scene_or_a_scene_error(changes: dict[str, object]) -> None:
     scene = parse_scene(SCENE, "scene.toml")
     with contextlib.suppress(SceneError, PluginError):  # named data may not exist
-        changed = evolve(scene, changes)
+        changed = evolve(scene, changes, si=True)
         assert structure(Scene, json.loads(json.dumps(resolved(changed))), "", []) == changed
         assert len(scene_hash(changed)) == 64
 
@@ -273,7 +277,7 @@ def test_a_key_that_leads_to_none_of_several_models_is_refused(key: str, sentenc
         {"models.torque": [{"model": "skf", "series": "22"}, "constant-coefficient"]},
     )
     with pytest.raises(SceneError) as error:
-        evolve(several, {key: 1})
+        evolve(several, {key: 1}, si=True)
     assert f"changes: '{key}' does not exist: {sentence}" in str(error.value)
 
 

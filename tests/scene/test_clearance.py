@@ -168,7 +168,9 @@ def test_a_scene_has_its_housing_at_its_temperature():
     table += "[bearing.mounting.housing_material]\nelastic_modulus = '70 GPa'"
     cold, warm = (
         evolve(
-            scene(table.format("housing_interference = '50 um'")), {"operation.temperature": at}
+            scene(table.format("housing_interference = '50 um'")),
+            {"operation.temperature": at},
+            si=True,
         ).bearing
         for at in ("20 degC", "120 degC")
     )
@@ -182,7 +184,7 @@ def test_a_scene_has_its_housing_at_its_temperature():
     assert warm.radial_clearance - cold.radial_clearance == pytest.approx(alone, abs=2e-12)
     cold, warm = (
         evolve(
-            scene(table.format("housing_fit = 'P7'")), {"operation.temperature": at}
+            scene(table.format("housing_fit = 'P7'")), {"operation.temperature": at}, si=True
         ).bearing.mounted
         for at in ("20 degC", "120 degC")
     )
@@ -260,7 +262,9 @@ def test_rollers_widen_a_rigid_outer_ring_as_they_do_one_that_yields(housing, ar
     }  # fmt: skip
     changes = {f"bearing.{key}": value for key, value in given.items()}
     rigid = evolve(
-        plain, changes | {"operation.outer_speed": "-900 rpm", "operation.radial_load": "0 N"}
+        plain,
+        changes | {"operation.outer_speed": "-900 rpm", "operation.radial_load": "0 N"},
+        si=True,
     )
     hoop = evolve(rigid, {"models.outer_ring": {"model": "annulus", "harmonics": 0}})
     wide = 2.0 * assemble(hoop).load_distribution(1).deflection[0, 0]
@@ -388,7 +392,7 @@ def test_usual_bearings_keep_what_others_computed(name, left, deviation, c3):
 
 def test_temperatures_of_rings_take_the_place_of_the_usual_difference():
     still = {"bearing.mounting.shaft_interference": 0.0, "bearing.mounting.growth": False}
-    loose = evolve(scene(), still)
+    loose = evolve(scene(), still, si=True)
     b = loose.bearing
     warm = evolve(
         loose,
@@ -399,7 +403,9 @@ def test_temperatures_of_rings_take_the_place_of_the_usual_difference():
     # all parts warm alike where somebody says so: no clearance is lost, at any temperature
     for T in ("20 degC", "70 degC"):
         alike = {"operation.outer_ring_temperature": T, "operation.temperature": T}
-        assert evolve(loose, alike).bearing.radial_clearance == pytest.approx(57.5e-6, abs=1e-12)
+        assert evolve(loose, alike, si=True).bearing.radial_clearance == pytest.approx(
+            57.5e-6, abs=1e-12
+        )
 
 
 @given(
@@ -502,7 +508,7 @@ def test_a_stated_clearance_is_that_in_operation_and_the_rest_is_told_as_unused(
         with pytest.raises(
             SceneError, match=r"changes nothing, since bearing.radial_clearance is stated"
         ):
-            evolve(stated, change)
+            evolve(stated, change, si=True)
 
 
 @pytest.mark.parametrize(
@@ -557,7 +563,7 @@ def test_a_stated_clearance_is_that_in_operation_and_the_rest_is_told_as_unused(
 )
 def test_what_is_wrong_with_a_mounting_is_one_clear_error(changes, says):
     with pytest.raises(SceneError, match=says) as told:
-        evolve(scene(), changes)
+        evolve(scene(), changes, si=True)
     assert len(told.value.problems) == 1
 
 
@@ -622,7 +628,7 @@ def test_every_study_has_the_clearance_of_the_mounting_and_tells_its_sum(study, 
     text = str(one.bearing.mounted)
     (part,) = (part for part in plan(one, study).parts if part.part == "clearance")
     assert (part.reason, part.choice) == (text, "33 um")
-    stated = evolve(one, {"bearing.radial_clearance": one.bearing.radial_clearance})
+    stated = evolve(one, {"bearing.radial_clearance": one.bearing.radial_clearance}, si=True)
     found = run(one, study)
     same = run(stated, study)
     assert f'"text": "{text}"' in found.attrs["clearance"]
@@ -654,7 +660,7 @@ def test_temperatures_of_a_motion_change_the_clearance_once():
         f"operation.{part}_temperature": "70 degC"
         for part in ("inner_ring", "outer_ring", "roller")
     }
-    begins = evolve(one, alike).bearing.radial_clearance
+    begins = evolve(one, alike, si=True).bearing.radial_clearance
     assert begins == pytest.approx(scene().bearing.radial_clearance + 7.62e-6, abs=2e-9)
     assert float(found.radial_clearance[0]) == pytest.approx(begins, abs=1e-9)
     o = {
@@ -682,10 +688,10 @@ def test_the_thermal_model_gives_the_clearance_of_a_scene_at_its_temperatures():
     changes = model.changes(T, one)
     temperatures = {key: value for key, value in changes.items() if key.endswith("temperature")}
     assert len(temperatures) == 4
-    stated = evolve(one, temperatures)
+    stated = evolve(one, temperatures, si=True)
     assert stated.bearing.mounted is not None
     assert changes["bearing.radial_clearance"] == stated.bearing.radial_clearance
-    assert evolve(one, changes).bearing.radial_clearance == stated.bearing.radial_clearance
+    assert evolve(one, changes, si=True).bearing.radial_clearance == stated.bearing.radial_clearance
 
 
 # Scatter -------------------------------------------------------------------------------------------------------------
@@ -693,7 +699,7 @@ def test_the_thermal_model_gives_the_clearance_of_a_scene_at_its_temperatures():
 
 def test_its_scatter_follows_class_and_fit_and_moves_the_clearance():
     for changes in ({}, {"bearing.clearance_class": "C3"}, {"bearing.mounting.shaft_fit": "n6"}):
-        one = evolve(scene(), changes)
+        one = evolve(scene(), changes, si=True)
         made, said = with_scatter(one)
         table = made.uncertainty["bearing.mounting.clearance_deviation"]
         assert (table["distribution"], table["mean"]) == ("normal", "0 um")

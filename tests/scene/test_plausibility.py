@@ -155,7 +155,9 @@ def test_a_slip_is_told_with_its_value_and_what_was_meant(
     key: str, value: object, shown: str, meant: str
 ) -> None:
     [told] = [
-        one for one in implausible(evolve(SCENE, {key: value})) if "runs preloaded" not in one
+        one
+        for one in implausible(evolve(SCENE, {key: value}, si=True))
+        if "runs preloaded" not in one
     ]
     place, _, sentence = told.partition(f"changes: {key}")
     assert place == ""
@@ -167,7 +169,7 @@ def test_a_slip_is_told_with_its_value_and_what_was_meant(
 def test_a_slip_in_a_parameter_of_a_law_is_told_likewise(
     key: str, value: object, shown: str, meant: str
 ) -> None:
-    [told] = implausible(evolve(SCENE, {key: value}))
+    [told] = implausible(evolve(SCENE, {key: value}, si=True))
     assert told.startswith(f"changes: {key}")
     assert shown in told
     assert meant in told
@@ -177,7 +179,7 @@ def test_a_slip_in_a_parameter_of_a_law_is_told_likewise(
 def test_an_impossible_parameter_of_a_law_is_refused(key: str, value: object, said: str) -> None:
     with pytest.raises(SceneError) as caught:
         _ = assemble(
-            evolve(SCENE, {"cage.mass": "400 g", "cage.inertia": "33 kg cm2", key: value})
+            evolve(SCENE, {"cage.mass": "400 g", "cage.inertia": "33 kg cm2", key: value}, si=True)
         ).cage
     [problem] = caught.value.problems
     assert said in problem
@@ -223,7 +225,7 @@ def test_what_is_impossible_is_one_error_that_says_what_was_meant(
     key: str, value: object, said: str
 ) -> None:
     with pytest.raises(SceneError) as caught:
-        evolve(SCENE, {key: value})
+        evolve(SCENE, {key: value}, si=True)
     assert caught.value.problems == [f"changes: {key}: {said}"]
 
 
@@ -241,7 +243,7 @@ def test_both_name_file_and_line() -> None:
 
 def test_values_of_tables_lists_and_models_are_judged_where_they_stand() -> None:
     over = {"temperature": ["40 degC", "400 degC"], "value": ["12 1/MPa", "8 1/GPa"]}
-    found = implausible(evolve(SCENE, {"lubricant.pressure_viscosity": over}))
+    found = implausible(evolve(SCENE, {"lubricant.pressure_viscosity": over}, si=True))
     assert [told.partition(" is unusual")[0] for told in found] == [
         "changes: lubricant.pressure_viscosity.temperature[1]: 400 degC",
         "changes: lubricant.pressure_viscosity.value[0]: 12 1/MPa",
@@ -256,11 +258,11 @@ def test_shipped_scenes_are_usual(name: str) -> None:
 def test_a_load_below_the_weight_of_the_rollers_is_told() -> None:
     mass = 28 * 7800 * math.pi / 4 * 0.015**3
     for load, many in ((0.9 * 9.81 * mass, 1), (1.1 * 9.81 * mass, 0), (0.0, 0)):
-        told = " ".join(implausible(evolve(SCENE, {"operation.radial_load": load})))
+        told = " ".join(implausible(evolve(SCENE, {"operation.radial_load": load}, si=True)))
         left = "of the weight of the rollers, which is left out without operation.gravity_direction, at least 100 %"
         assert told.count(f"{left} is usual") == many
     heavy = {"operation.radial_load": 0.5 * 9.81 * mass, "operation.gravity_direction": 0.0}
-    assert "weight of the rollers" not in " ".join(implausible(evolve(SCENE, heavy)))
+    assert "weight of the rollers" not in " ".join(implausible(evolve(SCENE, heavy, si=True)))
 
 
 #: Classes of the tables of a scene.
@@ -356,7 +358,7 @@ def test_a_law_of_a_stranger_without_ranges_goes_on_working(
         anything: float = parameter(default=1.0, unit="1", doc="whatever it is")
 
     add("traction", Strange)
-    scene = evolve(SCENE, {"models.traction": {"model": "strange", "anything": -1e30}})
+    scene = evolve(SCENE, {"models.traction": {"model": "strange", "anything": -1e30}}, si=True)
     assert implausible(scene) == []
     assert assemble(scene).traction == Strange(anything=-1e30)
 
@@ -413,7 +415,9 @@ def test_what_a_scene_says_by_itself_is_not_said_again_of_its_values() -> None:
 
 def test_relations_blame_a_key_of_the_scene_and_say_what_they_rest_on() -> None:
     listed = evolve(
-        SCENE, {"bearing.catalogue.minimum_load_factor": 0.1, "lubrication.oil_level": "5 mm"}
+        SCENE,
+        {"bearing.catalogue.minimum_load_factor": 0.1, "lubrication.oil_level": "5 mm"},
+        si=True,
     )
     for relation in RELATIONS:
         assert math.isfinite(relation.evaluate(listed))
@@ -497,7 +501,7 @@ def test_what_values_amount_to_is_that_by_hand():
 
 def test_short_rollers_are_usual_and_a_number_without_a_unit_is_doubted_before_one_with_it():
     made = load_scene("1032930-70C")
-    short = evolve(made, {"bearing.roller_length": 0.5 * made.bearing.roller_diameter})
+    short = evolve(made, {"bearing.roller_length": 0.5 * made.bearing.roller_diameter}, si=True)
     assert not any("bearing.roller_length" in one for one in implausible(short))
     for speed, doubted in (
         (600.0, True),

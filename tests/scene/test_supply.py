@@ -148,7 +148,9 @@ def test_one_layer_of_oil_limits_films_and_rolling_resistance():
     """The layer of the supply is in film and drag; a value that is stated for a model wins."""
     cage = {"mass": "0.4 kg", "inertia": "0.0033 kg m2"}
     scene = evolve(
-        SCENE, {"cage": cage, "models.film": "inlet-correction", "lubrication.supply": "mist"}
+        SCENE,
+        {"cage": cage, "models.film": "inlet-correction", "lubrication.supply": "mist"},
+        si=True,
     )
     bearing = assemble(scene)
     assert bearing.film.oil_layer == oil_supply(scene, bearing.lubricant).oil_layer == 1e-6
@@ -161,7 +163,7 @@ def test_one_layer_of_oil_limits_films_and_rolling_resistance():
 
 def test_the_plan_says_where_drags_are_from():
     cage = {"mass": "0.4 kg", "inertia": "0.0033 kg m2"}
-    scene = evolve(SCENE, {"cage": cage, "lubrication": "grease"})
+    scene = evolve(SCENE, {"cage": cage, "lubrication": "grease"}, si=True)
     parts = [
         part
         for part in plan(scene, "steady-slip").parts
@@ -180,7 +182,7 @@ def test_the_deepest_bath_that_was_held_against_is_usual():
         level = f"{fraction * 180:.3g} mm"
         return [
             one
-            for one in implausible(evolve(SCENE, {"lubrication.oil_level": level}))
+            for one in implausible(evolve(SCENE, {"lubrication.oil_level": level}, si=True))
             if "oil_level" in str(one)
         ]
 

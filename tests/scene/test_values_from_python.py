@@ -45,7 +45,19 @@ def test_a_sweep_goes_over_whatever_holds_numbers(speeds):
     "load", [np.array(3000.0), np.float32(3000.0), decimal.Decimal(3000), xr.DataArray(3000.0)]
 )
 def test_a_number_of_another_library_is_a_number(load):
-    assert evolve(PAPER, {"operation.radial_load": load}).operation.radial_load == 3000.0
+    assert evolve(PAPER, {"operation.radial_load": load}, si=True).operation.radial_load == 3000.0
+
+
+@pytest.mark.parametrize("number", [3000, 3000.0, np.float64(3000.0), decimal.Decimal(3000)])
+def test_a_number_without_a_unit_is_refused_unless_it_is_said_to_be_in_si_units(number):
+    with pytest.raises(
+        SceneError,
+        match=r"radial_load: 3000(\.0)? has no unit, here a force is expected: write '3000",
+    ):
+        evolve(PAPER, {"operation": {"radial_load": number}})
+    with_unit = xr.DataArray(float(number), attrs={"units": "N"})
+    assert evolve(PAPER, {"operation.radial_load": with_unit}).operation.radial_load == 3000.0
+    assert evolve(PAPER, {"operation.misalignment": 0}).operation.misalignment == 0.0
 
 
 @pytest.mark.parametrize("rollers", [18, 18.0, np.int64(18), np.array(18)])
@@ -61,8 +73,8 @@ def test_a_part_of_a_roller_is_refused():
 
 
 def test_a_scene_is_taken_by_its_name():
-    assert evolve("1032930-70C", {"operation.radial_load": 3000.0}) == evolve(
-        PAPER, {"operation.radial_load": 3000.0}
+    assert evolve("1032930-70C", {"operation.radial_load": 3000.0}, si=True) == evolve(
+        PAPER, {"operation.radial_load": 3000.0}, si=True
     )
 
 
@@ -70,7 +82,7 @@ def test_a_key_that_no_oil_has_is_refused_at_once():
     with pytest.raises(
         SceneError, match=r"'lubricant\.viscositty' is no key, did you mean 'viscosity'\?"
     ):
-        evolve(PAPER, {"lubricant.viscositty": 0.01})
+        evolve(PAPER, {"lubricant.viscositty": 0.01}, si=True)
 
 
 def test_a_scene_in_place_of_a_result_is_said():
@@ -87,7 +99,7 @@ def test_a_scene_in_place_of_a_result_is_said():
             lambda: evolve(PAPER, "operation.radial_load=3 kN"),
             "changes: values by key are expected",
         ),
-        (lambda: evolve(PAPER, {5: 3000.0}), "changes: values by key are expected"),
+        (lambda: evolve(PAPER, {5: 3000.0}, si=True), "changes: values by key are expected"),
         (lambda: load_scene({"bearing": {}}), "scene: a name or a path is expected, not a table"),
         (lambda: load_scene("NU 2316"), r"'NU 2316': is a bearing; .* rollslip\.new\('NU 2316'\)"),
         (lambda: rollslip.available(), "name a kind; there are: account, bearing, "),

@@ -61,7 +61,8 @@ def test_the_load_goes_with_a_constant_torque_as_the_torque_of_rollers_does_with
     for end, sign in (("low", -1.0), ("high", 1.0)):
         there = torque * math.exp(sign * deviation * FIFTH)
         moved = rollslip.run(
-            rollslip.evolve(scene, {"cage.drag.constant-torque.size": there}), "steady-slip"
+            rollslip.evolve(scene, {"cage.drag.constant-torque.size": there}, si=True),
+            "steady-slip",
         )
         assert told["steady_slip"][end] == pytest.approx(float(moved.steady_slip[0]), rel=0.05)
         assert told["minimum_load"][end] == pytest.approx(float(moved.minimum_load), rel=0.05)
@@ -152,7 +153,7 @@ def sampled_slips(scene, count):
     slips = [slip_of(shared)]
     for row in table.values(probabilities).tolist():
         values = dict(zip(table.distributions, row, strict=True))
-        sample = assemble(rollslip.evolve(scene, values), nominal.resolution, like=nominal)
+        sample = assemble(rollslip.evolve(scene, values, si=True), nominal.resolution, like=nominal)
         slips.append(slip_of(torque_balance(sample, 1, inertia=False, similar=shared)))
     return slips[0], np.array(slips[1:])
 
@@ -305,7 +306,7 @@ def with_play():
 def test_slips_with_play_are_those_of_runs_at_other_values(key, with_play):
     scene, _, changes = with_play
     for value, slip in zip(changes[key]["ends"], changes[key]["values"], strict=True):
-        run = rollslip.run(rollslip.evolve(scene, {key: value}), "steady-slip")
+        run = rollslip.run(rollslip.evolve(scene, {key: value}, si=True), "steady-slip")
         assert math.log(slip / float(run.steady_slip[0])) == pytest.approx(0.0, abs=CHANGED[key])
 
 
@@ -318,7 +319,7 @@ def test_the_band_reaches_to_bars_of_metal_and_to_other_play(with_play):
     assert without < low < slip
     band = json.loads(found.attrs["band"])["steady_slip"]
     stated = {"cage.pocket_contact": "film", "cage.pocket_clearance": "475 um"}
-    certain = of_run(rollslip.evolve(scene, stated))
+    certain = of_run(rollslip.evolve(scene, stated, si=True))
     narrower = json.loads(certain.attrs["band"])["steady_slip"]
     assert not {"cage.pocket_contact", "cage.pocket_clearance"} & {
         row["key"] for row in narrower["changes"]

@@ -169,7 +169,9 @@ def test_a_steady_motion_has_a_reserve_to_skidding_and_a_verdict():
     """Also one that is steady on average: its error is the band of the slip."""
     settings = {"level": "pocket", "friction": "effective", "duration": "0.8 s", "points": 801}
     scene = evolve(
-        load_scene("gearbox"), {f"study.dynamics.{name}": value for name, value in settings.items()}
+        load_scene("gearbox"),
+        {f"study.dynamics.{name}": value for name, value in settings.items()},
+        si=True,
     )
     found = rollslip.run(scene, "dynamics")
     slip = found.attrs["steady_cage_slip"]
@@ -433,6 +435,7 @@ def test_a_result_says_what_it_holds_and_can_be_stored(level, tmp_path):
         | {"cage": {"mass": 0.4, "inertia": 3.3e-3, "drag": [brake(0.3)], "guidance": "outer"}}
         | {"study.dynamics": {"level": level, "duration": 1e-3, "points": 3}}
         | ({"study.dynamics.planar": {"inner_ring_mass": 5.0}} if level == "planar" else {}),
+        si=True,
     )
     found = execute(plan(scene, "dynamics"), "dynamics")
     for name, variable in {**found.data_vars, **found.coords}.items():

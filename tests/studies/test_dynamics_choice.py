@@ -33,13 +33,16 @@ SLICES = Resolution(slices=25, table_tolerance=1e-3)
 
 def bearing(**changes):
     return assemble(
-        evolve(SHIPPED, {key.replace("__", "."): value for key, value in changes.items()}), SLICES
+        evolve(SHIPPED, {key.replace("__", "."): value for key, value in changes.items()}, si=True),
+        SLICES,
     )
 
 
 def open_scene(*names, **changes):
     """The shipped scene with these settings of the study left open."""
-    scene = evolve(SHIPPED, {"study.dynamics": NAMED | {"duration": 0.05, "points": 3}} | changes)
+    scene = evolve(
+        SHIPPED, {"study.dynamics": NAMED | {"duration": 0.05, "points": 3}} | changes, si=True
+    )
     kept = {key: value for key, value in scene.study["dynamics"].items() if key not in names}
     return attrs.evolve(scene, study={**scene.study, "dynamics": kept})
 
@@ -269,6 +272,7 @@ def test_a_run_up_from_rest_is_foreseen_by_later_instants_too():
                 "history": up,
             },
         },
+        si=True,
     )
     assembly = assemble(scene)
     study = Dynamics.from_scene(scene)
@@ -322,7 +326,9 @@ def test_a_longer_motion_that_settles_needs_hardly_smaller_steps():
 def test_the_steps_of_a_plan_keep_the_mean_speed_of_the_cage_over_seconds():
     """Held against steps at 1e-7; single instants are chaotic."""
     settings = {"level": "pocket", "friction": "effective", "duration": 3.0, "points": 2001}
-    scene = evolve(SHIPPED, {f"study.dynamics.{name}": value for name, value in settings.items()})
+    scene = evolve(
+        SHIPPED, {f"study.dynamics.{name}": value for name, value in settings.items()}, si=True
+    )
     runs = [rollslip.run(scene, "dynamics")]
     runs.append(
         rollslip.run(evolve(scene, {"study.dynamics.relative_tolerance": 1e-7}), "dynamics")
@@ -461,10 +467,12 @@ def test_motions_that_hit_their_pockets_claim_as_much_as_steps_let_them_come_apa
             }
         },
     }
-    result = rollslip.run(evolve(SHIPPED, changes), "dynamics")
+    result = rollslip.run(evolve(SHIPPED, changes, si=True), "dynamics")
     study = {"relative_tolerance": 1e-9, "integrator": "rk45"}
     fine = evolve(
-        evolve(SHIPPED, changes), {f"study.dynamics.{key}": value for key, value in study.items()}
+        evolve(SHIPPED, changes, si=True),
+        {f"study.dynamics.{key}": value for key, value in study.items()},
+        si=True,
     )
     true = rollslip.run(fine, "dynamics")
     off = np.abs(result.cage_speed - true.cage_speed).max() / np.abs(true.cage_speed).max()

@@ -139,7 +139,7 @@ def test_forces_are_spread_along_tilted_rollers_as_the_motion_has_them():
     as along aligned rollers it would be 3 and 13 % off."""
     changes = {"operation.misalignment": "1 mrad", "accuracy.slices": 9, "study.dynamics.points": 3}
     drop = {"radial_load": {"shape": "ramp", "to": "3000 N", "within": "0.2 s"}}
-    scene = rollslip.evolve(SCENE, changes | {"study.dynamics.history": drop})
+    scene = rollslip.evolve(SCENE, changes | {"study.dynamics.history": drop}, si=True)
     bearing = assemble(scene)
     motion = Dynamics.from_scene(scene).run(bearing)
     for k in (1, 2):
@@ -187,7 +187,7 @@ def test_a_settled_motion_has_the_damage_of_its_steady_slip():
     long = rollslip.evolve(SCENE, {"study.dynamics.duration": "3 s", "study.dynamics.points": 201})
     motion = Dynamics.from_scene(long).run(assemble(long))
     at = {"study.surface-damage.cage_slip": float(motion["cage_slip"][-1])}
-    steady = rollslip.run(rollslip.evolve(long, at), "surface-damage")["worst"].to_numpy()
+    steady = rollslip.run(rollslip.evolve(long, at, si=True), "surface-damage")["worst"].to_numpy()
     late = motion["worst_over_time"].to_numpy()[:, :, -20:]
     late = np.where(
         np.array(EVERY)[:, None] == "film-parameter", late.min(axis=2), late.max(axis=2)

@@ -51,7 +51,9 @@ def scene(capacity, changes=None, **parameters):
         "model": "network", "oil_flow": "5 g/s", **CUT, **dict.fromkeys(LINKS, 20.0),
         **{f"{part}_capacity": capacity for part in PARTS},
     }  # fmt: skip
-    return rollslip.evolve(SCENE, {"models.thermal": network | parameters, **(changes or {})})
+    return rollslip.evolve(
+        SCENE, {"models.thermal": network | parameters, **(changes or {})}, si=True
+    )
 
 
 def ran(of):

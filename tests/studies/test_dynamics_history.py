@@ -47,7 +47,7 @@ SCENE = rollslip.evolve(rollslip.load_scene("1032930-50C"), SHORT)
 
 
 def scene(changes=None, **raw):
-    return rollslip.evolve(SCENE, (changes or {}) | ({HISTORY: raw} if raw else {}))
+    return rollslip.evolve(SCENE, (changes or {}) | ({HISTORY: raw} if raw else {}), si=True)
 
 
 def watched(changes=None, **raw):
@@ -649,7 +649,7 @@ def test_the_plan_tells_what_a_history_costs_and_why_friction_is_conventional():
     changes = open_friction | {
         f"{HISTORY}.inner_speed": {"shape": "run-up", "from": "2000 rpm", "within": "0.1 s"}
     }
-    plan = rollslip.plan(rollslip.evolve(SCENE, changes), "dynamics")
+    plan = rollslip.plan(rollslip.evolve(SCENE, changes, si=True), "dynamics")
     parts = {part.part: part for part in plan.parts}
     assert parts["history"].choice == "inner speed"
     assert parts["history"].seconds > 0.0
@@ -669,7 +669,7 @@ def test_a_parameter_of_a_history_can_be_varied():
     one = known[f"{HISTORY}.radial_load.to"]
     assert (one.value, one.unit) == (900.0, "N")
     assert one.read("1.2 kN") == 1200.0
-    changed = Dynamics.from_scene(rollslip.evolve(of, {one.key: "800 N"}))
+    changed = Dynamics.from_scene(rollslip.evolve(of, {one.key: "800 N"}, si=True))
     assert changed.history.radial_load.to == 800.0
 
 

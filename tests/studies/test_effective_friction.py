@@ -89,7 +89,7 @@ def test_a_free_roller_stays_on_its_balance_while_there_is_one():
         "lubricant.eyring_stress": "7.07 MPa",
         "accuracy.slices": 21,
     }
-    assembly = assemble(evolve(load_scene("1032930-70C"), changes))
+    assembly = assemble(evolve(load_scene("1032930-70C"), changes, si=True))
     slips = slip_grid(0.9, 61)[1:]
     raceways = EffectiveFriction(closure="free-roller").loaded(assembly, 2)
     rolling = assembly.kinematics.roller_slip_outer_rolling(slips)
@@ -221,7 +221,9 @@ def test_what_a_status_tells_one_to_type_finds_what_was_not_found():
     )
     short = run(scene, "effective-friction").critical_status.to_numpy()[0]
     key, value = parse_set(str(short).rpartition(" --set ")[2])
-    assert np.isfinite(run(evolve(scene, {key: value}), "effective-friction").critical_cage_slip[0])
+    assert np.isfinite(
+        run(evolve(scene, {key: value}, si=True), "effective-friction").critical_cage_slip[0]
+    )
 
 
 @pytest.mark.quick
@@ -233,6 +235,7 @@ def test_the_first_of_two_maxima_is_told_where_the_critical_slip_is():
     scene = evolve(
         STRAIGHT,
         {"operation.radial_load": 500.0, "operation.temperature": "90 degC", "surface": rough},
+        si=True,
     )
     result = curve(scene, points=61, max_cage_slip=0.95)
     inner = result.sel(ring="inner")
@@ -285,7 +288,9 @@ def test_more_load_gives_less_slip(load, factor):
     """At a given drag torque the cage slips less under more load: the pull sum(mu Q) rises with it at every slip."""
     pulls = []
     for force in (load, load * factor):
-        scene = evolve(STRAIGHT, {"operation.radial_load": force, "accuracy.tolerance": 1e-2})
+        scene = evolve(
+            STRAIGHT, {"operation.radial_load": force, "accuracy.tolerance": 1e-2}, si=True
+        )
         result = curve(scene, points=7, max_cage_slip=0.1)
         forces = (
             assemble(scene)
@@ -310,7 +315,7 @@ def test_friction_drives_the_cage_whichever_ring_turns(closure):
     driven = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "6371 rpm"}
     for changes in (driven, driven | {"operation.outer_speed": "-6371 rpm"}):
         result = curve(
-            evolve(STRAIGHT, changes),
+            evolve(STRAIGHT, changes, si=True),
             closure=closure,
             per_roller=True,
             map_points=3,
@@ -384,7 +389,9 @@ def test_friction_curve_has_the_thermal_branch_of_the_paper():
 )
 def test_every_profile_of_a_scene_reaches_the_contacts(profile):
     assembly = assemble(
-        evolve(STRAIGHT, {"bearing.profile": profile, "operation.misalignment": "0.1 mrad"})
+        evolve(
+            STRAIGHT, {"bearing.profile": profile, "operation.misalignment": "0.1 mrad"}, si=True
+        )
     )
     loads = assembly.load_distribution()
     assert loads.inner_force[0, 0] > 0.0
@@ -399,7 +406,7 @@ def test_every_profile_of_a_scene_reaches_the_contacts(profile):
 def test_a_profile_that_does_not_cover_the_roller_is_refused():
     table = {"shape": "table", "position": ["-5 mm", "5 mm"], "drop": ["0 um", "0 um"]}
     with pytest.raises(SceneError, match=r"bearing\.profile: "):
-        assemble(evolve(STRAIGHT, {"bearing.profile": table}))
+        assemble(evolve(STRAIGHT, {"bearing.profile": table}, si=True))
 
 
 def plainly(assembly, loads, speeds, orbit=1.0):
@@ -418,7 +425,9 @@ def plainly(assembly, loads, speeds, orbit=1.0):
 )
 @pytest.mark.parametrize("n_positions", [1, 2, 3])
 def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(changes, n_positions):
-    assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 21} | changes))
+    assembly = assemble(
+        evolve(load_scene("1032930-70C"), {"accuracy.slices": 21} | changes, si=True)
+    )
     loads = assembly.load_distribution(n_positions)
     raceways = LoadedRaceways(assembly, loads, "epicyclic")
     slip = np.array([0.02, 0.3])
@@ -489,7 +498,7 @@ def test_limits_of_the_film_regimes_are_where_the_codes_change(U, G, W):
 @pytest.mark.parametrize("film", ["moes", "regime"])
 def test_the_map_is_that_of_all_slices(film):
     assembly = assemble(
-        evolve(load_scene("1032930-70C"), {"accuracy.slices": 41, "models.film": film})
+        evolve(load_scene("1032930-70C"), {"accuracy.slices": 41, "models.film": film}, si=True)
     )
     loads = assembly.load_distribution(2)
     cage, roller, surface = LoadedRaceways(assembly, loads, "epicyclic").map(0.9, 5)
@@ -504,7 +513,9 @@ def test_the_map_is_that_of_all_slices(film):
 @given(st.floats(-8, 7), st.sampled_from(["none", "iso16281"]))
 def test_a_contact_carries_the_force_that_the_library_finds(exponent, profile):
     assembly = assemble(
-        evolve(load_scene("1032930-30C"), {"bearing.profile": profile, "accuracy.slices": 31})
+        evolve(
+            load_scene("1032930-30C"), {"bearing.profile": profile, "accuracy.slices": 31}, si=True
+        )
     )
     force = 10.0**exponent
     row = balanced_load(assembly, assembly.inner, force)
@@ -530,7 +541,7 @@ def evaluated(**changes):
         "bearing.outer_raceway_diameter": "167 mm",
         "accuracy.slices": 21,
     }
-    scene = evolve(load_scene("1032930-70C"), small | changes)
+    scene = evolve(load_scene("1032930-70C"), small | changes, si=True)
     passes = []
     assembly = assemble(scene).with_bounds(lambda slices: passes.append(len(slices)))
     EffectiveFriction(

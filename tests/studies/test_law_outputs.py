@@ -49,7 +49,7 @@ def scene():
     with registrations_rolled_back():
         register(Sharing)
         changes = {"models.traction": {"model": "sharing"}, "models.film": "moes", **QUICK}
-        yield evolve(load_scene("1032930-70C"), changes)
+        yield evolve(load_scene("1032930-70C"), changes, si=True)
 
 
 def test_points_of_a_friction_curve_have_them(scene):

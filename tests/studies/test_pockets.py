@@ -105,7 +105,7 @@ def test_without_play_the_slip_is_that_of_rollers_set_in_the_cage(bearing):
 )
 def test_without_play_the_torque_is_that_of_rollers_set_in_the_cage(change):
     """Also in the mirror image, in the other sense of the orbit, and with friction in the pockets."""
-    balance, _ = balanced(evolve(SCENES["b"], change))
+    balance, _ = balanced(evolve(SCENES["b"], change, si=True))
     slips = np.array([0.02, 0.05, 0.2])
     expected = balance.torques(slips)
     found = Pockets(balance.assembly, 0.0).march(slips).torque
@@ -230,7 +230,7 @@ def test_the_slip_with_play_is_that_of_motions_in_time(bearing):
 @pytest.mark.parametrize(("load", "low", "high"), [("5 kN", 0.005, 0.01), ("200 N", 0.1, 0.9)])
 def test_small_and_large_slips_are_found(load, low, high):
     """At 5 kN the slip is 38 times that without play, at 200 N the first slips of the search reach a cage at rest."""
-    balance, slip = balanced(evolve(SCENES["b"], {"operation.radial_load": load}))
+    balance, slip = balanced(evolve(SCENES["b"], {"operation.radial_load": load}, si=True))
     found = with_play(balance, slip)
     assert low < found < high
     assert found > slip
@@ -499,7 +499,7 @@ def test_a_cage_may_skid_because_of_the_play():
     def with_drag(torque):
         drags = ["rolling-resistance", {"model": "constant-torque", "size": torque}]
         changes = {"cage.pocket_clearance": "2 mm", "cage.drag": drags}
-        return assemble(evolve(SCENES["d"], changes)).at(assembly.resolution)
+        return assemble(evolve(SCENES["d"], changes, si=True)).at(assembly.resolution)
 
     limit = float(SteadySlip().run(with_drag(0.1))["limit_drag"])
     there = with_drag(0.99 * limit)

@@ -50,7 +50,7 @@ STRAIGHT = evolve(SHIPPED, {"bearing.profile": "none"})
 #: All rollers alike: pressed between the rings without a load in one direction.
 EVEN = evolve(STRAIGHT, {"operation.radial_load": 0.0, "bearing.radial_clearance": "-10 um"})
 #: And without centrifugal force and inertia.
-MASSLESS = evolve(EVEN, {"bearing.material": {"density": 1e-9}})
+MASSLESS = evolve(EVEN, {"bearing.material": {"density": 1e-9}}, si=True)
 NO_DRAGS = Drags()
 
 
@@ -111,7 +111,7 @@ def bearing(scene, *last):
 
 def dragged(scene, *drags):
     """Scene whose cage has these drags; mass and inertia do not matter at a steady speed."""
-    return evolve(scene, {"cage": {"mass": 0.4, "inertia": 3e-3, "drag": list(drags)}})
+    return evolve(scene, {"cage": {"mass": 0.4, "inertia": 3e-3, "drag": list(drags)}}, si=True)
 
 
 def brake(torque):
@@ -432,7 +432,7 @@ def test_a_motion_that_leaves_the_maximum_of_its_torque_is_found_from_afar(oil, 
     """Where rollers enter the loaded zone they let go of one ring; steps along the slip come there one by one."""
     keys = ("viscosity_factor", "pressure_viscosity_factor", "eyring_stress", "shear_modulus")
     changes = {f"lubricant.{key}": value for key, value in zip(keys, oil, strict=True)}
-    assembly = assemble(evolve(load_scene("1032930-70C"), changes)).with_resistance()
+    assembly = assemble(evolve(load_scene("1032930-70C"), changes, si=True)).with_resistance()
     afar, near = (TorqueBalance(assembly, assembly.cage.drags, n_positions=2) for _ in range(2))
     for slip in known:
         afar.orbit(slip)
@@ -445,7 +445,9 @@ def test_a_motion_that_leaves_the_maximum_of_its_torque_is_found_from_afar(oil, 
 def test_without_inertia_it_is_the_free_roller_of_effective_friction():
     """The closure free-roller is another program for the same balance; without mass centrifugal forces are alike."""
     scene = evolve(
-        STRAIGHT, {"bearing.material": {"density": 1e-9}, "bearing.radial_clearance": "-5 um"}
+        STRAIGHT,
+        {"bearing.material": {"density": 1e-9}, "bearing.radial_clearance": "-5 um"},
+        si=True,
     )
     assembly = assemble(scene)
     k = assembly.kinematics
@@ -469,7 +471,7 @@ PROFILED = evolve(SHIPPED, {"accuracy.slices": 7})
 @settings(max_examples=3)
 def test_more_load_less_slip(load, factor):
     few, many = (
-        smallest(evolve(PROFILED, {"operation.radial_load": f}), brake(0.2))
+        smallest(evolve(PROFILED, {"operation.radial_load": f}, si=True), brake(0.2))
         for f in (load, load * factor)
     )
     assert many < few
@@ -504,13 +506,14 @@ def test_tighter_clearance_less_slip(clearance, closer):
 def test_mirrored_rotation_and_a_driving_outer_ring_slip_alike(direction):
     """The drag is asked with the real speeds; whichever ring drives, it resists and the rollers drive."""
     for driven in ({"operation.inner_speed": f"{direction * 6371} rpm"}, OUTER_DRIVEN[direction]):
-        scene = dragged(evolve(STRAIGHT, driven), brake(0.1))
+        scene = dragged(evolve(STRAIGHT, driven, si=True), brake(0.1))
         assembly = assemble(scene)
         balance = TorqueBalance(assembly, assembly.cage.drags, n_positions=2)
         there = assemble(
             evolve(
                 scene,
                 {f"operation.{k.split('.')[1]}": v.replace("-", "") for k, v in driven.items()},
+                si=True,
             )
         )
         assert balance.drag(0.1) == pytest.approx(-0.1, rel=1e-9)
@@ -572,7 +575,7 @@ def test_a_drag_beyond_the_fold_runs_away_in_words_and_is_stored(tmp_path):
 
 def test_a_cage_that_its_land_drives_slips_the_other_way():
     land = {"guidance": "inner", "mass": 0.4, "inertia": 3e-3, "drag": ["petroff-land"]}
-    found = run(evolve(STRAIGHT, {"cage": land}), points=8, max_cage_slip=0.05)
+    found = run(evolve(STRAIGHT, {"cage": land}, si=True), points=8, max_cage_slip=0.05)
     assert str(found.status.item()) == "found"
     assert -1.0 < float(found.steady_slip[0]) < 0.0
     assert found.stable.values.tolist() == [1]
@@ -613,7 +616,7 @@ def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followe
     scene = NEAR_THE_FOLD
     limit = float(found.radial_load_limit)
     slip = float(found.radial_load_limit_slip)
-    there = run(evolve(scene, {"operation.radial_load": limit}), points=10)
+    there = run(evolve(scene, {"operation.radial_load": limit}, si=True), points=10)
     assert float(there.limit_drag) == pytest.approx(0.66, rel=1e-4)
     assert float(there.skidding_slip) == pytest.approx(slip, rel=0.05)  # a maximum is flat
     assert limit == pytest.approx(found.radial_load.to_numpy().min(), rel=1e-9)
@@ -621,7 +624,9 @@ def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followe
     assert {0, 1} == set(found.radial_load_stable.values.tolist())
     on = found.radial_load_slip.to_numpy()
     for k in (1, on.size // 2, -2):
-        assembly = assemble(evolve(scene, {"operation.radial_load": float(found.radial_load[k])}))
+        assembly = assemble(
+            evolve(scene, {"operation.radial_load": float(found.radial_load[k])}, si=True)
+        )
         balance = TorqueBalance(
             assembly, assembly.cage.drags, n_positions=found.attrs["n_positions"]
         )
@@ -664,7 +669,7 @@ def test_a_slip_that_leaves_its_range_says_at_which_load_and_is_no_missing_limit
         f"no limit of the radial load is known: at {left:.4g} N the steady slip leaves the range, 0.2; look further "
         "with --set study.steady-slip.max_cage_slip=0.99"
     )
-    there = run(evolve(scene, {"operation.radial_load": left}), points=8)
+    there = run(evolve(scene, {"operation.radial_load": left}, si=True), points=8)
     assert float(there.steady_slip[0]) == pytest.approx(0.2, rel=1e-4), (
         "a balance of its own at that load"
     )
@@ -765,7 +770,9 @@ def test_a_range_is_two_values_that_ascend(limits):
 def test_rings_that_turn_against_each_other_have_no_slip():
     assembly = assemble(
         dragged(
-            evolve(STRAIGHT, {"operation.inner_speed": 97.5, "operation.outer_speed": -82.5}),
+            evolve(
+                STRAIGHT, {"operation.inner_speed": 97.5, "operation.outer_speed": -82.5}, si=True
+            ),
             brake(0.1),
         )
     )
@@ -937,9 +944,9 @@ def test_at_the_least_load_the_slip_is_the_acceptable_one():
     found = run(scene, points=8, acceptable_slip=0.05)
     assert str(found.minimum_load_status.item()) == "found"
     load = float(found.minimum_load)
-    there = run(evolve(scene, {"operation.radial_load": load}), points=12)
+    there = run(evolve(scene, {"operation.radial_load": load}, si=True), points=12)
     assert float(there.steady_slip[0]) == pytest.approx(0.05, rel=2e-3)
-    more = run(evolve(scene, {"operation.radial_load": 1.1 * load}), points=12)
+    more = run(evolve(scene, {"operation.radial_load": 1.1 * load}, si=True), points=12)
     assert float(more.steady_slip[0]) < 0.05
     (said,) = SteadySlipAccount.topics(found)["minimum load"]
     assert said.startswith(
@@ -994,7 +1001,7 @@ def test_the_least_load_of_a_slip_that_the_cage_does_not_hold_is_that_with_less_
     load = float(found.minimum_load)
     assert found.minimum_load.attrs["floor"] == found.attrs["rollers_weight"]
     more, less = (
-        run(evolve(scene, {"operation.radial_load": fraction * load}))
+        run(evolve(scene, {"operation.radial_load": fraction * load}, si=True))
         for fraction in (1.003, 0.997)
     )
     status = str(found.minimum_load_status.item())
@@ -1099,7 +1106,7 @@ SHORT_WAYS = {
 @pytest.mark.parametrize("name", SHORT_WAYS)
 def test_steady_slips_alone_are_those_of_the_whole_study(name):
     changes, count = SHORT_WAYS[name]
-    assembly = assemble(evolve(SHIPPED, {"accuracy.slices": 21, **changes}))
+    assembly = assemble(evolve(SHIPPED, {"accuracy.slices": 21, **changes}, si=True))
     study = SteadySlip(acceptable_slip=None)
     whole = study.completed(assembly, study.run(assembly))
     alone, _ = study.partial_result(assembly, frozenset({"steady_slip", "status"}))

@@ -123,7 +123,7 @@ class _Unsettled:
 
 def test_what_no_doubling_settles_says_what_moves_and_which_keys_to_raise():
     scene = evolve(
-        load_scene("1032930-70C"), {"accuracy.friction": 1e-9, "accuracy.slices": "auto"}
+        load_scene("1032930-70C"), {"accuracy.friction": 1e-9, "accuracy.slices": "auto"}, si=True
     )
     with pytest.raises(ConvergenceError) as refused:
         choose_by_doubling(

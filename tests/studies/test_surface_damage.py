@@ -40,7 +40,7 @@ EVERY = [
 
 
 def measured(models=EVERY, **changes):
-    return run(evolve(SCENE, {"models.damage": models, **changes}), "surface-damage")
+    return run(evolve(SCENE, {"models.damage": models, **changes}, si=True), "surface-damage")
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,9 @@ def result():
 def test_power_over_all_contacts_is_what_the_bearing_loses_by_sliding(profile, slip):
     """The power density over every area against another sum: F V of each roller, in rollslip_studies.motion.losses."""
     scene = evolve(
-        SCENE, {"bearing.profile": profile, "cage.drag": ["petroff-land", "rolling-resistance"]}
+        SCENE,
+        {"bearing.profile": profile, "cage.drag": ["petroff-land", "rolling-resistance"]},
+        si=True,
     )
     assembly = plan(scene, "steady-slip").assembly.with_resistance()
     balance = SteadySlip().balance(assembly)
@@ -96,7 +98,7 @@ def test_what_friction_does_not_need_of_a_contact_is_measured():
         "models.damage": EVERY[0],
         "study.surface-damage.cage_slip": 0.1,
     }
-    scene = evolve(promise_scenes.scene(22, 350), changes | {"cage.drag": ["churning"]})
+    scene = evolve(promise_scenes.scene(22, 350), changes | {"cage.drag": ["churning"]}, si=True)
     assert not plan(scene, "steady-slip").choices["steady-slip"].resolution.light_contacts
     whole = run(
         evolve(scene, {"accuracy.tolerance": "exact", "accuracy.slices": 101}), "surface-damage"
@@ -118,7 +120,9 @@ def coarse(k, **changes):
         "models.damage": EVERY[:2],
         "study.surface-damage.cage_slip": 0.1,
     }
-    return evolve(promise_scenes.scene(k, 350), {**own, "cage.drag": ["churning"], **changes})
+    return evolve(
+        promise_scenes.scene(k, 350), {**own, "cage.drag": ["churning"], **changes}, si=True
+    )
 
 
 @pytest.mark.parametrize(
@@ -429,7 +433,7 @@ def test_measures_are_kept_in_a_scene_whatever_form_it_has(tmp_path):
         "power-density",
         {"model": "contact-temperature", "allowed": "80 degC", "flash": flash},
     ]
-    scene = evolve(SCENE, {"models.damage": named})
+    scene = evolve(SCENE, {"models.damage": named}, si=True)
     write_foreign(scene, tmp_path / "scene.json")
     assert read_foreign(tmp_path / "scene.json")[0] == scene
     lines = [part for part in plan(scene, "surface-damage").parts if part.part == "damage"]

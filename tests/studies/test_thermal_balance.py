@@ -53,7 +53,9 @@ def settled(scene):
 
 
 def balanced(changes=(), **parameters):
-    return settled(evolve(SCENE, {"models.thermal": network(**parameters), **dict(changes)}))
+    return settled(
+        evolve(SCENE, {"models.thermal": network(**parameters), **dict(changes)}, si=True)
+    )
 
 
 class Made(Heated):
@@ -440,7 +442,7 @@ def test_a_wrong_thermal_model_is_refused_by_every_study():
         (network(oil_flow="1 m"), "a mass flow is expected, such as '15 g/s'"),
     ):
         with pytest.raises(SceneError, match=words):
-            run(evolve(SCENE, {"models.thermal": raw}), "friction-curve")
+            run(evolve(SCENE, {"models.thermal": raw}, si=True), "friction-curve")
 
 
 def test_skidding_and_a_runaway_of_the_bulk_are_told_apart():
@@ -469,7 +471,9 @@ def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
 @pytest.mark.slow
 @pytest.mark.parametrize("duration", ["0 s", "10 min"])
 def test_a_plan_foresees_how_many_steady_slips_a_balance_takes(duration, monkeypatch):
-    scene = evolve(SCENE, {"models.thermal": network(), "study.thermal-balance.duration": duration})
+    scene = evolve(
+        SCENE, {"models.thermal": network(), "study.thermal-balance.duration": duration}, si=True
+    )
     monkeypatch.setattr("rollslip.studies.timing.processor_time", lambda work, times: 1.0)
     cost_sentences = settings(scene, "thermal-balance")["thermal-balance"].cost(assemble(scene))[
         "run"
@@ -488,7 +492,9 @@ def test_warm_rings_change_the_clearance_where_they_expand():
 
 def test_what_size_and_oil_say_of_a_network_is_that_by_hand():
     supplied = {"supply": "circulating", "oil_flow": "2 l/min"}
-    made = assemble(evolve(SCENE, {"lubrication": supplied, "bearing.roller_length": "40 mm"}))
+    made = assemble(
+        evolve(SCENE, {"lubrication": supplied, "bearing.roller_length": "40 mm"}, si=True)
+    )
     model = get_model("thermal", "network").of(made)
     b = made.scene.bearing
     k = made.kinematics
@@ -588,7 +594,11 @@ def test_a_tight_fit_loads_more_rollers_and_slips_less():
     def fitted(size):
         seat = still | {"shaft_interference": size}
         return settled(
-            evolve(from_raw(raw, "fit"), {"bearing.mounting": seat, "models.thermal": network()})
+            evolve(
+                from_raw(raw, "fit"),
+                {"bearing.mounting": seat, "models.thermal": network()},
+                si=True,
+            )
         )
 
     loose = fitted(0.0)
@@ -605,7 +615,8 @@ def test_a_balance_is_drawn_and_kept(tmp_path):
         "accuracy.slices": 3,
     }
     result = run(
-        evolve(SCENE, {"models.thermal": network(oil_flow="15 g/s"), **changes}), "thermal-balance"
+        evolve(SCENE, {"models.thermal": network(oil_flow="15 g/s"), **changes}, si=True),
+        "thermal-balance",
     )
     assert result.course_temperature[-1].values == pytest.approx(
         result.temperature[:, 0].values, abs=4.0
@@ -627,6 +638,7 @@ def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
             "study.thermal-balance.points": 8,
             "accuracy.slices": 3,
         },
+        si=True,
     )
     requested = [
         "stationary_temperature",
@@ -666,7 +678,8 @@ def test_losses_are_judged_at_the_temperatures_that_a_bearing_settles_at():
     given = {key: settled[part] for key, part in ROLES.items()}
     planned = made.choices["thermal-balance"].resolution
     there = assemble(
-        evolve(scene, given | {"models.thermal": "given"}), attrs.evolve(planned, n_positions=201)
+        evolve(scene, given | {"models.thermal": "given"}, si=True),
+        attrs.evolve(planned, n_positions=201),
     )
     exact = made.studies["thermal-balance"].run(there)
     assert found.loss.sum() == pytest.approx(exact.given_loss.item(), rel=1e-3)
@@ -679,7 +692,9 @@ def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
     cold = {"oil_flow": 1.0, "oil_inlet_temperature": 160.0}
     for parameters in ({"oil_flow": "15 g/s"}, weak, cold):
         scene = evolve(
-            SCENE, {"models.thermal": network(**parameters), "study.thermal-balance.points": 8}
+            SCENE,
+            {"models.thermal": network(**parameters), "study.thermal-balance.points": 8},
+            si=True,
         )
         study = settings(scene, "thermal-balance")["thermal-balance"]
         requested = {"stationary_temperature", "stationary_slip", "stationary_status"}

@@ -562,7 +562,7 @@ def test_a_result_says_how_far_muraki_is_off_the_exact_law_at_its_own_slips():
 @pytest.mark.parametrize("study", ["friction-curve", "effective-friction", "steady-slip"])
 def test_every_study_tells_it(study):
     drags = {"cage.drag": ["petroff-land", "rolling-resistance"]}
-    found = run(evolve(PAPER, QUICK | drags | {"accuracy.tolerance": 1e-2}), study)
+    found = run(evolve(PAPER, QUICK | drags | {"accuracy.tolerance": 1e-2}, si=True), study)
     assert sum("the law that it approximates" in text for text in warned(found)) == 1
     assert any(
         text.startswith("pressure 'hertz' is valid for load parameter M >= 2; ")
@@ -676,7 +676,7 @@ def test_a_law_of_a_stranger_states_it_the_same_way(monkeypatch):
         "models.traction": "made-for-slow",
         "study.effective-friction.skidding_range": 0,
     }  # it jumps, and in Python
-    found = run(evolve(PAPER, QUICK | alone), "effective-friction")
+    found = run(evolve(PAPER, QUICK | alone, si=True), "effective-friction")
     (said,) = (text for text in warned(found) if "made-for-slow" in text)
     assert said.startswith("traction 'made-for-slow' is valid for sliding <= 0.01; ")
     assert said.endswith("; remedy: take another")

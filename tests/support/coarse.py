@@ -10,4 +10,4 @@ SET_COARSE = ("--set", "accuracy.tolerance=0.05")
 
 def coarse(name, changes=None):
     """Return a scene by its name, with changes."""
-    return evolve(load_scene(name), COARSE | (changes or {}))
+    return evolve(load_scene(name), COARSE | (changes or {}), si=True)

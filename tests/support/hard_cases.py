@@ -1036,6 +1036,7 @@ def scene_for(subject, changes):
     return evolve(
         paper(),
         {f"study.{study}.{'ring' if study == 'friction-curve' else 'closure'}": variant, **changes},
+        si=True,
     )
 
 

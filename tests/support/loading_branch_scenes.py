@@ -65,6 +65,7 @@ def free(number, *, even=False):
             "surface.inner_raceway_roughness": roughness,
             "surface.roller_roughness": roughness,
         },
+        si=True,
     )
 
 
@@ -96,7 +97,7 @@ def catalogue(number, *, resists=True, even=False):
         "cage.drag": RESISTING if resists else ["churning"],
         "models.traction.hydrodynamic": "maxwell-eyring",
     }
-    return evolve(scene, changes | ({"bearing.profile": "none"} if even else {}))
+    return evolve(scene, changes | ({"bearing.profile": "none"} if even else {}), si=True)
 
 
 def wide(number):
@@ -119,6 +120,7 @@ def wide(number):
             "bearing.radial_clearance": f"{-6.0 + 20.0 * u[8]} um",
             "cage.drag": drags,
         },
+        si=True,
     )
 
 

@@ -38,7 +38,7 @@ class MeanRoller:
     def _at(self, wi, wo):
         """The bearing at speeds of its rings, with which its supply of oil goes."""
         speeds = {"operation.inner_speed": wi, "operation.outer_speed": wo}
-        return assemble(evolve(self.scene, speeds), like=self.assembly).with_resistance()
+        return assemble(evolve(self.scene, speeds, si=True), like=self.assembly).with_resistance()
 
     def loads(self, w, W, wi, wo):
         """Loaded contacts of both rings at a cage speed."""

@@ -27,6 +27,7 @@ BASE = evolve(
         f"study.{STUDY}": {"max_cage_slip": 0.6, "points": 21, "map_points": 0},
         "accuracy.slices": "auto",
     },
+    si=True,
 )
 PROFILES = ("none", "iso16281", {"shape": "circular", "radius": "3 m"}, "iso16281")
 #: 12 of 16 scenes draw the epicyclic closure, 3 a rolling outer ring, one a free roller.
@@ -78,6 +79,7 @@ def scene(x):
             },
             "accuracy.tolerance": 10.0 ** (-2.0 - 3.0 * x[12]),
         },
+        si=True,
     )
 
 

@@ -20,7 +20,7 @@ TINY = 1e-30  # of a complex step: exact to rounding
 def scene_of(rollers=28, guidance="roller", drag=(), cage=(), more=()):
     held = {**CAGE, "guidance": guidance, "drag": list(drag), **dict(cage)}
     changes = {"bearing.rollers": rollers, "accuracy.slices": 15, "cage": held}
-    return evolve(load_scene("1032930-50C"), changes | dict(more))
+    return evolve(load_scene("1032930-50C"), changes | dict(more), si=True)
 
 
 def motion(scene, friction="constant", coefficient=0.05, transition=0.1, tabulated=False, **given):

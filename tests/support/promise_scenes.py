@@ -121,7 +121,7 @@ def scene(k, seed=16):
         },
         "accuracy": {"tolerance": 10.0 ** even(-5.0, -2.0), "slices": "auto"},
     }
-    return evolve(BASE, changes)
+    return evolve(BASE, changes, si=True)
 
 
 def described(one):

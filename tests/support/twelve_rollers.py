@@ -18,5 +18,5 @@ def bearing(*drags, cage=None, **changes):
     key = repr((drags, cage, changes))
     if key not in MADE:
         own = {"mass": 0.4, "inertia": INERTIA, "drag": list(drags)} | (cage or {})
-        MADE[key] = assemble(evolve(SHIPPED, {"cage": own} | FAST | changes))
+        MADE[key] = assemble(evolve(SHIPPED, {"cage": own} | FAST | changes, si=True))
     return MADE[key]

@@ -54,7 +54,7 @@ def bearing(name):
         friction = FrictionSettings(
             name="constant", coefficient=0.02, transition=0.5, tolerance=LOADS
         )
-        return assemble(evolve(SCENE, NINE)), friction, 0.5
+        return assemble(evolve(SCENE, NINE, si=True)), friction, 0.5
     return (
         assemble(evolve(SCENE, {"accuracy.slices": 5})),
         FrictionSettings(name="conventional", tolerance=LOADS),

@@ -129,7 +129,9 @@ def limits(k):
     study, name, sense, own = QUESTIONS[k % len(QUESTIONS)]
     key, unit, fraction, step = VARIED[k // len(QUESTIONS) % len(VARIED)]
     kind = loading_branch_scenes.catalogue if k % 2 else loading_branch_scenes.free
-    scene = evolve(kind(FIRST + k, even=k % 4 > 0), {"accuracy.tolerance": TOLERANCE, **own})
+    scene = evolve(
+        kind(FIRST + k, even=k % 4 > 0), {"accuracy.tolerance": TOLERANCE, **own}, si=True
+    )
     table, name_varied = key.split(".")
     here = getattr(getattr(scene, table), name_varied, 1.0)
     low, high = (
@@ -145,7 +147,9 @@ def limits(k):
     @cache
     def result(at, tolerance=0.1 * TOLERANCE):
         made = plan(
-            evolve(scene, {key: at, "accuracy.tolerance": tolerance}), study, without=others
+            evolve(scene, {key: at, "accuracy.tolerance": tolerance}, si=True),
+            study,
+            without=others,
         )
         values = execute(made, study)[name].values
         return float(worst(values)) if np.isfinite(values).any() else math.nan
@@ -213,6 +217,7 @@ def balances(k):
     scene = evolve(
         kind(FIRST + k, even=True),
         {"accuracy.tolerance": TOLERANCE, "models.thermal": {"model": "network", **flow}},
+        si=True,
     )
     found = execute(
         plan(scene, "thermal-balance", without=study.outputs.keys() - SETTLED), "thermal-balance"
@@ -242,7 +247,9 @@ def balances(k):
         known = dict(zip(nodes, at.tolist(), strict=True))
         named = {key: known[part] for key, part in ROLES.items()}
         return evolve(
-            scene, named | {"models.thermal": "given", "accuracy.tolerance": 0.1 * TOLERANCE}
+            scene,
+            named | {"models.thermal": "given", "accuracy.tolerance": 0.1 * TOLERANCE},
+            si=True,
         )
 
     def heat(at):
@@ -309,7 +316,7 @@ def damages(k, slip=0.1):
         "models.damage": MEASURES,
     }
     changes |= {} if slip is None else {"study.surface-damage.cage_slip": slip}
-    scene = evolve(promise_scenes.scene(k, SEED), changes)
+    scene = evolve(promise_scenes.scene(k, SEED), changes, si=True)
     made = plan(scene, "surface-damage")
     result = execute(made, "surface-damage")
     if result.status.item() != "found":

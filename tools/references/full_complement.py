@@ -68,7 +68,7 @@ def bearing(name, friction):
     """Return a bearing with rollers that rub."""
     scene = new(name, speed="600 rpm", load="3 kN")
     changes = {"models.separator.coefficient": friction, "models.approach": "dry", "cage.drag": []}
-    return assemble(evolve(scene, changes))
+    return assemble(evolve(scene, changes, si=True))
 
 
 def steady(name, friction, drag):

@@ -96,7 +96,7 @@ def scene(k):
         "operation.temperature": f"{rng.uniform(40.0, 110.0)} degC",
         "accuracy": {"tolerance": 1e-3, "slices": 5},
     }
-    one = evolve(load_scene("1032930-50C"), changes)
+    one = evolve(load_scene("1032930-50C"), changes, si=True)
     b = one.bearing
     o = one.operation
     made = assemble(one)
@@ -138,7 +138,7 @@ def scene(k):
     }
     study |= {"planar": {"inner_ring_mass": 3.0 * rollers}} if level == "planar" else {}
     study |= {"history": courses[history]} if history else {}
-    return evolve(one, {"cage": cage, "study.dynamics": study})
+    return evolve(one, {"cage": cage, "study.dynamics": study}, si=True)
 
 
 def reference(moving, y, times, method):

@@ -111,7 +111,7 @@ def main():
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["scene", "profile", "slip", "drag [N m]"])
         for name, changes, slips in CASES:
-            scene = evolve(load_scene(name), changes)
+            scene = evolve(load_scene(name), changes, si=True)
             fine = assemble(scene)
             assembly = fine.at(
                 attrs.evolve(fine.resolution, slices=SLICES, n_positions=N_POSITIONS)

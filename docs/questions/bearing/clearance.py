@@ -15,7 +15,9 @@ scene = rollslip.load_scene("turbine")
 clearance = np.linspace(0.0, 60e-6, 7)
 loaded = []
 for value in clearance:
-    loads = rollslip.load_distribution(rollslip.evolve(scene, {"bearing.radial_clearance": value}))
+    loads = rollslip.load_distribution(
+        rollslip.evolve(scene, {"bearing.radial_clearance": value}, si=True)
+    )
     loaded.append(int((loads.normal_force.sel(ring="inner").isel(instant=0) > 0).sum()))
 over = {"bearing.radial_clearance": "0 um:60 um:7"}
 found = rollslip.sweep(scene, over, study="steady-slip", output=["steady_slip"])

@@ -7,16 +7,15 @@ along the roller is computed slice by slice.
 """
 
 import matplotlib.pyplot as plt
-import numpy as np
 
 import rollslip
 
 scene = rollslip.load_scene("gearbox")
 fig, axes = plt.subplots()
 for minutes, profile in ((3, "none"), (0, "iso16281"), (3, "iso16281")):
-    changes = {"operation.misalignment": np.radians(minutes / 60), "bearing.profile": profile}
+    changes = {"operation.misalignment": f"{minutes} arcmin", "bearing.profile": profile}
     loads = rollslip.load_distribution(rollslip.evolve(scene, changes))
     slices = loads.load_per_length.sel(ring="inner").isel(instant=0, roller=0)
     axes.plot(1e3 * loads.position, slices / 1e3, label=f"{minutes}′, profile {profile}")
-axes.set(xlabel="Place along the roller [mm]", ylabel="Load per length [kN/m]")
+axes.set(xlabel="Position along the roller [mm]", ylabel="Load per length [kN/m]")
 axes.legend(title="misalignment")

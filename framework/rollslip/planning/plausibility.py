@@ -285,7 +285,7 @@ def _unusual_at(
         unit = None if varied.unit is None else unit_given(value, varied.unit)
         if text := unusual(varied.attribute, number, unit):
             yield varied.key, text
-    changed = evolve(scene, {varied.key: value})
+    changed = evolve(scene, {varied.key: value}, si=True)
     for at, text in (
         *_unusual_relations(changed, changed.tables, Location({})),
         *implausible_values(changed),

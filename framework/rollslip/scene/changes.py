@@ -153,7 +153,9 @@ def describe_unknown_key(key: str, known: dict[str, Quantity]) -> str:
     return f"there is no single value of this key to vary; {hint}"
 
 
-def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) -> Scene:
+def evolve(
+    scene: Scene | str | PathLike[str], changes: Mapping[str, object], *, si: bool = False
+) -> Scene:
     """Return a scene with some values changed; their tables, and the relations of all values, are checked again.
 
     Parameters
@@ -161,8 +163,11 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
     scene
         The scene to start from, which is not modified; the name of a shipped one, or a file.
     changes
-        New values by dotted key: ``{"lubricant.eyring_stress": "4 MPa", "models.film": "dowson-1968"}``, as a scene
-        may have them. A table that is not in the scene yet starts from its defaults.
+        New values by dotted key: ``{"lubricant.eyring_stress": "4 MPa", "models.film": "dowson-1968"}``. A table that
+        is not in the scene yet starts from its defaults.
+    si
+        Whether numbers are in SI units. Otherwise a number is refused where the quantity has a unit, as on the command
+        line: 3000 for a speed in rad/s is often meant in rpm.
 
     Returns
     -------
@@ -196,7 +201,8 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
             if requested[0] not in changed and requested[0] in raw:
                 raw[requested[0]] = thawed(raw[requested[0]])
             changed.add(requested[0])
-            old_value, path = _set(raw, requested, thawed(value))
+            plain = thawed(value)
+            old_value, path = _set(raw, requested, plain if si else typed(plain))
         except (ValueError, RecursionError) as error:
             reason = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
             problems.append(f"{CHANGES}: {as_written(key)} {reason}")

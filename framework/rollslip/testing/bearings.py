@@ -349,7 +349,7 @@ def check_oil_without_density_is_refused_or_accepted(formula: TorqueFormula) -> 
 @rule(RingModel)
 def check_a_preloaded_bearing_rests_in_it_and_presses_less(model: RingModel) -> None:
     """Forces of rollers with the ring as outer and as inner one, tight by 20 um, are below those of rigid rings."""
-    scene = evolve(load_scene("1032930-70C"), {"bearing.radial_clearance": -20e-6})
+    scene = evolve(load_scene("1032930-70C"), {"bearing.radial_clearance": -20e-6}, si=True)
     rigid = assemble(scene).load_distribution().inner_force
     for ring, speed in (("outer", False), ("inner", True)):
         shapes = model.shapes(scene.bearing, ring, speed)

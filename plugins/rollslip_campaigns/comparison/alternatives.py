@@ -125,6 +125,7 @@ def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
             scene = evolve(
                 requested.base_scene,
                 {KEYS[option]: name for option, name in zip(named, names, strict=True)},
+                si=True,
             )
             assemble(scene)  # refuse unknown oils and clearance classes at once
             scenes[label] = scene

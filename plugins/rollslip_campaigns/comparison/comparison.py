@@ -246,7 +246,9 @@ def _combination(scene: Scene, study: str, choices: Mapping[str, Choice]) -> Com
     ]
     try:
         return Combination(
-            choices, plan(evolve(scene, changes), study, cheaper_laws=False, without=larger), None
+            choices,
+            plan(evolve(scene, changes, si=True), study, cheaper_laws=False, without=larger),
+            None,
         )
     except Exception as error:
         return Combination(choices, None, error)

@@ -276,7 +276,7 @@ def _resolution(
     needed = {output, cls.outputs[output].status, *cls.controlled_outputs.values()}
     for changes in changes_of_scene:
         try:
-            changed = evolve(scene, changes)
+            changed = evolve(scene, changes, si=True)
             if cls.is_transient:
                 estimated = estimate(cls.from_scene(changed), assemble(changed), cheaper_laws=False)
                 if not estimated.failed:

@@ -333,7 +333,7 @@ class _Reader:
         scene = self._scene(table.scene, where.at("scene"))
         if scene is not None and table.changes:
             unchanged = scene
-            scene = self._try(lambda: evolve(unchanged, table.changes))
+            scene = self._try(lambda: evolve(unchanged, table.changes, si=True))
         rows = self._rows(table, unit, scene, where)
         return None if scene is None else Series(scene=scene, rows=tuple(rows), **common)
 
@@ -453,7 +453,7 @@ class _Reader:
     def _check_changes(self, scene: Scene, changes: Mapping[str, object], where: str) -> None:
         """Collect faults of changes of a scene."""
         try:
-            evolve(scene, changes)
+            evolve(scene, changes, si=True)
         except SceneError as error:
             self.problems += [
                 f"{where}: {problem.removeprefix('changes: ')}" for problem in error.problems

@@ -44,7 +44,7 @@ def check_rows_make_valid_bearings(measurement: Measurement) -> None:
         study = series.quantity.partition("/")[0] if "/" in series.quantity else None
         for row in series.rows:
             try:
-                changed = evolve(scene, row.changes)
+                changed = evolve(scene, row.changes, si=True)
                 assemble(changed)
                 settings(changed, study)
             except RollslipError as error:

@@ -370,7 +370,9 @@ def _films(scene: Scene, names: Sequence[str]) -> dict[str, Scene]:
     own = choice_of(scene, "film", None).label
     names = names or [name for name, cls in loadable("film") if name != own and cls.on_fronts]
     choices = [choice_of(scene, "film", name) for name in names]
-    return {choice.label: evolve(scene, {"models.film": choice.table}) for choice in choices}
+    return {
+        choice.label: evolve(scene, {"models.film": choice.table}, si=True) for choice in choices
+    }
 
 
 # Labels ---------------------------------------------------------------------------------------------------------------

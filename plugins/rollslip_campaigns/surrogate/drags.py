@@ -88,7 +88,7 @@ def tabulate_drags(
     axis = Axis(rolling, True)
     worst = 0.0
     for temperature in temperatures.tolist():
-        bearing = assemble(evolve(scene, {OPERATION_KEYS[0]: temperature}))
+        bearing = assemble(evolve(scene, {OPERATION_KEYS[0]: temperature}, si=True))
         terms = DragTerms(bearing.cage.drags, top)
         k = bearing.kinematics
         inner = terms.lead_coefficient(1)

@@ -207,6 +207,7 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
             f"{study}.smallest_ratio": min_ratio,
             f"{study}.largest_ratio": max_ratio,
         },
+        si=True,
     )
     # drags that the finest tables do not reproduce are refused
     deviation = _drag_error(scene, ranges, np.geomspace(slow, fast, ROLLING_NODES))
@@ -749,7 +750,9 @@ def _with_steady_states(result: "xr.Dataset", plan: SurrogatePlan) -> "xr.Datase
     for t, k in np.ndindex(len(T), len(speeds)):
         bearing = assemble(
             evolve(
-                plan.scene, {OPERATION_KEYS[0]: float(T[t]), OPERATION_KEYS[2]: float(speeds[k])}
+                plan.scene,
+                {OPERATION_KEYS[0]: float(T[t]), OPERATION_KEYS[2]: float(speeds[k])},
+                si=True,
             )
         )
         cage_speed = bearing.kinematics.epicyclic_cage_speed

@@ -250,7 +250,7 @@ class _Point:
     def prepare(self) -> None:
         """Read the scene, compute the key, and assemble the bearing."""
         work = self.task.work
-        scene = evolve(work.scene, self.changes)
+        scene = evolve(work.scene, self.changes, si=True)
         resolution = work.resolutions.lookup(self.changes)
         self.row.key = self.task.key(scene, resolution)
         self.assembly = _assemble_cached(work, scene, resolution)

@@ -134,7 +134,7 @@ def deviations_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
         dict(zip(sweep.dims, np.unravel_index(number, sweep.design.shape), strict=True))
     )
     try:
-        run_plan = plan(evolve(sweep.scene, sweep.design.changes(number)), sweep.study)
+        run_plan = plan(evolve(sweep.scene, sweep.design.changes(number), si=True), sweep.study)
         run = compute(run_plan, sweep.study).dataset
     except Exception as error:
         # a third-party law may raise anything; the dataset is valid all the same
@@ -308,7 +308,7 @@ def _describe_validity(sweep: Sweep, numbers: list[int]) -> dict[str, list[Any]]
 def _validity_at(sweep: Sweep, number: int) -> list[validity.ValidityMessage]:
     """Messages on validity ranges that are exceeded at a point, for the state that its study expects."""
     changes = sweep.design.changes(number)
-    scene = evolve(sweep.scene, changes)
+    scene = evolve(sweep.scene, changes, si=True)
     assembly = assemble(scene, sweep.resolutions.lookup(changes))
     study = settings(scene, sweep.study)[sweep.study]
     bearing = assembly.with_resistance() if study.with_cage else assembly

@@ -331,7 +331,9 @@ def assemble_varied(scene: Scene, over: Mapping[str, object]) -> tuple[Scene, As
         return scene, assemble(scene)
     except RollslipError:
         try:
-            changed = evolve(scene, {key: _first_value(values) for key, values in over.items()})
+            changed = evolve(
+                scene, {key: _first_value(values) for key, values in over.items()}, si=True
+            )
             return changed, assemble(changed)
         except RollslipError:
             pass  # the error of the scene as it was written is raised
@@ -388,7 +390,7 @@ def _checked_assemblies(
         for k in np.unique(np.linspace(0, count - 1, min(count, _MAX_CHECKED_VALUES)).astype(int)):
             value = axis.values[k]
             try:
-                scene = evolve(base, {axis.key: value})
+                scene = evolve(base, {axis.key: value}, si=True)
                 assemblies.append(assemble(scene, like=assemblies[0]))
                 require_memory(settings(scene, study), assemblies[-1])
                 accepted_values.append(axis.value_as_written(k))
@@ -407,7 +409,7 @@ def _checked_assemblies(
         bounds = [float(column.min()), float(column.max())]
         for value in bounds:
             try:
-                evolve(base, {quantity.key: value})
+                evolve(base, {quantity.key: value}, si=True)
                 quantity.read(value)
             except (SceneError, FieldError) as error:
                 reason = (
@@ -516,7 +518,7 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
 def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
     """Resolution of the plan of a point, None if the plan fails; the point itself then ends with the reason."""
     try:
-        changed_scene = evolve(scene, changes)
+        changed_scene = evolve(scene, changes, si=True)
         estimated = estimate(study_class(study).from_scene(changed_scene), assemble(changed_scene))
     except RollslipError:
         return None

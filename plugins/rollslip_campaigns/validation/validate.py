@@ -238,7 +238,7 @@ def _scene_with(scene: Scene, combination: Combination) -> Scene:
         for kind, name in combination.models.items()
     }
     refuse(problems, unknown)
-    return evolve(scene, tables)
+    return evolve(scene, tables, si=True)
 
 
 def _compare_models(

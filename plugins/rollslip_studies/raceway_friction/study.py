@@ -239,7 +239,7 @@ def at_rolling_speed(assembly: Assembly, u: float) -> Assembly:
     speed = assembly.scene.operation.outer_speed + u * (
         1.0 / kinematics.inner_radius + 1.0 / kinematics.outer_radius
     )
-    scene = evolve(assembly.scene, {"operation.inner_speed": speed})
+    scene = evolve(assembly.scene, {"operation.inner_speed": speed}, si=True)
     supplied = assemble(scene, assembly.resolution, like=assembly).with_bounds(
         *assembly.inner.chain.bounds
     )

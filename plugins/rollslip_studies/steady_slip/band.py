@@ -359,7 +359,7 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
         return {}
 
     def bearing(values: Mapping[str, float]) -> Assembly:
-        return _coarse_assembly(evolve(scene, values), nominal)
+        return _coarse_assembly(evolve(scene, values, si=True), nominal)
 
     quantiles = {
         key: tuple(distribution.quantile(np.array(QUANTILES)).tolist())
@@ -740,5 +740,5 @@ def _with_other_law(
         shared = own.keys() & attrs.fields_dict(get_class(kind, name)).keys()
         own = {parameter: own[parameter] for parameter in shared}
     return assemble(
-        evolve(scene, {key: {"model": name, **own} if own else name}), coarse.resolution
+        evolve(scene, {key: {"model": name, **own} if own else name}, si=True), coarse.resolution
     )

@@ -672,7 +672,7 @@ class SteadySlip(Study):
         @lru_cache(maxsize=1)
         def balance(value: float) -> TorqueBalance:
             there = assemble(
-                evolve(assembly.scene, {f"operation.{name}": value}), assembly.resolution
+                evolve(assembly.scene, {f"operation.{name}": value}, si=True), assembly.resolution
             )
             return self._balance(
                 there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), n_positions

@@ -219,7 +219,7 @@ class Heated:
     def _bearing(self, changes: Mapping[str, float]) -> Assembly:
         """Return the bearing with changes of its scene."""
         bearing = assemble(
-            evolve(self.scene, changes) if changes else self.scene,
+            evolve(self.scene, changes, si=True) if changes else self.scene,
             self.assembly.resolution,
             like=self.assembly,
         )

@@ -110,7 +110,7 @@ def setting(data):
     """``--set KEY=VALUE``: a key and a value that give a scene or are refused."""
     with refused(SceneError, PluginError):
         key, value = parse_set(data.decode(errors="replace"))
-        changed = evolve(_base(), {key: value})
+        changed = evolve(_base(), {key: value}, si=True)
         assert structure(Scene, json.loads(json.dumps(resolved(changed))), "", []) == changed
 
 

@@ -246,7 +246,7 @@ def test_a_designation_is_looked_up(tmp_path: Path) -> None:
     scene, notes = put(tmp_path, NAMED)
     stated = ("inner_speed", "outer_speed", "radial_load", "temperature")
     operation = {name: getattr(scene.operation, name) for name in stated}
-    same = evolve(load_scene("1032930-50C"), {"bearing": {"name": "NU 2210 ECP/C3"}, "operation": operation})
+    same = evolve(load_scene("1032930-50C"), {"bearing": {"name": "NU 2210 ECP/C3"}, "operation": operation}, si=True)
     assert scene.bearing == same.bearing
     assert scene.bearing.mounted is not None
     assert scene.bearing.mounting.initial_clearance == pytest.approx(65e-6)  # C3 over 40 to 50 mm: 50 to 80 um

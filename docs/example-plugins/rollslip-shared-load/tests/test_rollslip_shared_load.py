@@ -77,7 +77,7 @@ def test_film_and_traction_share_their_asperities_in_a_scene() -> None:
         "study.friction-curve.points": 5,
         "surface.roller_roughness": "0.8 um",
     }
-    scene = evolve(load_scene("1032930-70C"), changes)
+    scene = evolve(load_scene("1032930-70C"), changes, si=True)
     rough, smooth = (
         run(evolve(scene, {"lubricant.models": {"roughness_parameter": size}}), "friction-curve")
         for size in (0.1, 0.02)

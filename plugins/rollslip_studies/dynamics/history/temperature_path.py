@@ -127,7 +127,7 @@ def with_changes(assembly: Assembly, changes: Mapping[str, float]) -> Assembly:
     changes : mapping
         Values in SI units by their key in the scene.
     """
-    scene = evolve(assembly.scene, dict(changes))
+    scene = evolve(assembly.scene, dict(changes), si=True)
     if resolved(scene) == resolved(assembly.scene):
         return assembly
     return assemble(scene, assembly.resolution, like=assembly)

@@ -28,4 +28,4 @@ def figure_scene(figure: str, of_set: str = "handbook") -> Scene:
     changes = SETS[of_set]["changes"]
     if "study.effective-friction.closure" in changes and figure == "fig-1":  # which has one contact and no cage
         changes = {key: value for key, value in changes.items() if not key.startswith("study.")}
-    return evolve(scene, changes) if changes else scene
+    return evolve(scene, changes, si=True) if changes else scene
