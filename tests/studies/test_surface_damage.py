@@ -331,13 +331,11 @@ def test_a_ring_without_a_load_has_a_status_in_words():
     assert "the sliding power density: no roller is loaded on the inner ring" in texts
 
 
-def test_a_scene_that_names_no_measure_has_none_computed():
+def test_a_scene_that_names_no_measure_has_power_density_and_flash_temperature():
     result = run(SCENE, "surface-damage")
-    assert result.sizes["measure"] == 0
-    assert result.attrs["evaluations"] == 0
-    assert account_of(result).sentences(result) == [
-        "models.damage names no measure, so none was taken; name one or several, 'rollslip models damage' lists them"
-    ]
+    named = measured(["power-density", "flash-temperature"])
+    assert result.measure.values.tolist() == ["power-density", "flash-temperature"]
+    assert result.worst.values == pytest.approx(named.worst.values, rel=0.02)
     parts = {
         part.part: part
         for part in plan(evolve(SCENE, {"models.damage": "pass-energy"}), "steady-slip").parts
@@ -397,7 +395,9 @@ def test_limits_are_told_in_the_answer(tmp_path):
     assert row.note == "beyond its limit on the inner and outer ring, 70 degC"
     assert one["film-parameter"].note.startswith("within its limit, 1")
     assert one["film-parameter"].value == float(result.worst.sel(measure="film-parameter").min())
-    assert one["cage_slip"].value == float(result.slip)
+    assert one["cage_slip_measured"].value == float(result.slip)
+    assert one.verdict == "", "the question is not one of slip"
+    assert one.summary == f"film parameter {one['film-parameter'].text} at the inner ring"
     assert one.assumed[0] == LOWER_BOUNDS, "the scene's one drag is that of the land"
     both = answer(run(SCENE, "steady-slip"), result)
     assert both["cage_slip"].study == "steady-slip"

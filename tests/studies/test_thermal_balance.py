@@ -383,7 +383,8 @@ def test_a_bearing_that_is_cooled_without_end_stays_as_it_is_given():
 def test_an_answer_says_that_others_warm_or_cool_the_oil(given, text):
     """In a bath this bearing settles at 41 degC, whatever temperature its scene has."""
     found = balanced({"operation.temperature": given})
-    notes = [row.note for row in account_of(found).answer(found).rows if row.key == "others"]
+    rows = account_of(found).answer(found).rows
+    notes = [row.note for row in rows if row.key == "given_loss" and "settles" in row.note]
     assert [text in note for note in notes] == [True] * bool(text)
     alone = float(found.temperature.sel(node="oil")[0]) - 273.15
     assert all(f"settles at {alone:.0f} °C" in note for note in notes)
@@ -400,7 +401,7 @@ def test_oil_carries_all_of_an_adiabatic_bearing():
 
 
 def test_given_temperatures_are_left_as_they_are_and_cost_one_steady_slip():
-    result = settled(SCENE)
+    result = settled(evolve(SCENE, {"models.thermal": "given"}))
     slip = settings(SCENE, "steady-slip")["steady-slip"].run(assemble(SCENE))
     assert result.attrs["evaluated_temperatures"] == 1
     assert result.given_loss.item() == pytest.approx(
@@ -411,6 +412,14 @@ def test_given_temperatures_are_left_as_they_are_and_cost_one_steady_slip():
         f"to hold the temperatures of the scene {result.given_loss.item():.3g} W have to be carried away, at a cage "
         f"slip of {100 * result.given_slip.item():.3g} %; with models.thermal = 'network' they follow from the losses"
     ]
+
+
+def test_a_scene_without_a_thermal_model_has_a_network_with_the_flow_of_its_supply():
+    plain = settled(SCENE)
+    named = settled(evolve(SCENE, {"models.thermal": "network"}))
+    assert plain.attrs["thermal"] == "network"
+    assert plain.temperature.equals(named.temperature)
+    assert plain.attrs["taken_from_bearing"] == named.attrs["taken_from_bearing"]
 
 
 def test_losses_and_slips_that_are_off_are_told_by_how_much():

@@ -158,7 +158,7 @@ def describe_estimated(dataset: "xr.Dataset") -> str:
     estimates = json.loads(dataset.attrs.get("taken_from_bearing", "{}")).values()
     count = sum(value.endswith("W/K") for value in estimates)
     flow = "".join(f" and a flow of {value}" for value in estimates if value.endswith("g/s"))
-    return f"{count} conductances{flow} that all this rests on are estimated" if count else ""
+    return f"{count} conductances{flow} are estimates" if count else ""
 
 
 def describe_skidding(slip: float, drag: float, status: str) -> str:

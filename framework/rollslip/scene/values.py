@@ -247,11 +247,11 @@ class Models:
     )
     thermal: ModelChoice | None = field(
         default=None,
-        doc="where bulk temperatures come from; by default operation gives them",
+        doc="where bulk temperatures come from; by default operation gives them, or the study chooses",
     )
     damage: tuple[ModelChoice, ...] = field(
         default=(),
-        doc="what measures the damage that slip does: one model or several; by default none",
+        doc="what measures the damage that slip does: one model or several; by default the study chooses",
     )
     torque: tuple[ModelChoice, ...] = field(
         default=(ModelChoice(name="palmgren-torque"), ModelChoice(name="skf")),

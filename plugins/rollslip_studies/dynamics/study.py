@@ -369,7 +369,7 @@ class Dynamics(Study):
                 self.course(assembly), lambda: self.moving(assembly), self.name, costs
             ),
             *heating.plan_parts(self, assembly, costs),
-            *parts(assembly.scene),
+            *parts(damage_of(assembly)),
             Part(
                 part="friction of the raceways",
                 choice=self.friction,

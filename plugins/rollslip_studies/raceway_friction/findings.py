@@ -7,8 +7,9 @@ from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.results.dataset import xr
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.findings import next_of_others
 
+#: Command for the cage slip at which this friction drives the cage.
+_NEXT: Final = "rollslip run {scene} --study effective-friction"
 #: Name and unit of the axes of the grid.
 _SPANS: Final = {"rolling_speed": "m/s", "cage_ratio": "1", "slide_roll": "1"}
 
@@ -24,7 +25,8 @@ class RacewayFrictionAccount(Account):
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return the largest friction of each ring, and the command for the slip of the cage."""
+        """Return the largest friction of each ring, and the range of speeds."""
+        largest = _largest(dataset, "largest_friction")
         rows = [
             Row(
                 key=f"largest_friction_{ring}",
@@ -33,9 +35,12 @@ class RacewayFrictionAccount(Account):
                 text=f"{friction:.4g}",
                 note="largest effective friction",
             )
-            for ring, friction in _largest(dataset, "largest_friction").items()
+            for ring, friction in largest.items()
         ]
-        return Answer(rows=tuple(rows), commands=next_of_others(dataset))
+        values = ", ".join(
+            f"{friction:.3g} at the {ring} ring" for ring, friction in largest.items()
+        )
+        return Answer(summary=f"effective friction up to {values}", rows=tuple(rows), next=(_NEXT,))
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

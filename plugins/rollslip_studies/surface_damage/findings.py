@@ -11,12 +11,13 @@ from rollslip.results.curves import json_value, or_none
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, percent
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.findings import next_of_others
 
 #: Unit of a measure that is a difference of temperatures, printed in K.
 RISE = "K, a difference"
 #: Start of the status of a worst value along a motion; the selected times follow, and after semicolons problems.
 _FOUND_AT: Final = f"{Status.FOUND} at"
+#: Command for the temperature of the surfaces, which has a limit where the scene states one.
+_NEXT: Final = "rollslip run {scene} --study surface-damage --set models.damage=contact-temperature"
 #: Variables of the worst value, by measure and ring.
 _WORST = ("worst", "worst_angle", "worst_place", "worst_status")
 
@@ -149,6 +150,13 @@ def _row(measure: "xr.Dataset") -> Row:
     )
 
 
+def _summary(measure: "xr.Dataset") -> str:
+    """Return the worst value of a measure with its ring: "sliding power density 2.1 MW/m2 at the inner ring"."""
+    row = _row(measure)
+    rings = measure["ring"].to_numpy()[measure["worst"].to_numpy() == row.value]
+    return f"{row.label} {row.text}{''.join(f' at the {ring} ring' for ring in rings[:1])}"
+
+
 def record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return the single values; None in place of NaN."""
 
@@ -188,19 +196,22 @@ class SurfaceDamageAccount(Account):
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return the cage slip, and the worst value of each measure."""
-        slip = float(dataset["slip"]) if "slip" in dataset else math.nan
+        """Return the worst value of each measure, and the cage slip at which it is measured."""
+        slip = float(dataset["slip"])
         status = str(dataset["status"].item()) if math.isnan(slip) else ""
         cage_slip = Row(
-            key="cage_slip",
-            label="cage slip",
+            key="cage_slip_measured",
+            label="cage slip there",
             value=slip,
-            rank=1,
             text="not found" if status else percent(slip),
             note=status or "without play in the pockets",
-            tolerance=math.inf,
         )
-        return Answer(rows=(cage_slip, *rows(dataset)), commands=next_of_others(dataset))
+        summary = "no damage measured: no steady cage slip"
+        if not status:
+            summary = _summary(measures(dataset)[0])
+        return Answer(
+            summary=summary, rows=(*(() if status else rows(dataset)), cage_slip), next=(_NEXT,)
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

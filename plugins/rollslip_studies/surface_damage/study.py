@@ -1,6 +1,6 @@
 """Study surface-damage: measures of damage by slip at the steady slip of a bearing, by ring and position of a roller.
 
-- ``models.damage`` names the measures; without a name nothing is computed.
+- ``models.damage`` names the measures, by default power density and flash temperature (`_DEFAULT_MEASURES`).
 - Measures are evaluated on every loaded slice at all roller positions of the orbit. Results are the worst value of the
   slices of a roller at each position, and the worst of all.
 - Their error is that against more slices and roller positions at once, at the steady slip with these. The finer worst
@@ -16,6 +16,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, LoadedContacts
+from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, in_range, parameter
 from rollslip.results.dataset import about, xr
@@ -56,6 +57,8 @@ from rollslip_studies.steady_slip.study import SteadySlip
 _TIMED_SLIP_FRACTION = 0.3
 #: Typical number of orbits for a steady slip, for the estimate of the cost, which is proportional to it. Chosen.
 _TYPICAL_ORBITS = 30
+#: Measures where a scene names none: the two that need no further data of oil or rig.
+_DEFAULT_MEASURES: Final = ("power-density", "flash-temperature")
 #: Parts of a resolution that change films and widths of contacts, which measures require.
 _CONTACT_PARTS: Final = ("inlet_heating", "light_contacts")
 
@@ -140,8 +143,6 @@ class SurfaceDamage(Study):
         cheaper_laws : bool, optional
             Whether cheaper laws may be chosen.
         """
-        if not assembly.scene.models.damage:
-            return ResolutionChoice(resolution=assembly.resolution)
         found = choose_by_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
         resolution = attrs.evolve(found.resolution, inlet_heating=True, light_contacts=True)
         if assembly.scene.accuracy.slices is None:
@@ -160,15 +161,12 @@ class SurfaceDamage(Study):
         )
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the drags and the damage models, each with its kind; nothing if nothing is measured."""
-        if not (measures := damage_of(assembly)):
-            return ()
+        """Return the drags and the damage models, each with its kind."""
+        measures = _measures(assembly)
         return *self._steady.models(assembly), *(("damage", model) for model in measures)
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the processor time [s] of the run, from that of one orbit; measures take next to nothing."""
-        if not assembly.scene.models.damage:
-            return {"run": 0.0}
         resisted = assembly.with_resistance()
         slip = self.cage_slip or _TIMED_SLIP_FRACTION * self.max_cage_slip
         seconds = processor_time(lambda: self._steady.balance(resisted).orbit(slip), 1)
@@ -188,7 +186,9 @@ class SurfaceDamage(Study):
         costs : dict of str to float
             Processor times [s] by name.
         """
-        return parts(assembly.scene)
+        if not assembly.scene.models.damage:
+            return parts(_measures(assembly), "default")
+        return parts(damage_of(assembly))
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
         """Return the worst value of each measure on each ring."""
@@ -212,7 +212,7 @@ class SurfaceDamage(Study):
             The result.
         """
         slip = float(dataset["slip"])
-        measures = damage_of(finer)
+        measures = _measures(finer)
         if not np.isfinite(slip):
             return {}
         balance = self._steady.balance(finer.with_resistance())
@@ -273,7 +273,7 @@ class SurfaceDamage(Study):
         return evaluated_slices(balance, [balance.orbit(slip)])
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
-        """Return all measures that the scene names.
+        """Return all measures that the scene names, or the default ones.
 
         Parameters
         ----------
@@ -289,7 +289,6 @@ class SurfaceDamage(Study):
             (measure,): limit, limit_source, unit, meaning, sense, scope; (measure, ring, angle): along, NaN where a
             roller is not loaded; (measure, ring, place): across, from the inlet at -1 to the outlet at 1, NaN where a
             measure has one value for a contact; scalars slip, status. Values are in the SI unit that `unit` names.
-            Without a measure there is no row.
 
         Raises
         ------
@@ -298,12 +297,7 @@ class SurfaceDamage(Study):
         DomainError
             If a law has no value at the slip.
         """
-        if not (measures := damage_of(assembly)):
-            status = (
-                "models.damage names no measure, so none was taken; name one or several, 'rollslip models damage' "
-                "lists them"
-            )
-            return self._dataset(assembly, (), np.nan, status, None)
+        measures = _measures(assembly)
         resisted = assembly.with_resistance()
         if self.cage_slip is not None:
             balance = self._steady.balance(resisted)
@@ -375,6 +369,13 @@ class SurfaceDamage(Study):
             ),
         }
         return xr.Dataset(variables, coords, attrs=self.attributes)
+
+
+def _measures(assembly: Assembly) -> tuple[DamageModel, ...]:
+    """Return the measures that the scene names, or the default ones, with the data of the bearing."""
+    return damage_of(assembly) or tuple(
+        get_model("damage", name).of(assembly) for name in _DEFAULT_MEASURES
+    )
 
 
 def _measure(

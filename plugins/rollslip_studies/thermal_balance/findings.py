@@ -5,6 +5,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Final
 
+import attrs
 import numpy as np
 
 from rollslip.results.account import Account
@@ -12,8 +13,14 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_estimated, format_power, percent
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.findings import next_of_others
 
+#: Command for temperatures that follow from the losses.
+_NEXT_OF_GIVEN: Final = "rollslip run {scene} --study thermal-balance --set models.thermal=network"
+#: Command with a flow of oil, which carries away more heat.
+_NEXT_WITHOUT_BALANCE: Final = (
+    "rollslip run {scene} --study thermal-balance --set models.thermal.model=network "
+    "--set models.thermal.oil_flow='20 g/s'"
+)
 #: Status of a course over time that reached its duration.
 COURSE_COMPLETE: Final = "the time is over"
 #: Text of the variable ``jumps`` where the excess heat has none.
@@ -50,6 +57,58 @@ def celsius(kelvin: float) -> str:
     return format_quantity(kelvin, "K", 4)
 
 
+def _degrees(kelvin: float) -> str:
+    """Return a temperature [K] in whole degrees, for an answer."""
+    return f"{kelvin - 273.15:.0f} °C"
+
+
+def _given_row(dataset: "xr.Dataset") -> Row:
+    """Return the row of the heat at the temperatures of the scene."""
+    loss = float(dataset["given_loss"])
+    is_known = not math.isnan(loss)
+    oil = float(dataset["given_temperature"].sel(part="oil"))
+    return Row(
+        key="given_loss",
+        label=f"heat at {_degrees(oil)}",
+        value=loss,
+        unit="W",
+        text=format_power(loss) if is_known else "not found",
+        note="at the temperatures of the scene"
+        if is_known
+        else str(dataset["given_status"].item()),
+    )
+
+
+def _sinks(balance: "xr.Dataset") -> str:
+    """Return how much heat each sink carries away or brings in, as text."""
+    heats = zip(
+        balance["sink"].to_numpy(), balance["carried_away"].to_numpy().tolist(), strict=True
+    )
+    return ", ".join(
+        f"{format_power(abs(heat))} {'by' if heat > 0.0 else 'in with'} {sink}"
+        for sink, heat in heats
+        if heat
+    )
+
+
+def _margin_rows(dataset: "xr.Dataset", node: str) -> list[Row]:
+    """Return the row of the heat beyond which there is no balance; none where no limit is known."""
+    margin = float(dataset["heat_margin"])
+    if math.isnan(margin):
+        return []
+    limit = _degrees(float(dataset["limit_temperature"]))
+    return [
+        Row(
+            key="heat_margin",
+            label="further heat",
+            value=margin,
+            unit="W",
+            text=format_power(margin),
+            note=f"at most, else no balance is left above {limit} of the {node}",
+        )
+    ]
+
+
 def _temperatures(names: Any, values: Any) -> str:
     """Return the temperatures [K] of nodes as text."""
     return ", ".join(
@@ -74,42 +133,34 @@ class ThermalBalanceAccount(Account):
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return temperatures and slip in balance, or the heat that has to be carried away to hold those given."""
-        # another study has the slip at the temperatures of the scene
-        commands = next_of_others(dataset)
+        """Return temperatures, heat and slip in balance, or the heat to carry away at those given."""
+        given = _given_row(dataset)
         if not solved(dataset):
-            loss = float(dataset["given_loss"])
-            text = format_power(loss)
-            note = "at the temperatures of the scene"
-            if math.isnan(loss):
-                text = "not found"
-                note = str(dataset["given_status"].item())
-            row = Row(
-                key="given_loss",
-                label="heat to carry away",
-                value=loss,
-                unit="W",
-                text=text,
-                note=note,
-            )
-            return Answer(rows=(row,), commands=commands)
+            summary = f"{given.text} of heat at the temperatures of the scene"
+            return Answer(summary=summary, rows=(given,), next=(_NEXT_OF_GIVEN,))
         if not (balances := stable_balances(dataset)):
             note = str(dataset["status"].item())
+            known = [given] if math.isfinite(given.value) else []
             row = Row(
                 key="temperature", label="bulk temperature", unit="K", text="no balance", note=note
             )
-            return Answer(rows=(row,), commands=commands)
+            return Answer(
+                summary="no balance of heat lasts",
+                rows=(row, *known),
+                next=(_NEXT_WITHOUT_BALANCE,),
+            )
         coldest = balances[0]
         names = coldest["node"].to_numpy()
         values = coldest["temperature"].to_numpy()
+        shown = [_degrees(value) for value in values]
         slip = float(coldest["steady_slip"])
-        shown = [f"{value - 273.15:.0f} °C" for value in values]
-        given, others = _others(dataset, coldest)
+        loss = float(coldest["loss"].sum())
         return Answer(
+            summary=f"{names[0]} {shown[0]} in balance, {format_power(loss)} of heat",
             rows=(
                 Row(
                     key="temperature",
-                    label=f"temperature, {names[0]}",
+                    label=str(names[0]),
                     value=float(values[0]),
                     unit="K",
                     text=shown[0],
@@ -118,19 +169,25 @@ class ThermalBalanceAccount(Account):
                     ),
                 ),
                 Row(
+                    key="loss",
+                    label="heat",
+                    value=loss,
+                    unit="W",
+                    text=format_power(loss),
+                    note=_sinks(coldest),
+                ),
+                Row(
                     key="cage_slip_in_balance",
                     label="cage slip there",
                     value=slip,
                     text=percent(slip),
                     note="without play in the pockets",
                 ),
-                *(
-                    Row(key="others", label="oil of the scene", text=given, note=note)
-                    for note in filter(None, [others])
-                ),
+                *_margin_rows(dataset, str(names[0])),
+                attrs.evolve(given, note=_others(dataset, coldest)[1] or given.note),
             ),
             assumed=tuple(filter(None, [describe_estimated(dataset)])),
-            commands=commands,
+            next=(f"rollslip run {{scene}} --study steady-slip {_scene_options(coldest)}",),
         )
 
     @staticmethod
@@ -307,14 +364,18 @@ def _course(dataset: "xr.Dataset") -> str:
 
 def _settings(dataset: "xr.Dataset") -> str:
     """Return the options with which other studies take the temperatures of the balance, as a sentence."""
-    coldest = stable_balances(dataset)[0]
-    known = dict(zip(coldest["node"].to_numpy(), coldest["temperature"].to_numpy(), strict=True))
-    keys = [
-        f"--set '{key}={value - 273.15:.6g} degC'"
+    options = _scene_options(stable_balances(dataset)[0])
+    return f"other studies take the temperatures of the scene; these are {options}"
+
+
+def _scene_options(balance: "xr.Dataset") -> str:
+    """Return the options with which another study takes the temperatures of a balance."""
+    known = dict(zip(balance["node"].to_numpy(), balance["temperature"].to_numpy(), strict=True))
+    return " ".join(
+        f"--set {key}={value - 273.15:.4g}degC"
         for part, key in _KEYS.items()
         if (value := known.get(part))
-    ]
-    return f"other studies take the temperatures of the scene; these are {' '.join(keys)}"
+    )
 
 
 ACCOUNT: Final = ThermalBalanceAccount("thermal-balance")

@@ -1,7 +1,8 @@
 """Study thermal-balance: all bulk temperatures at which losses and cooling are in balance, and their limit point.
 
-``models.thermal`` describes how heat leaves. Without it temperatures are those of ``operation``, and the study reports
-the heat that has to be carried away to maintain them. The method is that of `rollslip_studies.thermal_balance.balance`.
+``models.thermal`` describes how heat leaves, by default `Network` with estimates from the bearing. With ``given``
+temperatures are those of ``operation``, and the study reports the heat that has to be carried away to maintain them.
+The method is that of `rollslip_studies.thermal_balance.balance`.
 """
 
 import json
@@ -27,6 +28,8 @@ from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 from rollslip_studies.thermal_balance.findings import COURSE_COMPLETE, NO_JUMPS
 
+#: Thermal model where a scene names none: the one that balances without further data.
+_DEFAULT_MODEL: Final = "network"
 #: Step of temperature [K] to the steady slip whose time an estimate of the cost measures. Chosen: a typical iteration.
 _TIMED_STEP: Final = 0.3
 #: Mean number of steady slips for a point of the curve where other nodes follow; it scales the estimate of the cost.
@@ -174,9 +177,9 @@ class ThermalBalance(Study):
 
     @staticmethod
     def _model(assembly: Assembly) -> ThermalModel:
-        """Return the thermal model of the scene with values from the bearing; `Given` where it names none."""
-        named = thermal_model(assembly.scene)
-        return (get_model("thermal", "given") if named is None else named).of(assembly)
+        """Return the thermal model of the scene with values from the bearing; `Network` where it names none."""
+        model: ThermalModel = thermal_model(assembly.scene) or get_model("thermal", _DEFAULT_MODEL)
+        return model.of(assembly)
 
     def choose_resolution(
         self, assembly: Assembly, *, cheaper_laws: bool = True
@@ -186,8 +189,7 @@ class ThermalBalance(Study):
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the thermal model."""
-        model = thermal_model(assembly.scene)
-        return (*self._steady.models(assembly), *(() if model is None else (("thermal", model),)))
+        return (*self._steady.models(assembly), ("thermal", self._model(assembly)))
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the estimated time of a run [s], from the measured time and the number of steady slips."""

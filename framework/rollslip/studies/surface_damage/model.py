@@ -229,16 +229,11 @@ def _unit(model: DamageModel) -> str:
     return "K, a difference" if model.difference else model.unit
 
 
-def parts(scene: Scene) -> list[Part]:
-    """Return the lines of a plan about the measures of a scene."""
+def parts(measures: Iterable[DamageModel], reason: str = "models.damage names it") -> list[Part]:
+    """Return the lines of a plan about measures, with the reason why they are taken."""
     return [
-        Part(
-            part="damage",
-            choice=model.name,
-            resolution=model.equation,
-            reason="models.damage names it",
-        )
-        for model in named_damage(scene)
+        Part(part="damage", choice=model.name, resolution=model.equation, reason=reason)
+        for model in measures
     ]
 
 

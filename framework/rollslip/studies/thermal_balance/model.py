@@ -118,10 +118,8 @@ def from_bearing(scene: Scene, model: ThermalModel) -> dict[str, str]:
     model : ThermalModel
         Its thermal model with the values from the bearing.
     """
-    of_scene = thermal_model(scene)
     model_class = cast("Any", type(model))
-    if of_scene is None:
-        return {}
+    of_scene = thermal_model(scene) or model_class()
     return {
         field.name: format_quantity(value, field.metadata.get("unit", "1"), 3)
         for field in attrs.fields(model_class)
