@@ -4,7 +4,8 @@ Without tilt the loads of the slices of a roller follow from its force. So conve
 tabulated over force, sliding and rolling speed: the same law, not an average. `_build_friction_table` does that:
 
 1. Choose the scale V_s of the sliding speed over which friction of light and heavy contacts is interpolated best.
-2. Evaluate the chain of laws at the nodes: equal steps of u/(u + u_s), r/(r + r_s) with r = sqrt(Q), V/(|V| + V_s).
+2. Evaluate the chain of laws at the nodes: equal steps of u/(u + u_s), r/(r + r_s) with r = sqrt(Q), V/(V + V_s).
+   Values at negative sliding speeds follow, since laws are odd in V.
 3. Compare a piecewise cubic interpolation with the sum over all slices at random contacts.
 4. If the error exceeds the tolerance, find the axis with the largest error half-way between its nodes, and double the
    nodes of that axis.
@@ -86,7 +87,7 @@ _TURNING_POSITIONS: Final = 64
 _PROBES: Final = 600
 #: Candidates for the scale V_s of the sliding speed, relative to the rolling speed. Chosen: a step of a factor of 1.8.
 _SLIDING_SCALES: Final = np.geomspace(1e-3, 1.0, 13)
-#: Number of nodes on each side of zero sliding with which the candidates are compared. Chosen.
+#: Number of nodes from zero sliding on with which the candidates are compared. Chosen.
 _SCALE_NODES: Final = 64
 #: Gaps [m] between which the force of a roller is interpolated as a start of Newton's method. Chosen: any contact is
 #: between 1 pm and 1 mm.
@@ -465,7 +466,9 @@ def _build_friction_table(
     except RollslipError as refusal:
         # the motion may never reach such a contact; if it does, the law refuses it there
         return f"a law of the {raceway.ring} ring ends where a table of it would have to reach ({refusal})"
-    return FrictionTable(**attrs.asdict(grid, recurse=False), values=values, error=error)
+    return FrictionTable(
+        **attrs.asdict(grid, recurse=False), values=_of_both_senses(values), error=error
+    )
 
 
 class _RollerFriction:
@@ -530,8 +533,7 @@ class _RollerFriction:
 
     def best_sliding_scale(self, forces: tuple[float, ...], speed: float) -> float:
         """Return the scale V_s [m/s] with the smallest interpolation error at forces [N], slow and fast rolling."""
-        fraction = np.linspace(-1.0, 1.0, 2 * _SCALE_NODES + 1)
-        nodes_and_middles = np.sort(np.concatenate((fraction, fraction[:-1] + 0.5 / _SCALE_NODES)))
+        nodes_and_middles = np.linspace(0.0, 1.0, 2 * _SCALE_NODES + 1)
         size = nodes_and_middles.size
         contacts = [(force, factor) for force in forces for factor in _ROLLING_SPEEDS]
         loads, widths = (
@@ -552,9 +554,7 @@ class _RollerFriction:
                 len(contacts), -1
             ):
                 difference = np.abs(
-                    _interpolated(
-                        values[::2], [_sliding_cells(nodes_and_middles[1::2], _SCALE_NODES)]
-                    )
+                    _interpolated(values[::2], [_cells(nodes_and_middles[1::2], _SCALE_NODES + 1)])
                     - values[1::2]
                 )
                 error = max(error, float(difference.max() / np.abs(values).max()))
@@ -564,13 +564,12 @@ class _RollerFriction:
         return best
 
     def values_at_nodes(self, grid: _Grid, known: Array | None = None, axis: int = 0) -> Array:
-        """Return the values at all nodes, (1 or 2, speeds, roots, slidings); ``known`` are every other of an axis."""
+        """Return the values at the nodes from zero sliding on, (1 or 2, speeds, roots, slidings).
+
+        ``known`` are every other of an axis.
+        """
         speeds, roots, half = grid.nodes
-        fractions = [
-            np.linspace(0.0, 1.0, speeds),
-            np.linspace(0.0, 1.0, roots),
-            np.linspace(-1.0, 1.0, 2 * half + 1),
-        ]
+        fractions = [np.linspace(0.0, 1.0, nodes) for nodes in (speeds, roots, half + 1)]
         if known is not None:
             fractions[axis] = fractions[axis][1::2]
         V, u = (
@@ -584,7 +583,7 @@ class _RollerFriction:
         values = np.stack(rows, axis=2)
         if known is None:
             return values
-        merged = np.moveaxis(np.empty((len(values), speeds, roots, 2 * half + 1)), axis + 1, 0)
+        merged = np.moveaxis(np.empty((len(values), speeds, roots, half + 1)), axis + 1, 0)
         merged[::2] = np.moveaxis(known, axis + 1, 0)
         merged[1::2] = np.moveaxis(values, axis + 1, 0)
         return np.moveaxis(merged, 0, axis + 1)
@@ -614,14 +613,10 @@ class _RollerFriction:
             )
             if axis is None:  # the random contacts do not depend on the number of nodes
                 self.at_random = true
-        cells_of_probes = [
-            _cells(fractions[0], grid.nodes[0]),
-            _cells(fractions[1], grid.nodes[1]),
-            _sliding_cells(fractions[2], grid.nodes[2]),
-        ]
-        difference = np.abs(
-            np.array([_interpolated(part, cells_of_probes) for part in values]) - true
-        ) * np.sqrt(force)
+        cells_of_probes = [*map(_cells, np.abs(fractions), values.shape[1:])]
+        interpolated = np.array([_interpolated(part, cells_of_probes) for part in values])
+        interpolated[0] *= np.sign(fractions[2])
+        difference = np.abs(interpolated - true) * np.sqrt(force)
         reference = np.maximum(force, _LIGHT_FORCE * usual)
         coefficient = np.abs(true[0]) * np.sqrt(force) / reference
         errors = [difference[0] / (float(coefficient.max()) * reference)]
@@ -630,18 +625,22 @@ class _RollerFriction:
         return float(np.max(errors))
 
 
+def _of_both_senses(values: Array) -> Array:
+    """Return values at sliding speeds of both signs from those above zero: friction is odd, rolling resistance even.
+
+    If laws of others are neither, the error at random contacts of both signs shows it.
+    """
+    signs = np.array([-1.0, 1.0])[: len(values), None, None, None]
+    return np.concatenate((signs * values[..., :0:-1], values), axis=-1)
+
+
 def _cells(fraction: Array, nodes: int) -> tuple[Array, Array]:
-    """Return the index of the first of four nodes about a fraction of an axis, and the distance from it in cells."""
+    """Return the index of the first of four nodes about a fraction of an axis, and the distance from it in cells.
+
+    No four nodes reach across zero sliding.
+    """
     index = fraction * (nodes - 1)
     first = np.clip(np.floor(index).astype(int) - 1, 0, nodes - 4)
-    return first, index - first
-
-
-def _sliding_cells(fraction: Array, half: int) -> tuple[Array, Array]:
-    """Return what `_cells` does for the sliding speed, where no four nodes reach across zero."""
-    index = half * (fraction + 1.0)
-    low = np.where(fraction >= 0.0, half, 0)
-    first = np.clip(np.floor(index).astype(int) - 1, low, low + half - 3)
     return first, index - first
 
 
