@@ -5,6 +5,7 @@ import re
 import shlex
 import shutil
 import subprocess
+from html import unescape
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from rollslip.errors import SceneError
 from rollslip_campaigns.explorer import ExplorerSettings, explorer
 from rollslip_campaigns.explorer import page as written
 from rollslip_campaigns.explorer.grid import Dial, interpolate
+from rollslip_studies.steady_slip.minimum_load import minimum_loads_of_makers
 
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))),
@@ -88,7 +90,9 @@ def test_by_default_load_speed_temperature_clearance_and_the_law_of_traction_mov
         "operation.radial_load", "operation.inner_speed", "operation.temperature", "bearing.radial_clearance",
     ]  # fmt: skip
     assert planned.choices == {"models.traction.hydrodynamic": ("muraki", "maxwell-eyring")}
-    assert planned.size == 2 * (5 * 3 * 3 * 5 + 24)
+    assert planned.size == 2 * (5 * 3 * 3 * 3 + 24)
+    makers, _ = minimum_loads_of_makers(planned.scene)
+    assert planned.dials[0].high > np.nanmax(makers)
 
 
 def test_a_slider_begins_at_the_value_of_the_scene_and_goes_to_both_sides_of_it():
@@ -113,24 +117,19 @@ def test_a_slider_begins_at_the_value_of_the_scene_and_goes_to_both_sides_of_it(
     ]  # from a factor of 3 on
 
 
-def test_the_page_holds_units_angles_and_errors(tmp_path, monkeypatch):
+def test_the_page_holds_units_makers_and_errors(tmp_path, monkeypatch):
     monkeypatch.setattr(written, "library", lambda: "")
     planned = ExplorerSettings(
         "1032930-50C", {"operation.temperature": "46 degC:50 degC:2"}, checks=4
     ).plan()
     error = {"median": 0.01, "largest": 0.02, "known": 3, "mistaken": 1}
-    grid = xr.Dataset(
-        {"angle": ("roller", np.radians([0.0, 90.0, 180.0, 270.0]))},
-        {"cage_slip": [0.0, 1.0]},
-        {"swept": "x", "packages": "{}"},
-    )
     written.write_page(
         tmp_path / "p.html",
         planned,
-        grid,
-        layout={"skidding_slip": (0, 1)},
-        table=np.ones((1, 2, 1)),
-        errors={"skidding_slip": error},
+        xr.Dataset(attrs={"swept": "x", "packages": "{}"}),
+        slips=np.array([0.0, 1.0]),
+        table=np.ones((1, 2, 6)),
+        errors={"steady_slip": error},
     )
     text = (tmp_path / "p.html").read_text(encoding="utf-8")
     assert "<td>1 %</td><td>2 %</td><td>1 of 4</td>" in text
@@ -141,7 +140,8 @@ def test_the_page_holds_units_angles_and_errors(tmp_path, monkeypatch):
         pytest.approx(1.0),
         -273.15,
     )
-    assert data["angle"] == pytest.approx([0.0, 90.0, -180.0, -90.0])
+    assert [maker for maker, _ in data["makers"]] == ["NTN", "Schaeffler"]
+    assert data["acceptable"] == 0.05
     (most,) = set(re.findall(r'type="range"[^>]* max="(\d+)"', text))
     assert f"if (position >= {most}) return dial.high" in text
 
@@ -165,14 +165,14 @@ def test_the_page_stands_alone_and_says_how_far_it_is_off(page):
     text = path.read_text(encoding="utf-8")
     assert not re.search(r"<(?:script|link|img)[^>]* (?:src|href)=", text)
     assert found["points"] == 9
-    for name in ("effective_friction", "normal_force", "skidding_slip"):
-        assert 0.0 < found["errors"][name]["largest"] < 0.2
+    for name in ("steady_slip", "limit_drag", "friction_torque"):
+        assert 0.0 < found["errors"][name]["largest"] < 0.05
     assert "Measured at 3 random places" in text
     assert "MIT licence" in text
 
 
 def seen(path, address, after=""):
-    """Return what a browser shows of a page: its outputs, and the outline of the curve of the inner ring."""
+    """Return what a browser shows of a page: its outputs, and the outlines of its curves."""
     moved = path.with_name("moved.html")
     moved.write_text(
         path.read_text(encoding="utf-8").replace("</body>", f"<script>{after}</script></body>")
@@ -191,44 +191,38 @@ def seen(path, address, after=""):
         check=True,
     )
     dom = done.stdout.decode()
-    shown = {
-        name: float(value)
-        for name, value in re.findall(r'id="([\w-]+)"[^>]* data-value="([^"]*)"', dom)
-    }
-    shown |= {name: float(value) for name, value in re.findall(r'data-(drag|last)="([^"]*)"', dom)}
-    curves = re.findall(r'<path class="js-line"[^>]* d="(M[^"]+)"', dom)
-    return shown, curves
+    shown = dict(re.findall(r'id="([\w-]+)"[^>]* data-value="([^"]*)"', dom))
+    shown["command"] = unescape(re.search(r'<pre id="command">([^<]*)', dom)[1])
+    return shown, re.findall(r'<path class="js-line"[^>]* d="(M[^"]+)"', dom)
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(
     BROWSER is None, reason="no Chromium or Chrome is installed, in which the page is looked at"
 )
-def test_in_a_browser_a_slider_moves_the_curves_and_the_numbers_are_those_of_a_run(page):
-    scene, path, found = page
-    start, curves = seen(path, "operation.radial_load=900&operation.temperature=323.15")
-    values = {"operation.radial_load": 900.0, "operation.temperature": 323.15}
-    run = rollslip.run(rollslip.evolve(scene, values, si=True), "effective-friction")
-    assert start["skidding"] == pytest.approx(float(run.skidding_slip), rel=2e-3)
-    assert start["drag"] == pytest.approx(float(run.limit_drag), rel=2e-3)
-    assert start["load"] == pytest.approx(float(run.normal_force.sel(ring="inner").max()), rel=2e-3)
-    slide = "sliders[0].value = 1000; sliders[0].dispatchEvent(new Event('input'))"
-    moved, others = seen(path, "operation.radial_load=900&operation.temperature=323.15", slide)
-    run = rollslip.run(
-        rollslip.evolve(scene, values | {"operation.radial_load": 1200.0}, si=True),
-        "effective-friction",
-    )
-    assert moved["skidding"] == pytest.approx(float(run.skidding_slip), rel=2e-3)
-    assert moved["load"] == pytest.approx(float(run.normal_force.sel(ring="inner").max()), rel=2e-3)
+def test_in_a_browser_sliders_move_the_answer_which_is_that_of_the_command(page):
+    _, path, found = page
+    address = "operation.radial_load=900&operation.temperature=323.15"
+    start, curves = seen(path, address)
+    slide = "sliders[0].value = 500; sliders[0].dispatchEvent(new Event('input'))"
+    moved, others = seen(path, address, slide)
+    assert "operation.radial_load='1.05 kN'" in moved["command"]
     assert len(curves) >= 4
     assert curves != others
-    between_nodes, _ = seen(path, "operation.radial_load=1010&operation.temperature=321.15")
-    at = {"operation.radial_load": 1010.0, "operation.temperature": 321.15}
-    run = rollslip.run(rollslip.evolve(scene, at, si=True), "effective-friction")
-    assert (
-        abs(between_nodes["skidding"] - float(run.skidding_slip))
-        < 2.0 * found["errors"]["skidding_slip"]["largest"]
-    )
+    for shown in (start, moved):
+        program, verb, name, *options = shlex.split(shown["command"])
+        assert (program, verb) == ("rollslip", "run")
+        changes = dict(option.split("=", 1) for option in options if option != "--set")
+        run = rollslip.run(rollslip.evolve(rollslip.load_scene(name), changes), "steady-slip")
+        slip = float(run.steady_slip[0])
+        assert float(shown["slip"]) == pytest.approx(
+            slip, abs=2.0 * found["errors"]["steady_slip"]["largest"] + 0.01 * slip
+        )
+        assert float(shown["torque"]) == pytest.approx(float(run.friction_torque[0]), rel=0.02)
+        assert float(shown["reserve"]) == pytest.approx(float(run.drag_reserve), rel=0.05)
+        assert shown["verdict"] == ("SLIPS" if slip > 0.05 else "OK")
+        load = float(run.minimum_load)
+        assert float(shown["minimum"]) == pytest.approx(load, rel=0.02) or load > 1200.0
 
 
 def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, monkeypatch):

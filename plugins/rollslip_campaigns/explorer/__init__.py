@@ -1,4 +1,4 @@
-"""Campaign ``explore``: a page with sliders that shows effective friction, loads and the skidding slip over a grid."""
+"""Campaign ``explore``: a page with sliders that shows verdict, slip, minimum load, reserve and torque over a grid."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 class ExplorerSettings(OfPoints):
     """Write a page with sliders for load, speed, temperature, clearance and models of SCENE.
 
-    It shows effective friction, loads and the slip at which skidding begins, which are interpolated on a grid of
-    computed points, and the error of the interpolation. It needs the extra [explorer].
+    It shows verdict, cage slip, minimum load, drag reserve and friction torque, interpolated on a grid of computed
+    points, and the error of the interpolation. It needs the extra [explorer].
 
     Returns
     -------

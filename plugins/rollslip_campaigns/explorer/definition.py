@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from typing import Final
 
 import attrs
+import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_class
 from rollslip.results.text import short_label
 from rollslip.scene.changes import Quantity, describe_unknown_key
+from rollslip.scene.values import Scene
 from rollslip.structure import raise_problems
 from rollslip.studies.study import settings
 from rollslip.toml import as_list
@@ -16,21 +18,24 @@ from rollslip.units import UnitError, check_typed, evenly, shown_unit
 from rollslip_campaigns.explorer import ExplorerSettings
 from rollslip_campaigns.explorer.grid import Dial, Explorer
 from rollslip_campaigns.sweep.sampling import read_overs
-from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.steady_slip.minimum_load import minimum_loads_of_makers
+from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["plan_explorer"]
 
 #: Quantities that have sliders by default: key -> half of the range, and number of nodes, of which the value of the
 #: scene is one. Half ranges of loads and speeds are fractions of the value, of temperatures kelvin, of clearances
-#: fractions of the diameter of the inner raceway. Chosen: 5 x 3 x 3 x 5 nodes are 225 points for each combination of
+#: fractions of the diameter of the inner raceway. Chosen: 5 x 3 x 3 x 3 nodes are 135 points for each combination of
 #: models.
 _DEFAULT_RANGES: Final[Mapping[str, tuple[float, int]]] = {
     "operation.radial_load": (0.5, 5),
     "operation.inner_speed": (0.3, 3),
     "operation.temperature": (15.0, 3),
-    "bearing.radial_clearance": (2e-4, 5),
+    "bearing.radial_clearance": (2e-4, 3),
 }
+#: Factor on the largest minimum load of a maker up to which loads go, so that its mark is seen. Chosen.
+_BEYOND_MAKERS: Final = 1.05
 #: Ratio of the bounds above which a quantity is interpolated over its logarithm. Chosen, as for searches
 #: (`rollslip_campaigns.limit.limit`).
 _LOGARITHMIC_RATIO: Final = 3.0
@@ -45,11 +50,11 @@ def plan_explorer(requested: "ExplorerSettings") -> Explorer:
     """Check the settings of an explorer and return its plan; wrong settings raise SceneError with all faults."""
     over = read_overs(requested.over)
     base = attrs.evolve(requested.base_scene, sweep=None, uncertainty=None)
-    known = quantities(assemble(base), settings(base, EffectiveFriction.name))
+    known = quantities(assemble(base), settings(base, SteadySlip.name))
     dials = list[Dial]()
     choices = dict[str, tuple[str, ...]]()
     problems = list[str]()
-    for key, value in (over or _defaults(known)).items():
+    for key, value in (over or _defaults(known, base)).items():
         if key not in known:
             problems.append(f"{key}: {describe_unknown_key(key, known)}")
         elif known[key].unit is None:
@@ -74,8 +79,12 @@ def plan_explorer(requested: "ExplorerSettings") -> Explorer:
     return planned
 
 
-def _defaults(known: Mapping[str, Quantity]) -> dict[str, object]:
-    """Default ranges of quantities, and the model of traction with the one that solves it, if there is one."""
+def _defaults(known: Mapping[str, Quantity], scene: Scene) -> dict[str, object]:
+    """Default ranges of quantities, and the model of traction with the one that solves it, if there is one.
+
+    Loads go up to the largest minimum load of a maker.
+    """
+    makers_load = float(np.nanmax(minimum_loads_of_makers(scene)[0], initial=0.0))
     defaults: dict[str, object] = {}
     diameter = known["bearing.inner_raceway_diameter"].value
     for key, (half_width, count) in _DEFAULT_RANGES.items():
@@ -88,7 +97,10 @@ def _defaults(known: Mapping[str, Quantity]) -> dict[str, object]:
             # a clearance keeps its sign
             if low <= 0.0 <= scene_value:
                 low = 0.0
-            defaults[key] = f"{low!r}:{scene_value + half_width * unit!r}:{count}"
+            high = scene_value + half_width * unit
+            if key == "operation.radial_load":
+                high = max(high, _BEYOND_MAKERS * makers_load)
+            defaults[key] = f"{low!r}:{high!r}:{count}"
     for key, quantity in known.items():
         if quantity.model == "traction" and (
             solves := get_class("traction", str(quantity.value)).solved_by

@@ -1,8 +1,9 @@
 """Compute an explorer: a sweep over the nodes of its grid, and one at random points that measures its error."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -12,12 +13,16 @@ from rollslip.results.dataset import xr
 from rollslip.search import Array
 from rollslip_campaigns.explorer import ExplorerSettings
 from rollslip_campaigns.explorer.grid import Explorer, interpolate
-from rollslip_campaigns.explorer.page import GROUPS, library, write_page
+from rollslip_campaigns.explorer.page import GROUPS, LOAD, library, write_page
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.sweep import plan_sweep
-from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.steady_slip.study import SteadySlip
 
 __all__ = ["run_explorer"]
+
+#: Smallest and largest slip and the number of slips of the curves, after 0; they end where the shortest curve does.
+#: Half as many change slips by up to 2 % where the curve bends. Chosen.
+_SLIPS: Final = (1e-4, 0.95, 60)
 
 
 def run_explorer(
@@ -48,8 +53,8 @@ def run_explorer(
         sweep = plan_sweep(
             planned.scene,
             over,
-            study=EffectiveFriction.name,
-            output=[*GROUPS, "angle"],
+            study=SteadySlip.name,
+            output=["driving_torque", "drag_torque", "friction_torque", "steady_slip"],
             engine=requested.engine,
             time_limit=requested.time_limit,
             **options,
@@ -71,11 +76,11 @@ def run_explorer(
     grid = compute_sweep(
         "nodes", choices | {dial.key: dial.nodes.tolist() for dial in planned.dials}
     )
-    if "cage_slip" not in grid.coords:
-        raise ConvergenceError(
-            "the curves of the grid have different slips; give their number: key points of the study"
-        )
-    layout, table = _table(grid, [*choices, *keys])
+    order = [*choices, *keys]
+    ends = grid["cage_slip"].max([name for name in grid["cage_slip"].dims if name not in order])
+    slips = np.append(0.0, np.geomspace(*_SLIPS))
+    slips = np.append(slips[slips < float(ends.min())], float(ends.min()))
+    table, _ = _table(planned, grid, order, slips)
     table = table.reshape(-1, *(dial.count for dial in planned.dials), table.shape[-1])
     errors: dict[str, dict[str, Any]] = {}
     if planned.checks:
@@ -86,7 +91,7 @@ def run_explorer(
         random_points = compute_sweep(
             "places", choices | ranges, samples=planned.checks, seed=1, sampling="latin-hypercube"
         )
-        _, exact = _table(random_points, [*choices, "sample"])
+        exact, loads = _table(planned, random_points, [*choices, "sample"], slips)
         exact = exact.reshape(table.shape[0], planned.checks, -1)
         positions = np.stack([random_points[key].to_numpy() for key in keys], axis=-1)
         interpolated = np.array(
@@ -95,8 +100,8 @@ def run_explorer(
                 for combination in table
             ]
         )
-        errors = _errors(layout, interpolated, exact)
-    write_page(requested.page, planned, grid, layout=layout, table=table, errors=errors)
+        errors = _errors(slips, loads, interpolated, exact)
+    write_page(requested.page, planned, grid, slips=slips, table=table, errors=errors)
     messages = [
         f"{GROUPS[name]}: off by {100.0 * error['median']:.2g} % in the median of the random points, by "
         f"{100.0 * error['largest']:.2g} % at most"
@@ -106,46 +111,68 @@ def run_explorer(
     return {"points": planned.size, "messages": messages, "errors": errors}
 
 
-def _table(dataset: "xr.Dataset", order: Sequence[str]) -> tuple[dict[str, tuple[int, int]], Array]:
-    """Columns of each result, (start, end), and the table with a row for each point in the order of the dimensions."""
-    layout = dict[str, tuple[int, int]]()
-    columns = list[Array]()
-    width = 0
-    points = int(np.prod([dataset.sizes[name] for name in order], dtype=int))
-    for name in GROUPS:
-        values = dataset[name].transpose(*order, ...).to_numpy().reshape(points, -1)
-        layout[name] = (width, width + values.shape[1])
-        columns.append(values)
-        width += values.shape[1]
-    return layout, np.concatenate(columns, axis=1)
+def _table(
+    planned: Explorer, dataset: "xr.Dataset", order: Sequence[str], slips: Array
+) -> tuple[Array, Array]:
+    """Table with a row for each point, and the loads of these [N].
+
+    Columns are the driving torque over the load and the drag torque, both at the slips, then friction torque and slip.
+    A torque over the load is smoother than a torque.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    ones = xr.DataArray(np.ones([dataset.sizes[name] for name in order]), dims=order)
+    loads = ones * dataset.get(LOAD, planned.scene.operation.radial_load)
+
+    def rows(name: str) -> Array:
+        values = (ones * dataset[name]).transpose(*order, ...).to_numpy()
+        return np.asarray(values.reshape(loads.size, -1))
+
+    curves = map(rows, ("cage_slip", "driving_torque", "drag_torque"))
+    table = list[Array]()
+    for own, driving, drag, load in zip(*curves, loads.to_numpy().ravel(), strict=True):
+        known = np.isfinite(own) & np.isfinite(driving)
+        torque = PchipInterpolator(own[known], driving[known])(slips) / load
+        table.append(np.concatenate([torque, np.interp(slips, own[known], drag[known])]))
+    single = [rows(name)[:, :1] for name in ("friction_torque", "steady_slip")]
+    return np.hstack([np.array(table), *single]), loads.to_numpy().ravel()
+
+
+def steady_slip(slips: Array, excess: Array) -> float:
+    """Return the first slip at which an excess torque is not negative; NaN where there is none."""
+    reached = np.flatnonzero(excess >= 0.0)
+    if not reached.size:
+        return math.nan
+    around = slice(max(int(reached[0]) - 1, 0), max(int(reached[0]), 1) + 1)
+    return float(np.interp(0.0, excess[around], slips[around]))
 
 
 def _errors(
-    layout: Mapping[str, tuple[int, int]], interpolated: Array, exact: Array
+    slips: Array, loads: Array, interpolated: Array, exact: Array
 ) -> dict[str, dict[str, Any]]:
-    """Errors of the interpolation for each result, relative to the largest value, for slips absolute.
+    """Errors of the interpolation for each result: of torques relative, of slips absolute.
 
     ``known`` counts points at which both have a value, ``mistaken`` those at which only one of the two has.
     """
+    computed, reference = (rows.reshape(-1, rows.shape[-1]) for rows in (interpolated, exact))
+    count = slips.size
+    found = [
+        steady_slip(slips, load * row[:count] - row[count : 2 * count])
+        for row, load in zip(computed, loads, strict=True)
+    ]
+    pairs = {
+        "steady_slip": (np.array(found), reference[:, -1], 1.0),
+        "limit_drag": (computed[:, :count].max(axis=1), reference[:, :count].max(axis=1), None),
+        "friction_torque": (computed[:, -2], reference[:, -2], None),
+    }
     errors = {}
-    for name, (start, end) in layout.items():
-        computed, reference = (
-            rows[..., start:end].reshape(-1, end - start) for rows in (interpolated, exact)
-        )
-        known = np.isfinite(computed) & np.isfinite(reference)
-        if name in ("effective_friction", "normal_force"):
-            rings = [x.reshape(len(computed), 2, -1) for x in (computed, reference)]
-            error = np.abs(rings[0] - rings[1]).max(axis=2) / np.maximum(
-                np.abs(rings[1]).max(axis=2), 1e-300
-            )
-            error = error.max(axis=1)
-        else:
-            size = np.abs(reference[known]) if name == "limit_drag" else 1.0
-            error = np.abs(computed[known] - reference[known]) / size
+    for name, (ours, theirs, scale) in pairs.items():
+        known = np.isfinite(ours) & np.isfinite(theirs)
+        error = np.abs(ours - theirs)[known] / (scale or np.abs(theirs[known]))
         errors[name] = {
             "median": float(np.median(error)) if error.size else None,
             "largest": float(error.max()) if error.size else None,
             "known": int(known.sum()),
-            "mistaken": int((np.isfinite(computed) != np.isfinite(reference)).sum()),
+            "mistaken": int((np.isfinite(ours) != np.isfinite(theirs)).sum()),
         }
     return errors

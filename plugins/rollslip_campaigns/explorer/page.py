@@ -20,23 +20,27 @@ import numpy as np
 
 from rollslip.errors import PluginError
 from rollslip.files import whole_file
+from rollslip.results.answer import ACCEPTABLE
 from rollslip.results.dataset import xr
-from rollslip.results.style import GROUND, INK, RING_COLOURS, on_dark, unit_label
+from rollslip.results.style import GROUND, INK, MODEL_COLOURS, on_dark, unit_label
+from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import thawed
+from rollslip.studies.study import settings
 from rollslip.units import converted
 from rollslip_campaigns.explorer.grid import Explorer
+from rollslip_studies.steady_slip.minimum_load import RULES, minimum_loads_of_makers
+from rollslip_studies.steady_slip.study import SteadySlip
 
-__all__ = ["GROUPS", "library", "write_page"]
+__all__ = ["GROUPS", "LOAD", "library", "write_page"]
 
+#: Key of the radial load, over which the page draws the slip.
+LOAD: Final = "operation.radial_load"
 #: Result -> label of its error.
 GROUPS: Final[Mapping[str, str]] = {
-    "effective_friction": "effective friction, of the largest on the ring",
-    "normal_force": "normal force, of the largest on the ring",
-    "skidding_slip": "slip at which skidding begins, in points of slip",
-    "limit_drag": "limit drag torque",
-    "steady_cage_slip": "slip at which the cage runs, in points of slip",
-    "critical_cage_slip": "slip at largest traction, in points of slip",
+    "steady_slip": "cage slip, in points of slip",
+    "limit_drag": "largest torque of the rollers",
+    "friction_torque": "friction torque",
 }
 
 
@@ -56,7 +60,7 @@ def write_page(
     explorer: "Explorer",
     grid: "xr.Dataset",
     *,
-    layout: Mapping[str, tuple[int, int]],
+    slips: Array,
     table: Array,
     errors: Mapping[str, Mapping[str, Any]],
 ) -> None:
@@ -69,11 +73,12 @@ def write_page(
     explorer : Explorer
         The plan.
     grid : xarray.Dataset
-        Dataset of the sweep over the nodes, for slips, angles, title, warnings and provenance.
-    layout : mapping of str to tuple of int
-        Result -> its columns in the table, (start, end).
+        Dataset of the sweep over the nodes, for title, warnings and provenance.
+    slips : ndarray
+        Cage slips of the curves, shape (n,).
     table : ndarray
-        Results at the nodes, shape (combinations of models, nodes of each dial in turn, columns).
+        Results at the nodes, shape (combinations of models, nodes of each dial in turn, columns): the driving torque
+        over the load at the slips, the drag torque there, friction torque and steady slip.
     errors : mapping
         Result -> median and largest error, number of points at which both have a value ("known"), and of those at which
         only one of interpolation and run has ("mistaken").
@@ -96,19 +101,27 @@ def write_page(
         }
         for dial in explorer.dials
     ]
-    angle = grid["angle"].to_numpy().reshape(-1, grid.sizes["roller"])[0]
+    loads, _ = minimum_loads_of_makers(explorer.scene)
     data = {
         "command": _command(explorer),
         "dials": dials,
         "choices": {key: list(names) for key, names in explorer.choices.items()},
-        "layout": {name: list(ends) for name, ends in layout.items()},
-        "slip": grid["cage_slip"].to_numpy().tolist(),
-        "angle": ((np.degrees(angle) + 180.0) % 360.0 - 180.0).tolist(),
+        "slip": slips.tolist(),
+        "load": explorer.scene.operation.radial_load,
+        "loadKey": LOAD,
+        "acceptable": _acceptable_slip(explorer.scene),
+        "makers": [
+            [maker, load] for maker, load in zip(RULES, loads.tolist(), strict=True) if load > 0.0
+        ],
         "width": table.shape[-1],
         "table": base64.b64encode(np.ascontiguousarray(table, dtype="<f4").tobytes()).decode(),
         "colours": {
-            which: {ring: turn(colour) for ring, colour in RING_COLOURS.items()}
-            | {"ink": ink, "paper": paper}
+            which: {
+                "driving": turn(MODEL_COLOURS[0]),
+                "drag": turn(MODEL_COLOURS[1]),
+                "ink": ink,
+                "paper": paper,
+            }
             for which, turn, ink, paper in (
                 ("light", str, "#1b1f24", "#ffffff"),
                 ("dark", on_dark, INK, GROUND),
@@ -136,6 +149,12 @@ def write_page(
     )
     with whole_file(path) as partial:
         partial.write_text(text, encoding="utf-8")
+
+
+def _acceptable_slip(scene: "Scene") -> float:
+    """Return the acceptable slip of a scene."""
+    study = settings(scene, SteadySlip.name)[SteadySlip.name]
+    return float(getattr(study, "acceptable_slip", None) or ACCEPTABLE)
 
 
 def _command(explorer: "Explorer") -> str:
