@@ -43,7 +43,7 @@ SHARED = {
     "rollslip_studies.friction_curve.study", "rollslip_studies.raceway_friction.film_figures",
     "rollslip_studies.raceway_friction.study",
     "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.evaluated",
-    "rollslip_studies.steady_slip.band",
+    "rollslip_studies.steady_slip.band", "rollslip_studies.steady_slip.minimum_load",
     "rollslip_studies.steady_slip.findings", "rollslip_studies.steady_slip.figures",
     "rollslip_studies.surface_damage.over_motion",
     "rollslip_studies.surface_damage.findings", "rollslip_studies.surface_damage.figures",

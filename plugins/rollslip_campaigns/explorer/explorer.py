@@ -166,13 +166,13 @@ def _errors(
         "friction_torque": (computed[:, -2], reference[:, -2], None),
     }
     errors = {}
-    for name, (ours, theirs, scale) in pairs.items():
-        known = np.isfinite(ours) & np.isfinite(theirs)
-        error = np.abs(ours - theirs)[known] / (scale or np.abs(theirs[known]))
+    for name, (values, expected, scale) in pairs.items():
+        known = np.isfinite(values) & np.isfinite(expected)
+        error = np.abs(values - expected)[known] / (scale or np.abs(expected[known]))
         errors[name] = {
             "median": float(np.median(error)) if error.size else None,
             "largest": float(error.max()) if error.size else None,
             "known": int(known.sum()),
-            "mistaken": int((np.isfinite(ours) != np.isfinite(theirs)).sum()),
+            "mistaken": int((np.isfinite(values) != np.isfinite(expected)).sum()),
         }
     return errors

@@ -160,18 +160,18 @@ def _acceptable_slip(scene: "Scene") -> float:
 def _command(explorer: "Explorer") -> str:
     """Return the command that runs the scene, with its changes that no slider or list has."""
     scene = explorer.scene
-    moved = {dial.key for dial in explorer.dials} | explorer.choices.keys()
-    words = ["rollslip", "run", scene.source]
+    varied = {dial.key for dial in explorer.dials} | explorer.choices.keys()
+    parts = ["rollslip", "run", scene.source]
     for path, origin in scene.origins.items():
         key = ".".join(map(str, path))
-        if origin != "changes" or key in moved:
+        if origin != "changes" or key in varied:
             continue
         value: Any = thawed(scene.raw)
         for name in path:
             value = value[name]
         if not isinstance(value, dict):
-            words += ["--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}"]
-    return shlex.join(words)
+            parts += ["--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}"]
+    return shlex.join(parts)
 
 
 def _controls(explorer: "Explorer") -> str:
