@@ -128,8 +128,6 @@ _MAX_COLUMN_WIDTH: Final = 1000
 _HEADING: Final = len("assumed")
 #: Option that shows notes in full -> what shows all assumptions.
 _ALL: Final = {"-v": "--all", ".notes": ".lines(whole=True)"}
-#: Letters of a count of what is not shown.
-_COUNT: Final = len("; 9 more, 19 of little effect")
 #: Largest relative error of a slip that rules take into account. Chosen: a study with a larger one has no accuracy.
 _MAX_ACCURACY: Final = 0.1
 #: Key of a scene -> its name among what was assumed, where the last part of the key is not that.
@@ -284,7 +282,7 @@ RULES: Final = (
     Rule(code="V6", verdict=Verdict.SLIPS, conditions=((Fact.CAGE_SLIP, ">", (1.0, Fact.ACCEPTABLE_SLIP)),),
          remark="above the acceptable {acceptable}", source="what a scene calls acceptable, by default a choice"),
     Rule(code="V7", verdict=Verdict.SLIPS, conditions=((Fact.BAND_HIGH, ">", (2.0, Fact.ACCEPTABLE_SLIP)),),
-         remark="the slip may be above {twice}"),
+         remark="may be above {twice}"),
     Rule(code="V8", verdict=Verdict.SLIPS, conditions=((Fact.RESERVE, "<", 2.0),), row="drag_reserve",
          remark="below 2, may slip", source="a choice: drags are known to a factor"),
     Rule(code="V9", verdict=Verdict.OK, conditions=(), source="else"),
@@ -418,9 +416,9 @@ class Answer:
             for name, texts in groups:
                 shown = texts
                 if name == "assumed":
-                    shown = _with_count(
-                        texts, self._hidden(len(rows), len(texts)), _ALL.get(more, more)
-                    )
+                    hidden = len(self.rows) - len(rows)
+                    hidden += len(self.assumed) + len(self.minor) - len(texts)
+                    shown = _with_count(texts, hidden, _ALL.get(more, more), width)
                 headed = [
                     (f"{'' if k else name:<{_HEADING}}", text) for k, text in enumerate(shown)
                 ]
@@ -432,13 +430,6 @@ class Answer:
             if whole or len(lines) <= max_lines:
                 break
         return lines
-
-    def _hidden(self, rows: int, assumed: int) -> str:
-        """Return how much is not shown of a number of rows and assumptions: "2 more, 9 of little effect"."""
-        left = len(self.rows) - rows + max(len(self.assumed) - assumed, 0)
-        minor = min(len(self.assumed) + len(self.minor) - assumed, len(self.minor))
-        texts = (f"{left} more" * bool(left), f"{minor} of little effect" * bool(minor))
-        return ", ".join(filter(None, texts))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the answer as plain values, for JSON: SI value, unit, band and text of each row."""
@@ -575,7 +566,7 @@ def with_verdict(answer: Answer) -> Answer:
     return attrs.evolve(
         answer,
         rows=tuple(
-            attrs.evolve(row, note="; ".join(filter(None, (row.note, remark))))
+            attrs.evolve(row, note="; ".join(filter(None, (remark, row.note))))
             if row.key == key
             else row
             for row in rows
@@ -709,7 +700,7 @@ def describe_defaults(datasets: "Iterable[xr.Dataset]") -> str:
     for dataset in datasets:
         assumed |= dict.fromkeys(json.loads(dataset.attrs.get("assumed", "[]")))
         evaluated |= {item["key"] for item in json.loads(dataset.attrs.get("choices", "[]"))}
-        if own_cage := dataset.attrs.get("own_cage"):
+        if (own_cage := dataset.attrs.get("own_cage")) and "cage.make" not in evaluated:
             cages[f"cage {own_cage.partition(', ')[2].partition(';')[0]}"] = None
     names = [
         _NAMED.get(key, key.rpartition(".")[2]).replace("_", " ")
@@ -946,11 +937,11 @@ def _shortened(
     while len(assumed) > 2:
         yield
         assumed.pop()
-    for texts, room in ((assumed, width - _COUNT - len(more)), (notes, width)):
-        yield
-        texts[:] = [_line(text, room, more) for text in texts]
     yield
-    del assumed[1:]
+    notes[:] = [_line(text, width, more) for text in notes]
+    assumed[:] = [
+        textwrap.shorten(text, width - _HEADING - 4, placeholder=" ...") for text in assumed
+    ]
     yield
     room = max(
         width - sum(max((len(row[k]) for row in rows), default=0) + 2 for k in (0, 1)) - 2, 4
@@ -960,18 +951,23 @@ def _shortened(
         if len(note) > room:
             rows[k] = label, text, textwrap.shorten(note, room, placeholder=" ...")
             yield
+    del assumed[1:]
+    yield
     while rows:
         yield
         rows.pop()
     yield
 
 
-def _with_count(texts: Sequence[str], hidden: str, option: str) -> list[str]:
-    """Return texts with what is not shown behind the last one, and the option that shows it."""
+def _with_count(texts: Sequence[str], hidden: int, option: str, width: int) -> list[str]:
+    """Return texts with the number of those not shown, behind the last one if it has room, and what shows them."""
     if not hidden:
         return [*texts]
-    *others, last = texts or ("",)
-    return [*others, "; ".join(filter(None, (last, f"{hidden} ({option})")))]
+    count = f"{hidden} more ({option})"
+    last = "; ".join([*texts[-1:], count])
+    if len(last) > width - _HEADING - 4:
+        return [*texts, count]
+    return [*texts[:-1], last]
 
 
 def _line(text: str, width: int, more: str) -> str:
