@@ -163,11 +163,10 @@ class LightContact(PressureModel):
             code="W17",
             quantity="load_parameter",
             low=LIGHT,
-            consequence="a mean pressure stands for that of the film: against the field solution over the numerical "
-            "pressure traction is {error} off",
+            consequence="the mean pressure replaces that of the film: traction differs by {error} from the full "
+            "solution",
             error=Tabled(((0.2, 19.0), (0.5, 5.0), (1.0, 25.0))),
-            remedy="no built-in model is closer; models.pressure = 'hertz' is farther off, and shows how much it "
-            "matters",
+            remedy="no built-in model is closer; models.pressure = 'hertz' differs more, and shows the effect",
             source="Eyring's stress over numerical pressures (M = 0.2), the exact field over them at M = 0.5 and 1, "
             "L = 8.5 to 12, slips of 0.2 to 60 %",
         ),

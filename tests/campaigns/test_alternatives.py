@@ -95,7 +95,7 @@ def test_what_moves_both_alike_does_not_blur_their_ratio():
         (
             (0.02, 0.03),
             (0.8, 1.9),
-            "no clear winner between A and B: where data scatter either may slip less; ratio: ",
+            "no clear winner between A and B: within the scatter of the data either may slip less; ratio: ",
         ),
         ((0.02, 0.03), (1.04, 1.9), "no clear winner between A and B"),
         ((0.02, 0.02), (1.0, 1.0), "A and B are the same here"),

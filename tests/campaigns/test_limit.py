@@ -472,7 +472,7 @@ def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, 
              "--keep", "half_width>=60 um"]  # fmt: skip
     told = CliRunner().invoke(cli, [*requested, "--report"], catch_exceptions=False)
     assert told.exit_code == 0, told.output
-    assert "5 values at first, and" in told.output
+    assert "5 values, then up to" in told.output
     assert "where it is passed once" in told.output
     assert "half_width >= 60 um is kept with bearing.roller_length from" in told.output
     assert (

@@ -271,9 +271,7 @@ def test_a_file_that_a_fit_reads_is_ranked(tmp_path, data):
     np.testing.assert_array_equal(same.condition_error, found.condition_error)
     assert "none given" not in same.attrs["warnings"]
     told = account_of(found).sentences(found)
-    assert told[-1].startswith(
-        "the confidence is that of noise alone, with conditions taken for independent"
-    )
+    assert told[-1].startswith("95 % assumes independent errors of conditions")
     grouped = rank([tmp_path / "discs.csv"], traction="muraki,newtonian-thermal", groups="series")
     assert (
         account_of(grouped)

@@ -471,7 +471,7 @@ def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them()
     assert float(told) == pytest.approx(spearmanr(alpha, away).statistic)
     assert float(found.strength_correlation) == pytest.approx(spearmanr(away, drag).statistic)
     assert float(found.strength_correlation) < -0.3
-    assert "ranks oils the wrong way round" in " ".join(
+    assert "do not rank oils by this slip" in " ".join(
         findings.UncertaintyAccount.topics(found)["allowable slip"]
     )
 

@@ -333,7 +333,7 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(
         "the allowable slip lies beyond the range of slips, 95 %: so does the slip at which skidding begins with "
         "probability 0.9"
         + (
-            "; 8 samples are too few to tell how much less"
+            "; 8 samples are too few for a confidence limit"
             if count == 8
             else " (95 % interval: beyond the range too"
         )

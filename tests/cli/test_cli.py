@@ -106,7 +106,7 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
     assert "pressure 'hertz' is valid for load parameter M >= 2; " in told
     assert (
         "film 'moes' is valid for film parameter Lambda >= 3; "
-        in told.split("bounds left with less consequence")[1]
+        in told.split("notes of minor effect")[1]
     )
     names = {path.name for path in (tmp_path / "1032930-70C-results").iterdir()}
     assert {"effective-friction.nc", "friction-curve.nc", "report.html"} <= names

@@ -172,7 +172,7 @@ def test_the_plan_says_where_drags_are_from():
     assert {part.reason for part in parts} == {"default, of lubrication.supply = 'grease'"}
     bare = plan(SCENE, "steady-slip").parts
     reasons = [part.reason for part in bare if part.part == "rolling resistance"]
-    assert reasons == ["no rolling resistance: slip a lower bound, friction torque lacks it"]
+    assert reasons == ["rolling resistance is not modelled: slip and torque are lower bounds"]
 
 
 def test_the_deepest_bath_that_was_held_against_is_usual():

@@ -108,7 +108,7 @@ study_option = click.option(
 resume_option = click.option(
     "--resume",
     is_flag=True,
-    help="Go on with the interrupted run that --out was to take the results of.",
+    help="Resume the interrupted run of folder --out.",
 )
 
 
@@ -128,14 +128,14 @@ def engine_options(command: Any) -> Any:
 
     for option in (
         click.option(
-            "--time-limit", metavar="TIME", help="Longest time for one point, such as '60 s'."
+            "--time-limit", metavar="TIME", help="Time limit for one point, such as '60 s'."
         ),
         click.option("--scheduler", metavar="ADDRESS", help="Scheduler of engine dask."),
         click.option("--workers", metavar="N", type=click.IntRange(1), help="Points at a time."),
         click.option(
             "--engine",
             metavar="NAME",
-            help="Where: serial, threads, processes, dask; by default chosen.",
+            help="serial, threads, processes or dask; by default the fastest.",
         ),
     ):
         with_engine = option(with_engine)
@@ -180,7 +180,7 @@ def results_options(
     options = {
         "out": click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help=folder),
         "overwrite": click.option(
-            "--overwrite", is_flag=True, help="Replace what rollslip wrote there, and nothing else."
+            "--overwrite", is_flag=True, help="Replace results of rollslip in the folder, and no other files."
         ),
         "resume": resume_option,
         "report": click.option("--report", is_flag=True, help="Write a report in HTML too."),

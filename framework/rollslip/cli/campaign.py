@@ -121,7 +121,7 @@ def command_of(cls: type[Campaign]) -> Any:
         return own_command(cls)
     resumes_folder = cls.resume_mode == "folder"
     results = results_options(
-        "Folder; goes on with what is in it."
+        "Folder of the results; an earlier run in it is resumed."
         if resumes_folder
         else "Folder for the results, new or empty.",
         f"Write {cls.writes} only.",

@@ -101,7 +101,7 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
     "--out",
     metavar="FILE",
     type=click.Path(path_type=Path),
-    help="File; its ending says the format: .json, or that of a package. By default JSON is printed.",
+    help="File; its suffix is the format: .json, or that of a package. By default JSON is printed.",
 )
 @click.option(
     "--result",
@@ -172,7 +172,7 @@ def _export_scene(
     "--json-schema",
     "for_editors",
     is_flag=True,
-    help="Print JSON Schema, by which editors complete keys.",
+    help="Print JSON Schema, with which editors complete keys.",
 )
 @json_option
 def schema(what: str | None, as_json: bool, for_editors: bool) -> None:
@@ -242,7 +242,7 @@ def schema(what: str | None, as_json: bool, for_editors: bool) -> None:
 @click.command()
 @json_option
 def doctor(as_json: bool) -> None:
-    """Say whether this installation is healthy, and what to do where it is not; exit code 5 if there is a fault."""
+    """Check this installation; exit code 5 if there is a fault."""
     import attrs
 
     from rollslip.cli.doctor import as_text, examine, healthy

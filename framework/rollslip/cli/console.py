@@ -131,7 +131,7 @@ def _print_size(plan: "Plan") -> None:
     time = format_time(plan.seconds, plan.studies.values(), plan.assembly)
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; about "
-        f"{plan.evaluations} slices to evaluate in {time}; planned in {plan.planning:.2g} s"
+        f"{plan.evaluations} slices to evaluate, {time}; planned in {plan.planning:.2g} s"
     )
 
 
@@ -435,11 +435,7 @@ def _contents(dataset: "xr.Dataset") -> Groups:
         **({"assumed": [("", text) for text in assumed]} if assumed else {}),
         "packages": list(json.loads(a["packages"]).items()),
         "warnings": [("", text) for text in json.loads(a["warnings"])],
-        **(
-            {"bounds left with less consequence": [("", text) for text in less_severe]}
-            if less_severe
-            else {}
-        ),
+        **({"notes of minor effect": [("", text) for text in less_severe]} if less_severe else {}),
     }
 
 

@@ -110,7 +110,7 @@ def _first_sentence(help: str) -> str:
     "--log",
     "level",
     type=click.Choice(("warning", "info", "debug"), case_sensitive=False),
-    help="Tell on standard error what is done meanwhile: choices of the plan (info), steps, tables, plugins (debug).",
+    help="Log progress to standard error: choices of the plan (info), steps, tables, plugins (debug).",
 )
 @click.pass_context
 def cli(context: click.Context, level: str | None) -> None:

@@ -58,11 +58,11 @@ if TYPE_CHECKING:
 @click.option("--speed", metavar="SPEED", help="Of the inner ring, such as '1500 rpm'.")
 @click.option("--load", metavar="LOAD", help="Radial load, such as '2 kN'.")
 @click.option("--temperature", metavar="T", help="Of the bearing, such as '70 degC'.")
-@click.option("--cage", metavar="OF", help="What the cage is of: brass, steel or polyamide.")
+@click.option("--cage", metavar="OF", help="Material of the cage: brass, steel or polyamide.")
 @click.option(
     "--supply",
     metavar="KIND",
-    help="How oil gets there: bath, splash, circulating, jet, mist or grease.",
+    help="Oil supply: bath, splash, circulating, jet, mist or grease.",
 )
 @click.option("--profile", metavar="SHAPE", help="Of the rollers: logarithmic or none.")
 def new(file: Path | None, **given: str | None) -> None:
@@ -179,7 +179,7 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
     help="Leave out notes, such as W11,W17.",
 )
 @click.option("--all", "whole", is_flag=True, help="All rows and assumptions of the answer.")
-@verbose_option("All that was found, with notes, errors and times.")
+@verbose_option("All findings, with notes, errors and times.")
 @json_option
 def run(
     scene: str,
@@ -328,7 +328,7 @@ def _print_answer(
     "--diff",
     "other",
     metavar="OTHER",
-    help="Show only what the plan of another scene has otherwise.",
+    help="Show only differences from the plan of another scene.",
 )
 @verbose_option("Every part, with its choice, resolution, error, cost and reason.")
 @json_option
@@ -340,7 +340,7 @@ def plan(
     verbose: bool,
     as_json: bool,
 ) -> None:
-    """Print what will be modelled of SCENE, how finely, and what is left out; with -v every part, and why.
+    """Print models and resolution of a run of SCENE, and what is left out; with -v all parts with reasons.
 
     --set changes SCENE, not OTHER: --set operation.radial_load="9 kN" --diff SCENE shows what that value changes.
     """

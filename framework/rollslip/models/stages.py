@@ -106,7 +106,7 @@ class ContactModel(SliceModel):
             high=0.1,
             consequence="a circle is not a parabola over the width of the contact: the gap is {error} off at its edge",
             error=lambda ratio: 25.0 * ratio**2,
-            remedy="a law of conforming surfaces; there is none in the box",
+            remedy="no built-in model covers conforming surfaces",
             source="next term of the circle's series, (b/R)^2/4",
         ),
         Validity(

@@ -138,7 +138,7 @@ SMOOTH: Final = Validity(
     quantity="film_parameter",
     low=3.0,
     consequence="roughness, of which the film knows nothing, changes it",
-    remedy="none in the box; smoother surfaces or a thicker oil avoid it",
+    remedy="no built-in model covers this; smoother surfaces or a thicker oil avoid it",
     source="Patir and Cheng (1978), by whom roughness matters below Lambda of about 3 (B)",
     common=True,
 )

@@ -271,7 +271,7 @@ class OfPoints(OfScene):
         kw_only=True,
         default=None,
         metadata=setting(
-            "", details='Longest time for one point [s], or with a unit: "60 s".'
+            "", details='Time limit for one point [s], or with a unit: "60 s".'
         ).metadata,
     )
 

@@ -314,9 +314,8 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     is_left_out = running.bearing_loads and not (running.with_weight or has_direction)
     if is_left_out and assembly.weight_fraction > accuracy.tolerance:
         texts.append(
-            f"the weight of the rollers, {100.0 * assembly.weight_fraction:.2g} % of what presses them on average, is "
-            "left out, as its direction is not stated; give operation.gravity_direction, 0 deg where the load is "
-            "itself a weight"
+            f"roller weight ({100.0 * assembly.weight_fraction:.2g} % of the mean contact load) is ignored; set "
+            "operation.gravity_direction = '0 deg' if the load points down"
         )
     texts += dict.fromkeys(
         note

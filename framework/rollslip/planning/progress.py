@@ -81,7 +81,7 @@ class ProgressTimer:
         )
         if math.isnan(left):
             return ""
-        return f"{duration(left)} left" if left >= 1.0 else "soon done"
+        return f"{duration(left)} left" if left >= 1.0 else "under 1 s left"
 
 
 def in_notebook() -> bool:

@@ -105,7 +105,7 @@ EFFECTIVE_FRICTION_ERROR: Final = (
 #: Consequence of a scene which states that nothing drags rollers and cage.
 SWITCHED_OFF: Final = "every drag is switched off by cage.drag = [], as in no bearing"
 #: Consequence of a scene without rolling resistance, which may lower the torque of a cage that skids.
-LOWER_BOUNDS: Final = "no rolling resistance: slip a lower bound, friction torque lacks it"
+LOWER_BOUNDS: Final = "rolling resistance is not modelled: slip and torque are lower bounds"
 
 #: Part of a warning that the row of the catalogue minimum loads repeats; the warning is left out beside the row.
 CATALOGUE_LOAD_WARNING: Final = "of SKF's catalogue minimum load"
@@ -158,7 +158,7 @@ def describe_estimated(dataset: "xr.Dataset") -> str:
     estimates = json.loads(dataset.attrs.get("taken_from_bearing", "{}")).values()
     count = sum(value.endswith("W/K") for value in estimates)
     flow = "".join(f" and a flow of {value}" for value in estimates if value.endswith("g/s"))
-    return f"{count} conductances{flow} are estimates" if count else ""
+    return f"{count} thermal conductances{flow} are estimates" if count else ""
 
 
 def describe_skidding(slip: float, drag: float, status: str) -> str:

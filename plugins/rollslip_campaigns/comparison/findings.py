@@ -299,7 +299,7 @@ _MIN_CLEAR_RATIO: Final = 1.05
 _SLIP_SENTENCES: Final = {
     "small": "{first} and {others} slip less than 0.1 %",
     "same": "{first} and {others} are the same here",
-    "uncertain": "no clear winner between {first} and {others}: where data scatter either may slip less",
+    "uncertain": "no clear winner between {first} and {others}: within the scatter of the data either may slip less",
     "larger": "{first} slips less than {others}, with more than 95 %",
     "unknown": "{first} stands first by verdict and slip; how sure that is beside {others} is not known",
 }
@@ -393,7 +393,7 @@ class AlternativesAccount(Account):
             if group in groups
         )
         if "uncertain" in groups or "larger" in groups:
-            sentence += "; ratio: slip over that of the first, 5 to 95 %"
+            sentence += "; ratio: slip relative to the first row, 5 to 95 %"
         return [sentence, *failed]
 
     @staticmethod

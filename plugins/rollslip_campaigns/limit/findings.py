@@ -304,7 +304,7 @@ def _describe_monotonicity(dataset: "xr.Dataset") -> list[str]:
         return []
     if not (turns := _turning_points(dataset)):
         return [
-            f"{name} is monotonic over the {n} values with a result: none of them suggests further passages"
+            f"{name} is monotonic over the {n} values with a result: the limit is crossed at most once"
         ]
     first = int(dataset.attrs["first"])
     return [

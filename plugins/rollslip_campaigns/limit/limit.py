@@ -145,7 +145,7 @@ class Limit:
         lines = [
             self.sweep.headline,
             f"  {self.requirement.text}: {self.axis.key} from {low} to {high}, to {100 * self.within:.3g} % of {how}",
-            f"  {first} values at first, and {self.max_refinements} more at most wherever the limit is passed",
+            f"  {first} values, then up to {self.max_refinements} for each crossing of the limit",
         ]
         if not math.isnan(self.point_seconds):
             lines.append(

@@ -143,8 +143,8 @@ class ParetoAccount(Account):
         rounds = int(dataset.attrs["rounds"])
         sentences = [*json.loads(dataset.attrs["notes"])]
         sentences.append(
-            f"times are those of the processor, medians of {rounds} rounds in turns; a choice is called faster only "
-            f"where every round of it is, which equal ones are by chance once in {math.comb(2 * rounds, rounds)}"
+            f"times are those of the processor, medians of {rounds} rounds in turns; 'faster' means in every round, "
+            f"which happens to equal choices once in {math.comb(2 * rounds, rounds)}"
             if rounds > 1
             else "times are those of the processor in a single round: none is called faster than another"
         )
@@ -346,7 +346,7 @@ def _describe_result(part: "xr.Dataset", name: str, rounds: int) -> list[str]:
         )
     within = [k for k in numerical if error[k] <= tolerance and not np.isnan(time[k])]
     sentences.append(
-        f"{name}: within the scene's tolerance of {_percent(tolerance)} the least time has {point(within[0])}"
+        f"{name}: within the scene's tolerance of {_percent(tolerance)} {point(within[0])} is cheapest"
         if within
         else f"{name}: no numerical choice is within the scene's tolerance of {_percent(tolerance)}"
     )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class SurrogateSettings(OfPoints):
-    """Tabulate what SCENE does to its cage over load, speeds and temperature, for programs without rollslip.
+    """Tabulate the bearing of SCENE over load, speeds and temperature for FMU, C or CSV.
 
     Effective friction, force, largest friction and rolling resistance of both rings, and the drags of the cage: all
     that a motion of cage and rollers needs. Nodes are added until random operations are within --error, which is in

@@ -45,7 +45,7 @@ class SweepSettings(OfPoints):
     """
 
     name = "sweep"
-    summary = "Compute many points of a study: a grid, samples, several models; go on after whatever happens."
+    summary = "Run a study over a grid, samples or models; it can be resumed."
     own_command = "rollslip_campaigns.sweep.command:sweep"
 
     over: Mapping[str, object] | Sequence[str] | str | None = setting(

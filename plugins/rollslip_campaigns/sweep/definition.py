@@ -288,7 +288,7 @@ class Sweep(SweepWork):
             laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
             lines.append(
                 f"{laws}computed at {resolution.slices} slices ({resolution.quadrature}) and {resolution.n_positions} "
-                "roller positions within a pitch, what scene and points far apart need for the error of "
+                "roller positions within a pitch, the resolution for the error of "
                 f"{self.scene.accuracy.tolerance:g} it states"
             )
         lines.append(f"{len(self.numbers)} points; of each {', '.join(self.outputs)}")

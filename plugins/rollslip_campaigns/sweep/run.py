@@ -412,10 +412,10 @@ class _Run:
         if count == 1 or not left:
             why = f"{text}, and there is {'one core' if left else 'nothing left'}"
         elif point_seconds * left * (1.0 - 1.0 / count) <= _MIN_SAVING * _POOL_START:
-            why = f"{text}; {left} still to do, not worth the start of processes"
+            why = f"{text}, {left} points: too few for processes"
         else:
             name = "processes"
-            why = f"{text}: {left} of them are worth the start of {count} processes"
+            why = f"{text}, {left} points: {count} processes"
         return get_model("engine", name), why
 
     def compute(self, engine: Engine, pending: _Pending, interrupts: _Interrupts) -> None:

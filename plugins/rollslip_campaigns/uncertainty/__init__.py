@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class UncertaintySettings(OfPoints):
-    """Estimate drag reserve, steady slip and minimum load of SCENE where its data scatter.
+    """Estimate how uncertain drag reserve, steady slip and minimum load of SCENE are.
 
     The scene's table [uncertainty] lists the data that scatter; without one, these are the data of its oil, bearing
     and models with a declared scatter. Values that the scene states, or --set, do not scatter.

@@ -405,7 +405,7 @@ def _describe_interval(dataset: "xr.Dataset", name: str, low: float, high: float
     """Confidence interval of a quantile, or why it has no lower bound."""
     n = int(dataset["samples"].sel(quantity=name))
     if math.isinf(low) and low < 0.0:
-        return f"{n} samples are too few to tell how much less it may be"
+        return f"{n} samples are too few for a confidence limit"
     if math.isinf(high) and name != RESERVE and not math.isinf(low):
         return f"95 % interval: from {_format_value(name, low)} on, {n} samples"
     return f"95 % interval: {_format_value(name, low)} to {_format_value(name, high)}, {n} samples"
@@ -483,7 +483,7 @@ def _caveat(dataset: "xr.Dataset") -> list[str]:
     if not rho < _CAVEAT_CORRELATION:
         return []
     return [
-        "this slip ranks oils the wrong way round: where skidding begins at a small slip the limit drag torque is "
+        "do not rank oils by this slip: where skidding begins at a small slip the limit drag torque is "
         f"large (rank correlation of slip and drag there {rho:.2f}); use the reserve"
     ]
 
@@ -518,7 +518,7 @@ def describe_allowable_slip(dataset: "xr.Dataset") -> str:
     if math.isnan(value):
         return f"the allowable slip is not known: none of {n} samples says where skidding begins"
     insufficient = (
-        f"{n} samples are too few to tell how much less it may be, which takes {dataset.attrs['min_samples']} and "
+        f"{n} samples are too few for a confidence limit, which takes {dataset.attrs['min_samples']} and "
         "more where all points have a result"
     )
     if value == math.inf:

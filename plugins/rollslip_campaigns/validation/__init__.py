@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rollslip_campaigns.validation.validate import Validation
 
 Names = Sequence[str] | str
-_PREDICTIONS = "What another program gives for one data set; may be repeated."
+_PREDICTIONS = "Predictions of another program for one data set; may be repeated."
 _DATA = "Names, folders, or data sets that are read: `rollslip_campaigns.measurement.Measurement`."
 
 
@@ -62,7 +62,12 @@ class ValidationSettings(Campaign):
         "Write a file for such predictions.", value_type=Path, metavar="FILE.csv"
     )
     samples: int = setting(
-        "Of what scatters.", value_type=int, default=128, minimum=0, metavar="N", show_default=True
+        "Samples of the uncertain data.",
+        value_type=int,
+        default=128,
+        minimum=0,
+        metavar="N",
+        show_default=True,
     )
     seed: int = setting("Seed of the samples.", value_type=int, default=0, minimum=0, metavar="N")
 
@@ -122,7 +127,7 @@ class RankingSettings(Campaign):
     film: Names = setting("Film laws; all combinations are ranked.", default="", metavar="A,B")
     contact: Names = setting("Contact laws.", default="", metavar="A,B")
     parameters: Names = setting(
-        "What is fitted to friction of rigs.", default="", metavar="NAME,NAME"
+        "Parameters that are fitted to friction of rigs.", default="", metavar="NAME,NAME"
     )
     predictions: Sequence[Any] = setting(
         _PREDICTIONS, default=(), value_type=Path, metavar="FILE.csv", repeatable=True
@@ -132,7 +137,9 @@ class RankingSettings(Campaign):
         default="",
         metavar="series|set",
     )
-    seed: int = setting("Seed of what is drawn.", value_type=int, default=0, minimum=0, metavar="N")
+    seed: int = setting(
+        "Seed of the random numbers.", value_type=int, default=0, minimum=0, metavar="N"
+    )
 
     def plan(self) -> "Validation":
         """Return what is ranked, after a check of all names."""

@@ -126,8 +126,8 @@ class RankingAccount(Account):
                 sentences.append(f"{names[k]} is better than {', '.join(worse)}")
         if not groups:
             sentences.append(
-                "the confidence is that of noise alone, with conditions taken for independent: what a rig or a day has "
-                "in common is not in it (--groups=set, --groups=series)"
+                "95 % assumes independent errors of conditions; errors in common to a rig or a day are "
+                "not included (--groups=set, --groups=series)"
             )
         return sentences
 

@@ -366,7 +366,7 @@ def steady_slip_of(
     """
     if speed[-1] == 0.0:
         return MeanSlip(
-            "not known to be steady: the cage stands still at the end, and no orbit of the rollers can be told"
+            "not known to be steady: the cage stands still at the end, and the orbit of the rollers is not known"
         )
     orbit = 2.0 * math.pi / abs(float(speed[-1]))
     duration = float(t[-1] - t[0])
@@ -378,7 +378,7 @@ def steady_slip_of(
     length = orbit * max(1.0, duration // (8.0 * orbit))
     spans = [(t > t[-1] - k * length) & (t <= t[-1] - (k - 1) * length) for k in (3, 2, 1)]
     if not all(map(np.any, (*spans, last := t > t[-1] - orbit))):
-        return MeanSlip(f"not known to be steady: too few instants are stored to tell{more}")
+        return MeanSlip(f"not known to be steady: too few instants are stored{more}")
     mean = float(slip[last].mean())
     first, second, third = (float(slip[span].mean()) for span in spans)
     allowed = tolerance * max(abs(mean), SMALLEST_SLIP)

@@ -57,7 +57,7 @@ UNCOMPUTED_MINIMUM_LOAD: Final = Row(
     unit="N",
     text="not computed",
     rank=-1,
-    note="--study steady-slip computes it",
+    note="run --study steady-slip",
 )
 #: Slip ahead of pure rolling, as a positive number, from which a cage is called driven: 0.1 %, as printed. Twice as
 #: much leaves cages uncalled that are printed as 0.1 % ahead.
@@ -414,11 +414,8 @@ def _describe_inertia(dataset: "xr.Dataset") -> str:
     effect = float(dataset.attrs["inertia_effect"])
     other = "without" if bool(dataset.attrs["inertia"]) else "with"
     if math.isnan(effect):
-        return f"what inertia of their spin does is not known: {other} it no steady motion of the rollers was found"
-    return (
-        f"{other} inertia of their spin the rollers would drive the cage with a torque that differs by up to "
-        f"{_percent(effect)}"
-    )
+        return f"the effect of roller inertia is not known: {other} it no steady motion of the rollers was found"
+    return f"{other} inertia of the rollers' spin the torque that drives the cage would differ by up to {_percent(effect)}"
 
 
 def _percent(fraction: float) -> str:
@@ -535,8 +532,8 @@ def _explain_doubt(dataset: "xr.Dataset") -> list[str]:
     if _is_slow(dataset):
         n_dm = format_quantity(float(dataset["formula_speed"]), "m/s", 3, "mm/min")
         return [
-            f"at n d_m of {n_dm}, below {6e4 * _MIN_COMPARED_SPEED:.0f}, makers' formulas are no measure of the torque "
-            "here, which has no weight of the rollers and little of mixed friction"
+            f"at n d_m of {n_dm}, below {6e4 * _MIN_COMPARED_SPEED:.0f}, the torque is not comparable with makers' "
+            "formulas: it lacks the weight of the rollers and most of the mixed friction"
         ]
     if not _is_doubtful(dataset, ratio):
         return []

@@ -100,7 +100,7 @@ def followed_outputs(name: str) -> dict[str, Output]:
             f"{what} at which stable and unstable slips meet",
             status=f"{name}_limit_status",
         ),
-        f"{name}_limit_slip": Output("", "1", "cage slip there"),
+        f"{name}_limit_slip": Output("", "1", "cage slip at that point"),
         f"{name}_limit_status": Output("", "1", "what was found of the limit"),
     }
 
@@ -158,7 +158,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "largest torque of the rollers on the loading branch, "
             "in place of the limit drag torque where the slip does not jump",
         ),
-        "largest_torque_slip": Output("", "1", "cage slip there"),
+        "largest_torque_slip": Output("", "1", "cage slip at that point"),
         "largest_torque_error": Output("", "1", "relative error left of it"),
         "first_maximum_torque": Output(
             "",
@@ -166,7 +166,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "driving torque from which it first falls with slip",
             status="skidding_status",
         ),
-        "first_maximum_slip": Output("", "1", "cage slip there", status="skidding_status"),
+        "first_maximum_slip": Output("", "1", "cage slip at that point", status="skidding_status"),
         "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
         "torque": Output(
             "steady",

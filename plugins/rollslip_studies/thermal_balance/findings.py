@@ -178,7 +178,7 @@ class ThermalBalanceAccount(Account):
                 ),
                 Row(
                     key="cage_slip_in_balance",
-                    label="cage slip there",
+                    label="cage slip at these temperatures",
                     value=slip,
                     text=percent(slip),
                     note="without play in the pockets",
