@@ -415,7 +415,10 @@ def _describe_inertia(dataset: "xr.Dataset") -> str:
     other = "without" if bool(dataset.attrs["inertia"]) else "with"
     if math.isnan(effect):
         return f"the effect of roller inertia is not known: {other} it no steady motion of the rollers was found"
-    return f"{other} inertia of the rollers' spin the torque that drives the cage would differ by up to {_percent(effect)}"
+    return (
+        f"{other} inertia of the rollers' spin the torque that drives the cage would differ by up to "
+        f"{_percent(effect)}"
+    )
 
 
 def _percent(fraction: float) -> str:

@@ -165,7 +165,7 @@ class Play:
             )
         if math.isfinite(float(dataset["skidding_slip"])):
             values |= self._limit_drag(self._balance, dataset)
-        values |= self._reserve(dataset, values)
+        values |= self._reserve(self._balance, dataset, values)
         if self._acceptable is not None:
             factor, status = acceptable_reserve(self._balance, self._acceptable)
             values |= {"acceptable_reserve": factor, "acceptable_reserve_status": status}
@@ -211,7 +211,9 @@ class Play:
             "skidding_slip": float(slips[largest]),
         }
 
-    def _reserve(self, dataset: "xr.Dataset", known: dict[str, Any]) -> dict[str, Any]:
+    def _reserve(
+        self, balance: BalanceWithPlay, dataset: "xr.Dataset", known: dict[str, Any]
+    ) -> dict[str, Any]:
         """Return the drag reserve to skidding, and its status where the cage skids because of the play."""
         factor = float(dataset["drag_reserve"])
         if not math.isfinite(factor) or "driving_torque" not in known:
@@ -219,7 +221,7 @@ class Play:
         onset = float(known.get("skidding_slip", dataset["skidding_slip"]))
         limit = SKIDDING_SLIP if math.isnan(onset) else min(SKIDDING_SLIP, onset)
         slips = dataset["cage_slip"].to_numpy()
-        largest, _ = largest_ratio(self._balance, slips, known["driving_torque"], limit)
+        largest, _ = largest_ratio(balance, slips, known["driving_torque"], limit)
         if self._skids:
             status = f"{Status.SKIDS}: its drags are more than the rollers carry"
             return {"drag_reserve": min(largest, 1.0), "reserve_status": status}

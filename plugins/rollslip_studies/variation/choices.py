@@ -6,7 +6,7 @@
   evaluate them.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Final
 
 import attrs
@@ -90,7 +90,7 @@ def open_choices(scene: Scene) -> Iterator[Choice]:
     if is_open("lubrication.supply"):
         yield _supply(scene)
     if bearing.mounted is not None:
-        yield from _clearance(scene, is_open)
+        yield from _clearance(scene, bearing.mounted.assumed, is_open)
     if is_estimated("rollers"):
         yield Choice(
             key="bearing.rollers",
@@ -149,7 +149,7 @@ def _supply(scene: Scene) -> Choice:
     )
 
 
-def _clearance(scene: Scene, is_open: Any) -> Iterator[Choice]:
+def _clearance(scene: Scene, assumed: Collection[str], is_open: Any) -> Iterator[Choice]:
     """Yield the choices of clearance class and fits of a bearing whose clearance in operation follows from them."""
     bearing = scene.bearing
     name = as_table(scene.tables.get("bearing")).get("name")
@@ -169,7 +169,7 @@ def _clearance(scene: Scene, is_open: Any) -> Iterator[Choice]:
             f"bearing.mounting.{part}_fit": fit
         }
         for part, others in _FITS.items()
-        if f"{part}_fit" in bearing.mounted.assumed
+        if f"{part}_fit" in assumed
         for fit in others
     }
     if fits:
