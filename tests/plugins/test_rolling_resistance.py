@@ -12,6 +12,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from rollslip import Chain, Conditions, Slices, get_model
+from rollslip.bearing.approach import limited_by_layer, squared_exit
 from rollslip.fields import FieldError
 from rollslip.scene.supply import PLENTY
 from rollslip_plugins.drag.rolling import (
@@ -258,11 +259,14 @@ def slices_of(roller, model):
     y = (np.arange(2000) + 0.5) / 2000
     drop = -0.35e-3 * diameter * np.log1p(-(y**2))
 
+    w = np.geomspace(1e-8, 1e7, 20_000)
+    flow = 6 * eta * u * R / w
+    gaps = limited_by_layer(flow, layer, 4.0) / (1 + squared_exit(flow / layer))
+
     def loads(film):
         gap = film + drop
-        # h = h_full/(1 + rho^4)^(1/4), and no load where the gap is wider than the layer
-        left = np.maximum(1 - (gap / layer) ** 4, 0.0) ** 0.25
-        return 4.895 * eta * u * R / gap * left
+        found = np.interp(np.log(gap), np.log(gaps[::-1]), np.log(w[::-1]))
+        return np.where(gap < gaps[0], np.exp(found), 0.0)
 
     film = brentq(
         lambda film: loads(film).mean() * length - load, 1e-8, min(1e-3, layer), xtol=1e-15
@@ -284,14 +288,14 @@ def test_slices_with_a_layer_resist_as_two_dimensional_films():
         for row in ROLLERS
     ]
     assert len(found) == 15
-    assert math.sqrt(np.mean(np.square(found))) < 0.09
-    assert [min(found), max(found)] == pytest.approx([-0.085, 0.17], abs=0.01)
+    assert math.sqrt(np.mean(np.square(found))) < 0.092
+    assert [min(found), max(found)] == pytest.approx([-0.125, 0.17], abs=0.01)
 
 
 def test_an_inlet_does_not_begin_where_the_gap_equals_the_layer():
     """A rigid contact with rho = 0.5 would keep 0.16, loaded rollers of a 32216 0.67 to 0.78 by 5 to 10 um."""
     assert math.exp(-RIGID_INLET / math.sqrt(1 / 0.5 - 1)) == pytest.approx(0.16, abs=0.005)
-    assert pytest.approx(0.81, abs=0.005) == (1 + 0.5**2) ** -LAYER
+    assert pytest.approx(0.784, abs=0.001) == (1 + 2 * 0.5**2) ** -LAYER
     b = 74e-6
     R = 7.2e-3
     film = 0.7e-6
@@ -325,12 +329,12 @@ def test_an_inlet_does_not_begin_where_the_gap_equals_the_layer():
             kept.append([force / forces[0] for force in forces[1:]])
     by_gap, by_layer, by_reach = np.array(kept).T
     assert [by_gap.min(), by_gap.max()] == pytest.approx([0.675, 0.778], abs=0.005)
-    assert [by_layer.min(), by_layer.max()] == pytest.approx([0.94, 1.0], abs=0.005)
+    assert [by_layer.min(), by_layer.max()] == pytest.approx([0.925, 1.0], abs=0.005)
     assert [by_reach.min(), by_reach.max()] == pytest.approx([0.75, 0.77], abs=0.005)
 
 
 def test_the_nearer_one_of_reach_and_layer_counts_and_not_both():
-    """(1 + rho^2)^-0.95 in the rigid limit, rho = 4.9 eta0 u R/w over the layer."""
+    """(1 + 2 rho^2)^-0.6 in the rigid limit, rho = 4.9 eta0 u R/w over the layer."""
     stiff = attrs.evolve(STEEL, pressure_viscosity=0.0, modulus=1e25)
     state = {"load": 1e3, "rolling_speed": 20.0, "rtol": 1e-12}
 
@@ -344,7 +348,7 @@ def test_the_nearer_one_of_reach_and_layer_counts_and_not_both():
     film = RIGID_FILM * STEEL.viscosity * 20.0 * STEEL.radius / 1e3
     for rho in (0.1, 0.5, 2.0, 10.0):
         layer = film / rho
-        assert left(oil_layer=layer) == pytest.approx((1 + rho**2) ** -LAYER, rel=1e-9)
+        assert left(oil_layer=layer) == pytest.approx((1 + 2 * rho**2) ** -LAYER, rel=1e-9)
         assert left(oil_layer=layer, reach=3.0) == min(left(oil_layer=layer), left(reach=3.0))
 
 

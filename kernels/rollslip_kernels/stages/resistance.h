@@ -62,7 +62,7 @@ STAGE(rolling_resistance, COL_load | COL_rolling_speed, COL_resistance) {
         EACH(i, n) {
             double rho = s->radius * sqrt(per_speed * speed[i]) * (2.45 / M[i] + 1.05 * thick[i]) / q->layer;
             double squared = rho < 1e150 ? rho * rho : 1e300;
-            double inverse = to_exponent * 0.95 / RIGID_INLET * RS_LN2 * PATH(log2_normal)(1.0 + squared);
+            double inverse = to_exponent * 0.6 / RIGID_INLET * RS_LN2 * PATH(log2_normal)(1.0 + 2.0 * squared);
             inlet[i] = inverse < inlet[i] ? inverse : inlet[i];
         }
     EACH(i, n) {
