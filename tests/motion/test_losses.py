@@ -157,14 +157,21 @@ def test_one_drag_named_twice_is_two_sources():
 
 def test_the_study_tells_losses_by_source_and_what_the_rings_put_in():
     result = run(
-        evolve(SHIPPED, {"accuracy.tolerance": 0.002, "study.steady-slip.points": 10}),
+        evolve(
+            SHIPPED,
+            {
+                "accuracy.tolerance": 0.01,
+                "study.steady-slip.pockets": "set",
+                "study.steady-slip.points": 10,
+            },
+        ),
         "steady-slip",
     )
     total = result.loss.sum("source")
     rings = result.ring_power.sum("ring")
     assert np.abs(rings - total - result.stored_power).max() < 1e-9 * total.max()
     # what the positions of the orbit leave
-    assert np.abs(result.stored_power).max() < 1e-3 * total.max()
+    assert np.abs(result.stored_power).max() < 1e-7 * total.max()
     assert result.friction_torque.values == pytest.approx(
         total.values / SHIPPED.operation.inner_speed
     )
@@ -181,6 +188,8 @@ def test_where_the_cage_runs_away_no_loss_is_told():
     beyond = {
         "cage.drag": [{"model": "constant-torque", "size": "1 N m"}],
         "accuracy.slices": 3,
+        "accuracy.tolerance": 0.05,
+        "study.steady-slip.points": 6,
     }
     result = run(evolve(SHIPPED, beyond, si=True), "steady-slip")
     assert np.isnan(result.loss).all()
