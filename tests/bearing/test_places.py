@@ -181,7 +181,10 @@ def test_a_steady_slip_does_not_know_which_roller_it_is(placed):
         run(placed("roller", **DRAG), "steady-slip")
 
 
-MOTION = {"study.dynamics.duration": "0.5 ms", "study.dynamics.friction": "conventional", **DRAG}
+MOTION = {
+    "study.dynamics.duration": "0.5 ms", "study.dynamics.friction": "conventional",
+    "study.dynamics.integrator": "rk45", "study.dynamics.relative_tolerance": 1e-5, **DRAG
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from coarse import COARSE
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, SceneError
@@ -282,7 +283,9 @@ def test_wrong_parameters_are_refused(formula, parameters, says):
 
 # Beside the losses of a steady slip ----------------------------------------------------------------------------------
 
-SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.01})
+#: What is computed of the slip is not tested here.
+QUICK = COARSE | {"study.steady-slip.pockets": "set"}
+SCENE = evolve(load_scene("1032930-70C"), QUICK)
 NAMED = [
     {"model": "skf", "series": "20", "drag": "none"},
     "palmgren-torque",
@@ -378,7 +381,7 @@ def named(name, **changes):
     }
     text = new_scene("-", **(ASSUMED | requested))
     drags = ["rolling-resistance", "hysteresis", {"model": "churning", "oil_fraction": 0.055}]
-    return evolve(parse_scene(text, "-"), {"cage.drag": drags} | changes, si=True)
+    return evolve(parse_scene(text, "-"), QUICK | {"cage.drag": drags} | changes, si=True)
 
 
 def test_a_designation_gives_series_and_boundary_dimensions():
