@@ -18,8 +18,6 @@ from rollslip_studies.steady_slip.findings import (
     slip_row,
 )
 
-#: Command for the friction of whole raceways over cage slip, of answers of other studies.
-RUN_RACEWAYS: Final = "rollslip run {scene} --study effective-friction"
 #: Slip, drag and status of the onset of skidding.
 _SKIDDING: Final = ("skidding_slip", "limit_drag", "skidding_status")
 #: Slip, drag and status of the steady slip.

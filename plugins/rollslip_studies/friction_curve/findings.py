@@ -35,9 +35,7 @@ class FrictionCurveAccount(PlainAccount):
             summary = f"friction {largest.text} {largest.note}, {largest.label}"
         longer = _LONGER.search(" ".join(curve.status for curve in found))
         step = (
-            _NEXT
-            if longer is None
-            else f"rollslip run {{scene}} --study friction-curve {longer[0]}"
+            f"rollslip run {{scene}} --study friction-curve {longer[0] if longer else '--report'}"
         )
         return Answer(summary=summary, rows=rows, next=(step,))
 

@@ -7,9 +7,8 @@ from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.results.dataset import xr
 from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
 
-#: Command for the cage slip at which this friction drives the cage.
-_NEXT: Final = "rollslip run {scene} --study effective-friction"
 #: Name and unit of the axes of the grid.
 _SPANS: Final = {"rolling_speed": "m/s", "cage_ratio": "1", "slide_roll": "1"}
 
@@ -40,7 +39,9 @@ class RacewayFrictionAccount(Account):
         values = ", ".join(
             f"{friction:.3g} at the {ring} ring" for ring, friction in largest.items()
         )
-        return Answer(summary=f"effective friction up to {values}", rows=tuple(rows), next=(_NEXT,))
+        return Answer(
+            summary=f"effective friction up to {values}", rows=tuple(rows), next=(RUN_STEADY_SLIP,)
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

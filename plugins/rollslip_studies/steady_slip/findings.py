@@ -75,6 +75,8 @@ _MIN_SHARED_UNIT_FRACTION: Final = 0.005
 #: Rank of this study among those of a run in its knowledge of slip, load and reserve; rows of the highest rank are
 #: kept.
 _KNOWN: Final = 2
+#: Command for the steady slip, of answers of other studies.
+RUN_STEADY_SLIP: Final = "rollslip run {scene} --study steady-slip"
 
 
 def next_of_others(dataset: "xr.Dataset") -> dict[str, tuple[str, ...]]:
@@ -89,7 +91,7 @@ def next_of_others(dataset: "xr.Dataset") -> dict[str, tuple[str, ...]]:
         operation.get(f"{ring}_speed") and (bearing.get(f"{ring}_raceway") or {}).get("form")
         for ring in ("inner", "outer")
     )
-    return {} if turns else dict.fromkeys(NEXT, ("rollslip run {scene} --study steady-slip",))
+    return {} if turns else dict.fromkeys(NEXT, (RUN_STEADY_SLIP,))
 
 
 def _next(dataset: "xr.Dataset", rows: tuple[Row, ...]) -> dict[str, tuple[str, ...]]:

@@ -13,6 +13,7 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_estimated, format_power, percent
 from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
 
 #: Command for temperatures that follow from the losses.
 _NEXT_OF_GIVEN: Final = "rollslip run {scene} --study thermal-balance --set models.thermal=network"
@@ -187,7 +188,7 @@ class ThermalBalanceAccount(Account):
                 attrs.evolve(given, note=_others(dataset, coldest)[1] or given.note),
             ),
             assumed=tuple(filter(None, [describe_estimated(dataset)])),
-            next=(f"rollslip run {{scene}} --study steady-slip {_scene_options(coldest)}",),
+            next=(f"{RUN_STEADY_SLIP} {_scene_options(coldest)}",),
         )
 
     @staticmethod
