@@ -86,11 +86,10 @@ class Offer:
     module: str
     state: str = "ok"
     cause: str = ""
-
-    @property
-    def is_family(self) -> bool:
-        """Whether the name is one of a family, or that of the family itself."""
-        return ":" in self.module
+    #: Whether the name is one of a family, or that of the family itself.
+    is_family: bool = attrs.field(
+        init=False, default=attrs.Factory(lambda offer: ":" in offer.module, takes_self=True)
+    )
 
 
 @cache
