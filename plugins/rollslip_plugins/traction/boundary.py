@@ -1,5 +1,6 @@
 """Boundary friction: Kragelsky's curve and a constant coefficient."""
 
+import abc
 from types import MappingProxyType
 from typing import ClassVar, Final
 
@@ -8,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollslip.fields import Ranges, parameter, positive
-from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
+from rollslip.models import FINITE, POSITIVE, TractionModel
 from rollslip.references import KLEBANOV, Reference
 from rollslip.search import Array
 from rollslip_kernels.slices import Slices
@@ -24,12 +25,24 @@ DECAY: Final[Ranges] = {"usual": (1, 1e4), "possible": (0, 1e9)}
 #: Ranges of the slide-roll ratio at which friction is fully developed.
 TRANSITION: Final[Ranges] = {"usual": (1e-6, 0.1), "possible": (0, 10)}
 
-#: Domain of laws of the slide-roll ratio.
-SLIDE_ROLL: Domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
+
+class SlideRollLaw(TractionModel, abc.ABC):
+    """A law of the slide-roll ratio alone."""
+
+    domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
+    reads = frozenset(domain)
+
+    @abc.abstractmethod
+    def friction(self, slide_roll_ratio: ArrayLike) -> Array:
+        """Return mu of the slide-roll ratio V/u, signed; odd, and zero at zero."""
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the traction coefficient."""
+        slices.friction[...] = self.friction(slices.sliding_speed / slices.rolling_speed)
 
 
 @attrs.frozen(kw_only=True)
-class Kragelsky(TractionModel):
+class Kragelsky(SlideRollLaw):
     """Boundary friction of a rolling contact with slip after Kragelsky.
 
     mu = (-A + B s) exp(-C s) + A, s = |V|/u, odd in V. With the published A = 0.1, B = 22.28, C = 181.46 the slope at
@@ -58,8 +71,6 @@ class Kragelsky(TractionModel):
     name: ClassVar[str] = "kragelsky"
     equation: ClassVar[str] = "mu = sign(V) [(-A + B s) exp(-C s) + A], s = |V|/u"
     references: ClassVar[tuple[Reference, ...]] = (KRAGELSKII_1965, KLEBANOV)
-    reads = frozenset({"rolling_speed", "sliding_speed"})
-    domain = SLIDE_ROLL
     shapes = MappingProxyType({"cold": "one maximum"})
 
     limit: float = parameter(
@@ -84,17 +95,13 @@ class Kragelsky(TractionModel):
         mu = self.rise * x * np.exp(-self.decay * x) - self.limit * np.expm1(-self.decay * x)
         return np.asarray(np.copysign(mu, s))
 
-    def evaluate(self, slices: Slices) -> None:
-        """Fill the traction coefficient."""
-        slices.friction[...] = self.friction(slices.sliding_speed / slices.rolling_speed)
-
     def kernel(self) -> object:
         """Return the compiled form."""
         return compiled.kragelsky(self.limit, self.rise, self.decay)
 
 
 @attrs.frozen(kw_only=True)
-class Constant(TractionModel):
+class Constant(SlideRollLaw):
     """Constant friction behind a linear ramp, which makes it a function of the slip at zero.
 
     Symbols:
@@ -121,8 +128,6 @@ class Constant(TractionModel):
     references: ClassVar[tuple[Reference, ...]] = (
         Reference(kind="remark", title="Coulomb friction, regularised by a linear ramp."),
     )
-    reads = frozenset({"rolling_speed", "sliding_speed"})
-    domain = SLIDE_ROLL
     shapes = MappingProxyType({"cold": "rises", "bound": "coefficient"})
 
     coefficient: float = parameter(
@@ -140,10 +145,6 @@ class Constant(TractionModel):
         """Return mu of the slide-roll ratio V/u, signed; odd, and zero at zero."""
         s = np.asarray(slide_roll_ratio, dtype=float)
         return np.asarray(self.coefficient * np.clip(s / self.transition, -1.0, 1.0))
-
-    def evaluate(self, slices: Slices) -> None:
-        """Fill the traction coefficient."""
-        slices.friction[...] = self.friction(slices.sliding_speed / slices.rolling_speed)
 
     def kernel(self) -> object:
         """Return the compiled form."""

@@ -36,11 +36,11 @@ from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import GUPTA_1984
 from rollslip_plugins.symbols import explained
-from rollslip_plugins.traction.boundary import COEFFICIENT, DECAY, TRANSITION
+from rollslip_plugins.traction.boundary import COEFFICIENT, DECAY, TRANSITION, SlideRollLaw
 
 
 @attrs.frozen(kw_only=True)
-class Gupta(TractionModel):
+class Gupta(SlideRollLaw):
     """Traction curve of four constants after Gupta.
 
     mu = (A + B s) exp(-C s) + D, s = |V|/u, odd in V: A + D at zero slip, a maximum or minimum at s = 1/C - A/B, D far
@@ -82,8 +82,6 @@ class Gupta(TractionModel):
         "mu = sign(V) [(A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0)], s = |V|/u"
     )
     references: ClassVar[tuple[Reference, ...]] = (GUPTA_1984,)
-    reads = frozenset({"rolling_speed", "sliding_speed"})
-    domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
 
     a: float = parameter(
         default=-0.1, unit="1", doc="A, the part that decays", usual=(-0.5, 0.5), possible=(-10, 10)
@@ -140,10 +138,6 @@ class Gupta(TractionModel):
         return np.asarray(
             np.copysign(mu + (self.a + self.d) * np.minimum(x / self.transition, 1.0), s)
         )
-
-    def evaluate(self, slices: Slices) -> None:
-        """Fill the traction coefficient."""
-        slices.friction[...] = self.friction(slices.sliding_speed / slices.rolling_speed)
 
     def kernel(self) -> object:
         """Return the compiled form."""
