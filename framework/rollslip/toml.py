@@ -94,16 +94,12 @@ def thawed(value: object) -> Any:
 
 def as_table(raw: object) -> Mapping[str, Any]:
     """Return a table as it is; an empty one in place of what is none."""
-    if isinstance(raw, Mapping):
-        return raw
-    return {}
+    return raw if isinstance(raw, Mapping) else {}
 
 
 def as_list(raw: Any) -> Sequence[Any]:
     """Return a list as it is; one of a single item in place of what is none."""
-    if isinstance(raw, list | tuple):
-        return raw
-    return [raw]
+    return raw if isinstance(raw, list | tuple) else [raw]
 
 
 def loads(text: str) -> dict[str, Any]:

@@ -40,9 +40,7 @@ def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Vari
     for law in laws:
         for name, (unit, meaning) in law.outputs.items():
             values = np.array([_force_means(law, name, group, assembly) for group in groups])
-            variable = name
-            if name in dataset.variables:
-                variable = f"{law.name.replace('-', '_')}_{name}"
+            variable = f"{law.name.replace('-', '_')}_{name}" if name in dataset.variables else name
             if len(dims) == 1:
                 values = values.mean(axis=1) if values.size else np.full(len(groups), np.nan)
             variables[variable] = dims, values, about(unit, meaning) | {LAW: law.name}

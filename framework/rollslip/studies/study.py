@@ -277,9 +277,7 @@ class Study(DiscretisedStudy, abc.ABC):
             n_positions=1,
         )
         small = assembly.at(coarse)
-        positions = 1
-        if "n_positions" in self.affected_by:
-            positions = resolution.n_positions or 1
+        positions = resolution.n_positions or 1 if "n_positions" in self.affected_by else 1
         seconds = processor_time(partial(self.run, small), 1)
         return {"run": assembly.slices / small.slices * positions * seconds}
 

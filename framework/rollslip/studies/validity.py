@@ -475,9 +475,7 @@ def validity_messages(
         measured=True,
         code=APPROXIMATION,
     )
-    if approximation.is_warning:
-        return [approximation, *messages]
-    return [*messages, approximation]
+    return [approximation, *messages] if approximation.is_warning else [*messages, approximation]
 
 
 def _describe_excess(excess: RangeExcess, bound: str, where: str, what: str) -> str:

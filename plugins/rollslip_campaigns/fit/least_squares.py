@@ -395,9 +395,7 @@ class _ProfileWalk:
             ends.append(end)
             stops.append(() if end == bound or last >= quantiles[-1] else stop)
             limit = limits[-1, side]
-            reach = _OPEN_REACH
-            if np.isfinite(limit):
-                reach = _REACH * abs(limit - best)
+            reach = _REACH * abs(limit - best) if np.isfinite(limit) else _OPEN_REACH
             extent = sign * min(reach, abs(end - best))
             x = np.linspace(best, float(best) + extent, PROFILE_POINTS + 1)[1:]
             sides.append(np.column_stack((x, [self.rise(float(value)) for value in x])))
@@ -417,9 +415,7 @@ class _ProfileWalk:
         value = float(self.best.x[self.k])
         rise = 0.0
         stop: Stop = ()
-        step = _UNKNOWN_STEP
-        if error > 0.0:
-            step = min(math.sqrt(quantile) * error / 2, _MAX_STEP)
+        step = min(math.sqrt(quantile) * error / 2, _MAX_STEP) if error > 0.0 else _UNKNOWN_STEP
         smallest = _MIN_STEP * step
         walk = [(value, 0.0)]
         while rise < quantile and value != bound and step > smallest:

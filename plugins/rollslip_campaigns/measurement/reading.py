@@ -532,9 +532,7 @@ def _nested_value(table: Mapping[str, Any], path: list[str]) -> Any:
     """Return the value at a path in nested tables, also under a key with dots; None where there is none."""
     for n in (len(path), *range(1, len(path))):
         if (value := table.get(".".join(path[:n]))) is not None:
-            if n == len(path):
-                return value
-            return _nested_value(as_table(value), path[n:])
+            return value if n == len(path) else _nested_value(as_table(value), path[n:])
     return None
 
 

@@ -135,9 +135,7 @@ def _sample_history(
         remaining += before * rate * integral
         before = t
         rate = later
-    if before > last.last_t:
-        return remaining + rate * (study.duration - before)
-    return math.inf
+    return remaining + rate * (study.duration - before) if before > last.last_t else math.inf
 
 
 def _rate_at(
