@@ -1097,8 +1097,11 @@ PROMISED = "fit twin-disc.csv --traction muraki --parameters eyring_stress,press
 
 
 def test_the_command_writes_data_and_oil(examples, capsys):
-    said = command(f"{PROMISED} --no-plots", capsys).out
+    said = command(f"{PROMISED} --no-plots -v", capsys).out
     assert re.match(
+        r"eyring_stress 6\.6\d+ MPa \(95 %: [\d.]+ to [\d.]+ MPa\); 1 more below\n", said
+    )
+    assert re.search(
         r"rollslip \S+ \| twin-disc.csv [0-9a-f]{12} \| contact palmgren; film moes; traction muraki",
         said,
     )

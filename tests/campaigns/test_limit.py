@@ -348,6 +348,7 @@ def test_one_quantity_has_one_unit_in_one_answer(tmp_path, monkeypatch):
         "half_width >= 0.1 mm",
         "--out",
         "load",
+        "-v",
     ]
     told = CliRunner().invoke(cli, load, catch_exceptions=False).output
     assert "operation.radial_load from 500 N to 5000 N" in told
@@ -444,7 +445,7 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
     assert abs(at[0] - 1.0) < 3e-3 < 5e-3 < at[1] - 1.0
     (chosen,) = json.loads(fine.attrs["resolutions"]).values()
     assert chosen["slices"] > 2 * 8
-    assert not any(text.startswith("worst") for text in json.loads(fine.attrs["left"]))
+    assert not any(text.startswith("worst") for text in json.loads(fine.attrs["warnings"]))
 
     def worst(fraction, **changes):
         one = rollslip.evolve(scene, {"operation.radial_load": fraction * load, **changes}, si=True)
@@ -458,7 +459,7 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
         )
         for fraction in (0.8, 1.0, 1.2)
     )
-    said = json.loads(few.attrs["left"])[0]
+    said = json.loads(few.attrs["warnings"])[0]
     words = "with the scene's own operation.radial_load or at an end of its range, more than the tolerance of 0.001"
     told = re.match(
         rf"worst sliding power density is off by about (\S+) {words}: the limit is off by", said
@@ -470,8 +471,9 @@ def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, 
     monkeypatch.chdir(tmp_path)
     requested = ["limit", "1032930-70C", "--study", "friction-curve", "--over", "bearing.roller_length=5 mm:40 mm:5",
              "--keep", "half_width>=60 um"]  # fmt: skip
-    told = CliRunner().invoke(cli, [*requested, "--report"], catch_exceptions=False)
+    told = CliRunner().invoke(cli, [*requested, "--report", "-v"], catch_exceptions=False)
     assert told.exit_code == 0, told.output
+    assert told.stdout.startswith("maximum roller length 18.3 mm for half width of at least 60 um")
     assert "5 values, then up to" in told.output
     assert "where it is passed once" in told.output
     assert "half_width >= 60 um is kept with bearing.roller_length from" in told.output
@@ -484,6 +486,8 @@ def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, 
     assert found["edges"][0]["kept"] < found["edges"][0]["passed"]
     lone = CliRunner().invoke(cli, [*requested[:5], "operation.radial_load=2 kN", *requested[6:]])
     assert "operation.radial_load: '2 kN' is not a range; write LOW:HIGH" in str(lone.exception)
+    bare = CliRunner().invoke(cli, [*requested[:5], "load", *requested[6:]])
+    assert "over: 'load' has no values; write KEY=LOW:HIGH, such as" in str(bare.exception)
 
 
 # Along histories ------------------------------------------------------------------------------------------------------

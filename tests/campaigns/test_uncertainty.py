@@ -536,7 +536,8 @@ def test_the_command_writes_result_figures_and_report(tmp_path):
     out = tmp_path / "made"
     arguments = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8"]
     done = CliRunner().invoke(
-        cli, [*arguments, "--indices", "4", "--probability", "0.5", "--out", str(out), "--report"]
+        cli,
+        [*arguments, "--indices", "4", "--probability", "0.5", "--out", str(out), "--report", "-v"],
     )
     assert done.exit_code == 0, done.output
     assert "does not skid, with probability 0.5" in done.output
@@ -561,7 +562,7 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     )
     monkeypatch.setattr(swept, "collect", points)
     out = tmp_path / "made"
-    own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8"]
+    own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8", "-v"]
     done = CliRunner().invoke(cli, [*own, "--out", str(out)])
     assert done.exit_code == 4, done.output
     assert "8 samples: none has a result" in done.output

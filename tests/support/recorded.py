@@ -118,7 +118,7 @@ def told(dataset: "xr.Dataset") -> str:
         text for texts in account.topics(dataset).values() for text in texts if text not in said
     ]
     parts = {
-        "answer": answer.lines(80) if answer.rows or answer.verdict else [],
+        "answer": answer.lines(80) if answer.rows or answer.summary else [],
         "lines": said,
         "topics": [", ".join(account.topics(dataset)), *others],
         "warned": [

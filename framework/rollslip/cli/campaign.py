@@ -58,7 +58,9 @@ class Printing:
             for line in lines:
                 click.echo(line, err=True)
 
-    def show(self, dataset: "xr.Dataset", results: Results, scene: str, plan: Any = None) -> None:
+    def show(
+        self, dataset: "xr.Dataset", results: Results, scene: str, provenance: Iterable[str]
+    ) -> None:
         """Print the answer of a campaign, what was requested besides, and the files.
 
         Parameters
@@ -69,8 +71,8 @@ class Printing:
             Folder and files of the results.
         scene : str
             Argument of the commands in the answer; empty where the campaign is not of a scene.
-        plan : object
-            The plan, whose messages are the provenance.
+        provenance : iterable of str
+            Lines on versions, hashes and samples.
         """
         from rollslip.cli import console
         from rollslip.results.accounts import answer
@@ -84,7 +86,7 @@ class Printing:
         if self.all_rows or self.verbose:
             console.print_tables(dataset)
         if self.verbose:
-            console.print_details(dataset, found, getattr(plan, "messages", ()))
+            console.print_details(dataset, found, provenance)
         results.print_summary(dataset)
 
 
@@ -233,7 +235,7 @@ def _run(requested: Campaign, about: str, results: Results, printing: Printing) 
         print_json(_as_dict(requested, dataset) | results.as_dict())
     else:
         scene = typed_scene(about) if isinstance(requested, OfScene) else about
-        printing.show(dataset, results, scene, plan)
+        printing.show(dataset, results, scene, requested.provenance(plan, dataset))
     if (hints := requested.retry_hints(dataset, results.target)) is not None:
         for line in hints:
             click.echo(f"{line} {_resume_hint(results)}", err=True)

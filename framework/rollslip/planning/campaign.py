@@ -142,8 +142,8 @@ class Campaign(abc.ABC):
     def plan(self) -> Any:
         """Check the settings, and return what will run.
 
-        The plan may have attributes ``messages``, lines which the command prints before the run; ``unusual``, lines of
-        which it warns; and ``seconds``, the estimated time.
+        The plan may have attributes ``messages``, lines on versions, size and cost; ``unusual``, lines of which the
+        command warns; and ``seconds``, the estimated time.
         """
 
     @abc.abstractmethod
@@ -192,6 +192,19 @@ class Campaign(abc.ABC):
         """
         return
 
+    def provenance(self, made: Any, dataset: "xr.Dataset") -> Sequence[str]:
+        """Return lines on versions, hashes, models and samples, by default the messages of the plan.
+
+        Parameters
+        ----------
+        made : object
+            What `plan` returned.
+        dataset : xarray.Dataset
+            The result.
+        """
+        messages: Sequence[str] = getattr(made, "messages", ())
+        return messages
+
     def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return lines on what to do about runs that failed; None if all runs have a result.
 
@@ -212,6 +225,7 @@ class Campaign(abc.ABC):
         from tempfile import TemporaryDirectory
 
         from rollslip.planning.progress import progress_in_notebook
+        from rollslip.results.dataset import xr
         from rollslip.results.figures import Result
 
         made = self.plan()
@@ -219,7 +233,7 @@ class Campaign(abc.ABC):
         directory = TemporaryDirectory() if out is None else nullcontext(out)
         with directory as folder, progress_in_notebook(self.name) as show:
             found = self.run(made, Path(folder), self.report or show, lambda text: None)
-        if isinstance(found, dict):  # what is not a dataset, such as a page
+        if not isinstance(found, xr.Dataset):  # such as a page
             return found
         results = {self.name: found}
         return Result.from_studies(results, lambda: results)

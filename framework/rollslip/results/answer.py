@@ -660,7 +660,10 @@ def _disagree(row: Row, other: Row) -> bool:
 
 
 def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
-    """Return bearing, oil, speeds, load and temperature of a result in engineering units; empty if it has no scene."""
+    """Return bearing, oil, speeds, load and temperature of a result in engineering units; empty if it has no scene.
+
+    What a campaign varies is left out.
+    """
     attributes = dataset.attrs
     operation = json.loads(attributes.get("scene_resolved", "{}")).get("operation")
     if not operation:
@@ -682,14 +685,15 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
     )
     load = operation["radial_load"]
     unit, factor = force_unit(load)
-    parts = (
-        bearings[0] if bearings else attributes.get("source", ""),
-        oil,
-        speed,
-        f"{format_plain(load * factor)} {unit}",
-        f"{format_plain(operation['temperature'] - 273.15)} °C",
-    )
-    return tuple(filter(None, parts))
+    parts = {
+        "bearing": bearings[0] if bearings else attributes.get("source", ""),
+        "lubricant.name": oil,
+        "operation.inner_speed": speed,
+        "operation.radial_load": f"{format_plain(load * factor)} {unit}",
+        "operation.temperature": f"{format_plain(operation['temperature'] - 273.15)} °C",
+    }
+    varied = {attributes.get("searched_key"), *json.loads(attributes.get("axes", "[]"))}
+    return tuple(text for key, text in parts.items() if text and key not in varied)
 
 
 def describe_defaults(datasets: "Iterable[xr.Dataset]") -> str:
@@ -836,6 +840,8 @@ def summarise_notes(notes: Iterable[Note], more: str = "") -> str:
         for note in every:
             codes.setdefault(note.where, {})[note.code or note.short] = None
         texts = [f"{' '.join(names)} {where}".rstrip() for where, names in codes.items()]
+        if "" not in codes:
+            return f"{'; '.join(texts)}{hint}"
         count = sum(map(len, codes.values()))
         return f"{count} on laws outside their range: {'; '.join(texts)}{hint}"
     changing = [note for note in every if note.largest_change[1] >= _NO_CHANGE]

@@ -69,6 +69,11 @@ class ComparisonAccount(Account):
             summary=summary,
             table=(head, *rows[:MAX_ROWS]) if rows else (),
             omitted=max(len(rows) - MAX_ROWS, 0),
+            faults=tuple(
+                f"{label} failed"
+                for label, member in members(dataset)
+                if member["status"].item() != "done"
+            ),
         )
 
     @staticmethod

@@ -55,7 +55,8 @@ def _explore(
         f"interpolation error {100.0 * largest:.2g} % at most" if found["errors"] else "not checked"
     )
     click.echo(f"{shlex.quote(str(target))}: page of {found['points']} points, {checked}")
-    click.echo("\n".join(f"  {line}" for line in found["messages"]))
+    for line in found["messages"]:
+        click.echo(f"  {line}")
 
 
 explore = click.command("explore")(with_settings(ExplorerSettings, _explore))

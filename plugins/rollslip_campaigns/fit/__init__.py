@@ -1,7 +1,7 @@
 """Campaign fit: parameters of an oil and of a traction model, from measured friction."""
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,6 +80,12 @@ class FitSettings(Campaign):
 
         problem, parameters = made
         return run_fit(problem, parameters, show)
+
+    def provenance(self, made: Any, dataset: "xr.Dataset") -> Sequence[str]:
+        """Return the line on version, data and models."""
+        from rollslip_campaigns.fit.findings import headline
+
+        return [headline(dataset)]
 
     def write(self, dataset: "xr.Dataset", folder: Path) -> None:
         """Write the oil too."""

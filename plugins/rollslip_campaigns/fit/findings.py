@@ -104,7 +104,7 @@ class FitAccount(Account):
         table = FitAccount("fit").tables(dataset)[0]
         return Answer(
             summary=f"{name} {value} (95 %: {limits}){others}",
-            table=(_HEAD, *map(tuple, table.rows[:MAX_ROWS])),
+            table=((*_HEAD[:-1], "status"), *map(tuple, table.rows[:MAX_ROWS])),
             omitted=max(len(rows) - MAX_ROWS, 0),
             faults=tuple(
                 line.partition(":")[0] for line in FitAccount.lines(dataset) if EXCHANGEABLE in line
@@ -159,7 +159,7 @@ class FitAccount(Account):
                     "one that is known from elsewhere, or measure where they act differently, at other pressures, "
                     "temperatures or slips"
                 )
-        return [*lines, headline(dataset)]
+        return lines
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the parameters with their errors and intervals."""

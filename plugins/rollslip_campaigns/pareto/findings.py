@@ -105,6 +105,7 @@ class ParetoAccount(Account):
         }
         several = len(found) > 1
         texts = [f"{name}: {text}" if several else text for name, (text, _) in found.items()]
+        tables = ParetoAccount("pareto").tables(dataset)
         (name, part), *_ = studies(dataset)
         fronts = _rows_on_front(part, found[name][1])
         known = [
@@ -128,7 +129,14 @@ class ParetoAccount(Account):
                 for study, (text, _) in list(found.items())[1:]
             ),
             table=(head, *rows),
-            omitted=part.sizes["choice"] - len(rows),
+            omitted=max(sum(len(item.rows) for item in tables) - len(rows), 0),
+            faults=tuple(
+                f"{label} failed"
+                for label, status in zip(
+                    dataset["label"].to_numpy(), dataset["status"].to_numpy(), strict=True
+                )
+                if status != "done"
+            ),
             next=tuple(_next_steps(str(part["label"].values[found[name][1]]), name)),
         )
 

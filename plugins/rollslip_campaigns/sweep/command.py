@@ -193,7 +193,7 @@ def _run_sweep(
         if results.as_json:
             _print_sweep_json(planned, dataset, describe_outcome(outcome), results)
         else:
-            printing.show(dataset, results, scene, planned)
+            printing.show(dataset, results, scene, planned.messages)
         _exit_unless_done(dataset, folder, resume)
     except KeyboardInterrupt:
         click.echo(f"interrupted; all points are kept; {resume}", err=True)

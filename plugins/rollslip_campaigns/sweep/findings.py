@@ -92,9 +92,13 @@ class SweepAccount(Account):
             ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no points"
         ]
         for name, row in _summaries(dataset).items():
-            extent = _format_range(name, row)
+            extent = "none"
             if row["values"]:
-                extent += f", median {_format_value(row['median'], name, row['unit'])}"
+                smallest, largest, median = (
+                    _format_value(row[statistic], name, row["unit"])
+                    for statistic in ("smallest", "largest", "median")
+                )
+                extent = f"{smallest} to {largest}, median {median}"
             label = f"{name}{closure_note(dataset)}" if name.startswith("critical_") else name
             values = f"{row['values']} value{'s' * (row['values'] != 1)}"
             why = in_brackets(row["why"])

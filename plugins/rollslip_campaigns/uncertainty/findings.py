@@ -128,18 +128,15 @@ class UncertaintyAccount(Account):
             )
         deciding = _deciding_inputs(dataset)
         if deciding:
+            (key, rank), *others = deciding
+            texts = [f"{short_label(key)} (rank correlation)"]
+            texts += [f"{short_label(other)} {weight:+.2f}" for other, weight in others]
             rows.append(
                 Row(
                     key="deciding_inputs",
                     label="decides the slip",
-                    text=short_label(deciding[0][0]),
-                    note="rank correlation "
-                    + ", ".join(
-                        f"{short_label(key)} {rank:+.2f}".removeprefix(
-                            short_label(deciding[0][0])
-                        ).strip()
-                        for key, rank in deciding
-                    ),
+                    text=f"{rank:+.2f}",
+                    note=", ".join(texts),
                 )
             )
         return Answer(

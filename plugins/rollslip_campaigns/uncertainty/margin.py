@@ -589,7 +589,7 @@ def _dataset(
     return xr.Dataset(
         variables,
         coords,
-        _attributes(plan, status_counts, json.loads(critical.attrs["validity"])),
+        _attributes(plan, status_counts, json.loads(critical.attrs.get("validity", "{}"))),
     )
 
 

@@ -180,6 +180,8 @@ class ValidationAccount(Account):
             (row["statement_text"], "", row["statement_verdict"])
             for row in rows_along(dataset, "statement")
         ]
+        sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
+        estimated = sum(len(about["estimated"]) for about in sets.values() if not about["form"])
         agreeing = (INSIDE, CONFIRMED)
         body.sort(key=lambda cells: cells[-1] in agreeing)
         return Answer(
@@ -190,6 +192,7 @@ class ValidationAccount(Account):
             ),
             table=(("value or statement", "calculated/measured", "verdict"), *body[:MAX_ROWS]),
             omitted=max(len(body) - MAX_ROWS, 0),
+            assumed=(f"{estimated} values that the sources do not state (-v)",) * bool(estimated),
         )
 
     @staticmethod
