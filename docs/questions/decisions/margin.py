@@ -2,7 +2,7 @@
 How sure is it that the cage does not slip much?
 ================================================
 
-Oil, clearance and drags are known to a factor. Each sample of them has its own steady slip and its own drag reserve.
+Oil, clearance and drags are uncertain by a factor. Each sample of them has its own steady slip and its own drag reserve.
 A decision takes more samples than the 64 of this page.
 """
 

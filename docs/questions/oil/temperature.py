@@ -2,7 +2,7 @@
 How thin does the oil get when it is hot?
 =========================================
 
-Each oil of the box states its viscosity over temperature, and the range in which its data hold.
+Each built-in oil states its viscosity over temperature, and the range in which its data hold.
 """
 
 import matplotlib.pyplot as plt

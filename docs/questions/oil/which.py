@@ -3,7 +3,7 @@ Which oil keeps the cage from slipping?
 =======================================
 
 The oil of scene ``turbine`` at several temperatures. Thicker and colder oil drives the cage harder. It also makes more
-heat, so a bearing does not stay as cold with it: ``thermal-balance`` tells.
+heat, so the bearing gets warmer with it: see ``thermal-balance``.
 """
 
 import matplotlib.pyplot as plt
