@@ -649,6 +649,10 @@ class Family(abc.ABC):
         """Return the class of radial clearance in a designation, such as "C3"; None where it states none."""
         return None
 
+    def ignored(self, written: str) -> str:
+        """Return the letters of a designation that have no effect, such as "P6"; empty without any."""
+        return ""
+
     def other(self, written: str) -> str | None:
         """Return a description of a name outside the family ("a deep groove ball bearing"); None where unknown."""
         return None

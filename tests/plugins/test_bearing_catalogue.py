@@ -106,6 +106,48 @@ def test_designations_as_people_write_them_are_read_with_cage_and_class_of_clear
         assert said == requested or (said == "CN" and requested is None), written
 
 
+@pytest.mark.parametrize(
+    ("written", "part"),
+    [
+        ("NU2210ECP/\u04213", "what 'ECP\u04213' behind that means is not known here"),  # Cyrillic
+        ("NU2210 \u041c\u0410", "what '\u041c\u0410' behind"),
+        ("NU2210ECP/C3NA", "what 'ECPC3NA' behind"),
+        ("NU2210ECP/R40", "what 'ECPR40' behind"),
+        (
+            "NU2210ECP/HC5",
+            "NU2210 with ceramic rollers (HC5), or with PEEK and C5, which is written PH/C5",
+        ),
+        ("NU2210ECPHC5", "with ceramic rollers (HC5), or with PEEK"),
+    ],
+)
+def test_what_would_be_read_wrongly_is_refused(written, part):
+    with pytest.raises(UnknownNameError) as error:
+        find("bearing", written)
+    assert part in str(error.value)
+
+
+def test_a_group_before_a_cage_and_a_half_of_a_group_are_told_apart():
+    cage, half = "NU 2210 E C4 M", "NU2210EC4M"
+    assert (CATALOGUE.clearance_class(cage), CATALOGUE.cage(cage).make) == ("C4", "brass")
+    assert (CATALOGUE.clearance_class(half), CATALOGUE.cage(half).letters) == ("C4M", "")
+
+
+def test_letters_without_effect_are_listed():
+    for written, ignored in (
+        ("NU2210ECP/P63S1", "P6 S1"),
+        ("NU2210ECPH/C5", "PH"),
+        ("NU2210ECP", ""),
+    ):
+        told = [
+            text
+            for text in implausible(scene(f"name = '{written}'"))
+            if "has no effect here" in text
+        ]
+        assert told == [
+            f"scene.toml:2: bearing.name: {ignored} of {written!r} has no effect here"
+        ] * bool(ignored)
+
+
 def test_other_bearings_are_called_what_they_are():
     every = lines("other_bearings.txt")
     assert len(every) > 140

@@ -92,3 +92,12 @@ def test_deflections_of_steel_are_told_where_the_shaft_is_none(law, warned):
     bronze = evolve(steel, {"bearing.inner_raceway.material.elastic_modulus": "110 GPa"})
     told = [str(run(scene, "effective-friction").attrs["warnings"]) for scene in (steel, bronze)]
     assert ["deflections are those of steel" in one for one in told] == [False, warned]
+
+
+def test_a_cage_of_polyamide_is_read():
+    for written, make in (
+        ("NK20/16TN", "polyamide"),
+        ("HK2016-TV-XL", "polyamide"),
+        ("NK20/16-XL", "steel"),
+    ):
+        assert CATALOGUE.cage(written).make == make

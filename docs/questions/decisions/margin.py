@@ -2,8 +2,8 @@
 How sure is it that the cage does not slip much?
 ================================================
 
-Oil, clearance and drags are uncertain by a factor. Each sample of them has its own steady slip and its own drag reserve.
-A decision takes more samples than the 64 of this page.
+Oil, clearance and drags are uncertain by a factor. Each sample of them has its own steady slip and drag reserve. A
+decision takes more samples than the 64 of this page.
 """
 
 import matplotlib.pyplot as plt

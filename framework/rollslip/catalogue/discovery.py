@@ -164,6 +164,11 @@ def describe_other_product(kind: str, name: str) -> str | None:
     return f"this is {other}; {hint}rollslip is for cylindrical rollers in one row ('rollslip models {kind}' lists all)"
 
 
+def ignored_letters(designation: str) -> str:
+    """Return the letters of the designation of a bearing that have no effect; empty without any."""
+    return _first_answer("ignored", "bearing", designation) or ""
+
+
 def own_cage(designation: object) -> Any:
     """Return the `rollslip.datasets.OwnCage` of a designation; None where no family of bearings has one."""
     if not isinstance(designation, str) or not designation:

@@ -17,6 +17,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.cage import Cage, implausible_values
+from rollslip.catalogue.discovery import ignored_letters
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import PluginError, RollslipError
 from rollslip.fields import unusual
@@ -57,6 +58,11 @@ def implausible(scene: Scene, varied_keys: Collection[str] = ()) -> list[str]:
     messages = [*_unusual_values(Scene, raw, where)]
     messages += _unusual_values(OilTable, raw.get("lubricant"), where.at("lubricant"))
     messages += _oil(scene, raw, where.at("lubricant"))
+    designation = str(as_table(raw.get("bearing")).get("name", ""))
+    if ignored := ignored_letters(designation) if designation else "":
+        messages.append(
+            (where.at("bearing").at("name"), f"{ignored} of {designation!r} has no effect here")
+        )
     messages += _unusual_values(Cage, raw.get("cage"), where.at("cage"))
     messages += _models(raw, where)
     for name, table in as_table(raw.get("study")).items():

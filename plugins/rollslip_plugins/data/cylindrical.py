@@ -283,6 +283,11 @@ class CylindricalRollerBearings(Family):
         read = read_designation(written)
         return None if read is None else read.group
 
+    def ignored(self, written: str) -> str:
+        """Return the letters of a designation that have no effect: "P6 S1"; empty without any."""
+        read = read_designation(written)
+        return "" if read is None else read.ignored
+
     def other(self, written: str) -> str | None:
         """Return what a designation is of that is none of these."""
         return other_bearing(written)

@@ -2,19 +2,23 @@
 
 A designation is read from the left: a maker or none, the type, series and code of the bore, then what stands behind
 them, in any spelling: "SKF NU 205 ECP/C3", "nu205-e-xl-tvp2-c3", "NU205.E.M1.C3", "NU205ETVP2C3". What is not known
-behind the number is not ignored: the designation is then unknown, and the message names the part.
+behind the number is not ignored: the designation is then unknown, and the message names the part. Letters in other
+forms (full width) are read as Latin ones by NFKC; those of other alphabets, which only look alike, are unknown.
 
 - Letters of the cage (SKF, Schaeffler, NKE, NSK, NTN, SNR, Koyo, Nachi, ZVL, URB; C) say what it is of and what guides
   it. Behind M, M1 and M6 stands a cage of two parts on the rollers, MA, MPA on the outer and MB, MPB on the inner ring;
   ML and MP are on the ring that has the ribs. PEEK (PH) is none of the makes here, and has no effect.
 - C2, CN, C3, C4, C5 are the groups of ISO 5753-1, the same for all makers. L, M, H behind one are its lower half,
-  its middle and its upper half (SKF; C). NSK's CC and CM and tapered bores (K) have ranges of their own, and are not
-  read.
+  its middle and its upper half (SKF; C); behind a space M is a cage: "C4 M". P63 is class P6 with C3. NSK's CC and CM,
+  NA, ranges in um (R40) and tapered bores (K) are other clearances, and are not read.
+- HC5 is a hybrid bearing, whose rollers are ceramic (SKF, Schaeffler; C), and is not read; nor is "ECPHC5", which may
+  also be a cage of PEEK (PH) and C5.
 - Other bearings are recognised by the first digits of their number (ISO 15 with the common scheme of makers, DIN 623-1;
   C).
 """
 
 import re
+import unicodedata
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
@@ -50,16 +54,21 @@ _CAGES: Final[Mapping[str, tuple[str, str]]] = {
 }
 #: Letters without effect on the model: PEEK, precision, heat treatment, insulation, special versions, interchange.
 _SILENT: Final = (
-    "PHA?S?|P[0456]|P63|S[0-4]|SN|NA|R\\d{2,3}|W\\d{2,3}|L4B|L5B|"
-    "V[ACEQL]\\d{3,4}|J20[A-Z]{0,2}|F1|FV|AH|XL|W33|Q"
+    "P[0456]|S[0-4]|SN|W\\d{2,3}|L4B|L5B|V[ACEQL]\\d{3,4}|J20[A-Z]{0,2}|F1|FV|AH|XL|W33|Q"
 )
 #: Letters of cages, the longest first.
 _CAGE: Final = "|".join(sorted(_CAGES, key=len, reverse=True))
 #: A class of clearance stands behind the cage or, with some, before it; SNR's J30 is C3.
 _TAIL: Final = re.compile(
-    rf"(?P<design>OLD|EC|EA|EXL|E|R)?(?:XL)?(?P<first>C[2345N][LMH]?)?(?:(?P<cage>{_CAGE})|PHA?S?)?(?:{_SILENT})*?"
-    rf"(?P<group>C[2345N][LMH]?|J[34]0)?(?:{_SILENT})*"
+    rf"(?P<design>OLD|EC|EA|EXL|E|R)?(?:XL)?(?P<first>C[2345N][LMH]?)?(?:(?P<cage>{_CAGE})|(?P<peek>PHA?S?))?"
+    rf"(?P<before>(?:{_SILENT})*?)(?P<group>C[2345N][LMH]?|J[34]0)?(?P<after>(?:{_SILENT})*)"
 )
+#: Class of tolerances and group of clearance in one, P63 for P6 and C3 (ISO 492 with ISO 5753-1; C).
+_CLASS_AND_GROUP: Final = re.compile(r"P([456])([2345])(?!\d)")
+#: Group of clearance before the letters of a brass cage, which a space parts.
+_GROUP_BEFORE_CAGE: Final = re.compile(r"(C[2345N])[\s\-./]+(M\w*|L1)\b")
+#: Ceramic rollers; PHC5 may also be PEEK and C5, PH/C5 is not found.
+_HYBRID: Final = re.compile(r"HC\d")
 #: Type, series and code of a cylindrical roller bearing.
 _NUMBER: Final = re.compile(
     r"(?P<type>NUP|NU|NJ|N)(?P<series>10|22|23|2|3|4)(?P<code>\d\d)(?!\d)(?P<tail>.*)"
@@ -77,20 +86,20 @@ class Designation(NamedTuple):
     old: bool  # whether it names the type before that
     cage: OwnCage | None  # cage by its letters
     group: str | None  # group of clearance, "C3" or "CNL" for example; None without one
+    ignored: str = ""  # letters without effect on the model, separated by spaces
 
 
 def _bare(written: str) -> str:
     """Return a designation in capitals, without makers around it and the angle ring that may come with it."""
-    return re.sub(
-        r"\s*\+\s*HJ.*",
-        "",
-        _AFTER_DESIGNATION.sub("", _BEFORE_DESIGNATION.sub("", written.upper().strip())),
-    )
+    text = unicodedata.normalize("NFKC", written).upper().strip()
+    text = _AFTER_DESIGNATION.sub("", _BEFORE_DESIGNATION.sub("", text))
+    text = re.sub(r"\s*\+\s*HJ[\s\d.\-]*(?:EC?)?(?![A-Z])", "", text)
+    return _GROUP_BEFORE_CAGE.sub(r"\2\1", text)
 
 
 def packed(written: str) -> str:
-    """Return a designation in capitals without makers, spaces and signs."""
-    return re.sub(r"[^A-Z0-9]", "", _bare(written))
+    """Return a designation in capitals without makers, spaces and signs; letters of other alphabets stay."""
+    return "".join(letter for letter in _bare(written) if letter.isalnum())
 
 
 def read_designation(written: str) -> Designation | None:
@@ -103,8 +112,10 @@ def read_designation(written: str) -> Designation | None:
     ('22', '10', 'polyamide', 'C3')
     """
     number = _NUMBER.fullmatch(packed(written))
-    tail = None if number is None else _TAIL.fullmatch(number["tail"])
-    if number is None or tail is None or (tail["first"] and tail["group"]):
+    if number is None or _HYBRID.search(_bare(written)):
+        return None
+    tail = _TAIL.fullmatch(_CLASS_AND_GROUP.sub(r"P\1C\2", number["tail"]))
+    if tail is None or (tail["first"] and tail["group"]):
         return None
     cage = None
     group = tail["first"] or tail["group"]
@@ -120,6 +131,9 @@ def read_designation(written: str) -> Designation | None:
         tail["design"] == "OLD",
         cage,
         group.replace("J", "C").removesuffix("0") if group else None,
+        " ".join(
+            filter(None, (tail["peek"], *re.findall(_SILENT, tail["before"] + tail["after"])))
+        ),
     )
 
 
@@ -200,6 +214,10 @@ def other_bearing(written: str) -> str | None:
         shown = f"{number['type']}{number['series']}{number['code']}"
         if read_designation(written) is not None:  # the nearest size is a better answer
             return None
+        if _HYBRID.search(_bare(written)):
+            return (
+                f"{shown} with ceramic rollers (HC5), or with PEEK and C5, which is written PH/C5"
+            )
         return f"a cylindrical roller bearing {shown}, but what {number['tail']!r} behind that means is not known here"
     plain = _BEFORE.sub("", bare, count=1) if _BEFORE.match(bare) else bare
     core = _CORE.match(re.sub(r"(?<=\d)\s(?=\d\d\b)", "", plain))

@@ -112,11 +112,14 @@ class NeedleBearings(Family):
 
     def canonical_name(self, written: str) -> str | None:
         """Return the designation of the catalogue for another spelling: "NK20/16" for "INA NK20/16-XL"."""
-        return self._packed.get(re.sub(r"(XL|B|TV|TN)$", "", packed(written)))
+        return self._packed.get(re.sub(r"(T[NV])?(XL|B)?$", "", packed(written)))
 
     def cage(self, written: str) -> OwnCage | None:
-        """Return that it is of sheet steel, which the rollers guide."""
-        return None if self.canonical_name(written) is None else OwnCage("steel", "roller")
+        """Return the cage, guided by the rollers: of polyamide by TN or TV, else of sheet steel."""
+        if self.canonical_name(written) is None:
+            return None
+        plastic = re.search(r"T[NV](?=(?:XL|B)?$)", packed(written))
+        return OwnCage("polyamide", "roller", plastic[0]) if plastic else OwnCage("steel", "roller")
 
     def __getitem__(self, name: str) -> BearingData:
         """Return a bearing by its designation."""
