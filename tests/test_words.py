@@ -11,7 +11,7 @@ pytestmark = pytest.mark.quick
 
 #: What is not said -> what is said instead.
 WORDS = {
-    r"\b(the|a|no) cage (runs|run|ran) away|\brunning away\b": "skidding",
+    r"\b(the|a|no) cage (runs|run|ran) away|\brunning away\b|\bnothing runs away\b": "skidding",
     r"could carry .* times the drag": "drag reserve",
     r"\bleast (radial )?loads?\b": "minimum load",
     r"\bmakers? (of bearings )?asks? for": "catalogue minimum load",
@@ -52,6 +52,24 @@ def test_no_sentence_of_the_program_says_what_only_its_authors_would():
                                   if page.suffix in (".rst", ".py")], ids=lambda page: page.stem)  # fmt: skip
 def test_no_page_says_it_either(page: Path):
     assert dialect(page.read_text(encoding="utf-8"), WORDS.keys() - {OF_THE_PAPER}) == []
+
+
+def test_no_figure_of_the_pages_says_it_either():
+    figures = sorted((sentences.ROOT / "docs" / "figures").glob("*.svg"))
+    texts = {
+        path.name: re.findall(
+            r">([^<>]+)</(?:text|tspan)>",
+            path.read_text(encoding="utf-8"),
+        )
+        for path in figures
+    }
+    assert sum(map(bool, texts.values())) > 5
+    wrong = {
+        name: found
+        for name, said in texts.items()
+        if (found := dialect(" ".join(said), WORDS.keys() - {OF_THE_PAPER}))
+    }
+    assert wrong == {}
 
 
 def test_dialect_is_found_and_keys_are_not():

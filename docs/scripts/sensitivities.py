@@ -10,12 +10,13 @@ import math
 
 import attrs
 import numpy as np
-from output import BLUE, GREEN, ORANGE, figure, save_figure, write_table
+from output import BLUE, GREEN, ORANGE, figure, read_table, save_figure, write_table
 
 from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip.planning.new_scene import ASSUMED, new_scene
+from rollslip.results.style import plain_decades
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location
 from rollslip_studies.motion.torque_balance import reserve, running, skidding_onset, torque_balance
@@ -183,28 +184,50 @@ def ranked(rows):
     return sorted(each, key=lambda one: -one[0])
 
 
-def drawn(rows):
-    """A bar for each of what decides most."""
+def slips_of(cell):
+    """Slips [%] of a cell of the table; a cage that skids has the end of the range."""
+    return [100.0 * LAST if text == "skids" else float(text) for text in cell.split(" to ")]
+
+
+def shown_name(what):
+    """Name of a row of the figure: the last part of a key, or a choice in words."""
+    name = what.removeprefix("stated: ")
+    if " " in name:
+        return name
+    *_, before, last = name.split(".")
+    return (
+        f"{before} factor"
+        if last == "factor"
+        else last.replace("_", " ").replace("eyring", "Eyring")
+    )
+
+
+def draw():
+    """Draw a bar for each of what decides most, from the table."""
+    as_is, *rows = read_table("sensitivities")
     made, axes = figure(len(SCENES), height=3.6, width=3.2)
     colours = {"scatter": BLUE, "choice": ORANGE, "stated": GREEN}
     for ax, name in zip(axes, SCENES, strict=True):
-        first = [one for one in rows if one.scene == name][:SHOWN][::-1]
-        for k, one in enumerate(first):
-            sides = [100.0 * min(slip, LAST) for slip in (*one.slips, one.slip)]
+        column = f"slip of {name} [%]"
+        here = float(as_is[column])
+        first = sorted(
+            rows, key=lambda row: -max(abs(math.log(x / here)) for x in slips_of(row[column]))
+        )
+        first = first[:SHOWN][::-1]
+        for k, row in enumerate(first):
+            sides = [*slips_of(row[column]), here]
             ax.barh(
                 k,
                 max(sides) - min(sides),
                 left=min(sides),
                 height=0.7,
-                color=colours[one.kind.split()[0]],
+                color=colours[row["kind"].split()[0]],
             )
-        ax.axvline(100.0 * first[0].slip, color="black", lw=0.8)
-        ax.set_yticks(
-            range(len(first)),
-            [one.what.removeprefix("stated: ").split(".", 1)[-1] for one in first],
-        )
+        ax.axvline(here, color="black", lw=0.8)
+        ax.set_yticks(range(len(first)), [shown_name(row["what"]) for row in first])
         ax.tick_params(axis="y", labelsize=6.0, length=0)
-        ax.set_xscale("log")
+        plain_decades(ax.xaxis)
+        ax.set_xlim(left=0.8 * ax.get_xlim()[0])
         ax.set_title(name)
         ax.set_xlabel("steady cage slip [%]")
     save_figure(made, "sensitivities")
@@ -238,7 +261,7 @@ def main():
         [some[0].what, some[0].kind, f"{mean:.3g}", *cells(some)] for mean, some in ranked(rows)
     ]
     write_table("sensitivities", head, [as_is, *told])
-    drawn(rows)
+    draw()
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """Figures: the same bytes each time, and on them what the dataset says."""
 
+import itertools
 import json
 import re
 import subprocess
@@ -9,9 +10,11 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 from matplotlib import style
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+import recorded
 from drawn import metadata, words
 from rollslip.bearing.assembly import assemble
 from rollslip.cli import app
@@ -24,13 +27,17 @@ from rollslip.results.style import (
     INK,
     MODEL_COLOURS,
     RING_COLOURS,
+    SINGLE_COLUMN,
     STYLE,
+    TWO_COLUMNS,
     light_to_dark,
     on_dark,
+    plain_decades,
     set_plainly,
 )
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
+from rollslip.units import UnitError
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.friction_curve.study import FrictionCurve
 
@@ -395,3 +402,63 @@ def test_a_plot_is_given_as_figures_that_a_notebook_shows():
     assert figures["friction-curve"].axes[0].get_xlabel() == "Slide–roll ratio $V/u$ [%]"
     assert figures._repr_html_().startswith('<figure><img src="data:image/svg+xml;base64,')
     assert "entrainment speed" in figures.captions["friction-curve"]
+
+
+@pytest.mark.parametrize("name", recorded.RESULTS)
+def test_labels_of_ticks_do_not_overlap_and_texts_are_within_figures_of_one_or_two_columns(name):
+    with style.context(["default", dict(STYLE)]):
+        for figure in plot(recorded.stored(name)).values():
+            assert figure.get_figwidth() in (SINGLE_COLUMN[0], TWO_COLUMNS[0])
+            set_plainly(figure)
+            canvas = FigureCanvasAgg(figure)
+            canvas.draw()
+            legends = [text for legend in figure.legends for text in legend.get_texts()]
+            axes = [one for panel in figure.axes for one in (panel, *panel.child_axes)]
+            titles = [text for one in axes for text in (one._left_title, one.xaxis.label)]
+            for text in (*legends, *titles):
+                box = text.get_window_extent(canvas.get_renderer())
+                assert box.x1 <= figure.bbox.x1 + 1.0, text
+            for axis in (axis for one in axes for axis in (one.xaxis, one.yaxis)):
+                assert not overlapping(axis, canvas.get_renderer())
+
+
+def overlapping(axis, renderer):
+    """Labels of ticks of an axis that overlap the next one; those outside of the axis are not drawn."""
+    low, high = sorted(axis.get_view_interval())
+    labels = [
+        tick.label1
+        for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks())
+        if low <= tick.get_loc() <= high and tick.label1.get_text() and tick.label1.get_visible()
+    ]
+    boxes = sorted(
+        (label.get_window_extent(renderer) for label in labels), key=lambda b: tuple(b.min)
+    )
+    return [pair for pair in itertools.pairwise(boxes) if pair[0].overlaps(pair[1])]
+
+
+def test_labels_that_overlap_are_found():
+    figure = Figure(figsize=SINGLE_COLUMN)
+    axes = figure.subplots()
+    canvas = FigureCanvasAgg(figure)
+    axes.set_xticks([0.0, 0.01, 1.0])
+    canvas.draw()
+    assert len(overlapping(axes.xaxis, canvas.get_renderer())) == 1
+
+
+def test_six_decades_have_labels_at_powers_of_ten_and_two_at_2_and_5_too():
+    for low, shown in (
+        (1e-3, {0.001, 0.01, 0.1, 1, 10, 100, 1000}),
+        (10.0, {10, 20, 50, 100, 200, 500, 1000}),
+    ):
+        axes = Figure(figsize=SINGLE_COLUMN).subplots()
+        plain_decades(axes.xaxis)
+        axes.set_xlim(low, 1e3)
+        ticks = axes.xaxis.get_majorticklocs()
+        assert {float(f"{tick:.6g}") for tick in ticks if low <= tick <= 1e3} == shown
+
+
+def test_the_width_of_figures_can_be_set():
+    for figure in plot(recorded.stored("steady-slip"), width="120 mm").values():
+        assert figure.get_figwidth() == pytest.approx(120.0 / 25.4)
+    with pytest.raises(UnitError, match="a length is expected"):
+        plot(recorded.stored("steady-slip"), width="120 N")

@@ -47,8 +47,8 @@ _LABEL_POSITIONS: Final = tuple(
     for x, alignment in ((0, "center"), (4, "left"), (-4, "right"), (13, "left"), (-13, "right"))
 )
 
-#: Label of a marker at the largest friction of a curve.
-_CRITICAL = "slip at largest traction; friction falls beyond it"
+#: Letters of a line of the legend, at most, in a figure of one column. With 20 more it is cut at the edge.
+_LEGEND_LETTERS: Final = 56
 
 
 def plain_curves(dataset: "xr.Dataset") -> "Figure":
@@ -192,10 +192,11 @@ def finish(
     )
     written.set_in_layout(False)
     if critical:
-        assumption = critical[0].assumption  # on a line of its own, as long as the figure is wide
-        label = _CRITICAL
+        assumption = critical[0].assumption
+        label = "slip at largest traction; friction falls beyond it"
         if assumption:
-            label = f"slip at largest traction {assumption};\nfriction falls beyond it"
+            label = f"slip at largest traction {assumption}; friction falls beyond it"
+        label = textwrap.fill(label, _LEGEND_LETTERS)
         handles = [
             *handles,
             Line2D([], [], color="0.35", linestyle="dashed", label=label, **MARKER),

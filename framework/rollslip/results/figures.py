@@ -18,9 +18,9 @@ from rollslip.results.answer import Answer, Note
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import open_result
 from rollslip.results.folder import add_to_manifest
-from rollslip.results.style import as_svg, save_figures, styled
+from rollslip.results.style import MM, as_svg, save_figures, styled
 from rollslip.results.text import LAW, capitalise, collect_warnings
-from rollslip.units import expect_results
+from rollslip.units import expect_results, quantity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -174,7 +174,9 @@ class Figures(dict[str, "Figure"]):
         )
 
 
-def plot(result: "xr.Dataset | dict[str, xr.Dataset]") -> Figures:
+def plot(
+    result: "xr.Dataset | dict[str, xr.Dataset]", width: str | float | None = None
+) -> Figures:
     """Draw the figures of a result, to look at or to edit.
 
     Parameters
@@ -182,6 +184,9 @@ def plot(result: "xr.Dataset | dict[str, xr.Dataset]") -> Figures:
     result : xarray.Dataset or dict
         Result of a study or a campaign; or several results of study dynamics by their names, which are drawn together
         and compared with the first.
+    width : str or float, optional
+        Width of all figures, as text with a unit, such as "120 mm", or in metres. By default figures of one panel have
+        90 mm, those of several panels 190 mm, the columns of a journal; letters have 7 pt at any width.
 
     Returns
     -------
@@ -206,6 +211,8 @@ def plot(result: "xr.Dataset | dict[str, xr.Dataset]") -> Figures:
         for name, caption, figure in (
             account.together(result) if isinstance(result, dict) else _drawn(result)
         ):
+            if width is not None:
+                figure.set_figwidth(1e3 * MM * quantity(width, "m"))
             figures[name] = figure
             figures.captions[name] = caption
     return figures

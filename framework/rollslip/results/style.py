@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.colorbar import Colorbar
     from matplotlib.figure import Figure
-    from matplotlib.ticker import ScalarFormatter
+    from matplotlib.ticker import LogLocator, ScalarFormatter
 
 #: Okabe & Ito (2008), "Color universal design": the blue and the orange are told apart with every kind of colour
 #: vision, and in grey. Orange and sky blue are darker than theirs, which have too little contrast for lines on white.
@@ -239,6 +239,9 @@ def lay_out(figure: "Figure") -> None:
         figure.set_layout_engine("none")
 
 
+#: Ratio of the ends of a logarithmic axis from which only powers of ten have labels. With a thousand times as much the
+#: labels of an axis of 70 mm overlap.
+_MAX_RATIO: Final = 2e3
 #: Digits and minus -> superscripts.
 _SUPERSCRIPTS: Final = str.maketrans("0123456789-\N{MINUS SIGN}", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻")
 
@@ -275,12 +278,28 @@ def set_plainly(figure: "Figure") -> None:
                 axis.set_major_formatter(_plain_ticks()())
 
 
+@functools.cache
+def _decades() -> "type[LogLocator]":
+    """Return a class of locators with ticks at 1, 2, 5, 10 ..., or at powers of ten where these have no room."""
+    from matplotlib.ticker import LogLocator
+
+    class Decades(LogLocator):
+        """Ticks of a logarithmic axis whose labels do not overlap."""
+
+        def tick_values(self, vmin: float, vmax: float) -> Any:
+            has_room = vmax < vmin * _MAX_RATIO or not vmin > 0.0
+            self.set_params(subs=(1.0, 2.0, 5.0) if has_room else (1.0,), numticks=99)
+            return super().tick_values(vmin, vmax)
+
+    return Decades
+
+
 def plain_decades(axis: "Axis") -> None:
     """Make an axis logarithmic, with ticks at the plain numbers 1, 2, 5, 10 ..."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})  # type: ignore[attr-defined]
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=99))
+    axis.set_major_locator(_decades()())
     axis.set_major_formatter("{x:g}")
     axis.set_minor_locator(LogLocator(subs=tuple(range(1, 10)), numticks=99))
     axis.set_minor_formatter(NullFormatter())

@@ -21,6 +21,7 @@ from rollslip.results.style import (
     TWO_COLUMNS,
     Sheet,
     axis_label,
+    plain_decades,
 )
 from rollslip.search import Array
 from rollslip_campaigns.comparison.findings import captioned, curves_of, members
@@ -147,8 +148,6 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
 
 def _draw_costs(axes: Any, error: Array, cost: Array, colours: list[Any]) -> None:
     """Draw errors over costs with the numbers of the combinations; the reference is a line."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
     for k, place in enumerate(zip(cost, 100 * error, strict=True)):
         if place[1] > 0.0:
             axes.plot(*place, marker="o", markersize=5, color=colours[k])
@@ -163,18 +162,14 @@ def _draw_costs(axes: Any, error: Array, cost: Array, colours: list[Any]) -> Non
         elif place[1] == 0.0:
             axes.axvline(place[0], color="black", linewidth=1.0, zorder=0)
     shown = np.log10(100 * error[error > 0.0])
-    axes.loglog()
+    for axis in (axes.xaxis, axes.yaxis):
+        plain_decades(axis)
     axes.set(
         xlim=(0.8, 1.3 * max(2.0, np.nanmax(cost))),
         ylim=(10 ** np.floor(shown.min(initial=1.0)), 10 ** np.ceil(shown.max(initial=0.0))),
         xlabel="Time for a slice over that of the fastest [–]",
         ylabel="Relative difference, root mean square [%]",
     )
-    for axis in (axes.xaxis, axes.yaxis):
-        decades = np.ptp(np.log10(axis.get_view_interval()))
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 2.5 else (1,)))
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter(NullFormatter())
 
 
 def _styles(dataset: "xr.Dataset") -> list[dict[str, Any]]:

@@ -13,7 +13,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rollslip.results.dataset import xr
-from rollslip.results.style import DASHES, MM, MODEL_COLOURS, SINGLE_COLUMN, Sheet, plain_decades
+from rollslip.results.style import (
+    DASHES,
+    MM,
+    MODEL_COLOURS,
+    TWO_COLUMNS,
+    Sheet,
+    plain_decades,
+)
 from rollslip.results.text import short_label
 from rollslip_campaigns.uncertainty.findings import (
     RESERVE,
@@ -126,7 +133,7 @@ def _draw_input_panels(
     keys = [short_label(str(key)) for key in dataset["input"].to_numpy()[order]]
     positions = np.arange(order.size)
     sheet = Sheet(
-        (2 * SINGLE_COLUMN[0], (24 + row_height * len(keys)) * MM),
+        (TWO_COLUMNS[0], (24 + row_height * len(keys)) * MM),
         1,
         len(names),
         sharex=True,
@@ -244,7 +251,7 @@ def _indices(dataset: "xr.Dataset") -> "Figure":
                 xerr=[np.maximum(value - low, 0.0), np.maximum(high - value, 0.0)],
             )
 
-    sheet = _draw_input_panels(dataset, order, 9, names, "Fraction of the variance [–]", draw_bars)
+    sheet = _draw_input_panels(dataset, order, 9, names, "Fraction [–]", draw_bars)
     handles = sheet.axes[0][0].get_legend_handles_labels()[0]
     sheet.figure.legend(handles=handles, loc="outside lower left", ncols=2)
     return sheet.figure

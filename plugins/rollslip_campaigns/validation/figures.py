@@ -9,7 +9,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rollslip.results.dataset import rows_along, xr
-from rollslip.results.style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS, Sheet, unit_label
+from rollslip.results.style import (
+    MM,
+    MODEL_COLOURS,
+    ROW,
+    TWO_COLUMNS,
+    Sheet,
+    plain_decades,
+    unit_label,
+)
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.validation.findings import UNDETERMINED, models_of, unique_texts
 
@@ -92,20 +100,12 @@ def _ratios(dataset: "xr.Dataset") -> "Figure":
                 mark = "<"
             axes.plot(ratio, position, mark, color=colour, markerfacecolor=face, markersize=4)
     axes.axvline(1.0, color="0.6", linewidth=0.7, zorder=0)
-    plain_log(axes.xaxis)
+    plain_decades(axes.xaxis)
     axes.set(ylim=(len(keys) - 0.4, -0.6), xlabel="Calculated over measured [–]")
-    axes.set_yticks(range(len(keys)), [f"{series}: {condition}" for _, series, condition in keys])
+    axes.set_yticks(
+        range(len(keys)), [f"{series}: {unit_label(condition)}" for _, series, condition in keys]
+    )
     return _finish(sheet, colours)
-
-
-def plain_log(axis: Any) -> None:
-    """Make an axis logarithmic, with the plain numbers 1, 2, 5, 10 ... where Matplotlib finds room for them."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    axis.axes.set(**{f"{axis.axis_name}scale": "log"})
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(lambda value, _: f"{value:g}")
-    axis.set_minor_formatter(NullFormatter())
 
 
 def _series(dataset: "xr.Dataset") -> "Figure":
@@ -129,13 +129,14 @@ def _series(dataset: "xr.Dataset") -> "Figure":
         )
         largest = max(largest, measured + error, *_draw_models(axes, k, same, colours, factor))
     if values.min() > 0.0 and values.max() > _LOG_AXIS_RATIO * values.min():
-        plain_log(axes.yaxis)
+        plain_decades(axes.yaxis)
     else:
         axes.set_ylim(0.0, 1.1 * largest)
     axes.set_xlim(-0.6, len(conditions) - 0.4)
     if len(conditions) <= _MAX_LABELS:
         axes.set_xticks(
-            range(len(conditions)), [condition.replace(", ", "\n") for condition in conditions]
+            range(len(conditions)),
+            [unit_label(condition).replace(", ", "\n") for condition in conditions],
         )
     else:
         axes.set_xlabel("Row of the data set")

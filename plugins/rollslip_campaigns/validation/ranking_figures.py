@@ -6,8 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rollslip.results.dataset import rows_along, xr
-from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, Sheet
-from rollslip_campaigns.validation.figures import plain_log
+from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, Sheet, plain_decades
 from rollslip_campaigns.validation.ranking_findings import better
 
 __all__ = ["figures"]
@@ -41,7 +40,7 @@ def _errors(dataset: "xr.Dataset") -> "Figure":
         face = colour if k == 0 or law["law"] in worse else "white"
         axes.plot(law["error"], k, "o", color=colour, markerfacecolor=face, markersize=5)
     axes.axvline(1.0, color="0.6", linewidth=0.7, zorder=0)
-    plain_log(axes.xaxis)
+    plain_decades(axes.xaxis)
     axes.set_ylim(len(laws) - 0.4, -0.6)
     axes.set_yticks(range(len(laws)), [f"{law['law']}, {law['parameters']} fitted" for law in laws])
     return sheet.done("Error over the uncertainty of the data [–]")
