@@ -420,3 +420,16 @@ def test_texts_of_models_are_escaped(tmp_path):
     html, text = page({HOSTILE: hostile}, {HOSTILE: save_plots(hostile, tmp_path)}, tmp_path)
     assert "<script" not in html
     assert text.count(HOSTILE) >= 8
+
+
+def test_the_mean_over_an_orbit_is_drawn_where_a_roller_oscillates_and_maps_end_where_load_does():
+    dataset = motion(points=301)
+    figures = {name: figure for name, _, figure in motion_figures(dataset)}
+    cage, roller = next(figure for name, figure in figures.items() if "orbit" not in name).axes
+    (mean,) = [line for line in roller.lines if line.get_color() == "black"]
+    assert np.ptp(mean.get_ydata()) < max(np.ptp(line.get_ydata()) for line in roller.lines)
+    assert not [line for line in cage.lines if line.get_color() == "black"]
+    panels = next(figure for name, figure in figures.items() if "orbit" in name).axes
+    loaded = np.abs(np.degrees((dataset.orbit_angle.to_numpy() + np.pi) % (2 * np.pi) - np.pi))
+    loaded = loaded[dataset.normal_force.sel(ring="inner").to_numpy() > 0.0].max()
+    assert loaded <= panels[0].get_ylim()[1] + 1e-9 < loaded + 30.0

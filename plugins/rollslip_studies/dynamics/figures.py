@@ -64,6 +64,8 @@ _MIN_SLIP_RATIO = 0.5
 #: Film parameter over the smallest one from which on cells have the same colour: unloaded contacts have large values,
 #: which would hide the differences of the small ones. Chosen by eye.
 _MAX_FILM_RATIO = 3.0
+#: Difference of two curves, over the range of values, below which they are drawn once: the width of a line.
+_COINCIDENT: Final = 0.01
 #: Relative range of values below which a map has a range of 10 % of its value: below it is rounding.
 _ROUNDING = 1e-9
 #: Largest number of marks of events along the axis of time. Doubled, marks overlap on paper. Chosen by eye.
@@ -223,12 +225,25 @@ def _draw_orbit_means(sheet: Sheet, dataset: "xr.Dataset") -> None:
     if middle.size < 2:
         return
     style: dict[str, Any] = {"color": "black", "linewidth": 1.1, "linestyle": DASHES[1]}
-    speeds = (dataset["cage_speed"].to_numpy(), dataset["roller_speed"].mean("roller").to_numpy())
-    for axes, speed in zip(sheet.axes, speeds, strict=True):
+    cage = dataset["cage_speed"].to_numpy()
+    drawn = False
+    for axes, speed, shown in (
+        (sheet.axes[0], cage, cage),
+        (
+            sheet.axes[1],
+            dataset["roller_speed"].mean("roller").to_numpy(),
+            _shown_roller(dataset)[0] / _RPM,
+        ),
+    ):
         turned = np.append(0.0, np.cumsum(0.5 * np.diff(time) * (speed[1:] + speed[:-1])))
         ends = [np.interp(middle + side * orbit, time, turned) for side in (-0.5, 0.5)]
-        axes.plot(_scale(dataset) * middle, _RPM * (ends[1] - ends[0]) / orbit, **style)
-    sheet.key("mean over an orbit", **style)
+        mean = (ends[1] - ends[0]) / orbit
+        # a mean that coincides with the curve is not drawn again
+        if np.abs(mean - np.interp(middle, time, shown)).max() > _COINCIDENT * np.ptp(shown):
+            axes.plot(_scale(dataset) * middle, _RPM * mean, **style)
+            drawn = True
+    if drawn:
+        sheet.key("mean over an orbit", **style)
 
 
 def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
@@ -306,18 +321,17 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         pocket = np.abs(dataset["pocket_force"].to_numpy())
         cells = _Cells.summarise(dataset, np.where(pocket > 0.0, pocket, np.nan), np.max)
         rows.append(("Pocket force [N]", cells, "no roller touches the cage"))
-    half = max((cells.half_width for _, cells, _ in rows), default=0.0) or 180.0
     sheet = Sheet(
         (TWO_COLUMNS[0], (32 * len(rows) + 8) * MM),
         len(rows),
         1,
         sharex=True,
-        sharey=True,
         squeeze=False,
     )
     panels = sheet.axes[:, 0]
     for axes, (label, cells, otherwise) in zip(panels, rows, strict=True):
         axes.set_xlim(cells.edges[0], cells.edges[-1])
+        half = cells.half_width or 180.0
         axes.set_ylim(-half, half)
         axes.set_yticks(
             [tick for tick in range(-180, 181, 90 if half > 90.0 else 30) if abs(tick) <= half]
