@@ -571,7 +571,7 @@ def test_a_run_says_that_constants_fit_at_one_temperature_only_and_its_report_ha
     assert "but lubricant.pressure_viscosity is the same at every temperature" in done.stderr
     report = (tmp_path / "o" / "report.html").read_text(encoding="utf-8")
     told = "density (B), conductivity (C), pressure viscosity kind (C), viscosity (B)"
-    assert f"Data quality: {told}. (B) from a standard reference" in report
+    assert f"Data quality, A printed to D estimated: {told}." in report
 
 
 def test_help_lists_every_command_once_in_a_group_with_an_example_and_whole_sentences():
