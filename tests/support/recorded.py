@@ -69,7 +69,7 @@ RESULTS = {
     "pareto": f"pareto {SCENE} --study friction-curve --choices slices --rounds 1 --no-plots",
     "uncertainty": f"uncertainty gearbox --samples 8 --loads 2 {COARSE}",
     "limit": f"limit {SCENE} --over operation.radial_load=2kN:6kN:3 --keep effective_friction<=0.007 {COARSE}",
-    "surrogate": "surrogate gearbox --set models.approach=dry --over radial_load=1kN:2.5kN "
+    "surrogate": "surrogate gearbox --over radial_load=1kN:2.5kN "
     f"--over temperature=70degC:90degC --over inner_speed=500rpm:1800rpm --error 0.05 --checks 4 {COARSE}",
     "fit": f"fit {EXAMPLES / 'twin-disc.csv'} --rig {EXAMPLES / 'rig.toml'} --parameters eyring_stress --no-plots",
     "validation": "validate klebanov-2022 published-slip --samples 2 --no-plots",
