@@ -16,9 +16,9 @@ its length than a dry one.
    meets numerical solutions for Moes's M up to 0.3 to 3 %, and for M from 1 on and L = 10 to 9 %.
 
 The law is a table over the load. Its approach is measured from the gap at which the contact begins to carry, which is
-the gap without load: the layer of oil on the surfaces, or `_THICKEST_LAYER` where there is oil in plenty. The equilibrium
-then needs no change but a clearance that is smaller by these gaps (`Raceway.gap`). The film is that of a bearing that
-rolls without slip.
+the gap without load: the layer of oil on the surfaces, or `_THICKEST_LAYER` where there is oil in plenty. The
+equilibrium then needs no change but a clearance that is smaller by these gaps (`Raceway.gap`). The film is that of a
+bearing that rolls without slip.
 """
 
 import math
