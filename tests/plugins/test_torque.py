@@ -283,9 +283,7 @@ def test_wrong_parameters_are_refused(formula, parameters, says):
 
 # Beside the losses of a steady slip ----------------------------------------------------------------------------------
 
-#: What is computed of the slip is not tested here.
-QUICK = COARSE | {"study.steady-slip.pockets": "set"}
-SCENE = evolve(load_scene("1032930-70C"), QUICK)
+SCENE = evolve(load_scene("1032930-70C"), COARSE)
 NAMED = [
     {"model": "skf", "series": "20", "drag": "none"},
     "palmgren-torque",
@@ -381,7 +379,7 @@ def named(name, **changes):
     }
     text = new_scene("-", **(ASSUMED | requested))
     drags = ["rolling-resistance", "hysteresis", {"model": "churning", "oil_fraction": 0.055}]
-    return evolve(parse_scene(text, "-"), QUICK | {"cage.drag": drags} | changes, si=True)
+    return evolve(parse_scene(text, "-"), COARSE | {"cage.drag": drags} | changes, si=True)
 
 
 def test_a_designation_gives_series_and_boundary_dimensions():

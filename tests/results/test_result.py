@@ -11,23 +11,20 @@ from click.testing import CliRunner
 
 import rollslip
 from architecture import ROOT
+from coarse import COARSE
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.planning.execution import compute, execute
 from rollslip.results.dataset import VOLATILE, save
 from rollslip.results.text import python_call
 
-#: Settings of a result that is only stored and read: how right it is does not matter.
-COARSE = {
-    "accuracy.slices": 5,
-    "accuracy.tolerance": 0.05,
-    "study.effective-friction.map_points": 0,
-}
+#: Settings of a result that is only stored and read.
+QUICK = COARSE | {"accuracy.slices": 5, "study.effective-friction.map_points": 0}
 
 
 @pytest.fixture(scope="module")
 def scene():
-    return rollslip.evolve(rollslip.new("NU 2312", oil="iso-vg-220", load="1 kN"), COARSE)
+    return rollslip.evolve(rollslip.new("NU 2312", oil="iso-vg-220", load="1 kN"), QUICK)
 
 
 @pytest.fixture(scope="module")
