@@ -346,7 +346,14 @@ def test_plane_motion_takes_the_direction_of_the_operation_unless_it_has_its_own
     assert np.array_equal(rates(None), rates("0 deg"))
     assert np.array_equal(rates("70 deg", gravity_direction=0.0), rates(None))
     assert not np.array_equal(rates("70 deg"), rates(None))
-    given = {"level": "planar", "duration": "1 ms", "planar": {"inner_ring_mass": "3 kg"}}
+    given = {
+        "level": "planar",
+        "duration": "1 ms",
+        "friction": "effective",
+        "integrator": "rk45",
+        "relative_tolerance": 1e-5,
+        "planar": {"inner_ring_mass": "3 kg"},
+    }
     scene = slow(**{"study.dynamics": given})
     assert Dynamics.from_scene(scene).with_weight
     assert "gravity of rollers" not in {part.part for part in plan(scene, "dynamics").parts}

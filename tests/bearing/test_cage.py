@@ -223,7 +223,7 @@ def test_a_cage_that_cannot_be_the_bearings_is_questioned(table, sentence):
 
 
 def test_the_plan_says_what_of_the_cage_is_estimated():
-    scene = parse_scene(NAMED + "[study.steady-slip]\n", "mine.toml")
+    scene = parse_scene(NAMED + "[study.steady-slip]\n[accuracy]\nslices = 5\n", "mine.toml")
     (part,) = (part for part in plan(scene).parts if part.part == "cage")
     assert part.choice == "brass, 457 g, guided by the outer ring"
     assert part.reason.startswith(
@@ -561,7 +561,8 @@ def test_a_drag_of_this_process_is_taken(monkeypatch):
 
 def test_sweeps_over_names_of_bearings_take_the_cage_of_each():
     scene = parse_scene(
-        NAMED + "[study.steady-slip]\n[accuracy]\ntolerance = 1e-2\nslices = 5\n", "mine.toml"
+        NAMED + '[study.steady-slip]\npockets = "set"\n[accuracy]\ntolerance = 1e-2\nslices = 5\n',
+        "mine.toml",
     )
     names = ["NU 2312 ECP", "NU 2312 MA"]
     swept = sweep(
