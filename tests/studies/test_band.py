@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from scipy.stats import binom, norm
 
 import rollslip
+from coarse import SET_COARSE
 from loading_branch_scenes import catalogue
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
@@ -271,10 +272,11 @@ def test_the_command_tells_bands_beside_its_numbers(tmp_path):
         "steady-slip",
         "--set",
         "study.steady-slip.acceptable_slip=0.02",
+        *SET_COARSE,
     ]
     done = CliRunner().invoke(cli, [*arguments, "--out", str(tmp_path / "o"), "--no-plots"])
     assert done.exit_code == 0, done.output
-    assert re.search(r"cage slip +0\.77 % +below 0\.1 to 6\.\d %", done.output)
+    assert re.search(r"cage slip +0\.76 % +below 0\.1 to 6\.\d %", done.output)
     assert re.search(
         r"minimum load +\d\.\d kN +\d\.\d+ to \d\.\d kN, for a slip below 2 %", done.output
     )
@@ -282,7 +284,7 @@ def test_the_command_tells_bands_beside_its_numbers(tmp_path):
 
 
 #: Keys of quantities that scatter -> largest difference of the logarithm of slips with play from those of runs, in dry
-#: contacts; found are 0.056, 0.012, 0.128 and 0.033. By the film play adds more of the slip: churning's is 0.071.
+#: contacts; found are 0.056, 0.011, 0.145 and 0.027. By the film play adds more of the slip: churning's is 0.071.
 CHANGED = {
     "cage.drag.churning.factor": 0.06,
     "cage.drag.rolling-resistance.factor": 0.09,
@@ -295,7 +297,8 @@ CHANGED = {
 def with_play():
     """A scene, and the changes of its slip by what scatters."""
     scene = rollslip.evolve(
-        load_scene("gearbox"), {"accuracy.slices": 41, "models.approach": "dry"}
+        load_scene("gearbox"),
+        {"accuracy.slices": 9, "accuracy.tolerance": 0.02, "models.approach": "dry"},
     )
     found = of_run(scene)
     changes = json.loads(found.attrs["band"])["steady_slip"]["changes"]
@@ -306,8 +309,13 @@ def with_play():
 def test_slips_with_play_are_those_of_runs_at_other_values(key, with_play):
     scene, _, changes = with_play
     for value, slip in zip(changes[key]["ends"], changes[key]["values"], strict=True):
-        run = rollslip.run(rollslip.evolve(scene, {key: value}, si=True), "steady-slip")
-        assert math.log(slip / float(run.steady_slip[0])) == pytest.approx(0.0, abs=CHANGED[key])
+        made = rollslip.plan(rollslip.evolve(scene, {key: value}, si=True), "steady-slip")
+        # the slip alone, which is that of a run
+        variables, _ = made.studies["steady-slip"].partial_result(
+            made.assemblies["steady-slip"], frozenset({"steady_slip"})
+        )
+        (of_run,) = variables["steady_slip"][1]
+        assert math.log(slip / of_run) == pytest.approx(0.0, abs=CHANGED[key])
 
 
 def test_the_band_reaches_to_bars_of_metal_and_to_other_play(with_play):
