@@ -19,7 +19,6 @@ from rollslip.planning.new_scene import new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip_plugins.data.cylindrical import CATALOGUE
 from rollslip_plugins.thermal import Given
-from rollslip_studies.steady_slip.minimum_load import static_rating
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Heated
 
@@ -55,7 +54,7 @@ def by_formula(series, mean, nu, rpm, load):
 def scene(name, **changes):
     """A bearing as ``rollslip new`` writes it, with a twentieth of its static rating."""
     made = parse_scene(new_scene(name, bearing=name, supply="bath", **REQUESTED), name)
-    own = {"operation.radial_load": 0.05 * static_rating(made.bearing), "accuracy.tolerance": 0.01}
+    own = {"operation.radial_load": 0.05 * made.bearing.static_rating, "accuracy.tolerance": 0.01}
     return evolve(made, own | changes, si=True)
 
 

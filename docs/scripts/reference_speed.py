@@ -19,7 +19,6 @@ from rollslip.scene.reading import parse_scene
 from rollslip.studies.steady_slip.torque import Duty
 from rollslip_plugins.thermal import Given
 from rollslip_plugins.torque import Palmgren, Skf
-from rollslip_studies.steady_slip.minimum_load import static_rating
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Heated
 
@@ -39,7 +38,7 @@ def scene(name):
         "cage": "brass",
     }
     written = parse_scene(new_scene(name, **(ASSUMED | requested)), name)
-    load = 0.05 * static_rating(written.bearing)
+    load = 0.05 * written.bearing.static_rating
     return evolve(written, {"operation.radial_load": load, "accuracy.tolerance": 0.01}, si=True)
 
 

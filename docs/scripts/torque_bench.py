@@ -34,7 +34,6 @@ from rollslip_plugins.data.cylindrical import CATALOGUE
 from rollslip_plugins.torque import Palmgren, Skf
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import TorqueBalance
-from rollslip_studies.steady_slip.minimum_load import static_rating
 from rollslip_studies.steady_slip.study import SteadySlip
 
 #: n d_m [mm/min] that are judged, and that are only reported.
@@ -133,7 +132,7 @@ def scene(name, n_dm, oil, load, supply, **changes):
     speed = n_dm / (500.0 * (listed.bore + listed.outside_diameter)) * math.pi / 30.0
     at_work = {
         "operation.inner_speed": speed,
-        "operation.radial_load": LOADS[load] * static_rating(one.bearing),
+        "operation.radial_load": LOADS[load] * one.bearing.static_rating,
     }
     return evolve(one, at_work | {"lubrication.supply": supply} | changes, si=True)
 

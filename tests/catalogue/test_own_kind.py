@@ -68,7 +68,7 @@ def seals(tmp_path):
 @pytest.mark.slow
 def test_a_strangers_kind_is_listed_and_what_is_of_it_is_made(seals):
     assert python(REQUESTED, seals) == [[0.942, True, True]]
-    code, said, _ = rollslip("models", path=seals)
+    code, said, _ = rollslip("models", "-v", path=seals)
     assert code == 0
     assert "seal        lip\n" in said
     code, said, _ = rollslip("models", "lip", path=seals)

@@ -24,10 +24,12 @@ def test_this_installation_is_healthy():
 def test_a_warning_is_no_fault_and_numbers_of_both_are_told():
     warned = [Finding("x", "warning", "y"), Finding("z", "ok", "1")]
     assert healthy(warned)
-    assert as_text(warned).splitlines()[-1] == "1 warning"
+    assert as_text(warned).splitlines()[0].startswith("1 warning: rollslip ")
     faults = [*warned, Finding("a", "fault", "b", "c"), Finding("d", "fault", "e", "f")]
     assert not healthy(faults)
-    assert as_text(faults).splitlines()[-1] == "2 faults and 1 warning"
+    assert as_text(faults).splitlines()[0].startswith("2 faults and 1 warning: ")
+    assert "ok " not in as_text(faults)
+    assert "ok " in as_text(faults, verbose=True)
 
 
 def test_an_instruction_set_that_is_not_there_is_the_only_fault():
@@ -36,7 +38,7 @@ def test_an_instruction_set_that_is_not_there_is_the_only_fault():
     faults = [line for line in out.splitlines() if line.startswith("fault")]
     assert len(faults) == 1
     assert "ROLLSLIP_SIMD = 'v9' names no instruction set of this machine" in faults[0]
-    assert out.splitlines()[-1].startswith("1 fault and ")
+    assert out.splitlines()[0].startswith("1 fault and ")
     assert "-> unset ROLLSLIP_SIMD" in out
     assert "not examined" in out
 
@@ -102,4 +104,4 @@ def test_a_check_that_fails_is_a_fault_of_its_own(monkeypatch):
     }
     assert "cannot be examined (ZeroDivisionError: oh)" in found[0].found
     assert not healthy(found)
-    assert as_text(found).endswith("1 fault")
+    assert as_text(found).startswith("1 fault: ")

@@ -31,6 +31,7 @@ from rollslip.results.style import save_figures, styled
 from rollslip.results.text import Status, two_digits
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
+from rollslip.studies.steady_slip.torque import Duty
 from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
@@ -40,8 +41,7 @@ from rollslip_studies.steady_slip import figures, findings
 from rollslip_studies.steady_slip.branches import describe_no_fold, follow
 from rollslip_studies.steady_slip.figures import steady_figures
 from rollslip_studies.steady_slip.findings import SteadySlipAccount, _rows
-from rollslip_studies.steady_slip.losses import viscosity_ratio
-from rollslip_studies.steady_slip.minimum_load import RULES, static_rating
+from rollslip_studies.steady_slip.minimum_load import RULES
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
 from rollslip_studies.steady_slip.study import SteadySlip
 
@@ -989,7 +989,7 @@ def test_kappa_is_the_viscosity_over_that_of_iso_281(rpm, needed):
     assembly = assemble(scene)
     T = scene.operation.temperature
     nu = 1e6 * assembly.lubricant.at(T).viscosity / assembly.lubricant.density(T)
-    kappa, status = viscosity_ratio(assembly)
+    kappa, status = Duty.of(assembly).viscosity_ratio
     assert status == "found"
     assert kappa == pytest.approx(nu / needed * (between / 81.0) ** 0.5, rel=1e-4)
 
@@ -1054,7 +1054,7 @@ def test_makers_rules_differ_as_they_are_said_to():
         inner_raceway_diameter=0.119,
         outer_raceway_diameter=0.163,
     )
-    assert static_rating(nu_2220) == pytest.approx(445e3, rel=0.005)
+    assert nu_2220.static_rating == pytest.approx(445e3, rel=0.005)
     speed = 3000.0 * np.pi / 30.0
     requested = {maker: rule.requested(nu_2220, speed)[0] for maker, rule in RULES.items()}
     assert requested["NTN"] == pytest.approx(17.8e3, rel=0.005)

@@ -5,6 +5,7 @@ import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,20 +19,25 @@ from rollslip.cli.app import (
     print_json,
     scene_of,
     set_option,
+    verbose_option,
 )
+
+if TYPE_CHECKING:
+    from rollslip.scene.values import Scene
 
 
 @click.command()
 @click.argument("what", required=False, metavar="[KIND|NAME]", shell_complete=complete_models)
+@verbose_option("All names.")
 @json_option
-def models(what: str | None, as_json: bool) -> None:
+def models(what: str | None, verbose: bool, as_json: bool) -> None:
     """List all models, those of one KIND, or show everything about the model called NAME."""
     from rollslip.cli.models import models_as_dict, print_models
 
     if as_json:
         print_json(models_as_dict(what))
     else:
-        print_models(what)
+        print_models(what, verbose=verbose)
 
 
 @click.command()
@@ -48,8 +54,10 @@ def explain(code: str, as_json: bool) -> None:
         )
     code = code.strip().upper()
     rows = explained(code)
-    lines = align_columns([*rows.items()], shutil.get_terminal_size((100, 24)).columns)
-    print_either(as_json, {"code": code} | rows, "\n".join([code, *lines]))
+    first, *others = ((title, text) for title, text in rows.items() if title != "laws")
+    others += [(title, text) for title, text in rows.items() if title == "laws"]
+    lines = align_columns(others, shutil.get_terminal_size((100, 24)).columns)
+    print_either(as_json, {"code": code} | rows, "\n".join([f"{code}  {' '.join(first)}", *lines]))
 
 
 @click.command()
@@ -57,16 +65,46 @@ def explain(code: str, as_json: bool) -> None:
     "target", required=False, metavar="[SCENE|RESULT.nc]", shell_complete=complete_scenes
 )
 @set_option
+@verbose_option("All quantities and all that is stored.")
 @json_option
-def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
+def info(target: str | None, changes: Sequence[str], verbose: bool, as_json: bool) -> None:
     """Show what follows from a SCENE without running it, what a RESULT holds, or this installation."""
     from rollslip.cli import console
 
     stored = target is None or target.endswith(".nc")
     if target is not None and stored and changes:
         raise click.UsageError("--set changes a scene; a result cannot be changed")
-    rows = console.info(target if target is None or stored else scene_of(target, changes))
+    scene = None if target is None or stored else scene_of(target, changes)
+    if not verbose and not as_json:
+        arguments = [] if target is None else [target, *(f"--set={change}" for change in changes)]
+        more = shlex.join(["rollslip", "info", "-v", *arguments])
+        _print_info(target, scene, shlex.join(arguments), more)
+        return
+    rows = console.info(target if scene is None else scene)
     print_either(as_json, {section: dict(values) for section, values in rows.items()}, rows)
+
+
+def _print_info(target: str | None, scene: "Scene | None", arguments: str, more: str) -> None:
+    """Print the answer of a scene or of a stored result, or version and machine, and the command for more."""
+    from rollslip.cli import console
+
+    if scene is not None:
+        from rollslip.cli.info import scene_answer
+
+        console.print_answer(scene_answer(scene, (f"rollslip run {arguments}", more)))
+    elif target is not None:
+        import attrs
+
+        from rollslip.results.accounts import answer, refuse_unreadable
+        from rollslip.results.dataset import open_result
+
+        with refuse_unreadable(target):
+            console.print_answer(attrs.evolve(answer(open_result(target)), next=(more,)))
+    else:
+        found = dict(console.installation()["installation"])
+        click.echo(f"rollslip {found['rollslip']}, Python {found['python']}, {found['machine']}")
+        click.echo(f"  instructions  {found['instructions']}\n  models        {found['models']}")
+        click.echo(f"  next          {more}")
 
 
 @click.command()
@@ -240,15 +278,16 @@ def schema(what: str | None, as_json: bool, for_editors: bool) -> None:
 
 
 @click.command()
+@verbose_option("Every check.")
 @json_option
-def doctor(as_json: bool) -> None:
+def doctor(verbose: bool, as_json: bool) -> None:
     """Check this installation; exit code 5 if there is a fault."""
     import attrs
 
     from rollslip.cli.doctor import as_text, examine, healthy
 
     found = examine()
-    print_either(as_json, list(map(attrs.asdict, found)), as_text(found))
+    print_either(as_json, list(map(attrs.asdict, found)), as_text(found, verbose=verbose))
     if not healthy(found):
         sys.exit(BAD_PLUGIN)
 

@@ -86,32 +86,34 @@ def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
 
 
 def print_short_plan(plan: "Plan") -> None:
-    """Print the plan in a few lines: cautions, resolution and cost of each study, and what is left out."""
+    """Print the plan in a few lines: its time, resolution and errors of each study, what is left out, and cautions."""
     from rollslip.planning.lines import describe_resolution
     from rollslip.results.text import duration_range
 
-    for caution in plan.cautions:
-        click.echo(caution)
+    click.echo(f"{duration_range(plan.seconds)} for {' and '.join(plan.studies)}")
     for study in plan.studies:
-        own = [part for part in plan.parts if part.study == study]
-        resolution = plan.choices[study].resolution
         errors: dict[str, float] = {}
-        for part in own:
-            for name, error in part.errors.items():
+        for part in plan.parts:
+            for name, error in part.errors.items() if part.study == study else ():
                 errors[name] = errors.get(name, 0.0) + error
         known = error_text({name: error for name, error in errors.items() if math.isfinite(error)})
         unknown = [
             name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)
         ]
-        text = describe_resolution(resolution)
+        text = describe_resolution(plan.choices[study].resolution)
         if known:
             text += f"; relative errors of about {known}"
         if unknown:
             text += f"; that of {' and '.join(unknown)} cannot be determined"
-        click.echo(f"{study}: {text}; {duration_range(plan.seconds_of(study))}")
+        if len(plan.studies) > 1:
+            text += f"; {duration_range(plan.seconds_of(study))}"
+        if plan.studies[study].may_run_again(plan.assembly):
+            text += ", longer if the check of its result asks for more"
+        click.echo(f"  {study}: {text}")
     if left_out := dict.fromkeys(part.part for part in plan.parts if not part.included):
-        click.echo(f"left out: {', '.join(left_out)}")
-    _print_size(plan)
+        click.echo(f"  left out: {', '.join(left_out)}")
+    for caution in plan.cautions:
+        click.echo(f"  {caution}")
 
 
 def print_plan(plan: "Plan") -> None:
@@ -357,7 +359,7 @@ def info(target: "Scene | xr.Dataset | str | Path | None" = None) -> Sections:
     Returns
     -------
     Sections
-        Groups of name and value, both texts; its text is that of ``rollslip info``.
+        Groups of name and value, both texts; its text is that of ``rollslip info -v``.
 
     Examples
     --------
@@ -446,6 +448,7 @@ def scene_info(scene: Scene) -> Groups:
     from rollslip.bearing.assembly import assemble
     from rollslip.bearing.equilibrium import is_loaded
     from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups, moes_groups
+    from rollslip.cli.info import heaviest_contact
     from rollslip.lubricant.oil import GRADES
 
     assembly = assemble(scene)
@@ -502,8 +505,7 @@ def scene_info(scene: Scene) -> Groups:
             ("composite roughness", format_quantity(c.roughness, "m", 4)),
         ]
         if load.max() > 0.0:
-            places = assembly.places(raceway.ring, np.zeros(1), np.zeros(1)) | {"position": 0.0}
-            slices = raceway.evaluate(np.array([load.max()]), u, 0.0, **places)
+            slices = heaviest_contact(assembly, raceway, float(u), float(load.max()))
             M, L = moes_groups(slices)
             rows += [
                 (

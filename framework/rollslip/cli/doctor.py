@@ -61,19 +61,35 @@ def healthy(found: list[Finding]) -> bool:
     return all(finding.state != "fault" for finding in found)
 
 
-def as_text(found: list[Finding]) -> str:
-    """Return findings as lines, each remedy below its finding, and a last line with the number of faults."""
-    lines = []
-    width = max(len(finding.check) for finding in found)
-    for finding in found:
+def as_text(found: list[Finding], *, verbose: bool = False) -> str:
+    """Return whether the installation is healthy, and the findings as lines, each remedy below its finding.
+
+    Parameters
+    ----------
+    found : list of Finding
+        The findings.
+    verbose : bool, optional
+        Whether checks without a fault or warning are among the lines.
+    """
+    count = {
+        state: sum(finding.state == state for finding in found)
+        for state in ("fault", "warning", "ok")
+    }
+    totals = [
+        f"{count[state]} {state}{'s' * (count[state] != 1)}"
+        for state in ("fault", "warning")
+        if count[state]
+    ]
+    shown = [finding for finding in found if verbose or finding.state != "ok"]
+    lines = [f"{' and '.join(totals) or 'healthy'}: rollslip {_version('rollslip')}"]
+    width = max((len(finding.check) for finding in shown), default=0)
+    for finding in shown:
         lines.append(f"{finding.state:<7}  {finding.check:<{width}}  {finding.found}")
         if finding.remedy:
             lines.append(f"{'':<9}{'':<{width}}  -> {finding.remedy}")
-    count = {
-        state: sum(finding.state == state for finding in found) for state in ("fault", "warning")
-    }
-    totals = [f"{number} {state}{'s' * (number != 1)}" for state, number in count.items() if number]
-    return "\n".join([*lines, " and ".join(totals) or "all is well"])
+    if not verbose:
+        lines.append(f"{count['ok']} checks are in order: rollslip doctor -v")
+    return "\n".join(lines)
 
 
 def versions() -> dict[str, str]:

@@ -3,7 +3,7 @@
 import inspect
 import re
 from contextlib import suppress
-from typing import Any
+from typing import Any, Final
 
 import attrs
 import click
@@ -39,34 +39,65 @@ _KINDS = {
     "lubricants": "lubricant",
     "bearings": "bearing",
 }
+#: Names of a kind that are listed without -v; kinds with no more of them share a line. Doubling it fills more than 15
+#: lines. Chosen.
+_FEW_NAMES: Final = 4
 #: Keys of the scatter of a datum other than the parameters of its distribution.
 _SCATTER_KEYS = ("quantity", "distribution", "grade", "source")
 
 
-def print_models(what: str | None) -> None:
-    """Print all names, the models of a kind, or the description of one model."""
+def print_models(what: str | None, *, verbose: bool = False) -> None:
+    """Print what there is, the models of a kind, or the description of one model.
+
+    Parameters
+    ----------
+    what : str or None
+        Name of a kind or model; None for all kinds.
+    verbose : bool, optional
+        Whether all names of all kinds are printed.
+    """
     what = _KINDS.get(what, what) if what is not None else None
     if what is None:
-        for kind in offered_kinds():
-            offers = [
-                offer
-                for offer in _offers()
-                if offer.kind == kind and offer.state == "ok" and offer.is_family
-            ]
-            texts = [f"many of {offer.name}: 'rollslip models {kind}'" for offer in offers]
-            click.echo(f"{kind:<11} {', '.join([*available(kind), *texts]) or 'none installed'}")
-        for offer in _offers():
-            if offer.state != "ok":
-                text = f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}"
-                click.echo(text, err=True)
-        click.echo(
-            "'rollslip models NAME' shows equation, parameters, domain and references of one"
-        )
+        _print_kinds(verbose)
     elif what in offered_kinds():
         print_table(("name", "package", "what it is"), list(map(_summary, _all_offers(what))))
     else:
         for kind in kinds_of(what):
             _print_model(kind, what)
+
+
+def _print_kinds(verbose: bool) -> None:
+    """Print the names of each kind, some of them or all; kinds with few names share a line."""
+    names = {kind: _names(kind) for kind in offered_kinds()}
+    few = {} if verbose else {kind: n for kind, n in names.items() if len(n) <= _FEW_NAMES}
+    count = sum(map(len, names.values()))
+    click.echo(f"{count} models and data sets of {len(names)} kinds")
+    for kind, every in names.items():
+        if kind in few:
+            continue
+        shown = every if verbose else every[:_FEW_NAMES]
+        more = f" and {len(every) - len(shown)} more" if len(every) > len(shown) else ""
+        click.echo(f"  {kind:<11} {', '.join(shown) or 'none installed'}{more}")
+    if few:
+        others = ", ".join(f"{len(every)} {kind}" for kind, every in few.items())
+        click.echo(f"  others      {others}")
+    for offer in _offers():
+        if offer.state != "ok":
+            text = f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}"
+            click.echo(text, err=True)
+    click.echo(
+        "rollslip models KIND lists a kind, rollslip models NAME describes a model, -v lists all"
+    )
+
+
+def _names(kind: str) -> list[str]:
+    """Return the names of a kind, those of families as one text each."""
+    families_of_kind = [
+        offer.name
+        for offer in _offers()
+        if offer.kind == kind and offer.state == "ok" and offer.is_family
+    ]
+    return [*available(kind), *(f"many of {name}" for name in families_of_kind)]
 
 
 def models_as_dict(what: str | None) -> Any:

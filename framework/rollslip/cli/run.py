@@ -363,16 +363,18 @@ def plan(
     elif as_json:
         print_json(with_units(planned.as_dict()))
     else:
-        click.echo(console.headline(planned))
         if verbose:
+            click.echo(console.headline(planned))
             console.print_plan(planned)
         else:
             console.print_short_plan(planned)
+        for sentence in planned.cost_sentences:
+            click.echo(f"  {sentence}")
+        if not verbose:
             click.echo(
                 f"every part with its reason: {shlex.join(['rollslip', 'plan', '-v', scene])}"
             )
-        for sentence in planned.cost_sentences:
-            click.echo(f"note: {sentence}", err=True)
+            click.echo(console.headline(planned))
 
 
 @click.command()

@@ -13,7 +13,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about, xr
@@ -71,7 +70,7 @@ def loss_variables(
         for name, value in values.items()
     }
     formulas, named = formula_variables(balance.assembly)
-    for name, value in zip(RATIO, viscosity_ratio(balance.assembly), strict=True):
+    for name, value in zip(RATIO, Duty.of(balance.assembly).viscosity_ratio, strict=True):
         variables[name] = RATIO[name].variable(value)
     return variables | formulas, {
         "source": (
@@ -81,22 +80,6 @@ def loss_variables(
         ),
         **named,
     }
-
-
-def viscosity_ratio(assembly: Assembly) -> tuple[float, str]:
-    """Return kappa = nu/nu_1 and its status; NaN where the density of the oil is not known.
-
-    nu_1 = 45000 n^-0.83 d_m^-0.5 below n = 1000/min and 4500 (n d_m)^-0.5 from there on [mm2/s], with the relative
-    speed n [1/min] and the pitch diameter d_m [mm], after ISO 281:2007.
-    """
-    duty = Duty.of(assembly)
-    n = duty.revolutions
-    try:
-        nu = 1e6 * duty.kinematic_viscosity
-    except DomainError as error:
-        return math.nan, str(error)
-    reference = 45000.0 * n**-0.83 if n < 1000.0 else 4500.0 * n**-0.5
-    return nu / (reference * (1e3 * duty.pitch_diameter) ** -0.5), Status.FOUND
 
 
 def acceptable_reserve(balance: CageTorques, slip: float) -> tuple[float, str]:

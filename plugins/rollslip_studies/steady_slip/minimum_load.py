@@ -46,7 +46,6 @@ __all__ = [
     "minimum_load",
     "minimum_loads_of_makers",
     "rollers_weight",
-    "static_rating",
 ]
 
 
@@ -302,17 +301,6 @@ def _load_by_bracketing(
     return math.exp(root), ""
 
 
-def static_rating(bearing: Bearing) -> float:
-    """Return the basic static radial load rating C0r [N] of one row of rollers.
-
-    C0r = 44 (1 - D/dm) Z L D after ISO 76, with diameter D and effective length L of a roller and pitch diameter dm in
-    mm. Makers' own values differ by some per cent.
-    """
-    pitch = 0.5 * (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter)
-    size = 1e6 * bearing.roller_length * bearing.roller_diameter
-    return 44.0 * (1.0 - bearing.roller_diameter / pitch) * bearing.rollers * size
-
-
 @attrs.frozen
 class Rule:
     """Rule of a maker for the minimum radial load."""
@@ -357,12 +345,12 @@ def _nke(bearing: Bearing, speed: float) -> float:
 #: Maker -> its rule. SKF's mean diameter is that of bore and outside, 0 to 1.2 % below the pitch circle.
 RULES: Final[Mapping[str, Rule]] = {
     "NTN": Rule(
-        lambda bearing, speed: 0.040 * static_rating(bearing),
+        lambda bearing, speed: 0.040 * bearing.static_rating,
         "0.040 C0r for roller bearings, catalogue 2203/E, section 8.4",
         "A",
     ),
     "Schaeffler": Rule(
-        lambda bearing, speed: static_rating(bearing) / 60.0, "C0r/60, recalled, not read", "C"
+        lambda bearing, speed: bearing.static_rating / 60.0, "C0r/60, recalled, not read", "C"
     ),
     "SKF": Rule(
         skf_minimum_load,

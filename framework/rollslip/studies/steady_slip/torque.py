@@ -127,6 +127,21 @@ class Duty:
         return self.viscosity / self.density
 
     @property
+    def viscosity_ratio(self) -> tuple[float, str]:
+        """Kappa = nu/nu_1 and its status; NaN where the density of the oil is not known.
+
+        nu_1 = 45000 n^-0.83 d_m^-0.5 below n = 1000/min and 4500 (n d_m)^-0.5 from there on [mm2/s], with the relative
+        speed n [1/min] and the pitch diameter d_m [mm], after ISO 281:2007.
+        """
+        n = self.revolutions
+        try:
+            nu = 1e6 * self.kinematic_viscosity
+        except DomainError as error:
+            return math.nan, str(error)
+        reference = 45000.0 * n**-0.83 if n < 1000.0 else 4500.0 * n**-0.5
+        return nu / (reference * (1e3 * self.pitch_diameter) ** -0.5), Status.FOUND
+
+    @property
     def mean_diameter(self) -> float:
         """Mean of bore and outside diameter, which catalogues call d_m [m]."""
         return 0.5 * (self.bore + self.outside_diameter)
