@@ -219,13 +219,11 @@ def results_options(
 # Scenes and results ---------------------------------------------------------------------------------------------------
 
 
-def scene_of(
-    name: str, changes: Sequence[str], later: str = "", over: Sequence[str] = ()
-) -> "Scene":
+def scene_of(name: str, changes: Sequence[str], over: Sequence[str] = ()) -> "Scene":
     """Return a scene by name or file, also one of another program, with the changes of --set.
 
     Notes are printed on items that a file of another program lacks, or that are not used. Warnings are printed on
-    unusual values, except those that contain the text ``later``, and those of keys in ``over`` (KEY=VALUES).
+    unusual values, except those of keys in ``over`` (KEY=VALUES).
     """
     from rollslip.planning.plausibility import implausible
     from rollslip.scene.changes import evolve, full_key, parse_set
@@ -242,15 +240,17 @@ def scene_of(
             click.echo(f"note: {note}", err=True)
     scene = evolve(scene, dict(map(parse_set, changes)))
     varied = {full_key(text.partition("=")[0]) for text in over}
-    warn(text for text in implausible(scene, varied) if not later or later not in text)
+    warn(implausible(scene, varied))
     return scene
 
 
 def warn(texts: Iterable[str]) -> None:
-    """Print warnings, each once in a command."""
+    """Print warnings, each once in a command, except that on SKF's minimum load, which answers have."""
+    from rollslip.results.text import CATALOGUE_LOAD_WARNING
+
     printed: dict[str, None] = click.get_current_context().meta.setdefault(f"{__name__}.warned", {})
     for text in texts:
-        if text not in printed:
+        if text not in printed and CATALOGUE_LOAD_WARNING not in text:
             printed[text] = None
             click.echo(f"warning: {text}", err=True)
 
@@ -340,10 +340,10 @@ class Results:
 
     def print_summary(self, *datasets: "xr.Dataset") -> None:
         """Print the warnings of results that their answer does not have, and the files that were written."""
-        from rollslip.results.text import CATALOGUE_LOAD_WARNING, collect_warnings
+        from rollslip.results.text import collect_warnings
 
         texts, _ = collect_warnings(datasets, laws=False)
-        warn(text for text in texts if CATALOGUE_LOAD_WARNING not in text)
+        warn(texts)
         files = [name for name in self.files if not name.endswith(_OF_POINTS)]
         click.echo(f"written to {self.target}: {', '.join(files)}")
 

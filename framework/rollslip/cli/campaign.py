@@ -105,9 +105,7 @@ def detail_options(command: Any) -> Any:
 
 def warn_unusual(plan: Any) -> None:
     """Print warnings of implausible values of a plan; the answer has catalogue minimum loads."""
-    from rollslip.results.text import CATALOGUE_LOAD_WARNING
-
-    warn(text for text in getattr(plan, "unusual", ()) if CATALOGUE_LOAD_WARNING not in text)
+    warn(getattr(plan, "unusual", ()))
 
 
 def typed_scene(about: str) -> str:
@@ -161,13 +159,10 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
         first = settings[arguments[0].name]
         about = ", ".join(map(str, as_list(first)))
         if issubclass(cls, OfScene):
-            from rollslip.results.text import CATALOGUE_LOAD_WARNING
-
             over = settings.get("over") or ()
             settings["scene"] = scene_of(
                 about,
                 changes,
-                later=CATALOGUE_LOAD_WARNING,
                 over=(over,) if isinstance(over, str) else over,
             )
         values = {name: value for name, value in settings.items() if value not in (None, ())}

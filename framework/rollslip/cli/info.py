@@ -7,8 +7,15 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.equilibrium import is_loaded
 from rollslip.bearing.raceway import Raceway
+from rollslip.planning.plausibility import implausible
 from rollslip.results.answer import Answer, Row
-from rollslip.results.text import force_unit, format_force, format_plain, two_digits
+from rollslip.results.text import (
+    force_unit,
+    format_force,
+    format_plain,
+    small_load_notes,
+    two_digits,
+)
 from rollslip.scene.values import Scene
 from rollslip.studies.steady_slip.torque import Duty
 from rollslip.units import format_quantity
@@ -138,6 +145,7 @@ def scene_answer(scene: Scene, commands: tuple[str, ...]) -> Answer:
             f"{format_plain(load * factor)} {unit}",
             f"{format_plain(operation.temperature - 273.15)} °C",
         ),
+        faults=tuple(small_load_notes(implausible(scene))),
         next=commands,
     )
 

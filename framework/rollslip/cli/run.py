@@ -74,6 +74,7 @@ def new(file: Path | None, **given: str | None) -> None:
     from rollslip.files import whole_file
     from rollslip.planning.new_scene import MEANING, checked, completed, new_scene
     from rollslip.planning.plausibility import implausible
+    from rollslip.results.text import small_load_notes
     from rollslip.scene.reading import parse_scene
 
     interactive = is_interactive()
@@ -108,7 +109,8 @@ def new(file: Path | None, **given: str | None) -> None:
     text = new_scene(str(path), frozenset(() if interactive else missing), **values)
     with whole_file(path) as partial_file:
         partial_file.write_text(text, encoding="utf-8")
-    warn(implausible(parse_scene(text, str(path))))
+    unusual = implausible(parse_scene(text, str(path)))
+    warn(unusual)
     click.echo(
         f"written to {path}: " + ", ".join(filter(None, (values[option] for option in MEANING)))
     )
@@ -116,6 +118,8 @@ def new(file: Path | None, **given: str | None) -> None:
         click.echo(
             f"assumed, since no option gives it: {', '.join(missing)}; the scene marks it", err=True
         )
+    for note in small_load_notes(unusual):
+        click.echo(f"note: {note}")
     scene = shlex.quote(str(path))
     click.echo(f"next: rollslip run {scene} --report; what it will do: rollslip plan {scene}")
 
@@ -202,9 +206,8 @@ def run(
     from rollslip.planning.plan import plan
     from rollslip.results.answer import is_as_bad
     from rollslip.results.dataset import save
-    from rollslip.results.text import CATALOGUE_LOAD_WARNING
 
-    planned = plan(scene_of(scene, changes, later=CATALOGUE_LOAD_WARNING), study)
+    planned = plan(scene_of(scene, changes), study)
     if verbose and not results.as_json:
         click.echo(console.headline(planned))
     # the answer has the cage among its assumptions

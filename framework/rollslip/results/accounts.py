@@ -27,11 +27,11 @@ from rollslip.results.answer import (
 from rollslip.results.curves import Curve, critical_rows, curves, json_value
 from rollslip.results.dataset import READ_ERRORS, shown_short, xr
 from rollslip.results.text import (
-    CATALOGUE_LOAD_WARNING,
     LOWER_BOUNDS,
     percent,
     single_value_indices,
     single_values,
+    small_load_notes,
 )
 from rollslip.scene.reading import shipped_scenes
 from rollslip.structure import raise_problem_if
@@ -167,10 +167,10 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     merged = merge_answers(answers, scene or next(filter(None, map(scene_file, results)), ""))
     has_row = any("makers_minimum_load" in result for result in results)
     small_loads = [
-        text.partition(" (bearing.catalogue)")[0]
+        text
         for result in results
-        for text in json.loads(result.attrs.get("warnings", "[]"))
-        if CATALOGUE_LOAD_WARNING in text and not has_row
+        for text in small_load_notes(json.loads(result.attrs.get("warnings", "[]")))
+        if not has_row
     ]
     oils = [
         json.loads(result.attrs["lubricant"]) for result in results if result.attrs.get("lubricant")

@@ -48,6 +48,7 @@ __all__ = [
     "short_label",
     "single_value_indices",
     "single_values",
+    "small_load_notes",
     "two_digits",
     "with_unit",
 ]  # fmt: skip
@@ -212,6 +213,15 @@ def describe_running(slip: float, skidding_slip: float, reserve: float, status: 
     ):  # a lower bound below 1 is no information
         return sentence
     return f"{sentence}, with a drag reserve of {'at least ' * is_bound}{reserve:.3g}"
+
+
+def small_load_notes(warnings: Iterable[str]) -> list[str]:
+    """Return those of some warnings that the load is below SKF's catalogue minimum load, without the key."""
+    return [
+        text.partition(" (bearing.catalogue)")[0]
+        for text in warnings
+        if CATALOGUE_LOAD_WARNING in text
+    ]
 
 
 def collect_warnings(
