@@ -2,13 +2,14 @@
 
 import json
 import math
+import re
 from collections.abc import Mapping
 from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
 
 from rollslip.results.account import Account, Contact, Table
-from rollslip.results.answer import Answer, Row
+from rollslip.results.answer import Answer, Row, Verdict
 from rollslip.results.dataset import xr
 from rollslip.results.text import (
     EFFECTIVE_FRICTION_ERROR,
@@ -23,6 +24,8 @@ from rollslip_studies.dynamics.history_findings import format_energy
 from rollslip_studies.steady_slip.findings import next_of_others, reserve_row
 from rollslip_studies.surface_damage import findings as damage
 
+#: Option for a run that is longer, or stores more, in the status of a slip that is not known to be steady.
+_LONGER: Final = re.compile(r"; (?:run longer|store more) with (--set [^\s;]+)")
 #: Part of the names of events that are passages of the slip at which skidding begins.
 SKIDDING: Final = "skidding"
 #: Attributes of a result on the onset of skidding: slip, drag and status.
@@ -159,9 +162,11 @@ class DynamicsAccount(Account):
         )
         ended_early = dataset.attrs["outcome"] in ("failed", "interrupted")
         faults = (outcome(dataset).partition(": ")[2],) if ended_early else ()
-        return Answer(
-            rows=(*slips, *damage.rows(dataset)), commands=next_of_others(dataset), faults=faults
-        )
+        commands = next_of_others(dataset)
+        if longer := _LONGER.search(str(dataset.attrs["steady_status"])):
+            step = f"rollslip run {{scene}} --study dynamics {longer[1]}"
+            commands = {**commands, Verdict.UNKNOWN: (step,)}
+        return Answer(rows=(*slips, *damage.rows(dataset)), commands=commands, faults=faults)
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -407,7 +412,7 @@ def steady_rows(dataset: "xr.Dataset") -> list[Row]:
                 key="cage_slip",
                 label="cage slip",
                 text="not steady",
-                note=_describe_steady_slip(dataset),
+                note=_LONGER.sub("", _describe_steady_slip(dataset)),
             )
         ]
     error = float(a.get("steady_slip_error", math.nan))
