@@ -543,3 +543,20 @@ def test_faults_of_a_scene_are_told_in_one_sentence(tmp_path, old, new, says):
         text
     )
     assert "own.toml" in text, text
+
+
+@pytest.mark.parametrize(
+    ("speed", "changes", "duration"),
+    [
+        ("1500 rpm", {}, 1.0),
+        ("100 rpm", {}, 9.0),  # six orbits at 40.1 rpm of the cage
+        ("100 rpm", {"study.dynamics.duration": "0.5 s"}, 0.5),
+    ],
+)
+def test_a_motion_lasts_six_orbits_at_least_where_the_scene_states_no_duration(
+    speed, changes, duration
+):
+    scene = rollslip.evolve(
+        rollslip.load_scene("gearbox"), {"operation.inner_speed": speed, **changes}
+    )
+    assert Dynamics.from_scene(scene).duration == duration

@@ -41,7 +41,7 @@ _KINDS = {
 }
 #: Names of a kind that are listed without -v; kinds with no more of them share a line. Doubling it fills more than 15
 #: lines. Chosen.
-_FEW_NAMES: Final = 4
+_MAX_LISTED: Final = 4
 #: Keys of the scatter of a datum other than the parameters of its distribution.
 _SCATTER_KEYS = ("quantity", "distribution", "grade", "source")
 
@@ -69,17 +69,17 @@ def print_models(what: str | None, *, verbose: bool = False) -> None:
 def _print_kinds(verbose: bool) -> None:
     """Print the names of each kind, some of them or all; kinds with few names share a line."""
     names = {kind: _names(kind) for kind in offered_kinds()}
-    few = {} if verbose else {kind: n for kind, n in names.items() if len(n) <= _FEW_NAMES}
+    small = {} if verbose else {kind: n for kind, n in names.items() if len(n) <= _MAX_LISTED}
     count = sum(map(len, names.values()))
     click.echo(f"{count} models and data sets of {len(names)} kinds")
     for kind, every in names.items():
-        if kind in few:
+        if kind in small:
             continue
-        shown = every if verbose else every[:_FEW_NAMES]
+        shown = every if verbose else every[:_MAX_LISTED]
         more = f" and {len(every) - len(shown)} more" if len(every) > len(shown) else ""
         click.echo(f"  {kind:<11} {', '.join(shown) or 'none installed'}{more}")
-    if few:
-        others = ", ".join(f"{len(every)} {kind}" for kind, every in few.items())
+    if small:
+        others = ", ".join(f"{len(every)} {kind}" for kind, every in small.items())
         click.echo(f"  others      {others}")
     for offer in _offers():
         if offer.state != "ok":

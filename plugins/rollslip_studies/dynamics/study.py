@@ -60,6 +60,7 @@ from rollslip_studies.dynamics.termination import (
     last_slices,
     outputs_of,
     regimes_of,
+    shortest_duration,
     steady_slip_of,
     stored_coordinates,
     stored_variables,
@@ -77,9 +78,6 @@ LEVELS: Final = {
     "planar": "also inner ring and cage in the plane, rollers along the radius",
 }
 #: Level -> typical step [s] at a tolerance of 1e-5, and evaluations of the rates in a step, for estimates of the cost
-#: Orbits of the rollers that a motion lasts at least where the scene states no duration. A steady slip needs three, so
-#: that cages with slips of up to half have them. Doubled, slow bearings take twice as long. Chosen.
-_MIN_ORBITS: Final = 6.0
 #: before anything is measured. Doubled steps halve the estimate. Measured on the shipped bearing.
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
 #: Fraction of the tolerances that slices and roller positions may use. Doubled, there are fewer slices, and their
@@ -204,14 +202,9 @@ class Dynamics(Study):
     def from_scene(cls, scene: Scene) -> Self:
         """Return the study with the settings of a scene, and where that states none with a duration by its speeds."""
         study = super().from_scene(scene)
-        b = scene.bearing
-        o = scene.operation
-        diameters = b.inner_raceway_diameter + b.outer_raceway_diameter
-        turned = b.inner_raceway_diameter * o.inner_speed + b.outer_raceway_diameter * o.outer_speed
-        if "duration" in scene.study.get(cls.name, {}) or study.history is not None or not turned:
+        if "duration" in scene.study.get(cls.name, {}) or study.history is not None:
             return study
-        shortest = _MIN_ORBITS * 2.0 * math.pi * diameters / abs(turned)
-        return attrs.evolve(study, duration=max(study.duration, float(f"{shortest:.2g}")))
+        return attrs.evolve(study, duration=max(study.duration, shortest_duration(scene)))
 
     def with_resolution(self, resolution: Resolution) -> "Dynamics":
         """Return the study with friction, level, integrator and step tolerance of a resolution, where it has them."""

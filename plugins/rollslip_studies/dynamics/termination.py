@@ -18,12 +18,16 @@ from rollslip.bearing.regimes import NAMES
 from rollslip.errors import DomainError, PluginError
 from rollslip.results.dataset import about, xr
 from rollslip.results.text import SMALLEST_SLIP
+from rollslip.scene.values import Scene
 from rollslip.studies.answers import LoadedSlices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.friction_curve.study import balanced_load
 from rollslip_studies.motion.time_integration import Trajectory
 
+#: Orbits of the rollers that a motion lasts at least where the scene states no duration. A steady slip needs three, so
+#: that cages with slips of up to half have them. Doubled, slow bearings take twice as long. Chosen.
+_MIN_ORBITS: Final = 6.0
 #: Number of a watched value, in the order of the systems, and whether it rises through zero -> meaning of the event.
 _EVENT_MEANINGS: Final = {
     (0, True): "cage slip passes that of skidding",
@@ -327,6 +331,15 @@ class MeanSlip:
     status: str  # begins with "steady", else the reason why the slip is not known to be steady
     slip: float = math.nan  # mean cage slip
     error: float = math.nan  # of the mean, with a probability of 90 %
+
+
+def shortest_duration(scene: Scene) -> float:
+    """Return the time [s] of `_MIN_ORBITS` orbits without slip, rounded; 0 where the cage stands still."""
+    b = scene.bearing
+    o = scene.operation
+    diameters = b.inner_raceway_diameter + b.outer_raceway_diameter
+    turned = b.inner_raceway_diameter * o.inner_speed + b.outer_raceway_diameter * o.outer_speed
+    return float(f"{_MIN_ORBITS * 2.0 * math.pi * diameters / abs(turned):.2g}") if turned else 0.0
 
 
 def steady_slip_of(

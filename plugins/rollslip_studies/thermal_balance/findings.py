@@ -17,11 +17,8 @@ from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
 
 #: Command for temperatures that follow from the losses.
 _NEXT_OF_GIVEN: Final = "rollslip run {scene} --study thermal-balance --set models.thermal=network"
-#: Command with a flow of oil, which carries away more heat.
-_NEXT_WITHOUT_BALANCE: Final = (
-    "rollslip run {scene} --study thermal-balance --set models.thermal.model=network "
-    "--set models.thermal.oil_flow='20 g/s'"
-)
+#: Command for the curve of excess heat, which shows why there is no balance.
+_NEXT_WITHOUT_BALANCE: Final = "rollslip run {scene} --study thermal-balance --report"
 #: Status of a course over time that reached its duration.
 COURSE_COMPLETE: Final = "the time is over"
 #: Text of the variable ``jumps`` where the excess heat has none.
