@@ -10,8 +10,10 @@ from recorded import stored
 from rollslip.cli.main import cli
 from rollslip.results.accounts import account_of, answer
 
-#: Lines and words of a default output at most, with the line on files.
-LINES, WORDS = 15, 160
+#: Lines of a default output at most, with the line on files.
+LINES = 15
+#: Words of a default output at most.
+WORDS = 160
 #: Stored result of each campaign -> what one of its first two lines has to say.
 FIRST_LINES = {
     "alternatives": r"^iso-vg-220 first: OK, cage slip [\d.]+ %",

@@ -130,11 +130,12 @@ def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
         "cage.drag.petroff-land.factor",
     ]
     found = uncertainty(SCENE, samples=8)
-    warning, *left = json.loads(found.attrs["warnings"])
+    left = json.loads(found.attrs["warnings"])
     assert left[0].startswith("at 8 of 8 points checked: ")
-    assert "all points were checked" in left[-1]
-    assert "the scatter is the one that its data and models come with" in warning
-    assert "So and Klaus" in warning
+    assert "at all points" in {note.where for note in found.notes}
+    assert "scatter of 7 data as their sources and models declare it" in found.answer.assumed
+    (scatter,) = account_of(found).topics(found)["scatter"]
+    assert "So and Klaus" in scatter
     assert not UncertaintySettings(uncertain(**ALPHA), samples=8).plan().scatter
 
 

@@ -183,7 +183,7 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
         merged,
         case=max(map(describe_case, results), key=len, default=()),
         notes=tuple(note for note in collect_notes(results) if note.code not in ignored),
-        faults=(*merged.faults, *small_loads[:1]),
+        faults=(*merged.faults, *dict.fromkeys(small_loads)),
         assumed=tuple(dict.fromkeys(filter(None, assumed))),
     )
 

@@ -521,16 +521,19 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
         facts={fact: value for answer in reversed(ordered) for fact, value in answer.facts.items()},
         faults=(*faults, *disagreements),
     )
-    commands = next((answer.commands for answer in ordered if answer.commands), None)
+    commands = next((answer.commands for answer in ordered if answer.commands), {})
     steps = [text for answer in ordered for text in answer.next]
-    if "cage_slip" in best or commands is not None:
+    if "cage_slip" in best or commands:
         merged = with_verdict(merged)
-        steps += (commands or {}).get(merged.verdict, ())
-    lines = [
-        python_call(text) if "{scene}" in text and not scene else text.replace("{scene}", scene)
-        for text in steps
-    ]
-    return attrs.evolve(merged, next=tuple(lines))
+        steps += commands.get(merged.verdict, ())
+    return attrs.evolve(merged, next=tuple(_command(text, scene) for text in steps))
+
+
+def _command(text: str, scene: str) -> str:
+    """Return a command with its scene, as a call in Python where that is not in a file."""
+    if "{scene}" in text and not scene:
+        return python_call(text)
+    return text.replace("{scene}", scene)
 
 
 def _best_rows(answers: Iterable[tuple[str, Answer]]) -> tuple[dict[str, Row], list[str]]:
@@ -836,14 +839,7 @@ def summarise_notes(notes: Iterable[Note], more: str = "") -> str:
         return ""
     hint = in_brackets(more)
     if all(note.changes is None for note in every):
-        codes = dict[str, dict[str, None]]()
-        for note in every:
-            codes.setdefault(note.where, {})[note.code or note.short] = None
-        texts = [f"{' '.join(names)} {where}".rstrip() for where, names in codes.items()]
-        if "" not in codes:
-            return f"{'; '.join(texts)}{hint}"
-        count = sum(map(len, codes.values()))
-        return f"{count} on laws outside their range: {'; '.join(texts)}{hint}"
+        return f"{_list_codes(every)}{hint}"
     changing = [note for note in every if note.largest_change[1] >= _NO_CHANGE]
     shown = [note for note in changing if note.largest_change[1] > _LARGE_CHANGE][:_MAX_SHOWN_NOTES]
     texts = [note.summary for note in shown]
@@ -854,6 +850,16 @@ def summarise_notes(notes: Iterable[Note], more: str = "") -> str:
     if unknown:
         texts.append(f"{' '.join(unknown)} not evaluated")
     return f"{'; '.join(texts) or 'none moves slip or torque by 1 %'}{hint}"
+
+
+def _list_codes(notes: Sequence[Note]) -> str:
+    """Return the codes of notes whose consequences are not evaluated, those of a campaign by where they apply."""
+    codes = dict[str, dict[str, None]]()
+    for note in notes:
+        codes.setdefault(note.where, {})[note.code or note.short] = None
+    if "" in codes:
+        return f"{len(codes[''])} on laws outside their range: {' '.join(codes[''])}"
+    return "; ".join(f"{' '.join(names)} {where}" for where, names in codes.items())
 
 
 def _count_notes(notes: Sequence[Note], has_others: bool) -> str:
@@ -937,12 +943,8 @@ def _shortened(
     (_, assumed), (_, notes), (_, commands) = groups
     yield
     del commands[1:]
-    while len(table) > _MIN_TABLE:
-        yield
-        table.pop()
-    while len(assumed) > 2:
-        yield
-        assumed.pop()
+    yield from _popped(table, _MIN_TABLE)
+    yield from _popped(assumed, 2)
     yield
     notes[:] = [_line(text, width, more) for text in notes]
     assumed[:] = [
@@ -959,10 +961,15 @@ def _shortened(
             yield
     del assumed[1:]
     yield
-    while rows:
-        yield
-        rows.pop()
+    yield from _popped(rows, 0)
     yield
+
+
+def _popped(items: list[Any], count: int) -> Iterator[None]:
+    """Remove the last items one by one until a number of them is left."""
+    while len(items) > count:
+        yield
+        items.pop()
 
 
 def _with_count(texts: Sequence[str], hidden: int, option: str, width: int) -> list[str]:

@@ -201,41 +201,15 @@ def _next_steps(dataset: "xr.Dataset") -> list[str]:
 
 
 def describe_limit(dataset: "xr.Dataset") -> str:
-    """Return a sentence on the values at which the limit is kept, with the results just beyond them."""
-    requirement = dataset.attrs["requirement"]
-    key = dataset.attrs["searched_key"]
-    ok = dataset["status"].to_numpy() == "ok"
-    values = dataset["searched"].to_numpy()[ok]
-    if not values.size:
-        return f"whether {requirement} is kept is not known: none of {ok.size} values of {key} has a result"
-    spans = satisfied_spans(dataset)
-    if len(spans) == 1 and spans[0][2] and spans[0][3]:
-        return (
-            f"{requirement} is kept at all {values.size} values of {key} from "
-            f"{_format_bounds(dataset, values)}{_describe_nearest(dataset)}"
-        )
-    if not spans:
-        return (
-            f"{requirement} is kept at none of {values.size} values of {key} from "
-            f"{_format_bounds(dataset, values)}{_describe_nearest(dataset)}"
-        )
-    spans_text = ", and ".join(_format_span(dataset, *span) for span in spans)
-    beyond = "; ".join(
+    """Return a sentence on the limit, with the results just beyond it, or nearest to it where it is not crossed."""
+    summary = summarise_limit(dataset)
+    if not (dataset["status"].to_numpy() == "ok").any():
+        return summary
+    beyond = [
         f"at {_format_searched(dataset, value)} {_describe_result(dataset, value)}"
         for value in dataset["edge_passed"].to_numpy().tolist()
-    )
-    return f"{requirement} is kept with {key} {spans_text}; {beyond}"
-
-
-def _format_span(dataset: "xr.Dataset", low: float, high: float, first: bool, last: bool) -> str:
-    """Text of a span of values, with the bounds of the range where it ends there."""
-    below = _format_searched(dataset, low)
-    above = _format_searched(dataset, high)
-    if first:
-        return f"from {below}, where the range begins, up to {above}"
-    if last:
-        return f"from {below} on, up to {above}, where the range ends"
-    return f"from {below} to {above}"
+    ]
+    return "; ".join((summary, *beyond)) if beyond else summary + _describe_nearest(dataset)
 
 
 def _format_bounds(dataset: "xr.Dataset", values: NDArray[Any]) -> str:

@@ -71,9 +71,14 @@ class ParetoSettings(OfScene):
 
     def plan(self) -> "Family":
         """Return the family of choices."""
+        from rollslip.structure import scene_hash
         from rollslip_campaigns.pareto.candidates import plan_family
 
-        return plan_family(self)
+        family = plan_family(self)
+        scene_hash(
+            family.plan.scene
+        )  # a table that no study has read is refused before a folder is made
+        return family
 
     def run(
         self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
