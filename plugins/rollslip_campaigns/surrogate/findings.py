@@ -48,7 +48,7 @@ class SurrogateAccount(Account):
         return Answer(
             summary=f"surrogate.nc: {_error(dataset)}",
             rows=tuple(rows),
-            next=("rollslip export --result FOLDER/surrogate.nc --out bearing.fmu",),
+            next=("rollslip export --result FOLDER/surrogate.nc --out surrogate.fmu",),
         )
 
     @staticmethod

@@ -76,14 +76,13 @@ class RankingAccount(Account):
             summary += f"; not distinguishable from {', '.join(undetermined)}" * bool(undetermined)
         table = RankingAccount("ranking").tables(dataset)[0]
         body = [(row[0], row[1], row[3], row[4]) for row in table.rows]
-        too_few = [text for text in sentences if "too few" in text]
         return Answer(
             summary=summary,
             table=(("law", "error, 95 %", "time of a value", "better than"), *body[:MAX_ROWS]),
             omitted=max(len(body) - MAX_ROWS, 0),
             assumed=("errors of conditions are independent (--groups=set, --groups=series)",)
             * (not dataset.attrs.get("groups")),
-            faults=tuple(too_few),
+            faults=tuple(text for text in sentences if "too few" in text),
         )
 
     @staticmethod
