@@ -242,8 +242,8 @@ def test_a_run_that_died_in_its_own_process_is_gone_on_with_in_others(engine, fo
     process = started(folder, "run", "scene.toml", *over, "--engine", engine, "--out", "s")
     process.communicate(timeout=60)
     assert process.returncode == -signal.SIGKILL
-    done = sweep(folder, "resume", "s", code=4)
-    assert "engine processes: an earlier run died in its own process" in done.stdout
+    done = sweep(folder, "resume", "s", "-v", code=4)
+    assert "engine processes: an earlier run died in its own process" in done.stderr
     assert result(folder / "s")["status"].values.tolist() == [["ok"] * 4, ["crashed"] * 4]
 
 
