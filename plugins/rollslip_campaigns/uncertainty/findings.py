@@ -2,6 +2,7 @@
 
 import json
 import math
+import shlex
 from collections.abc import Mapping
 from typing import Any, ClassVar, Final
 
@@ -356,9 +357,10 @@ def _next_steps(dataset: "xr.Dataset", deciding: list[tuple[str, float]]) -> lis
         )
     if deciding:
         key, _ = deciding[0]
-        values = dataset["input_value"].sel(input=key).to_numpy()
-        value = "1" if key.endswith("factor") else f"{np.median(values):.3g}"
-        steps.append(f"rollslip uncertainty {{scene}} --set {key}={value}")
+        unit = json.loads(dataset["input"].attrs.get(UNITS, "{}")).get(key, "1")
+        median = float(np.median(dataset["input_value"].sel(input=key)))
+        value = "1" if key.endswith("factor") else format_quantity(median, unit, 3)
+        steps.append(f"rollslip uncertainty {{scene}} --set {key}={shlex.quote(value)}")
     return steps
 
 

@@ -564,6 +564,7 @@ def _dataset(
             ),
         ),
     }
+    units = {item.key: item.unit or "1" for item in plan.critical.design.sampled}
     coords: dict[str, Any] = {
         "acted": ("acted", np.array(acted), about("1", "what is acted on")),
         "quantity": (
@@ -576,7 +577,11 @@ def _dataset(
             np.array(probabilities),
             about("1", "fraction of the distribution below"),
         ),
-        "input": ("input", np.array(plan.critical.design.keys), about("1", "what is uncertain")),
+        "input": (
+            "input",
+            np.array(plan.critical.design.keys),
+            about("1", "what is uncertain") | {UNITS: json.dumps(units)},
+        ),
     }
     if plan.varied is not None:
         index_variables, names = _indices(plan, points)
