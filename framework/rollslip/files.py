@@ -22,6 +22,8 @@ from rollslip.fields import FieldError, refuse_if
 from rollslip.units import NUMBER, UnitError, as_written, expectation, quantity
 
 _REMEDY: Final = "free space, or name another place"
+#: Control characters except tabulator and ends of lines -> their escapes in Python.
+_CONTROL_ESCAPES: Final = {code: f"\\x{code:02x}" for code in range(32) if code not in b"\t\n\r"}
 #: Suffix of a file that is not a scene -> what it is, and which command takes it.
 NO_SCENES: Final = {
     ".nc": "a result; rollslip info, cite and report take it, and its attribute 'scene' holds the scene",
@@ -44,12 +46,13 @@ def decoded(content: bytes, source: str) -> str:
 
 
 def readable(name: str) -> str:
-    """Return the name of a file, or an argument, as text that can be stored and printed.
+    """Return the name of a file, an argument or another text, so that it can be stored and printed.
 
     Bytes that the encoding of the system does not have are surrogates in Python, which cannot be written; most often
-    they are UTF-8 in a C locale.
+    they are UTF-8 in a C locale. Control characters, which netCDF and Excel refuse, become escapes.
     """
-    return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+    text = name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+    return text.translate(_CONTROL_ESCAPES)
 
 
 def content_of(path: Path) -> bytes:

@@ -19,6 +19,7 @@ __all__ = [
     "KeyPath",
     "as_list",
     "as_table",
+    "has_null",
     "key_lines",
     "loads",
     "parse",
@@ -107,7 +108,22 @@ def loads(text: str) -> dict[str, Any]:
     if text.count(".") >= 1000 and (endless := _ENDLESS.search(text)):
         line = text.count("\n", 0, endless.start()) + 1
         raise tomllib.TOMLDecodeError(f"a key has more than 1000 parts (at line {line}, column 1)")
-    return tomllib.loads(text)
+    document = tomllib.loads(text)
+    if "0000" in text and has_null(document):
+        line = text.count("\n", 0, text.index("0000")) + 1
+        raise tomllib.TOMLDecodeError(f"a text has the character U+0000 (at line {line}, column 1)")
+    return document
+
+
+def has_null(value: object) -> bool:
+    """Return whether a text in a value, a table or a list has the character U+0000, which no file can hold."""
+    if isinstance(value, Mapping):
+        return any(map(has_null, (*value, *value.values())))
+    return (
+        "\0" in value
+        if isinstance(value, str)
+        else isinstance(value, list) and any(map(has_null, value))
+    )
 
 
 def parse(text: str, source: str) -> tuple[dict[str, Any], dict[KeyPath, str]]:

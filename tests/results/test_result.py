@@ -208,3 +208,14 @@ def test_findings_are_sentences_by_topic(result):
     assert rollslip.findings(result, "inner ring")
     with pytest.raises(OutputError, match=r"there is no topic 'load'; there are inner ring, "):
         rollslip.findings(result, "load")
+
+
+def test_texts_that_netcdf_cannot_hold_are_stored_with_escapes(tmp_path, scene):
+    result = rollslip.run(scene, "friction-curve").assign_attrs(title="a\0b\udcff")
+    result["friction"].attrs["long_name"] = "c\0"
+    save(result, tmp_path / "r.nc")
+    stored = rollslip.open_result(tmp_path / "r.nc")
+    assert stored.attrs["title"] == "a\\x00b\\xff"
+    assert stored.friction.attrs["long_name"] == "c\\x00"
+    assert result.attrs["title"] == "a\0b\udcff"
+    assert result["friction"].attrs["long_name"] == "c\0"

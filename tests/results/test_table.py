@@ -12,7 +12,7 @@ import rollslip
 from coarse import SET_COARSE, coarse
 from rollslip.cli.main import cli
 from rollslip.results.accounts import answer
-from rollslip.results.table import sheet
+from rollslip.results.table import save_tables, sheet
 from rollslip.units import quantity
 
 
@@ -114,3 +114,14 @@ def test_the_command_writes_tables_and_no_plots_unless_asked(tmp_path):
             assert (
                 (float(text) == cell) if isinstance(cell, int | float) else (text == (cell or ""))
             )
+
+
+def test_a_text_is_no_formula_and_no_control_character_in_a_cell(tmp_path):
+    texts = ["=1+1", "@x", "-5 %", "+-", "a\0b"]
+    shown = ["'=1+1", "'@x", "-5 %", "'+-", "a\\x00b"]
+    points = xr.Dataset({"status": ("p", texts)}, attrs={"study": "none"})
+    save_tables({"t": points}, tmp_path, ["csv", "xlsx"])
+    rows = list(csv.reader((tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()))
+    assert [row[0] for row in rows[1:]] == shown
+    book = openpyxl.load_workbook(tmp_path / "t.xlsx").active
+    assert [cell.value for cell in book["A"]][1:] == shown

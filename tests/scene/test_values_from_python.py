@@ -99,6 +99,7 @@ def test_a_scene_in_place_of_a_result_is_said():
             lambda: evolve(PAPER, "operation.radial_load=3 kN"),
             "changes: values by key are expected",
         ),
+        (lambda: evolve(PAPER, {"title": "a\0b"}), r"a text has the character U\+0000; remove it"),
         (lambda: evolve(PAPER, {5: 3000.0}, si=True), "changes: values by key are expected"),
         (lambda: load_scene({"bearing": {}}), "scene: a name or a path is expected, not a table"),
         (lambda: load_scene("NU 2316"), r"'NU 2316': is a bearing; .* rollslip\.new\('NU 2316'\)"),

@@ -198,13 +198,13 @@ def save(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
     OutputError
         If it cannot be written.
     """
-    attributes = {
-        key: readable(value) if isinstance(value, str) else value
-        for key, value in dataset.attrs.items()
-    }
-    content = bytes(
-        dataset.assign_attrs({**attributes, _MARK[0]: _MARK[1]}).to_netcdf(engine="h5netcdf")
-    )
+    stored = dataset.copy()
+    for item in (stored, *stored.variables.values()):
+        item.attrs |= {
+            key: readable(value) for key, value in item.attrs.items() if isinstance(value, str)
+        }
+    stored.attrs[_MARK[0]] = _MARK[1]
+    content = bytes(stored.to_netcdf(engine="h5netcdf"))
     with whole_file(Path(path)) as partial:
         partial.write_bytes(content + _SEAL % (FORMAT, sha256(content).hexdigest().encode()))
 

@@ -106,7 +106,9 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
 
     def __getitem__(self, key: Any) -> Any:
         value = super().__getitem__(key)
-        return ResultArray(value) if isinstance(value, xr.DataArray) else value
+        if isinstance(value, xr.DataArray):
+            value.__class__ = ResultArray  # a copy would not share its attributes with the dataset
+        return value
 
     @property
     def studies(self) -> xr.DataTree:

@@ -160,7 +160,7 @@ def write_report(
                 sections="".join(section.html for section in sections),
             ),
         )
-        partial.write_text(page, encoding="utf-8")
+        partial.write_text(page, encoding="utf-8", errors="backslashreplace")
 
 
 @attrs.frozen

@@ -186,7 +186,7 @@ def _join_letters(text: re.Match[str]) -> str:
 
 def _svg(figure: "Figure", path: Path, caption: str, findings: str) -> None:
     """Write a figure as SVG."""
-    path.write_text(as_svg(figure, caption, findings), encoding="utf-8")
+    path.write_text(as_svg(figure, caption, findings), encoding="utf-8", errors="backslashreplace")
 
 
 def _pdf(figure: "Figure", path: Path, caption: str, findings: str) -> None:

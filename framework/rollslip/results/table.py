@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.errors import OutputError
-from rollslip.files import whole_file
+from rollslip.files import readable, whole_file
 from rollslip.results.account import SpreadsheetRows
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.text import in_percent
-from rollslip.units import converted, expect_results, shown_unit
+from rollslip.units import NUMBER, converted, expect_results, shown_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -212,7 +212,16 @@ def _point_columns(
 def _csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
     """Write a table as CSV."""
     with path.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows([head, *rows])
+        table = ([*map(_cell, row)] for row in (head, *rows))
+        csv.writer(file, lineterminator="\n").writerows(table)
+
+
+def _cell(value: Any) -> Any:
+    """Return the value of a cell; a text that a spreadsheet would run as a formula gets an apostrophe before it."""
+    if not isinstance(value, str):
+        return value
+    is_formula = value.startswith(("=", "+", "-", "@", "\t", "\r")) and not NUMBER.match(value)
+    return "'" * is_formula + readable(value)
 
 
 def _xlsx(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
@@ -227,7 +236,7 @@ def _xlsx(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Non
     book = Workbook()
     sheet = book.active
     for row in (head, *rows):
-        sheet.append(list(row))
+        sheet.append([*map(_cell, row)])
     for cell in sheet[1]:
         cell.font = Font(bold=True)
     sheet.freeze_panes = "A2"

@@ -21,7 +21,7 @@ from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
 from rollslip.scene.relations import impossible_relations
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, Location, structure, thawed
-from rollslip.toml import KeyPath, parse
+from rollslip.toml import KeyPath, has_null, parse
 from rollslip.units import as_written
 
 __all__ = ["as_scene", "checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes"]
@@ -174,7 +174,7 @@ def checked_scene(
     SceneError
         With every fault of the scene.
     """
-    problems: list[str] = []
+    problems = [f"{source}: a text has the character U+0000; remove it"] * has_null(raw)
     complete = with_own_cage(raw, with_named_data(raw, Location(origins), problems))
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:

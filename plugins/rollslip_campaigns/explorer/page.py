@@ -148,7 +148,7 @@ def write_page(
         plotly=library(),
     )
     with whole_file(path) as partial:
-        partial.write_text(text, encoding="utf-8")
+        partial.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
 def _acceptable_slip(scene: "Scene") -> float:

@@ -43,7 +43,7 @@ def write_oil(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
                 for name, value in json.loads(dataset.attrs[attribute]).items()
             ]
     with whole_file(Path(path)) as partial:
-        partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        partial.write_text("\n".join(lines) + "\n", encoding="utf-8", errors="backslashreplace")
 
 
 def _toml(value: Any) -> str:
