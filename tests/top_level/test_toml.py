@@ -215,7 +215,11 @@ def holds(document: Any, path: tuple[str | int, ...]) -> bool:
         ),
         (r'a = "C:\data\x"', "scene.toml:1: not valid TOML: ", "'C:\\data\\rig.csv', or with /"),
         (r'a = "C:\users\x"', "scene.toml:1: not valid TOML: ", "'C:\\data\\rig.csv', or with /"),
-        ('a = 1\nb = ["\\u0000"]', "scene.toml:2: not valid TOML: ", "has the character U+0000 (column 1)"),
+        (
+            'a = 1\nb = ["\\u0000"]',
+            "scene.toml:2: not valid TOML: ",
+            "has the character U+0000 (column 1)",
+        ),
         ("a = 1\nb = [1,\n", "scene.toml:3: not valid TOML: ", "(at the end of the file)"),
         ("a = 1e5\na = 1e5\nb = 1", "scene.toml:2: not valid TOML: ", ")"),
         ("a = " + "1" * 5000, "scene.toml: not valid TOML: ", ""),

@@ -210,10 +210,7 @@ def findings(result: "xr.Dataset", topic: str = "") -> list[str]:
     2
     """
     expect_results("findings", result)
-    account = account_of(result)
-    if not topic:
-        return account.sentences(result)
-    topics = account.topics(result)
+    topics = account_of(result).topics(result) | {"": account_of(result).sentences(result)}
     if topic not in topics:
         raise OutputError(f"findings: there is no topic {topic!r}; there are {', '.join(topics)}")
     return topics[topic]

@@ -199,7 +199,8 @@ def save(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
         If it cannot be written.
     """
     stored = dataset.copy()
-    for item in (stored, *stored.variables.values()):
+    items: list[Any] = [stored, *stored.variables.values()]
+    for item in items:
         item.attrs |= {
             key: readable(value) for key, value in item.attrs.items() if isinstance(value, str)
         }

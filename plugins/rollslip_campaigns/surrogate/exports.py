@@ -28,7 +28,6 @@ import attrs
 import numpy as np
 
 from rollslip.errors import OutputError, SceneError
-from rollslip.files import NO_SCENES
 from rollslip.results.dataset import xr
 from rollslip.results.table import in_shown_unit
 from rollslip.scene.formats import Read, SceneFormat, Written
@@ -187,7 +186,8 @@ class TablesFormat(SceneFormat):
         """
         raise SceneError(
             [
-                f"{source}: contains tables of a bearing and not a scene; name the scene of these tables"
+                f"{source}: is not a scene; name the scene of exported tables, and rollslip fit, rank and validate "
+                "take measured ones"
             ]
         )
 
@@ -383,20 +383,6 @@ class Csv(TablesFormat):
     """A row for each temperature, load and speed: the steady state of the bearing."""
 
     endings: ClassVar[tuple[str, ...]] = (".csv",)
-
-    def read(self, content: bytes, source: str) -> Read:
-        """Raise `SceneError`: the file has tables of a bearing, or it is a table of something else.
-
-        Parameters
-        ----------
-        content : bytes
-            The file; its first column tells which it is.
-        source : str
-            Name of the file, for the message.
-        """
-        if not content.startswith(b"temperature ["):
-            raise SceneError([f"{source}: is not a scene but {NO_SCENES['.csv']}"])
-        return super().read(content, source)
 
     def render(self, result: "xr.Dataset") -> Written:
         """Return the rows in engineering units, with names and units in the first; cells of NaN are empty."""
