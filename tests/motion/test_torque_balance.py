@@ -110,6 +110,17 @@ def test_a_cage_beyond_the_slip_of_skidding_has_a_reserve_of_1_at_most():
 
 
 @pytest.mark.parametrize(
+    ("slip", "factor", "begins"), [(0.19, math.inf, Status.AT_LEAST), (0.21, 0.0, Status.SKIDS)]
+)
+def test_a_cage_that_skids_without_a_drag_has_no_reserve(slip, factor, begins):
+    """Rolling resistance alone brakes it."""
+    found = reserve(
+        balance(lambda _: 0.0, lambda slip: slip - 0.2), NO_ONSET, Running(slip, 0.0, Status.FOUND)
+    )
+    assert (found.factor, Status.of(found.status)) == (factor, begins)
+
+
+@pytest.mark.parametrize(
     ("end", "told"),
     [(0.95, "there the cage nearly stands still"), (0.9, "raise KEY to look further")],
 )

@@ -14,12 +14,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
+import recorded
 import rollslip
 import ten_scenes
 from coarse import SET_COARSE, coarse
 from rollslip.cli import console
 from rollslip.cli.main import cli
 from rollslip.errors import DomainError, SceneError, UnknownNameError
+from rollslip.results.accounts import account_of
 from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import (
     MAX_LINES,
@@ -29,6 +31,7 @@ from rollslip.results.answer import (
     Note,
     Row,
     Verdict,
+    describe_case,
     describe_defaults,
     evaluate_rule,
     is_as_bad,
@@ -37,8 +40,9 @@ from rollslip.results.answer import (
     with_assumptions,
     with_verdict,
 )
-from rollslip.results.text import format_rounded_up, percent
+from rollslip.results.text import Status, format_rounded_up, percent
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
+from rollslip_studies.steady_slip.findings import reserve_row
 
 
 def answered(
@@ -780,3 +784,53 @@ def test_results_of_two_cases_have_no_answer_together(ran):
     scene["operation"]["radial_load"] *= 2.0
     with pytest.raises(SceneError, match="results of one case are expected, not of 2"):
         answer_of(one, one.assign_attrs(scene_resolved=json.dumps(scene)))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("inner", "outer", "shown"),
+    [(0.1, 0.0, "0.1 rpm"), (1.5, -0.25, "1.5 rpm (outer ring -0.25 rpm)"), (14000.0, 0.0, "14000 rpm")],
+)  # fmt: skip
+def test_slow_speeds_are_shown_with_their_digits(inner, outer, shown):
+    rpm = math.pi / 30.0
+    operation = {
+        "inner_speed": inner * rpm, "outer_speed": outer * rpm, "radial_load": 1e3, "temperature": 333.15
+    }  # fmt: skip
+    case = describe_case(xr.Dataset(attrs={"scene_resolved": json.dumps({"operation": operation})}))
+    assert case == (shown, "1 kN", "60 °C")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("factor", "speed", "mark"),
+    [
+        (1.0, 2.0, ""),
+        (5.0, 6.0, "0.12 x makers' formulas"),
+        (5.0, 2.0, "0.12 x makers' formulas, outside the model's range"),
+    ],
+)
+def test_a_torque_far_from_makers_formulas_is_marked_and_more_so_in_a_slow_bearing(
+    factor, speed, mark
+):
+    dataset = recorded.stored("steady-slip")
+    torque = factor * dataset["formula_torque"]
+    found = account_of(dataset).answer(dataset.assign(formula_torque=torque, formula_speed=speed))
+    assert found["friction_torque"].note.partition("; ")[2] == mark
+
+
+@pytest.mark.quick
+def test_kappa_is_a_fact_of_the_verdict_of_a_result():
+    dataset = recorded.stored("steady-slip")
+    assert answer_of(dataset).verdict == "OK"
+    far = answer_of(dataset.assign(viscosity_ratio=101.0))
+    assert (far.verdict, far.marked_row) == ("UNKNOWN", "film_parameter")
+    assert far["film_parameter"].note.startswith("V11: kappa above 100 is outside the range")
+    thin = answer_of(dataset.assign(film_parameter=0.01 * dataset["film_parameter"]))
+    assert (thin.verdict, thin.rule) == ("UNKNOWN", "V12")
+
+
+@pytest.mark.quick
+def test_the_reserve_of_a_cage_that_skids_does_not_read_as_safe():
+    assert reserve_row(0.0, Status.SKIDS, known=2, within=0.02, slip=0.7).text == "none"
+    skids = reserve_row(0.59, Status.SKIDS, known=2, within=0.02, slip=0.24)
+    assert (skids.text, skids.band) == ("0.59", (0.59, 0.59))

@@ -20,7 +20,7 @@ def labels(of):
     return [choice.label for choice in open_choices(of)]
 
 
-EVERY = ["profile", "cage", "supply", "clearance class", "fits", "rollers", "surface"]
+EVERY = ["profile", "rollers", "supply", "surface", "cage", "clearance class", "fits"]
 
 
 @pytest.mark.quick

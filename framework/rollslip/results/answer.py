@@ -17,8 +17,10 @@ import math
 import re
 import shutil
 import textwrap
+from collections import ChainMap
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from html import escape
+from itertools import chain
 from typing import Any, Final
 
 import attrs
@@ -272,7 +274,7 @@ RULES: Final = (
     Rule(code="V4", verdict=Verdict.UNKNOWN, conditions=((Fact.RESERVE, "<", 1.5),), row="drag_reserve",
          remark="below 1.5, may skid", source="a choice: drags are known to a factor"),
     Rule(code="V5", verdict=Verdict.UNKNOWN, conditions=((Fact.BAND_HIGH, ">", SKIDDING_SLIP),),
-         remark="may skid where data scatter"),
+         remark="may skid"),
     Rule(code="V10", verdict=Verdict.UNKNOWN, conditions=((Fact.CHOICE, ">", SKIDDING_SLIP),),
          remark="may skid, see assumed"),
     Rule(code="V11", verdict=Verdict.UNKNOWN, conditions=((Fact.VISCOSITY_RATIO, ">", 100.0),), row="film_parameter",
@@ -336,7 +338,7 @@ class Answer:
     rows: tuple[Row, ...] = ()
     table: tuple[tuple[str, ...], ...] = ()  #: Head and rows of a table of points or alternatives.
     omitted: int = 0  #: Number of rows that the whole table has besides those.
-    acceptable: float = math.nan  #: Acceptable cage slip; NaN for the default.
+    acceptable: float = 0.0  #: Acceptable cage slip; 0 for the default.
     #: Assumptions that change the slip, the largest changes first, and others that a reader has to know.
     assumed: tuple[str, ...] = ()
     minor: tuple[str, ...] = ()  #: Assumptions that hardly change the slip.
@@ -508,7 +510,6 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
     ranked = sorted(answers, key=lambda item: -max((row.rank for row in item[1].rows), default=-1))
     best, disagreements = _best_rows(ranked)
     ordered = [answer for _, answer in ranked]
-    faults = [fault for answer in ordered for fault in answer.faults]
     summarising = next((answer for answer in ordered if answer.summary), Answer())
     merged = Answer(
         summary=summarising.summary,
@@ -516,10 +517,10 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
         table=summarising.table,
         omitted=summarising.omitted,
         acceptable=next((item.acceptable for item in ordered if item.acceptable > 0.0), ACCEPTABLE),
-        assumed=tuple(dict.fromkeys(text for answer in ordered for text in answer.assumed)),
-        minor=tuple(dict.fromkeys(text for answer in ordered for text in answer.minor)),
-        facts={fact: value for answer in reversed(ordered) for fact, value in answer.facts.items()},
-        faults=(*faults, *disagreements),
+        assumed=_joined(answer.assumed for answer in ordered),
+        minor=_joined(answer.minor for answer in ordered),
+        facts=ChainMap(*(dict(answer.facts) for answer in ordered)),
+        faults=(*_joined(answer.faults for answer in ordered), *disagreements),
     )
     commands = next((answer.commands for answer in ordered if answer.commands), {})
     steps = [text for answer in ordered for text in answer.next]
@@ -534,6 +535,11 @@ def _command(text: str, scene: str) -> str:
     if "{scene}" in text and not scene:
         return python_call(text)
     return text.replace("{scene}", scene)
+
+
+def _joined(texts: Iterable[Iterable[str]]) -> tuple[str, ...]:
+    """Return all texts, each once."""
+    return tuple(dict.fromkeys(chain.from_iterable(texts)))
 
 
 def _best_rows(answers: Iterable[tuple[str, Answer]]) -> tuple[dict[str, Row], list[str]]:
@@ -590,29 +596,24 @@ def _decide(facts: Mapping[Fact, _Interval]) -> tuple[Rule, Verdict, str]:
     unknown = list[tuple[Rule, Verdict, str]]()
     for rule in RULES:
         state = evaluate_rule(rule, facts)
-        missing = dict.fromkeys(
+        missing = [
             fact for fact, *_ in rule.conditions if math.isnan(facts.get(fact, _NOT_KNOWN)[0])
-        )
-        if state:
-            candidates.append((rule, rule.verdict, rule.remark))
-        elif state is None and missing:
-            names = " and ".join(missing)
-            remark = f"whether it {rule.verdict.lower()} is not known: no {names}"
+        ]
+        if state is None and missing:
+            remark = f"whether it {rule.verdict.lower()} is not known: no {' and '.join(missing)}"
             unknown.append((rule, Verdict.UNKNOWN, remark))
         elif state is None and rule.verdict is Verdict.SKIDS:
             remark = f"whether it is {rule.remark} is not known"
             candidates.append((rule, Verdict.UNKNOWN, remark))
-        elif state is None:
+        elif state is not False:
             candidates.append((rule, rule.verdict, rule.remark))
     rank = _RANKS.index
     worst = max(candidates, key=lambda candidate: rank(candidate[1]))
-    worse = [
-        candidate
-        for candidate in unknown
-        if rank(worst[1]) < rank(candidate[0].verdict)
-        and Verdict.UNKNOWN not in (worst[1], candidate[0].verdict)
-    ]
-    return worse[0] if worse else worst
+    for candidate in unknown:
+        is_worse = rank(worst[1]) < rank(candidate[0].verdict)
+        if is_worse and Verdict.UNKNOWN not in (worst[1], candidate[0].verdict):
+            return candidate
+    return worst
 
 
 def is_as_bad(verdict: str, other: str) -> bool:
@@ -770,9 +771,15 @@ def _choice_text(item: Mapping[str, Any], slip: float, acceptable: float) -> str
     """Return a choice with the alternatives that change the slip most: "profile none; circular: slip 29 %, SKIDS"."""
     slips: Mapping[str, float] = item["slips"]
     names = sorted(slips, key=slips.__getitem__, reverse=True)
-    ends = dict.fromkeys([*names[:1], *names[-1:]])
-    shown = [name for name in ends if _matters((slips[name], slip))] or names[:1]
-    texts = [f"{name}: {_slip_and_verdict(slips[name], slip, acceptable)}" for name in shown]
+    shown = [name for name in names[:1] if _matters((slips[name], slip))]
+    shown += [
+        name
+        for name in names[-1:]
+        if slips[name] < slip and _matters((slips[name], slips[names[0]]))
+    ]
+    texts = [
+        f"{name}: {_slip_and_verdict(slips[name], slip, acceptable)}" for name in shown or names[:1]
+    ]
     if item["refused"]:
         texts.append(f"not possible here: {', '.join(item['refused'])}")
     return f"{item['label']} {item['present']}; {', '.join(texts)}"
@@ -780,12 +787,11 @@ def _choice_text(item: Mapping[str, Any], slip: float, acceptable: float) -> str
 
 def _slip_and_verdict(other: float, slip: float, acceptable: float) -> str:
     """Return the slip of an alternative as text, with its verdict where that is worse than that of a slip."""
-    acceptable = acceptable if acceptable > 0.0 else ACCEPTABLE
 
     def verdict(size: float) -> Verdict:
         if size > SKIDDING_SLIP:
             return Verdict.SKIDS
-        return Verdict.SLIPS if size > acceptable else Verdict.OK
+        return Verdict.SLIPS if size > (acceptable or ACCEPTABLE) else Verdict.OK
 
     found = verdict(other)
     text = f"slip {percent(other)}" if math.isfinite(other) else ""

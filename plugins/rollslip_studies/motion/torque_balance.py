@@ -545,7 +545,8 @@ def reserve(
         return Reserve(math.nan, runs.status)
     is_driven = runs.slip < 0.0
     is_found = outcome is Status.FOUND
-    if is_found and not (-balance.drag(0.0) if is_driven else runs.drag) > 0.0:
+    is_dragged = (-balance.drag(0.0) if is_driven else runs.drag) > 0.0
+    if is_found and not is_dragged and not runs.slip > SKIDDING_SLIP:
         where = " without slip" if is_driven else ""
         return Reserve(math.inf, f"{Status.AT_LEAST}: no torque drags the cage{where}")
     try:
@@ -563,14 +564,16 @@ def reserve(
         if slips[-1] < limit:
             status = f"{Status.AT_LEAST}: no skidding up to a slip of {slips[-1]:.4g}"
         return Reserve(max(factor, 1.0), status, slip)
-    status = f"{Status.SKIDS}: its drags are more than the rollers carry"
+    status = (
+        f"{Status.SKIDS}: its drags, or the rolling resistance, are more than the rollers carry"
+    )
     return Reserve(min(factor, 1.0), status, slip)
 
 
 def largest_ratio(
     balance: CageTorques, slips: Array, torques: Array, limit: float
 ) -> tuple[float, float]:
-    """Return the largest ratio of torque and drags, and its slip; 0 and NaN where none is positive.
+    """Return the largest ratio of torque and drags, and its slip; 0 where none is positive.
 
     Beside the points of a curve the ratio is evaluated at the limit, and at the vertex of the parabola through the
     largest one and its neighbours, in the logarithm of the slip.
@@ -584,39 +587,26 @@ def largest_ratio(
     limit : float
         Largest slip that counts.
     """
-    known = {
-        float(slip): float(torque)
-        for slip, torque in zip(slips, torques, strict=True)
-        if 0.0 < slip <= limit
-    }
-    ratios = dict[float, float]()
+    end = min(limit, float(slips[-1]))
+    inside = (slips > 0.0) & (slips < end)
+    points = [*zip(slips[inside].tolist(), torques[inside].tolist(), strict=True), (end, math.nan)]
+    ratios = [(_ratio(balance, slip, torque), slip) for slip, torque in points]
+    at = ratios.index(max(ratios))
+    nearest = np.array(ratios[max(at - 1, 0) : at + 2])
+    if len(nearest) == 3:  # the middle one is the largest
+        bend, slope, _ = np.polyfit(np.log(nearest[:, 1] / nearest[1, 1]), nearest[:, 0], 2)
+        vertex = nearest[1, 1] * math.exp(-0.5 * slope / bend) if bend < 0.0 else end
+        ratios.append((_ratio(balance, vertex), vertex))
+    return max(ratios)
 
-    def add(slip: float, torque: float) -> None:
-        if torque > 0.0 and (drag := -balance.drag(slip)) > 0.0:
-            ratios[slip] = torque / drag
 
-    def evaluate(slip: float) -> None:
+def _ratio(balance: CageTorques, slip: float, torque: float = math.nan) -> float:
+    """Return the ratio of torque and drags at a slip, 0 where nothing drives or drags; a torque of NaN is evaluated."""
+    if math.isnan(torque):
         with contextlib.suppress(DomainError, ConvergenceError):
-            add(slip, float(balance.torques(np.array([slip]))[0]))
-
-    for slip, torque in known.items():
-        add(slip, torque)
-    if limit not in known and limit < slips[-1]:
-        evaluate(limit)
-    ordered = sorted(ratios)
-    if not ordered:
-        return 0.0, math.nan
-    at = max(range(len(ordered)), key=lambda k: ratios[ordered[k]])
-    if 0 < at < len(ordered) - 1:
-        nearest = ordered[at - 1 : at + 2]
-        bend, slope, _ = np.polyfit(
-            np.log(nearest) - math.log(nearest[1]), [ratios[slip] for slip in nearest], 2
-        )
-        vertex = nearest[1] * math.exp(-0.5 * slope / bend) if bend < 0.0 else math.nan
-        if nearest[0] < vertex < nearest[2]:
-            evaluate(vertex)
-    best = max(ratios, key=ratios.__getitem__)
-    return ratios[best], best
+            torque = float(balance.torques(np.array([slip]))[0])
+    drag = -balance.drag(slip)
+    return torque / drag if torque > 0.0 and drag > 0.0 else 0.0
 
 
 def describe_near_skidding(assembly: Assembly, slip: float) -> str:

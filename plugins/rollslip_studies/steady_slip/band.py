@@ -41,6 +41,7 @@ JCGM 100:2008, "Guide to the expression of uncertainty in measurement" (GUM), se
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any, Final
 
@@ -210,28 +211,26 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     single = attrs.evolve(scene, sweep=None, uncertainty=None)
     coarse = _coarse_assembly(single)
     rows = consequences(single, coarse, dataset, values["steady_slip"])
-    choices = [
-        choice
-        | {
-            "slips": {
-                name: _json_value("steady_slip", scaled("steady_slip", factor))
-                for name, factor in choice["slips"].items()
-            }
-        }
-        for choice in _choice_factors(single, coarse, values["steady_slip"])
-    ]
+    choices = _choices(
+        single,
+        coarse,
+        values["steady_slip"],
+        lambda factor: _json_value("steady_slip", scaled("steady_slip", factor)),
+    )
     return dataset.assign_attrs(
         {"band": json.dumps(record)} if record else {},
         consequences=json.dumps(rows),
-        choices=json.dumps(choices),
+        choices=json.dumps([*choices]),
     )
 
 
-def _choice_factors(scene: Scene, coarse: Assembly, slip: float) -> Iterator[dict[str, Any]]:
+def _choices(
+    scene: Scene, coarse: Assembly, slip: float, scaled: Callable[[float], float | None]
+) -> Iterator[dict[str, Any]]:
     """Yield the choices that a scene leaves open, as values for JSON.
 
-    "slips" has by alternative the factor on the odds of the slip, infinite where the cage skids, and "refused" the
-    alternatives that are not possible in this scene, or of which no slip is known.
+    "slips" has by alternative the slip, None where the cage skids, and "refused" the alternatives that are not possible
+    in this scene, or of which no slip is known.
 
     Parameters
     ----------
@@ -241,23 +240,22 @@ def _choice_factors(scene: Scene, coarse: Assembly, slip: float) -> Iterator[dic
         Its bearing with few slices.
     slip : float
         Its steady cage slip [-], positive.
+    scaled : callable
+        Returns the slip for a factor on its odds.
     """
-    search = None
+    if (search := _slip_search(coarse, slip)) is None:
+        return
     for choice in open_choices(scene):
-        search = search or _slip_search(coarse, slip)
-        if search is None:
-            return
-        record = attrs.asdict(choice) | {"slips": {}, "refused": []}
-        for name, changes in record.pop("alternatives").items():
-            try:
-                factor = search(_coarse_assembly(evolve(scene, changes)))
-            except RollslipError:
-                factor = math.nan
-            if math.isnan(factor):
-                record["refused"].append(name)
-            else:
-                record["slips"][name] = factor
-        yield record
+        factors = dict[str, float]()
+        for name, changes in choice.alternatives.items():
+            factors[name] = math.nan
+            with suppress(RollslipError):
+                factors[name] = search(_coarse_assembly(evolve(scene, changes, si=True)))
+        refused = [name for name, factor in factors.items() if math.isnan(factor)]
+        yield attrs.asdict(choice, filter=lambda a, _: a.name != "alternatives") | {
+            "refused": refused,
+            "slips": {name: scaled(factors[name]) for name in factors if name not in refused},
+        }
 
 
 def _add_pockets(record: dict[str, Any], scene: Scene, dataset: "xr.Dataset") -> None:

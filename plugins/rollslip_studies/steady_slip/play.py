@@ -216,14 +216,14 @@ class Play:
     ) -> dict[str, Any]:
         """Return the drag reserve to skidding, and its status where the cage skids because of the play."""
         factor = float(dataset["drag_reserve"])
-        if not math.isfinite(factor) or "driving_torque" not in known:
+        if not math.isfinite(factor) or self._balance is None:
             return {"drag_reserve": factor}
         onset = float(known.get("skidding_slip", dataset["skidding_slip"]))
         limit = SKIDDING_SLIP if math.isnan(onset) else min(SKIDDING_SLIP, onset)
         slips = dataset["cage_slip"].to_numpy()
         largest, _ = largest_ratio(balance, slips, known["driving_torque"], limit)
         if self._skids:
-            status = f"{Status.SKIDS}: its drags are more than the rollers carry"
+            status = f"{Status.SKIDS}: its drags, or the rolling resistance, are more than the rollers carry"
             return {"drag_reserve": min(largest, 1.0), "reserve_status": status}
         return {"drag_reserve": max(largest, 1.0) if factor >= 1.0 else min(largest, 1.0)}
 

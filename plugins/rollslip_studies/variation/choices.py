@@ -6,7 +6,7 @@
   evaluate them.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
 import attrs
@@ -26,14 +26,29 @@ __all__ = ["Choice", "open_choices"]
 _Changes = Mapping[str, object]
 #: Shape of a profile -> its name in texts. A crown and a table are the user's own, and are not open.
 _PROFILES: Final = {"iso16281": "logarithmic", "none": "none"}
-#: Fits on either side of the usual ones: seat -> fits, for rotating and for stationary rings (C).
-_FITS: Final = {"shaft": ("j6", "p6"), "housing": ("N7",)}
 #: Supplies of oil among which a scene may leave the choice open; users of mist and grease know that they have it.
 _OIL_SUPPLIES: Final = ("bath", "splash", "circulating", "jet")
-#: Roughness of ground surfaces at the upper end of its usual range (C); see `rollslip.datasets.SURFACES`.
-_ROUGH: Final = Surface(
-    inner_raceway_roughness=0.25e-6, outer_raceway_roughness=0.25e-6, roller_roughness=0.15e-6
-)
+#: Classes of clearance beside CN: smaller and larger.
+_CLASSES: Final = ("C2", "C3")
+#: Name of a fit beside the usual ones -> key and fit: of light and of heavy loads on a shaft that turns, and of a
+#: housing in which the load turns (C).
+_FITS: Final = {
+    "j6 on the shaft": ("shaft_fit", "j6"),
+    "p6 on the shaft": ("shaft_fit", "p6"),
+    "N7 in the housing": ("housing_fit", "N7"),
+}
+#: Surfaces beside ground ones, and the upper end of what is usual of these (C); see `rollslip.datasets.SURFACES`.
+_SURFACES: Final = {
+    "superfinished": SURFACES["superfinished"][0],
+    "rough": Surface(
+        inner_raceway_roughness=0.25e-6, outer_raceway_roughness=0.25e-6, roller_roughness=0.15e-6
+    ),
+}
+#: Key of a choice -> other keys which make it where a scene states them.
+_MADE_BY: Final[Mapping[str, tuple[str, ...]]] = {
+    "cage.make": ("cage.mass",),
+    "bearing.clearance_class": ("bearing.mounting.initial_clearance",),
+}
 
 
 @attrs.frozen(kw_only=True)
@@ -56,20 +71,21 @@ def open_choices(scene: Scene) -> Iterator[Choice]:
     scene : Scene
         The scene.
     """
-    raw = stated_values(scene)
+    stated = stated_values(scene)
     name = as_table(scene.tables.get("bearing")).get("name")
-    named: Any = load(find("bearing", name)) if isinstance(name, str) else None
+    for choice in (*_of_bearing(scene, name), *_of_cage(scene, name), *_of_clearance(scene, name)):
+        keys = (choice.key, *_MADE_BY.get(choice.key, ()))
+        if choice.alternatives and not any(states(stated, key) for key in keys):
+            yield choice
 
-    def is_open(key: str) -> bool:
-        """Whether the scene does not state the value of a key."""
-        return not states(raw, key)
 
-    def is_estimated(key: str) -> bool:
-        """Whether neither the scene nor the data of its bearing state a value of the bearing."""
-        return is_open(f"bearing.{key}") and (named is None or named.grades.get(key) == "D")
-
+def _of_bearing(scene: Scene, name: Any) -> Iterator[Choice]:
+    """Yield the choices of profile and number of rollers where these are estimated, of supply and of roughness."""
     bearing = scene.bearing
-    if is_estimated("profile") and bearing.profile.shape in _PROFILES:
+    grades = {"profile": "D"}
+    if isinstance(name, str):
+        grades = load(find("bearing", name)).grades
+    if grades.get("profile") == "D" and bearing.profile.shape in _PROFILES:
         yield Choice(
             key="bearing.profile",
             label="profile",
@@ -82,45 +98,44 @@ def open_choices(scene: Scene) -> Iterator[Choice]:
             grade="(D)",
             source="the profile of ISO/TS 16281 for unknown ones, and straight rollers; makers print none",
         )
-    own = own_cage(name)
-    is_lettered = own is not None and bool(own.letters)
-    has_cage = scene.models.neighbour_friction is None
-    if has_cage and not is_lettered and is_open("cage.make") and is_open("cage.mass"):
-        yield _cage(scene)
-    if is_open("lubrication.supply"):
-        yield _supply(scene)
-    if bearing.mounted is not None:
-        yield from _clearance(scene, bearing.mounted.assumed, is_open)
-    if is_estimated("rollers"):
+    if grades.get("rollers") == "D":
+        numbers = bearing.rollers - 1, bearing.rollers + 1
         yield Choice(
             key="bearing.rollers",
             label="rollers",
             present=str(bearing.rollers),
-            alternatives={
-                str(number): {"bearing.rollers": number}
-                for number in (bearing.rollers - 1, bearing.rollers + 1)
-            },
+            alternatives={str(number): {"bearing.rollers": number} for number in numbers},
             grade="(D)",
             source="the number of rollers is estimated, and right within 1",
         )
-    if is_open("surface"):
-        yield Choice(
-            key="surface",
-            label="surface",
-            present="ground",
-            alternatives={
-                "superfinished": {"surface": attrs.asdict(SURFACES["superfinished"][0])},
-                "rough": {"surface": attrs.asdict(_ROUGH)},
-            },
-            grade="(C)",
-            source="ground: " + "; superfinished: ".join(usual for _, usual in SURFACES.values()),
-        )
+    supply = scene.lubrication.supply
+    yield Choice(
+        key="lubrication.supply",
+        label="supply",
+        present=supply,
+        alternatives={
+            other: {"lubrication.supply": other} for other in _OIL_SUPPLIES if other != supply
+        },
+        grade="(D)",
+        source="; ".join(f"{other}: {SUPPLIES[other].source}" for other in _OIL_SUPPLIES),
+    )
+    yield Choice(
+        key="surface",
+        label="surface",
+        present="ground",
+        alternatives={name: {"surface": attrs.asdict(other)} for name, other in _SURFACES.items()},
+        grade="(C)",
+        source="; ".join(f"{name}: {usual}" for name, (_, usual) in SURFACES.items()),
+    )
 
 
-def _cage(scene: Scene) -> Choice:
-    """Return the choice of the make of the cage, with the guidance that goes with it."""
+def _of_cage(scene: Scene, name: Any) -> Iterator[Choice]:
+    """Yield the choice of the make of a cage, with the guidance that goes with it; none where letters state it."""
+    own = own_cage(name)
+    if scene.models.neighbour_friction is not None or (own is not None and own.letters):
+        return
     make = read_cage(scene).make
-    return Choice(
+    yield Choice(
         key="cage.make",
         label="cage",
         present=make,
@@ -134,50 +149,29 @@ def _cage(scene: Scene) -> Choice:
     )
 
 
-def _supply(scene: Scene) -> Choice:
-    """Return the choice of the supply of oil among those that a gearbox may have."""
-    supply = scene.lubrication.supply
-    return Choice(
-        key="lubrication.supply",
-        label="supply",
-        present=supply,
-        alternatives={
-            other: {"lubrication.supply": other} for other in _OIL_SUPPLIES if other != supply
-        },
-        grade="(D)",
-        source="; ".join(f"{name}: {SUPPLIES[name].source}" for name in _OIL_SUPPLIES),
-    )
-
-
-def _clearance(scene: Scene, assumed: Collection[str], is_open: Any) -> Iterator[Choice]:
-    """Yield the choices of clearance class and fits of a bearing whose clearance in operation follows from them."""
+def _of_clearance(scene: Scene, name: Any) -> Iterator[Choice]:
+    """Yield the choices of clearance class and fits, where the clearance in operation follows from them."""
     bearing = scene.bearing
-    name = as_table(scene.tables.get("bearing")).get("name")
-    is_known = isinstance(name, str) and find("bearing", name).name.partition("-C")[2]
-    stated = (is_open("bearing.clearance_class"), is_open("bearing.mounting.initial_clearance"))
-    if bearing.clearance_class == "CN" and all(stated) and not is_known:
+    if (mounted := bearing.mounted) is None:
+        return
+    if bearing.clearance_class == "CN" and isinstance(name, str):
         yield Choice(
             key="bearing.clearance_class",
             label="clearance class",
             present="CN",
-            alternatives={group: {"bearing.clearance_class": group} for group in ("C2", "C3")},
+            alternatives={group: {"bearing.clearance_class": group} for group in _CLASSES},
             grade="(C)",
             source="a designation without a class means CN; many bearings in stock and in gearboxes are C3",
         )
-    fits = {
-        f"{fit} on the {part}" if part == "shaft" else f"{fit} in the {part}": {
-            f"bearing.mounting.{part}_fit": fit
-        }
-        for part, others in _FITS.items()
-        if f"{part}_fit" in assumed
-        for fit in others
-    }
-    if fits:
-        yield Choice(
-            key="bearing.mounting",
-            label="fits",
-            present="usual",
-            alternatives=fits,
-            grade="(C)",
-            source="fits of light and of heavy loads on a shaft that turns, and of a housing in which the load turns",
-        )
+    yield Choice(
+        key="bearing.mounting.fits",
+        label="fits",
+        present="usual",
+        alternatives={
+            text: {f"bearing.mounting.{key}": fit}
+            for text, (key, fit) in _FITS.items()
+            if key in mounted.assumed
+        },
+        grade="(C)",
+        source="fits of light and of heavy loads on a shaft that turns, and of a housing in which the load turns",
+    )
