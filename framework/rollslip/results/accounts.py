@@ -2,14 +2,16 @@
 
 A study without an account is reported by its dataset alone (`PlainAccount`): friction curves, if the attribute
 ``curves`` names them, and single values by name, unit and status.
+
+Assumptions are ordered by their effect on the slip: choices that nobody made first, then data that scatter.
 """
 
 import json
 import math
 import os
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Final
 
 import attrs
 
@@ -17,11 +19,15 @@ from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import OutputError
 from rollslip.results.account import Account, Contact, Figures
 from rollslip.results.answer import (
+    ACCEPTABLE,
+    NEGLIGIBLE_SLIP,
+    SKIDDING_SLIP,
     Answer,
+    Fact,
     Row,
+    Verdict,
     collect_notes,
     describe_case,
-    describe_defaults,
     merge_answers,
 )
 from rollslip.results.curves import Curve, critical_rows, curves, json_value
@@ -32,19 +38,30 @@ from rollslip.results.text import (
     single_value_indices,
     single_values,
     small_load_notes,
+    two_digits,
 )
 from rollslip.scene.reading import shipped_scenes
 from rollslip.structure import raise_problem_if
-from rollslip.units import expect_results
+from rollslip.units import converted, expect_results, shown_unit
 
 __all__ = [
     "PlainAccount",
     "account_of",
     "answer",
+    "describe_defaults",
     "findings",
     "refuse_unreadable",
     "scene_file",
+    "with_assumptions",
 ]
+
+#: Ratio of the slips at both ends of an assumption from which it is shown. Chosen; with a smaller one assumptions are
+#: shown that change the second digit.
+_SHOWN_RATIO: Final = 1.2
+#: Upper end below which a range [SI unit] is shown by a factor on its middle: few people read such numbers.
+_SMALL_NUMBER: Final = 1e-3
+#: Key of a scene -> its name among what was assumed, where the last part of the key is not that.
+_NAMED: Final = {"lubricant.name": "oil", "bearing.name": "bearing"}
 
 
 class PlainAccount(Account):
@@ -275,3 +292,133 @@ def refuse_unreadable(*paths: str | os.PathLike[str]) -> Iterator[None]:
             f"{', '.join(map(str, paths))}: cannot be read as a result of its study: {what} ({type(error).__name__}); "
             "another program has changed it, or another version of its package wrote it: run the scene again"
         ) from error
+
+
+# Assumptions ---------------------------------------------------------------------------------------------------------
+
+
+def describe_defaults(datasets: "Iterable[xr.Dataset]") -> str:
+    """Return values that ``rollslip new`` assumed, and the bearing's own cage, as text; without evaluated choices."""
+    assumed = dict[str, None]()
+    cages = dict[str, None]()
+    evaluated = set[str]()
+    for dataset in datasets:
+        assumed |= dict.fromkeys(json.loads(dataset.attrs.get("assumed", "[]")))
+        evaluated |= {item["key"] for item in json.loads(dataset.attrs.get("choices", "[]"))}
+        if (own_cage := dataset.attrs.get("own_cage")) and "cage.make" not in evaluated:
+            cages[f"cage {own_cage.partition(', ')[2].partition(';')[0]}"] = None
+    names = [
+        _NAMED.get(key, key.rpartition(".")[2]).replace("_", " ")
+        for key in assumed
+        if key not in evaluated
+    ]
+    named = f"{', '.join(names)} as rollslip new has it" * bool(names)
+    return "; ".join(filter(None, (named, *cages)))
+
+
+def with_assumptions(answer: Answer, dataset: "xr.Dataset") -> Answer:
+    """Return an answer with what was assumed of the cage slip: choices that nobody made, and data that scatter.
+
+    Choices and data have the slips to which they lead. Choices come first, ordered by their effect on the slip.
+
+    Parameters
+    ----------
+    answer : Answer
+        Answer to the result, with the cage slip among its rows.
+    dataset : xarray.Dataset
+        The result.
+    """
+    attributes = dataset.attrs
+    slip = next((row.value for row in answer.rows if row.key == "cage_slip"), math.nan)
+    choices = [
+        item | {"slips": {name: _or_skidding(other) for name, other in item["slips"].items()}}
+        for item in json.loads(attributes.get("choices", "[]"))
+    ]
+    choices.sort(
+        key=lambda item: -max((abs(other - slip) for other in item["slips"].values()), default=0.0)
+    )
+    texts = [
+        (_choice_text(item, slip, answer.acceptable), [slip, *item["slips"].values()])
+        for item in choices
+    ]
+    for item in json.loads(attributes.get("band", "{}")).get("steady_slip", {}).get("changes", ()):
+        ends = [*map(_or_skidding, item["values"])]
+        texts.append((f"{_varied_quantity(item)}: slip {_slip_range(*ends)}", ends))
+    slips = [other for item in choices for other in item["slips"].values()]
+    return attrs.evolve(
+        answer,
+        assumed=(*answer.assumed, *(text for text, ends in texts if _matters(ends))),
+        minor=tuple(text for text, ends in texts if not _matters(ends)),
+        facts={**answer.facts, **({Fact.CHOICE: max(slips)} if slips else {})},
+    )
+
+
+def _or_skidding(slip: float | None) -> float:
+    """Return a stored slip, infinite where the cage skids."""
+    return math.inf if slip is None else slip
+
+
+def _matters(slips: Collection[float]) -> bool:
+    """Whether slips differ so much that their cause is shown."""
+    highest = max(slips)
+    return highest > NEGLIGIBLE_SLIP and highest >= _SHOWN_RATIO * min(slips)
+
+
+def _choice_text(item: Mapping[str, Any], slip: float, acceptable: float) -> str:
+    """Return a choice with the alternatives that change the slip most: "profile none; circular: slip 29 %, SKIDS"."""
+    slips: Mapping[str, float] = item["slips"]
+    names = sorted(slips, key=slips.__getitem__, reverse=True)
+    shown = [name for name in names[:1] if _matters((slips[name], slip))]
+    shown += [
+        name
+        for name in names[-1:]
+        if slips[name] < slip and _matters((slips[name], slips[names[0]]))
+    ]
+    texts = [
+        f"{name}: {_slip_and_verdict(slips[name], slip, acceptable)}" for name in shown or names[:1]
+    ]
+    if item["refused"]:
+        texts.append(f"not possible here: {', '.join(item['refused'])}")
+    return f"{item['label']} {item['present']}; {', '.join(texts)}"
+
+
+def _slip_and_verdict(other: float, slip: float, acceptable: float) -> str:
+    """Return the slip of an alternative as text, with its verdict where that is worse than that of a slip."""
+
+    def verdict(size: float) -> Verdict:
+        if size > SKIDDING_SLIP:
+            return Verdict.SKIDS
+        return Verdict.SLIPS if size > (acceptable or ACCEPTABLE) else Verdict.OK
+
+    found = verdict(other)
+    text = f"slip {percent(other)}" if math.isfinite(other) else ""
+    return ", ".join(filter(None, (text, found * (found != verdict(slip) and other > slip))))
+
+
+def _varied_quantity(item: Mapping[str, Any]) -> str:
+    """Return a quantity that scatters, with its range: "Eyring stress 1.1 to 8.9 MPa", "petroff-land x 0.32 to 3.2"."""
+    _, *tables, key = item["key"].split(".")
+    bounds = item["ends"]
+    name: str = key.replace("_", " ")
+    if isinstance(bounds[0], str):  # a choice instead of a number
+        return f"{name} {bounds[0]} to {bounds[1]}"
+    if key.endswith("factor"):
+        name = " ".join((*tables, name.removesuffix("factor"))).strip()
+        return f"{name} x {two_digits(bounds[0])} to {two_digits(bounds[1])}"
+    unit = shown_unit(max(map(abs, bounds)), item["unit"] or "1")
+    low, high = (converted(bound, item["unit"], unit) for bound in bounds)
+    if low > 0.0 and high < _SMALL_NUMBER:
+        return (
+            f"{name} x {two_digits(math.sqrt(low / high))} to {two_digits(math.sqrt(high / low))}"
+        )
+    if max(abs(low), abs(high)) <= _SMALL_NUMBER:
+        return name
+    return f"{name} {two_digits(low)} to {two_digits(high)} {unit}".rstrip()
+
+
+def _slip_range(low: float, high: float) -> str:
+    """Return two slips as text, in the order of the values that lead to them."""
+    first, last = (percent(slip) if math.isfinite(slip) else "skidding" for slip in (low, high))
+    if last.endswith("%"):
+        first = first.removesuffix(" %")
+    return f"{first} to {last}"

@@ -7,8 +7,8 @@ from typing import ClassVar, Final
 
 import attrs
 
-from rollslip.results.accounts import PlainAccount
-from rollslip.results.answer import Answer, Row, with_assumptions
+from rollslip.results.accounts import PlainAccount, with_assumptions
+from rollslip.results.answer import Answer, Row
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_running, describe_skidding
 from rollslip_studies.steady_slip.findings import (

@@ -5,10 +5,12 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
+import attrs
 import numpy as np
 
 from rollslip.results.account import Account
-from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row, with_assumptions
+from rollslip.results.accounts import with_assumptions
+from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row
 from rollslip.results.text import (
     Status,
     force_unit,
@@ -125,14 +127,8 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     preload = max(0.0, -(clearance or 0.0))
     if "minimum_load" in dataset:
         if slip < -acceptable or Status.DRIVEN in status:
-            yield Row(
-                key="minimum_load",
-                label="minimum load",
-                unit="N",
-                text="not found",
-                rank=_KNOWN,
-                note="it is for a cage that lags",
-            )
+            note = "it is for a cage that lags"
+            yield attrs.evolve(UNCOMPUTED_MINIMUM_LOAD, text="not found", rank=_KNOWN, note=note)
         else:
             yield _minimum_load_row(dataset, acceptable, load, preload)
         if preload == 0.0 or float(dataset["minimum_load"]) > 0.0:
