@@ -176,9 +176,7 @@ class Figures(dict[str, "Figure"]):
         )
 
 
-def plot(
-    result: "xr.Dataset | dict[str, xr.Dataset]", width: str | float | None = None
-) -> Figures:
+def plot(result: "xr.Dataset | dict[str, xr.Dataset]", width: str | float | None = None) -> Figures:
     """Draw the figures of a result, to look at or to edit.
 
     Parameters
