@@ -299,21 +299,23 @@ def refuse_unreadable(*paths: str | os.PathLike[str]) -> Iterator[None]:
 
 def describe_defaults(datasets: "Iterable[xr.Dataset]") -> str:
     """Return values that ``rollslip new`` assumed, and the bearing's own cage, as text; without evaluated choices."""
-    assumed = dict[str, None]()
-    cages = dict[str, None]()
-    evaluated = set[str]()
-    for dataset in datasets:
-        assumed |= dict.fromkeys(json.loads(dataset.attrs.get("assumed", "[]")))
-        evaluated |= {item["key"] for item in json.loads(dataset.attrs.get("choices", "[]"))}
-        if (own_cage := dataset.attrs.get("own_cage")) and "cage.make" not in evaluated:
-            cages[f"cage {own_cage.partition(', ')[2].partition(';')[0]}"] = None
+    every = [dataset.attrs for dataset in datasets]
+    evaluated = {
+        item["key"] for values in every for item in json.loads(values.get("choices", "[]"))
+    }
+    assumed = dict.fromkeys(
+        key for values in every for key in json.loads(values.get("assumed", "[]"))
+    )
     names = [
         _NAMED.get(key, key.rpartition(".")[2]).replace("_", " ")
         for key in assumed
         if key not in evaluated
     ]
-    named = f"{', '.join(names)} as rollslip new has it" * bool(names)
-    return "; ".join(filter(None, (named, *cages)))
+    texts = [f"{', '.join(names)} as rollslip new has it"] if names else []
+    if "cage.make" not in evaluated:
+        cages = dict.fromkeys(filter(None, (values.get("own_cage") for values in every)))
+        texts += [f"cage {cage.partition(', ')[2].partition(';')[0]}" for cage in cages]
+    return "; ".join(texts)
 
 
 def with_assumptions(answer: Answer, dataset: "xr.Dataset") -> Answer:
