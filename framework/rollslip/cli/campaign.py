@@ -245,8 +245,8 @@ def _as_dict(requested: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
 
     if isinstance(requested, OfScene) and requested.resume_mode != "folder":
         return console.result_as_dict(dataset)
-    record = {"answer": answer(dataset).as_dict()} | with_units(
-        account_of(dataset).record(dataset), dataset
+    record = with_units(
+        {"answer": answer(dataset).as_dict(), **account_of(dataset).record(dataset)}, dataset
     )
     if not isinstance(requested, OfScene):
         return record

@@ -110,6 +110,8 @@ LOWER_BOUNDS: Final = "rolling resistance is not modelled: slip and torque are l
 
 #: Part of a warning that the row of the catalogue minimum loads repeats; the warning is left out beside the row.
 CATALOGUE_LOAD_WARNING: Final = "of SKF's catalogue minimum load"
+#: Key of the scene that such a warning names; an answer says "load" in its place.
+_LOAD: Final = "operation.radial_load"
 #: Fraction of the contact force outside the range of a law from which on the range counts as exceeded. Doubling it
 #: hides laws that are outside in up to 1 % of the force; chosen, so that slices with little load raise no warning.
 REPORTED_FROM: Final = 0.005
@@ -216,9 +218,9 @@ def describe_running(slip: float, skidding_slip: float, reserve: float, status: 
 
 
 def small_load_notes(warnings: Iterable[str]) -> list[str]:
-    """Return those of some warnings that the load is below SKF's catalogue minimum load, without the key."""
+    """Return those of some warnings that the load is below SKF's catalogue minimum load, without the keys."""
     return [
-        text.partition(" (bearing.catalogue)")[0]
+        f"load: {text.partition(_LOAD)[2].partition(' (bearing.catalogue)')[0].lstrip(':, ')}"
         for text in warnings
         if CATALOGUE_LOAD_WARNING in text
     ]

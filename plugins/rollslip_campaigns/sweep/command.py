@@ -224,7 +224,7 @@ def _print_sweep_json(
             "scene": planned.given.source,
             "sweep_hash": planned.hash,
             "study": planned.study,
-            "answer": answer(dataset).as_dict(),
+            "answer": with_units(answer(dataset).as_dict()),
             "run": with_units(run),
         }
         | with_units(account_of(dataset).record(dataset), dataset)
