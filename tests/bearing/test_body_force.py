@@ -322,7 +322,7 @@ def test_a_run_says_what_weight_leaves_out():
         "accuracy.tolerance": 0.05,
     }
     scene = slow(**few)
-    fraction = f"{100.0 * assemble(scene).weight_fraction:.2g} % of what presses them"
+    fraction = f"{100.0 * assemble(scene).weight_fraction:.2g} % of the mean contact load"
     assert run(scene, "effective-friction").attrs["warnings"].count(fraction) == 1
     for other in (
         slow(**few, **{"operation.gravity_direction": "0 deg"}),

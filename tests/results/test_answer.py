@@ -31,14 +31,13 @@ from rollslip.results.answer import (
     Note,
     Row,
     Verdict,
-    describe_case,
     evaluate_rule,
     is_as_bad,
     merge_answers,
     summarise_notes,
     with_verdict,
 )
-from rollslip.results.text import Status, format_rounded_up, percent
+from rollslip.results.text import Status, describe_case, format_rounded_up, percent
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
 from rollslip_studies.steady_slip.findings import reserve_row
 

@@ -25,10 +25,9 @@ from matplotlib.ticker import FixedLocator
 import motion_samples
 from rollslip.results.accounts import account_of
 from rollslip.results.accounts import answer as answer_of
-from rollslip.results.answer import align_columns
 from rollslip.results.dataset import with_present_names
 from rollslip.results.figures import plot
-from rollslip.results.text import collect_warnings, confidence, describe_more_bounds
+from rollslip.results.text import align_columns, collect_warnings, confidence, describe_more_bounds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

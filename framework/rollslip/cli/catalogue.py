@@ -46,7 +46,7 @@ def models(what: str | None, verbose: bool, as_json: bool) -> None:
 def explain(code: str, as_json: bool) -> None:
     """Explain the CODE of a note, such as W11, or of a rule of the verdict, such as V6."""
     from rollslip.cli.models import explained
-    from rollslip.results.answer import align_columns
+    from rollslip.results.text import align_columns
 
     if not code:
         raise click.UsageError(

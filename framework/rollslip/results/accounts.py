@@ -27,13 +27,13 @@ from rollslip.results.answer import (
     Row,
     Verdict,
     collect_notes,
-    describe_case,
     merge_answers,
 )
 from rollslip.results.curves import Curve, critical_rows, curves, json_value
 from rollslip.results.dataset import READ_ERRORS, shown_short, xr
 from rollslip.results.text import (
     LOWER_BOUNDS,
+    describe_case,
     percent,
     single_value_indices,
     single_values,

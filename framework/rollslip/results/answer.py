@@ -13,7 +13,6 @@
 import enum
 import json
 import math
-import re
 import shutil
 import textwrap
 from collections import ChainMap
@@ -27,7 +26,7 @@ import attrs
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import xr
 from rollslip.results.text import (
-    force_unit,
+    align_columns,
     format_plain,
     html_table,
     in_brackets,
@@ -47,9 +46,7 @@ __all__ = [
     "Row",
     "Rule",
     "Verdict",
-    "align_columns",
     "collect_notes",
-    "describe_case",
     "is_as_bad",
     "merge_answers",
     "summarise_notes",
@@ -114,10 +111,6 @@ _MIN_TABLE: Final = 5
 _WIDTH: Final = 100
 #: Smallest width for which lines are wrapped.
 _MIN_WIDTH: Final = 40
-#: Smallest width of the last column.
-_MIN_COLUMN_WIDTH: Final = 16
-#: Largest width of the last column.
-_MAX_COLUMN_WIDTH: Final = 1000
 #: Letters of the longest heading below the rows.
 _HEADING: Final = len("assumed")
 #: Option that shows notes in full -> what shows all assumptions.
@@ -650,46 +643,6 @@ def _disagree(row: Row, other: Row) -> bool:
     return abs(row.value - other.value) > largest * (row.tolerance + other.tolerance) + resolution
 
 
-# Case and assumptions -------------------------------------------------------------------------------------------------
-
-
-def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
-    """Return bearing, oil, speeds, load and temperature of a result in engineering units; empty if it has no scene.
-
-    What a campaign varies is left out.
-    """
-    attributes = dataset.attrs
-    operation = json.loads(attributes.get("scene_resolved", "{}")).get("operation")
-    if not operation:
-        return ()
-    bearings = [
-        item["name"]
-        for item in json.loads(attributes.get("data", "[]"))
-        if item["kind"] == "bearing"
-    ]
-    oil = json.loads(attributes.get("lubricant", "{}")).get("name", "")
-    oil = re.sub(r"^iso-vg-(\d+)$", r"ISO VG \1", oil)
-    if oil.startswith("mil-"):
-        oil = oil.upper()
-    inner, outer = (
-        operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer")
-    )
-    speed = f"{format_plain(inner)} rpm" + (
-        f" (outer ring {format_plain(outer)} rpm)" if outer else ""
-    )
-    load = operation["radial_load"]
-    unit, factor = force_unit(load)
-    parts = {
-        "bearing": bearings[0] if bearings else attributes.get("source", ""),
-        "lubricant.name": oil,
-        "operation.inner_speed": speed,
-        "operation.radial_load": f"{format_plain(load * factor)} {unit}",
-        "operation.temperature": f"{format_plain(operation['temperature'] - 273.15)} °C",
-    }
-    varied = {attributes.get("searched_key"), *json.loads(attributes.get("axes", "[]"))}
-    return tuple(text for key, text in parts.items() if text and key not in varied)
-
-
 # Notes ---------------------------------------------------------------------------------------------------------------
 
 
@@ -861,27 +814,3 @@ def _line(text: str, width: int, more: str) -> str:
     while len("; ".join(parts)) > room and len(parts) > 1:
         parts.pop()
     return textwrap.shorten("; ".join(parts), room, placeholder=" ...") + more
-
-
-def align_columns(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
-    """Return rows of texts as lines with aligned columns; the last column wraps.
-
-    Parameters
-    ----------
-    rows : sequence of tuples of str
-        Texts, as many in each row.
-    width : float
-        Width of lines; infinite for no wrapping.
-    """
-    if not rows:
-        return []
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]) - 1)]
-    lines = []
-    for row in rows:
-        before = "  " + "".join(
-            f"{text:<{size}}  " for text, size in zip(row, widths, strict=False)
-        )
-        room = int(min(max(width - len(before), _MIN_COLUMN_WIDTH), _MAX_COLUMN_WIDTH))
-        parts = textwrap.wrap(row[-1], room, break_on_hyphens=False, break_long_words=False) or [""]
-        lines += [(before if not k else " " * len(before)) + part for k, part in enumerate(parts)]
-    return [line.rstrip() for line in lines]

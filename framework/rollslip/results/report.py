@@ -34,7 +34,7 @@ from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation, as_bibtex
 from rollslip.results.account import Table
 from rollslip.results.accounts import account_of, answer
-from rollslip.results.answer import Answer, collect_notes, describe_case
+from rollslip.results.answer import Answer, collect_notes
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of, xr
 from rollslip.results.style import GROUND, INK, adapting
@@ -42,6 +42,7 @@ from rollslip.results.text import (
     capitalise,
     collect_warnings,
     confidence,
+    describe_case,
     describe_law_outputs,
     describe_more_bounds,
     html_table,

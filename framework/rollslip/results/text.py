@@ -3,7 +3,9 @@
 import enum
 import json
 import math
+import re
 import shlex
+import textwrap
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from html import escape
 from typing import Any, Final
@@ -25,9 +27,11 @@ __all__ = [
     "SMALLEST_SLIP",
     "SWITCHED_OFF",
     "Status",
+    "align_columns",
     "capitalise",
     "collect_warnings",
     "confidence",
+    "describe_case",
     "describe_estimated",
     "describe_law_outputs",
     "describe_more_bounds",
@@ -110,6 +114,10 @@ LOWER_BOUNDS: Final = "rolling resistance is not modelled: slip and torque are l
 
 #: Part of a warning that the row of the catalogue minimum loads repeats; the warning is left out beside the row.
 CATALOGUE_LOAD_WARNING: Final = "of SKF's catalogue minimum load"
+#: Smallest width of the last column.
+_MIN_COLUMN_WIDTH: Final = 16
+#: Largest width of the last column.
+_MAX_COLUMN_WIDTH: Final = 1000
 #: Key of the scene that such a warning names; an answer says "load" in its place.
 _LOAD: Final = "operation.radial_load"
 #: Fraction of the contact force outside the range of a law from which on the range counts as exceeded. Doubling it
@@ -628,3 +636,64 @@ def _cell(cell: object, head: str) -> str:
     """Return a cell with the heading of its column as an attribute, which narrow screens show before the cell."""
     lines = "<br/>".join(escape(str(item)) for item in as_list(cell))
     return f'<td data-of="{escape(head)}">{lines}</td>' if lines else "<td></td>"
+
+
+def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """Return bearing, oil, speeds, load and temperature of a result in engineering units; empty if it has no scene.
+
+    What a campaign varies is left out.
+    """
+    attributes = dataset.attrs
+    operation = json.loads(attributes.get("scene_resolved", "{}")).get("operation")
+    if not operation:
+        return ()
+    bearings = [
+        item["name"]
+        for item in json.loads(attributes.get("data", "[]"))
+        if item["kind"] == "bearing"
+    ]
+    oil = json.loads(attributes.get("lubricant", "{}")).get("name", "")
+    oil = re.sub(r"^iso-vg-(\d+)$", r"ISO VG \1", oil)
+    if oil.startswith("mil-"):
+        oil = oil.upper()
+    inner, outer = (
+        operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer")
+    )
+    speed = f"{format_plain(inner)} rpm" + (
+        f" (outer ring {format_plain(outer)} rpm)" if outer else ""
+    )
+    load = operation["radial_load"]
+    unit, factor = force_unit(load)
+    parts = {
+        "bearing": bearings[0] if bearings else attributes.get("source", ""),
+        "lubricant.name": oil,
+        "operation.inner_speed": speed,
+        "operation.radial_load": f"{format_plain(load * factor)} {unit}",
+        "operation.temperature": f"{format_plain(operation['temperature'] - 273.15)} °C",
+    }
+    varied = {attributes.get("searched_key"), *json.loads(attributes.get("axes", "[]"))}
+    return tuple(text for key, text in parts.items() if text and key not in varied)
+
+
+def align_columns(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
+    """Return rows of texts as lines with aligned columns; the last column wraps.
+
+    Parameters
+    ----------
+    rows : sequence of tuples of str
+        Texts, as many in each row.
+    width : float
+        Width of lines; infinite for no wrapping.
+    """
+    if not rows:
+        return []
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]) - 1)]
+    lines = []
+    for row in rows:
+        before = "  " + "".join(
+            f"{text:<{size}}  " for text, size in zip(row, widths, strict=False)
+        )
+        room = int(min(max(width - len(before), _MIN_COLUMN_WIDTH), _MAX_COLUMN_WIDTH))
+        parts = textwrap.wrap(row[-1], room, break_on_hyphens=False, break_long_words=False) or [""]
+        lines += [(before if not k else " " * len(before)) + part for k, part in enumerate(parts)]
+    return [line.rstrip() for line in lines]

@@ -205,11 +205,7 @@ def _next_steps(dataset: "xr.Dataset", failed: int) -> tuple[str, ...]:
     if failed:
         return ("rollslip sweep retry FOLDER --failed",)
     keys = axis_keys(dataset)
-    if (
-        dataset.attrs.get("swept") != "steady-slip"
-        or len(keys) != 1
-        or "steady_slip" not in dataset
-    ):
+    if len(keys) != 1 or "steady_slip" not in dataset:
         return ()
     ((dim, key),) = keys.items()
     slips = np.abs(dataset["steady_slip"].to_numpy())
@@ -219,13 +215,14 @@ def _next_steps(dataset: "xr.Dataset", failed: int) -> tuple[str, ...]:
     low, high = (_format_coordinate(dataset[dim][k]) for k in (0, -1))
     span = shlex.quote(f"{key}={low}:{high}")
     return (
-        f"rollslip limit {{scene}} --study steady-slip --over {span} --keep 'steady_slip<={100 * ACCEPTABLE:g} %'",
+        f"rollslip limit {{scene}} --study {dataset.attrs['swept']} --over {span} "
+        f"--keep 'steady_slip<={100 * ACCEPTABLE:g} %'",
     )
 
 
 def _skidding_points(dataset: "xr.Dataset") -> tuple[int, str]:
     """Return the number of points at which the cage skids by its steady slip, and the first of them in words."""
-    if dataset.attrs.get("swept") != "steady-slip" or "steady_slip" not in dataset:
+    if "steady_slip" not in dataset:
         return 0, ""
     slips = dataset["steady_slip"]
     reasons = _status_of(dataset, slips)

@@ -29,6 +29,7 @@ from rollslip_studies.steady_slip.play_findings import (
     describe_pockets,
     slip_without_play,
 )
+from rollslip_studies.steady_slip.play_findings import precise_percent as _percent
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -417,11 +418,6 @@ def _describe_inertia(dataset: "xr.Dataset") -> str:
         f"{other} inertia of the rollers' spin the torque that drives the cage would differ by up to "
         f"{_percent(effect)}"
     )
-
-
-def _percent(fraction: float) -> str:
-    """Return a fraction in per cent with three digits."""
-    return f"{100.0 * fraction:.3g} %"
 
 
 def _describe_steady_slips(dataset: "xr.Dataset") -> list[str]:

@@ -30,7 +30,7 @@ def describe_play(dataset: "xr.Dataset") -> list[str]:
     play = format_quantity(float(dataset.attrs["train_play"]), "m", 2)
     return [
         f"without a cage loaded rollers run ahead until the play of {play} is used up; then they slide with the set, "
-        f"which is slower by up to about another {_percent(slower)} than that slip"
+        f"which is slower by up to about another {precise_percent(slower)} than that slip"
     ]
 
 
@@ -42,13 +42,13 @@ def describe_pockets(dataset: "xr.Dataset") -> list[str]:
     if dataset["play_status"].item() != Status.FOUND:
         return [f"play in the pockets is left out: {dataset['play_status'].item()}"]
     return [
-        f"without play in the pockets the cage slip would be {_percent(slip)}: with it a roller drives the cage for "
-        f"{_percent(float(dataset['driving_fraction']))} of a turn, crosses its pocket for "
-        f"{_percent(float(dataset['crossing_fraction']))} and is pushed by the cage for "
-        f"{_percent(float(dataset['pushed_fraction']))}"
+        f"without play in the pockets the cage slip would be {precise_percent(slip)}: with it a roller drives "
+        f"the cage for {precise_percent(float(dataset['driving_fraction']))} of a turn, crosses its pocket for "
+        f"{precise_percent(float(dataset['crossing_fraction']))} and is pushed by the cage for "
+        f"{precise_percent(float(dataset['pushed_fraction']))}"
     ]
 
 
-def _percent(fraction: float) -> str:
+def precise_percent(fraction: float) -> str:
     """Return a fraction in per cent with three digits."""
     return f"{100.0 * fraction:.3g} %"
