@@ -36,6 +36,8 @@ EVERY = [
     for level in LEVELS
     for friction in FRICTIONS
 ]
+#: Steps that the scene states: choosing them takes most of the time of a plan.
+STEPS = {"integrator": "rk45", "relative_tolerance": 1e-5}
 RING = PlanarSettings(inner_ring_mass=5.0)
 
 
@@ -168,6 +170,7 @@ def test_steady_is_not_said_of_short_sparse_or_growing_slip():
 def test_a_steady_motion_has_a_reserve_to_skidding_and_a_verdict():
     """Also one that is steady on average: its error is the band of the slip."""
     settings = {"level": "pocket", "friction": "effective", "duration": "0.8 s", "points": 801}
+    settings |= STEPS
     scene = evolve(
         load_scene("gearbox"),
         {f"study.dynamics.{name}": value for name, value in settings.items()},
@@ -433,7 +436,7 @@ def test_a_result_says_what_it_holds_and_can_be_stored(level, tmp_path):
         SHIPPED,
         FAST
         | {"cage": {"mass": 0.4, "inertia": 3.3e-3, "drag": [brake(0.3)], "guidance": "outer"}}
-        | {"study.dynamics": {"level": level, "duration": 1e-3, "points": 3}}
+        | {"study.dynamics": {"level": level, "duration": 1e-3, "points": 3} | STEPS}
         | ({"study.dynamics.planar": {"inner_ring_mass": 5.0}} if level == "planar" else {}),
         si=True,
     )
