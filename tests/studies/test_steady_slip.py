@@ -732,7 +732,13 @@ def _hump(V, at, most):
 
 def test_the_first_of_two_maxima_of_the_torque_is_told():
     """Rollers without mass roll freely at half the sliding speed each, so that places follow from kinematics alone."""
-    found = run(dragged(MASSLESS, brake(0.1)), TwoHumps(), points=20, max_cage_slip=0.9)
+    found = run(
+        dragged(MASSLESS, brake(0.1)),
+        TwoHumps(),
+        points=20,
+        max_cage_slip=0.9,
+        acceptable_slip=None,
+    )
     k = bearing(MASSLESS, TwoHumps()).kinematics
     half = (
         0.5 * (k.inner_radius + k.outer_radius) * k.epicyclic_cage_speed
@@ -745,7 +751,9 @@ def test_the_first_of_two_maxima_of_the_torque_is_told():
     )
     (said,) = SteadySlipAccount.topics(found)["limit drag torque"]
     assert f"a larger one takes it to {100 * float(found.jump_slip):.3g} %" in said
-    one = run(dragged(MASSLESS, brake(0.1)), Peaked(), points=12, max_cage_slip=0.9)
+    one = run(
+        dragged(MASSLESS, brake(0.1)), Peaked(), points=12, max_cage_slip=0.9, acceptable_slip=None
+    )
     assert float(one.first_maximum_slip) == float(one.skidding_slip)
     assert "already" not in SteadySlipAccount.topics(one)["limit drag torque"][0]
 
@@ -1108,7 +1116,7 @@ def test_steady_slips_alone_are_those_of_the_whole_study(name):
     changes, count = SHORT_WAYS[name]
     scene = evolve(SHIPPED, {"accuracy.slices": 9, "models.approach": "dry", **changes}, si=True)
     assembly = assemble(scene)
-    study = SteadySlip(acceptable_slip=None)
+    study = SteadySlip(acceptable_slip=None, points=8)
     whole = study.completed(assembly, study.run(assembly))
     alone, _ = study.partial_result(assembly, frozenset({"steady_slip", "status"}))
     found = np.asarray(alone["steady_slip"][1])
