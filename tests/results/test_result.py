@@ -60,7 +60,7 @@ def test_what_was_interrupted_is_the_last_study_that_ran(scene, monkeypatch):
 def test_answer_notes_and_figures_are_those_of_all_studies(result):
     studies = [one.to_dataset() for one in result.studies.values()]
     assert result.answer == rollslip.answer(*studies)
-    assert (result.answer.verdict, result.answer["cage_slip"].study) == ("SLIPS", "steady-slip")
+    assert (result.answer.verdict, result.answer["cage_slip"].study) == ("UNKNOWN", "steady-slip")
     assert result.notes == result.answer.notes
     assert [*result.figures] == [name for one in studies for name in rollslip.plot(one)]
     stored = [text for one in studies for text in json.loads(one.attrs["warnings"])]
@@ -71,7 +71,7 @@ def test_answer_notes_and_figures_are_those_of_all_studies(result):
 def test_it_shows_its_answer_first_and_then_what_it_holds(result):
     assert repr(result).startswith(f"{result.answer}\n\n<xarray.Result>")
     page = result._repr_html_()
-    assert page.startswith('<div class="answer slips"><p><strong>SLIPS</strong> ')
+    assert page.startswith('<div class="answer unknown"><p><strong>UNKNOWN</strong> ')
     assert "<summary>data of effective-friction, steady-slip</summary>" in page
     assert pickle.loads(pickle.dumps(result)).answer == result.answer
 
@@ -79,7 +79,7 @@ def test_it_shows_its_answer_first_and_then_what_it_holds(result):
 def test_what_is_computed_from_it_shows_itself_as_a_dataset(result):
     inner = result.sel(ring="inner")
     assert repr(inner).startswith("<xarray.Result>")
-    assert "SLIPS" not in inner._repr_html_()
+    assert "<strong>UNKNOWN" not in inner._repr_html_()
     assert list(inner.studies) == ["effective-friction"]
 
 
