@@ -1207,6 +1207,8 @@ def test_no_word_is_cut_on_a_narrow_terminal(examples, capsys, monkeypatch):
 
 def test_code_of_the_page_runs(examples, capsys):
     (block,) = re.findall(r"^\.\. code-block:: python\n\n((?:(?:   .*)?\n)+)", PAGE, re.MULTILINE)
-    exec(re.sub(r"^   ", "", block, flags=re.MULTILINE), {})
+    names = {}
+    exec(re.sub(r"^   ", "", block, flags=re.MULTILINE), names)
     assert capsys.readouterr().out.endswith("determined\n")
-    assert (examples / "oil.toml").exists()
+    fitted = names["scene"].lubricant.data["eyring_stress"]
+    assert fitted == names["stress"].value.item()
