@@ -637,10 +637,9 @@ def _describe_minimum_load(dataset: "xr.Dataset") -> str:
             f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
             f"{status.removeprefix(Status.FOUND)}{_describe_band(dataset, 'minimum_load')}"
         )
-    makers, loads = (dataset[name].to_numpy() for name in ("maker", "makers_minimum_load"))
-    statuses = np.full(makers.shape, "")
-    if "makers_status" in dataset:
-        statuses = dataset["makers_status"].to_numpy()
+    makers, loads, statuses = (
+        dataset[name].to_numpy() for name in ("maker", "makers_minimum_load", "makers_status")
+    )
     catalogue = ", ".join(
         f"{format_quantity(float(load), 'N', 3)} ({maker}{_at_rest(status)})"
         for maker, load, status in zip(makers, loads, statuses, strict=True)
