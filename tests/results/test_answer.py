@@ -600,7 +600,7 @@ def test_ten_scenes_answer_as_recorded(ten):
 def test_ten_answers_are_short_narrow_and_begin_with_the_verdict(ten):
     verdicts = {name: text.split()[0] for name, text in ten.items()}
     assert verdicts == {
-        "safe": "OK", "slips": "SLIPS", "skids": "SKIDS", "preloaded": "OK", "slow": "OK", "fast": "SKIDS",
+        "safe": "OK", "slips": "UNKNOWN", "skids": "SKIDS", "preloaded": "OK", "slow": "OK", "fast": "SKIDS",
         "starved": "SKIDS", "both-rings": "SLIPS", "own": "SKIDS", "shipped": "OK",
     }  # fmt: skip
     for name, text in ten.items():

@@ -768,10 +768,8 @@ def _shortened(
     yield from _popped(table, _MIN_TABLE)
     yield from _popped(assumed, 2)
     yield
-    notes[:] = [_line(text, width, more) for text in notes]
-    assumed[:] = [
-        textwrap.shorten(text, width - _HEADING - 4, placeholder=" ...") for text in assumed
-    ]
+    for texts in (assumed, notes):
+        texts[:] = [_line(text, width, more) for text in texts]
     yield
     room = max(
         width - sum(max((len(row[k]) for row in rows), default=0) + 2 for k in (0, 1)) - 2, 4
