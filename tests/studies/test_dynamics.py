@@ -480,6 +480,9 @@ mass = "0.4 kg"
 inertia = "3.3e-3 kg m2"
 drag = ["petroff-land"]
 guidance = "outer"
+[accuracy]
+slices = 3
+tolerance = 0.05
 [study.dynamics]
 duration = "1 ms"
 """
