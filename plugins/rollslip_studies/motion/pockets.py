@@ -46,12 +46,12 @@ PERIODIC: Final = 1e-6
 #: Largest number of turns of the cage. Half and twice as many change nothing, ten a slip by 1.7 %: fast rollers without
 #: rolling resistance need many, most others two or three.
 _MAX_TURNS: Final = 200
-#: Error of the table of friction, relative to the largest friction. Half of it changes slips by up to 7e-4, and cannot
-#: be reached in one bearing, twice as much by up to 2.2e-3; chosen.
-FRICTION_TOLERANCE: Final = 1e-2
-#: The same where that cannot be reached, as with few slices under heavy load. It changes slips of nine bearings by up
-#: to 1.0e-3, and those without play by up to 3 %; three times the value by up to 2.1 %.
-_COARSE_TOLERANCE: Final = 3e-2
+#: Error of the table of friction, relative to the largest friction. Twice as much changes slips of twelve bearings by
+#: up to 1.0e-2, four fifths of it by up to 1.3e-3, and cannot be reached in one of them; chosen.
+FRICTION_TOLERANCE: Final = 5e-3
+#: The same, one after the other, where that cannot be reached, as with few slices under heavy load. The last one
+#: changes slips of nine bearings by up to 1.0e-3, and those without play by up to 3 %; three times it by up to 2.1 %.
+_COARSE_TOLERANCES: Final = (1e-2, 3e-2)
 #: Number of loads that stand for the slices of a roller at the nodes of that table. Half as many change slips by up
 #: to 1.3e-2, twice as many by up to 8e-4; chosen, as in the search for the loading branch.
 _N_LOADS: Final = 8
@@ -328,7 +328,7 @@ def balance_with_play(
     if reason := reason_without_play(balance):
         return None, reason
     try:
-        for tolerance in (FRICTION_TOLERANCE, _COARSE_TOLERANCE):
+        for tolerance in (FRICTION_TOLERANCE, *_COARSE_TOLERANCES):
             pockets = Pockets(balance.assembly, tolerance=tolerance, fully_loaded=fully_loaded)
             if not pockets.reason:
                 return BalanceWithPlay(balance, pockets), ""
