@@ -14,7 +14,6 @@ from rollslip.results.answer import MAX_ROWS, Answer, Row
 from rollslip.results.curves import json_value
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.text import two_digits
-from rollslip.units import format_quantity
 
 #: Label of the choice of the plan.
 PLANNED: Final = "as planned"
@@ -147,7 +146,7 @@ class ParetoAccount(Account):
 
     @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:
-        """Return sentences on the measurement of times, the fronts, and the choice of the plan."""
+        """Return sentences on the measurement of times, and on tolerance and floor of each result."""
         rounds = int(dataset.attrs["rounds"])
         sentences = [*json.loads(dataset.attrs["notes"])]
         sentences.append(
@@ -158,7 +157,7 @@ class ParetoAccount(Account):
         )
         for study, part in studies(dataset):
             for j, name in enumerate(part["result"].values):
-                sentences += _describe_result(part.isel(result=j), f"{study}, {name}", rounds)
+                sentences.append(_describe_result(part.isel(result=j), f"{study}, {name}"))
         return sentences
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
@@ -304,96 +303,21 @@ def _error_text(part: "xr.Dataset", row: int, result: int) -> str:
     return _percent(error, float(part["floor"][result]))
 
 
-def _describe_result(part: "xr.Dataset", name: str, rounds: int) -> list[str]:
-    """Return sentences on the front of a result, the choice of the plan and the cheapest within the tolerance."""
-    tolerance = float(part["tolerance"])
-    labels = part["label"].to_numpy()
-    time = part["seconds"].to_numpy()
-    error = np.maximum(part["error"].to_numpy(), float(part["floor"]))
+def _describe_result(part: "xr.Dataset", name: str) -> str:
+    """Return what no table says of a result: its tolerance, the floor of its errors, and the error of its models."""
+    finest = part.isel(choice=np.flatnonzero(part["label"].to_numpy() == REFERENCE)[0])
+    if np.isnan(finest["error"]):
+        return f"{name}: the finest finds none, so there is no error"
+    sentence = f"{name}: the scene allows an error of {_percent(float(part['tolerance']))}"
     floor = float(part["floor"])
-    planned = int(np.flatnonzero(labels == PLANNED)[0])
-    reference = int(np.flatnonzero(labels == REFERENCE)[0])
-    if np.isnan(part["error"].to_numpy()[reference]):
-        return [f"{name}: the finest finds none, so there is no error"]
-    rows = np.flatnonzero(part["on_front"].to_numpy())
-    rows = rows[np.argsort(time[rows], kind="stable")]
-    if not rows.size:
-        return [f"{name}: no numerical choice finds it"]
-
-    def point(row: Any, label: str = "") -> str:
-        seconds = format_quantity(float(time[row]), "s", 3)
-        return f"{label or labels[row]} ({seconds}, {_percent(error[row], floor)})"
-
-    numerical = rows_of_kinds(part, "numerical")
-    sentence = f"{name}: {rows.size} of {numerical.size} numerical choices are on the front, " + (
-        f"from {point(rows[0])} to {point(rows[-1])}" if rows.size > 1 else point(rows[0])
-    )
-    sentences = [
-        sentence if floor <= ROUNDING else f"{sentence}; errors below {floor:.0e} are not known"
-    ]
-    better = [
-        k
-        for k in rows
-        if k != planned and error[k] <= error[planned] and is_faster(part, k, planned)
-    ]
-    if np.isnan(error[planned]):
-        sentences.append(
-            f"{name}: the plan's choice has no error: {part['error_status'].to_numpy()[planned]}"
+    if floor > ROUNDING:
+        sentence += f"; errors below {floor:.0e} are not known"
+    own = float(finest["difference"])
+    if "modelling" in part["kind"].to_numpy() and np.isfinite(own):
+        sentence += (
+            f"; the finest of the scene's models is {_percent(own, floor)} from the exact model"
         )
-    elif better and rounds > 1:
-        best = min(better, key=lambda k: float(time[k]))
-        low = float(part["seconds_low"][planned]) / float(part["seconds_high"][best])
-        high = float(part["seconds_high"][planned]) / float(part["seconds_low"][best])
-        sentences.append(
-            f"{name}: {point(best)} is {low:.2g} to {high:.2g} times as fast as "
-            f"{point(planned, 'the plan')} and no less exact"
-        )
-    elif rounds > 1:
-        sentences.append(
-            f"{name}: no choice is faster in every round than {point(planned, 'the plan')} and no less exact"
-        )
-    within = [k for k in numerical if error[k] <= tolerance and not np.isnan(time[k])]
-    sentences.append(
-        f"{name}: within the scene's tolerance of {_percent(tolerance)} {point(within[0])} is cheapest"
-        if within
-        else f"{name}: no numerical choice is within the scene's tolerance of {_percent(tolerance)}"
-    )
-    return [*sentences, *_describe_models(part, name, planned, reference, rounds)]
-
-
-def _describe_models(
-    part: "xr.Dataset", name: str, planned: int, reference: int, rounds: int
-) -> list[str]:
-    """Return sentences on other models and films: differences, and times over that of the plan."""
-    difference = part["difference"].to_numpy()
-    statuses = part["difference_status"].to_numpy()
-    floor = float(part["floor"])
-
-    def list_choices(kind: str) -> str:
-        texts = []
-        for k in rows_of_kinds(part, kind):
-            text = str(statuses[k])
-            if not np.isnan(difference[k]):
-                text = _percent(difference[k], floor)
-                if rounds > 1 and (is_faster(part, k, planned) or is_faster(part, planned, k)):
-                    text += f" in {float(part['seconds'][k] / part['seconds'][planned]):.2g} times the time"
-            if k != planned:
-                texts.append(f"{part['label'].values[k]} {text}")
-        return "; ".join(texts)
-
-    own = (
-        "has none"
-        if np.isnan(difference[reference])
-        else f"is {_percent(difference[reference], floor)} from it"
-    )
-    laws = list_choices("modelling")
-    films = list_choices("film")
-    sentences = []
-    if laws:
-        sentences.append(
-            f"{name}, from the exact model, as finely as planned: {laws}; the finest of the scene's {own}"
-        )
-    return [*sentences, f"{name}, from the scene's own film: {films}"] if films else sentences
+    return sentence
 
 
 def _percent(fraction: float, floor: float = 0.0) -> str:
