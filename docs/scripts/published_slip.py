@@ -19,7 +19,8 @@ def main():
     rows = []
     for said in PUBLISHED.statements:
         judged = evaluate_statement(PUBLISHED, said, AS_STATED)
-        rows.append((said.text, said.by_whom, judged.found.replace(", ", "; "), judged.verdict))
+        found = judged["statement_found"].replace(", ", "; ")
+        rows.append((said.text, said.by_whom, found, judged["statement_verdict"]))
         print(*rows[-1], sep=" | ", flush=True)
     for at in (70, 50, 30):
         cold = {"operation.temperature": f"{at} degC"}

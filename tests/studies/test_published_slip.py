@@ -16,7 +16,7 @@ from rollslip_campaigns.validation.validate import AS_STATED, evaluate_statement
 def test_slip_goes_the_way_that_is_published(said, pockets):
     scene = evolve(said.scene, {"study.steady-slip.pockets": pockets})
     judged = evaluate_statement(PUBLISHED, attrs.evolve(said, scene=scene), AS_STATED)
-    assert judged.verdict == "held", judged.found
+    assert judged["statement_verdict"] == "held", judged["statement_found"]
 
 
 def test_there_are_twelve_statements_each_with_its_source():

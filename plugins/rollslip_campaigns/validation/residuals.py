@@ -8,8 +8,8 @@
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Final
+from collections.abc import Sequence
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -25,9 +25,6 @@ from rollslip_campaigns.validation.findings import (
 )
 
 __all__ = [
-    "RowResult",
-    "SeriesResult",
-    "StatementResult",
     "Value",
     "check_statement",
     "compare_series",
@@ -62,62 +59,14 @@ class Value:
     seconds: float
 
 
-@attrs.frozen(kw_only=True)
-class RowResult:
-    """Comparison of a measured row with calculated values; limits are those of 95 % bands."""
-
-    data_set: str
-    series: str
-    models: str
-    quantity: str
-    unit: str
-    condition: str
-    measured: float
-    uncertainty: float
-    calculated: float
-    calculated_low: float
-    calculated_high: float
-    ratio: float
-    ratio_low: float
-    ratio_high: float
-    verdict: str
-    status: str
-    seconds: float
-
-
-@attrs.frozen(kw_only=True)
-class SeriesResult:
-    """Comparison of a series as a whole: chi-square is NaN where `status` says why."""
-
-    data_set: str
-    series: str
-    models: str
-    chi2: float
-    freedom: int
-    probability: float
-    status: str
-
-
-@attrs.frozen(kw_only=True)
-class StatementResult:
-    """Verdict on a statement under some models, and the calculated values."""
-
-    data_set: str
-    models: str
-    text: str
-    by: str
-    verdict: str
-    found: str
-
-
 def compare_series(
     labels: tuple[str, str, str],
     series: Series,
     nominal: Sequence[Value],
     samples: Array,
     note: str,
-) -> tuple[list[RowResult], SeriesResult]:
-    """Return the comparison of each row of a series, and that of the whole series.
+) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """Return the variables of each row of a series, and those of the whole series, by name (see `.validate`).
 
     Parameters
     ----------
@@ -132,16 +81,15 @@ def compare_series(
     note : str
         Status of the whole series, where there is one already.
     """
-    named = dict(zip(("data_set", "series", "models"), labels, strict=True))
+    of_row = dict(zip(("row_data_set", "row_series", "row_models"), labels, strict=True))
+    of_group = dict(zip(("group_data_set", "group_series", "group_models"), labels, strict=True))
     return (
-        [_row(named, series, k, value, samples[:, k]) for k, value in enumerate(nominal)],
-        _series(named, series, nominal, samples, note),
+        [of_row | _row(series, k, value, samples[:, k]) for k, value in enumerate(nominal)],
+        of_group | _series(series, nominal, samples, note),
     )
 
 
-def _row(
-    named: Mapping[str, str], series: Series, k: int, value: Value, samples: Array
-) -> RowResult:
+def _row(series: Series, k: int, value: Value, samples: Array) -> dict[str, Any]:
     """Return the comparison of row k with its calculated value and samples, (samples,)."""
     from scipy.special import ndtri
 
@@ -168,23 +116,22 @@ def _row(
     else:
         status = status or f"{unknown:.0%} of the samples have no value"
     ratio = value.value / row.measured if row.measured else math.nan
-    return RowResult(
-        **named,
-        quantity=series.quantity,
-        unit=series.unit,
-        condition=row.label,
-        measured=row.measured,
-        uncertainty=row.uncertainty,
-        calculated=value.value,
-        calculated_low=band[0],
-        calculated_high=band[1],
-        ratio=ratio,
-        ratio_low=ratio_band[0],
-        ratio_high=ratio_band[1],
-        verdict=verdict,
-        status=status,
-        seconds=value.seconds,
-    )
+    return {
+        "row_quantity": series.quantity,
+        "row_unit": series.unit,
+        "row_condition": row.label,
+        "measured": row.measured,
+        "uncertainty": row.uncertainty,
+        "calculated": value.value,
+        "calculated_low": band[0],
+        "calculated_high": band[1],
+        "ratio": ratio,
+        "ratio_low": ratio_band[0],
+        "ratio_high": ratio_band[1],
+        "row_verdict": verdict,
+        "row_status": status,
+        "seconds": value.seconds,
+    }
 
 
 def _quantiles(values: Array) -> tuple[float, float]:
@@ -193,9 +140,7 @@ def _quantiles(values: Array) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _series(
-    named: Mapping[str, str], series: Series, nominal: Sequence[Value], samples: Array, note: str
-) -> SeriesResult:
+def _series(series: Series, nominal: Sequence[Value], samples: Array, note: str) -> dict[str, Any]:
     """Return chi-square of a series, with the covariance of its samples."""
     from scipy.special import chdtrc
 
@@ -214,16 +159,22 @@ def _series(
             f"{_SAMPLES_PER_ROW} a row"
         )
     if status:
-        return SeriesResult(
-            **named, chi2=math.nan, freedom=count, probability=math.nan, status=note or status
-        )
+        return {
+            "chi2": math.nan,
+            "freedom": count,
+            "probability": math.nan,
+            "chi2_status": note or status,
+        }
     covariance = np.diag(sigma**2)
     if len(samples):
         covariance = covariance + np.atleast_2d(np.cov(samples, rowvar=False))
     chi2 = float(deviations @ np.linalg.solve(covariance, deviations))
-    return SeriesResult(
-        **named, chi2=chi2, freedom=count, probability=float(chdtrc(count, chi2)), status=note
-    )
+    return {
+        "chi2": chi2,
+        "freedom": count,
+        "probability": float(chdtrc(count, chi2)),
+        "chi2_status": note,
+    }
 
 
 def check_statement(statement: Statement, values: Array) -> str:

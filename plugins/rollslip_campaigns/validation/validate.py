@@ -46,9 +46,6 @@ from rollslip_campaigns.validation.findings import UNDETERMINED, format_value
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import Predictions, measurement_named, predictions_of
 from rollslip_campaigns.validation.residuals import (
-    RowResult,
-    SeriesResult,
-    StatementResult,
     Value,
     check_statement,
     compare_series,
@@ -195,9 +192,9 @@ def run_validation(
         Receives the progress: a text, and the fraction that is done.
     """
     start = time.perf_counter()
-    rows = list[RowResult]()
-    groups = list[SeriesResult]()
-    statements = list[StatementResult]()
+    rows = list[dict[str, Any]]()
+    groups = list[dict[str, Any]]()
+    statements = list[dict[str, Any]]()
     warnings = list[str]()
     parts = [
         (measurement, part, combination)
@@ -247,7 +244,7 @@ def _compare_models(
     series: Series,
     combination: Combination,
     warnings: list[str],
-) -> tuple[list[RowResult], SeriesResult]:
+) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """Return the comparison of a series with models; notes are added to `warnings`, an error is the status."""
     labels = (measurement.name, series.name, combination.label)
     try:
@@ -414,8 +411,8 @@ def _sample_oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str
 
 def evaluate_statement(
     measurement: Measurement, statement: Statement, combination: Combination
-) -> StatementResult:
-    """Return the verdict on a statement of a data set under some models, and the calculated values.
+) -> dict[str, Any]:
+    """Return the variables of a statement of a data set under some models, by name: verdict and calculated values.
 
     Parameters
     ----------
@@ -427,10 +424,10 @@ def evaluate_statement(
         The models.
     """
     labels = {
-        "data_set": measurement.name,
-        "models": combination.label,
-        "text": statement.text,
-        "by": statement.by_whom,
+        "statement_data_set": measurement.name,
+        "statement_models": combination.label,
+        "statement_text": statement.text,
+        "statement_by": statement.by_whom,
     }
     assert statement.scene is not None
     try:
@@ -445,7 +442,8 @@ def evaluate_statement(
             for step in statement.steps
         ]
     except RollslipError as error:
-        return StatementResult(**labels, verdict=UNDETERMINED, found=str(error).splitlines()[0])
+        reason = str(error).splitlines()[0]
+        return labels | {"statement_verdict": UNDETERMINED, "statement_found": reason}
     texts = list[str]()
     for step, value in zip(statement.steps, values, strict=True):
         text = f"no value ({value.reason.partition(';')[0]})"
@@ -453,81 +451,75 @@ def evaluate_statement(
             quantity = step.quantity or statement.quantity
             text = format_value(value.value, statement.unit, quantity)
         texts.append(f"{step.text}: {text}")
-    return StatementResult(
-        **labels,
-        verdict=check_statement(statement, np.array([value.value for value in values])),
-        found=", ".join(texts),
-    )
+    verdict = check_statement(statement, np.array([value.value for value in values]))
+    return labels | {"statement_verdict": verdict, "statement_found": ", ".join(texts)}
 
 
 # Dataset ------------------------------------------------------------------------------------------------------------
 
-#: Field of a row, unit and meaning of each variable.
-_ROW_VARIABLES: Final[Mapping[str, tuple[str, str, str]]] = {
-    "row_data_set": ("data_set", "1", "data set"),
-    "row_series": ("series", "1", "series"),
-    "row_models": ("models", "1", "models"),
-    "row_quantity": ("quantity", "1", "quantity"),
-    "row_unit": ("unit", "1", "unit"),
-    "row_condition": ("condition", "1", "condition"),
-    "row_verdict": ("verdict", "1", "verdict"),
-    "row_status": ("status", "1", "status"),
-    "measured": ("measured", "see row_unit", "measured value, in the unit of the row"),
-    "uncertainty": ("uncertainty", "see row_unit", "standard uncertainty of it"),
-    "calculated": ("calculated", "see row_unit", "calculated value"),
-    "calculated_low": ("calculated_low", "see row_unit", "lower end of its 95 % band"),
-    "calculated_high": ("calculated_high", "see row_unit", "upper end of its 95 % band"),
-    "ratio": ("ratio", "1", "calculated over measured"),
-    "ratio_low": ("ratio_low", "1", "lower end of its 95 % band"),
-    "ratio_high": ("ratio_high", "1", "upper end of its 95 % band"),
-    "seconds": ("seconds", "s", "time of one value"),
+#: Name of a variable -> its type, unit and meaning.
+_Variables = Mapping[str, tuple[type, str, str]]
+#: Type, unit and meaning of each variable of a row.
+_ROW_VARIABLES: Final[_Variables] = {
+    "row_data_set": (object, "1", "data set"),
+    "row_series": (object, "1", "series"),
+    "row_models": (object, "1", "models"),
+    "row_quantity": (object, "1", "quantity"),
+    "row_unit": (object, "1", "unit"),
+    "row_condition": (object, "1", "condition"),
+    "row_verdict": (object, "1", "verdict"),
+    "row_status": (object, "1", "status"),
+    "measured": (float, "see row_unit", "measured value, in the unit of the row"),
+    "uncertainty": (float, "see row_unit", "standard uncertainty of it"),
+    "calculated": (float, "see row_unit", "calculated value"),
+    "calculated_low": (float, "see row_unit", "lower end of its 95 % band"),
+    "calculated_high": (float, "see row_unit", "upper end of its 95 % band"),
+    "ratio": (float, "1", "calculated over measured"),
+    "ratio_low": (float, "1", "lower end of its 95 % band"),
+    "ratio_high": (float, "1", "upper end of its 95 % band"),
+    "seconds": (float, "s", "time of one value"),
 }
-#: Field of a series as a whole, unit and meaning of each variable.
-_SERIES_VARIABLES: Final[Mapping[str, tuple[str, str, str]]] = {
-    "group_data_set": ("data_set", "1", "data set"),
-    "group_series": ("series", "1", "series"),
-    "group_models": ("models", "1", "models"),
-    "chi2": ("chi2", "1", "chi-square with the covariance of samples"),
-    "freedom": ("freedom", "1", "rows"),
-    "probability": ("probability", "1", "chance of a larger one"),
-    "chi2_status": ("status", "1", "why there is none"),
+#: Type, unit and meaning of each variable of a series as a whole; chi-square is NaN where its status says why.
+_SERIES_VARIABLES: Final[_Variables] = {
+    "group_data_set": (object, "1", "data set"),
+    "group_series": (object, "1", "series"),
+    "group_models": (object, "1", "models"),
+    "chi2": (float, "1", "chi-square with the covariance of samples"),
+    "freedom": (int, "1", "rows"),
+    "probability": (float, "1", "chance of a larger one"),
+    "chi2_status": (object, "1", "why there is none"),
 }
-#: Field of a statement, unit and meaning of each variable.
-_STATEMENT_VARIABLES: Final[Mapping[str, tuple[str, str, str]]] = {
-    f"statement_{name}": (name, "1", name)
+#: Type, unit and meaning of each variable of a statement.
+_STATEMENT_VARIABLES: Final[_Variables] = {
+    f"statement_{name}": (object, "1", name)
     for name in ("data_set", "models", "text", "by", "verdict", "found")
 }
 
 
 def _variables(
-    dim: str, cls: type, results: Sequence[Any], columns: Mapping[str, tuple[str, str, str]]
+    dim: str, results: Sequence[Mapping[str, Any]], columns: _Variables
 ) -> dict[str, Any]:
-    """Return variables over a dimension, each from a field of some results."""
-    kinds = {field.name: object if field.type is str else field.type for field in attrs.fields(cls)}
+    """Return variables over a dimension, each from the values of some results."""
     return {
-        name: (
-            dim,
-            np.array([getattr(result, field) for result in results], dtype=kinds[field]),
-            about(unit, meaning),
-        )
-        for name, (field, unit, meaning) in columns.items()
+        name: (dim, np.array([row[name] for row in results], dtype=kind), about(unit, meaning))
+        for name, (kind, unit, meaning) in columns.items()
     }
 
 
 def _dataset(
     plan: Validation,
-    rows: list[RowResult],
-    groups: list[SeriesResult],
-    statements: list[StatementResult],
+    rows: list[dict[str, Any]],
+    groups: list[dict[str, Any]],
+    statements: list[dict[str, Any]],
     warnings: list[str],
     seconds: float,
 ) -> "xr.Dataset":
     """Return the result: rows, series and statements, with data sets and citations."""
     dataset = xr.Dataset(
         {
-            **_variables("row", RowResult, rows, _ROW_VARIABLES),
-            **_variables("group", SeriesResult, groups, _SERIES_VARIABLES),
-            **_variables("statement", StatementResult, statements, _STATEMENT_VARIABLES),
+            **_variables("row", rows, _ROW_VARIABLES),
+            **_variables("group", groups, _SERIES_VARIABLES),
+            **_variables("statement", statements, _STATEMENT_VARIABLES),
         }
     )
     requested = {
