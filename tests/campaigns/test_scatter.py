@@ -288,7 +288,7 @@ def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
         row = one.sel(probability=p)
         assert row.quantile_low < exact < row.quantile_high
         assert float(row.quantile_value) == pytest.approx(exact, rel=0.06 if p == 0.01 else 0.02)
-    assert "the rollers carry at least" in findings.describe_reserve(found)
+    assert "the rollers carry at least" in findings.describe_quantity(found, "drag reserve")
     assert float(found.skidding) == 0.0
     assert float(found.rank_correlation.sel(acted="drag reserve")[0]) == pytest.approx(-1.0)
     assert float(found.rank_correlation.sel(acted="steady slip")[0]) == pytest.approx(1.0)
@@ -318,7 +318,8 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     reserves = found.value.sel(quantity="drag reserve").to_numpy()
     assert np.array_equal(np.isinf(slips), reserves < 1.0)
     assert np.isfinite(reserves).all()
-    assert "of the samples the cage skids" in findings.describe_reserve(found)
+    told = findings.UncertaintyAccount.topics(found)["drag reserve"]
+    assert "of the samples the cage skids" in " ".join(told)
     json.dumps(findings.UncertaintyAccount.record(found), allow_nan=False)
 
 

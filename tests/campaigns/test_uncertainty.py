@@ -330,14 +330,10 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(
     found, said = _of_points(points, monkeypatch, tmp_path / "made", **options)
     assert float(found.allowable_slip) == np.inf
     _, first, *_, indices = account_of(found).sentences(found)
-    begin = (
-        "the allowable slip lies beyond the range of slips, 95 %: so does the slip at which skidding begins with "
-        "probability 0.9"
-        + (
-            "; 8 samples are too few for a confidence limit"
-            if count == 8
-            else " (95 % interval: beyond the range too"
-        )
+    begin = "the cage does not skid up to a slip of more than the range, with probability 0.9 " + (
+        "(8 samples are too few for a confidence limit"
+        if count == 8
+        else "(95 % interval: from more than the range on"
     )
     assert first.startswith(begin)
     assert first.endswith("look further with --set study.effective-friction.skidding_range=0.99")
@@ -374,7 +370,7 @@ def _words(path):
 
 @pytest.mark.parametrize(
     ("status", "said"),
-    [("ok", " to more than the range, 64 samples)"), ("crashed", "; 64 samples")],
+    [("ok", " % on, 64 samples)"), ("crashed", "(64 samples are too few")],
 )
 def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not(
     status, said, tmp_path, monkeypatch
@@ -387,7 +383,7 @@ def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not
 
     found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, probability=0.5)
     _, first, *_ = account_of(found).sentences(found)
-    assert first.startswith("a cage that slips by at most ")
+    assert first.startswith("the cage does not skid up to a slip of ")
     assert said in first
 
 
@@ -541,7 +537,7 @@ def test_the_command_writes_result_figures_and_report(tmp_path):
         [*arguments, "--indices", "4", "--probability", "0.5", "--out", str(out), "--report", "-v"],
     )
     assert done.exit_code == 0, done.output
-    assert "does not skid, with probability 0.5" in done.output
+    assert "the cage does not skid up to a slip of " in done.output
     assert {path.name for path in out.glob("*.*")} >= {
         "uncertainty.nc", "uncertainty.svg", "uncertainty-indices.svg", "report.html",
     }  # fmt: skip
@@ -568,8 +564,7 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     assert done.exit_code == 4, done.output
     assert "8 samples: none has a result" in done.output
     assert (
-        "the allowable slip is not known: none of 8 samples says where skidding begins"
-        in done.output
+        "the slip at which skidding begins is not known: none of 8 samples has one" in done.output
     )
     assert "all 8 samples failed" in _words(out / "uncertainty.svg")
     again = re.search(
@@ -581,7 +576,7 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     assert not done.exit_code, done.output
     done = CliRunner().invoke(cli, [*own, "--out", str(out)])
     assert not done.exit_code, done.output
-    assert "a cage that slips by at most" in done.output
+    assert "the cage does not skid up to a slip of " in done.output
 
 
 def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):

@@ -26,9 +26,8 @@ from rollslip_campaigns.uncertainty.findings import (
     RESERVE,
     SKIDDING,
     STEADY,
-    describe_allowable_slip,
     describe_margin,
-    describe_reserve,
+    describe_quantity,
 )
 
 __all__ = ["uncertainty_figures"]
@@ -39,10 +38,12 @@ def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figu
     if RESERVE in dataset["quantity"].to_numpy():
         yield (
             "uncertainty-reserve",
-            f"Drag reserve: {describe_reserve(dataset)}.",
+            f"Drag reserve: {describe_quantity(dataset, RESERVE)}.",
             _reserve(dataset),
         )
-    sentence = describe_margin(dataset) if "margin" in dataset else describe_allowable_slip(dataset)
+    sentence = describe_quantity(dataset, SKIDDING)
+    if "margin" in dataset:
+        sentence = describe_margin(dataset)
     yield "uncertainty", f"Margin of cage slip: {sentence}.", _margin(dataset)
     if np.isfinite(dataset["rank_correlation"].to_numpy()).any():
         yield (

@@ -24,7 +24,7 @@ from rollslip.results.text import (
 )
 from rollslip.units import format_quantity
 
-__all__ = ["UncertaintyAccount", "describe_allowable_slip", "describe_margin", "describe_reserve"]
+__all__ = ["UncertaintyAccount", "describe_margin", "describe_quantity"]
 
 #: Names of the quantities, values of the coordinate "quantity"; users act on the first three.
 RESERVE: Final = "drag reserve"
@@ -37,6 +37,15 @@ DRAG: Final = "limit drag torque"
 QUANTITY_UNITS: Final = {LOAD: "N", DRAG: "N m"}
 #: Quantity -> text of an infinite value, where it is not a slip.
 _INFINITE: Final = {RESERVE: "without limit", LOAD: "more than any", DRAG: "beyond the range"}
+#: Quantities that are to be small: their bound is an upper one. Every other quantity is to be at least its bound.
+_UPPER: Final = (STEADY, LOAD)
+#: Quantity -> sentence on its bound.
+_SENTENCES: Final = {
+    RESERVE: "the rollers carry at least {bound} the drag of the scene",
+    STEADY: "the cage slips by up to {bound}",
+    LOAD: "the slip is acceptable from a radial load of {bound} on",
+    SKIDDING: "the cage does not skid up to a slip of {bound}",
+}
 #: Prefix of the column heads in the sheet of inputs.
 RANKED: Final = "rank correlation with "
 #: Rank (`rollslip.results.answer.Row.rank`) of a band that comes from samples: of several results about one quantity
@@ -98,7 +107,7 @@ class UncertaintyAccount(Account):
                 key="cage_slip",
                 label="cage slip",
                 text="not found",
-                note=_describe_steady_slip(dataset),
+                note=describe_quantity(dataset, STEADY),
             ),
             Row(
                 key="drag_reserve",
@@ -154,14 +163,14 @@ class UncertaintyAccount(Account):
         topics = dict[str, list[str]]()
         if RESERVE in quantities:
             topics |= {
-                RESERVE: [describe_reserve(dataset)],
-                STEADY: [_describe_steady_slip(dataset)],
+                RESERVE: [describe_quantity(dataset, RESERVE), *_describe_lower_bounds(dataset)],
+                STEADY: [describe_quantity(dataset, STEADY), *_describe_acceptable(dataset)],
             }
         if LOAD in quantities:
-            topics[LOAD] = [_describe_minimum_load(dataset)]
+            topics[LOAD] = [describe_quantity(dataset, LOAD)]
         topics |= {
             "skidding": [_describe_skidding_onset(dataset)],
-            "allowable slip": [describe_allowable_slip(dataset), *_caveat(dataset)],
+            "allowable slip": [describe_quantity(dataset, SKIDDING), *_caveat(dataset)],
         }
         if "margin" in dataset:
             topics["margin"] = [describe_margin(dataset)]
@@ -203,7 +212,7 @@ class UncertaintyAccount(Account):
         ]
         rows = list[list[Any]]()
         for name in map(str, dataset["quantity"].to_numpy()):
-            is_upper = name in (STEADY, LOAD)
+            is_upper = name in _UPPER
             values = (
                 *(_quantile(dataset, name, fraction)[0] for fraction in (0.5, 0.05, 0.95)),
                 *_quantile(dataset, name, p if is_upper else round(1.0 - p, 12)),
@@ -289,7 +298,7 @@ class UncertaintyAccount(Account):
         results: dict[str, Any] = {
             "probability": float(dataset.attrs["probability"]),
             "allowable_slip": _bounds_of(dataset, "allowable", "_slip")
-            | {"status": describe_allowable_slip(dataset)},
+            | {"status": describe_quantity(dataset, SKIDDING)},
             "margin": _bounds_of(dataset, "margin") if "margin" in dataset else None,
             "skidding": _bounds_of(dataset, "skidding") if "skidding" in dataset else None,
             "reserve_is_a_lower_bound_in": int(dataset["bounded"])
@@ -400,80 +409,69 @@ def _describe_band(dataset: "xr.Dataset", name: str) -> str:
     return f"median {median}, 5 to 95 %: {low} to {high}"
 
 
-def _describe_interval(dataset: "xr.Dataset", name: str, low: float, high: float) -> str:
-    """Confidence interval of a quantile, or why it has no lower bound."""
-    n = int(dataset["samples"].sel(quantity=name))
-    if math.isinf(low) and low < 0.0:
-        return f"{n} samples are too few for a confidence limit"
-    if math.isinf(high) and name != RESERVE and not math.isinf(low):
-        return f"95 % interval: from {_format_value(name, low)} on, {n} samples"
-    return f"95 % interval: {_format_value(name, low)} to {_format_value(name, high)}, {n} samples"
+def describe_quantity(dataset: "xr.Dataset", name: str) -> str:
+    """Return a sentence on a quantity: its bound with the requested probability, the interval of that, and its band.
 
-
-def describe_reserve(dataset: "xr.Dataset") -> str:
-    """Return a sentence on the drag reserve: the factor that the rollers carry, and the fraction that skids."""
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Result of the campaign.
+    name : str
+        A quantity of `_SENTENCES`.
+    """
     p = float(dataset.attrs["probability"])
-    n = int(dataset["samples"].sel(quantity=RESERVE))
-    value, low, high = _quantile(dataset, RESERVE, round(1.0 - p, 12))
+    n = int(dataset["samples"].sel(quantity=name))
+    value, low, high = _quantile(dataset, name, p if name in _UPPER else round(1.0 - p, 12))
     if math.isnan(value):
-        return f"the drag reserve is not known: none of {n} samples has one"
-    text = (
-        f"the rollers carry at least {_format_value(RESERVE, value)} the drag of the scene, with probability {p:g} "
-        f"({_describe_interval(dataset, RESERVE, low, high)}); {_describe_band(dataset, RESERVE)}"
-    )
-    if bounded := int(dataset["bounded"]):
-        text += f"; in {bounded} of {n} samples there is no skidding in the range, and the reserve is a lower bound"
-    skids, skids_low, skids_high = (
-        float(dataset[f"skidding{suffix}"]) for suffix in ("", "_low", "_high")
-    )
-    if not skids > 0.0:
-        return text
+        return f"the {name} is not known: none of {n} samples has one"
+    bound, first, last = (_format_value(name, number) for number in (value, low, high))
+    interval = f"95 % interval: {first} to {last}, {n} samples"
+    if low == -math.inf:
+        interval = (
+            f"{n} samples are too few for a confidence limit, which takes {dataset.attrs['min_samples']} and "
+            "more where all points have a result"
+        )
+    elif high == math.inf:
+        interval = f"95 % interval: from {first} on, {n} samples"
+    hint = ""
+    if name == SKIDDING and value == math.inf:
+        hint = dataset.attrs.get("search_range_hint", "")
     return (
-        f"{text}; in {_format_percent(skids)} of the samples the cage skids "
-        f"({_format_percent(skids_low)} to {_format_percent(skids_high)})"
+        f"{_SENTENCES[name].format(bound=bound)}, with probability {p:g} ({interval}); "
+        f"{_describe_band(dataset, name)}{hint}"
     )
+
+
+def _describe_lower_bounds(dataset: "xr.Dataset") -> list[str]:
+    """Return sentences on reserves that are lower bounds, and on samples that skid; none where there are none."""
+    n = int(dataset["samples"].sel(quantity=RESERVE))
+    sentences = []
+    if bounded := int(dataset["bounded"]):
+        sentences.append(
+            f"in {bounded} of {n} samples there is no skidding in the range, and the reserve is a lower bound"
+        )
+    share, low, high = (
+        _format_percent(float(dataset[f"skidding{suffix}"])) for suffix in ("", "_low", "_high")
+    )
+    if float(dataset["skidding"]) > 0.0:
+        sentences.append(f"in {share} of the samples the cage skids ({low} to {high})")
+    return sentences
+
+
+def _describe_acceptable(dataset: "xr.Dataset") -> list[str]:
+    """Return a sentence on the samples that pass the acceptable slip; none where no slip is acceptable or known."""
+    slips = dataset["value"].sel(quantity=STEADY).to_numpy()
+    known = slips[~np.isnan(slips)]
+    if not known.size or dataset.attrs.get("acceptable_slip", "") == "":
+        return []
+    acceptable = float(dataset.attrs["acceptable_slip"])
+    above = _format_percent(float(np.mean(np.abs(known) > acceptable)))
+    return [f"the acceptable {_format_percent(acceptable)} is passed in {above} of the samples"]
 
 
 def _has_unknown_play(dataset: "xr.Dataset") -> bool:
     """Whether rollers have play in their pockets, the effect of which on the slip is not known."""
     return str(dataset.attrs.get("play_status", "")).startswith(Status.NOT_KNOWN)
-
-
-def _describe_steady_slip(dataset: "xr.Dataset") -> str:
-    """Return a sentence on the steady slip: its band, and its bound with the requested probability."""
-    p = float(dataset.attrs["probability"])
-    value, low, high = _quantile(dataset, STEADY, p)
-    if math.isnan(value):
-        return "the steady slip is not known: no sample has one"
-    bound = (
-        f"below {_format_percent(value)}" if math.isfinite(value) else "not below any in the range"
-    )
-    text = (
-        f"the cage slips by {_describe_band(dataset, STEADY)}; {bound} with probability {p:g} "
-        f"({_describe_interval(dataset, STEADY, low, high)})"
-    )
-    acceptable = dataset.attrs.get("acceptable_slip", "")
-    if acceptable == "":
-        return text
-    slips = dataset["value"].sel(quantity=STEADY).to_numpy()
-    above = float(np.mean(np.abs(slips[~np.isnan(slips)]) > float(acceptable)))
-    return (
-        f"{text}; the acceptable {_format_percent(float(acceptable))} is passed in {_format_percent(above)} of the "
-        "samples"
-    )
-
-
-def _describe_minimum_load(dataset: "xr.Dataset") -> str:
-    """Return a sentence on the minimum load: the radial load with which the slip is acceptable."""
-    p = float(dataset.attrs["probability"])
-    value, low, high = _quantile(dataset, LOAD, p)
-    if math.isnan(value):
-        return "the minimum load is not known: no sample has one"
-    return (
-        f"a radial load of {_format_value(LOAD, value)} keeps the slip below "
-        f"{_format_percent(float(dataset.attrs['acceptable_slip']))} with probability {p:g} "
-        f"({_describe_interval(dataset, LOAD, low, high)}); {_describe_band(dataset, LOAD)}"
-    )
 
 
 def _caveat(dataset: "xr.Dataset") -> list[str]:
@@ -505,40 +503,6 @@ def _describe_skidding_onset(dataset: "xr.Dataset") -> str:
         f"skidding begins at a cage slip of {_format_percent(median)}, limit drag torque {median_drag} "
         f"(medians; 5 to 95 %: {_format_percent(low)} to {_format_percent(high)}, {low_drag} to {high_drag})"
     )
-
-
-def describe_allowable_slip(dataset: "xr.Dataset") -> str:
-    """Return a sentence on the allowable slip: up to it a cage does not skid, with the requested probability."""
-    value, low, high = (
-        float(dataset[f"allowable{suffix}"]) for suffix in ("_slip", "_low", "_high")
-    )
-    p = float(dataset.attrs["probability"])
-    n = int(dataset["samples"].sel(quantity=SKIDDING))
-    if math.isnan(value):
-        return f"the allowable slip is not known: none of {n} samples says where skidding begins"
-    insufficient = (
-        f"{n} samples are too few for a confidence limit, which takes {dataset.attrs['min_samples']} and "
-        "more where all points have a result"
-    )
-    if value == math.inf:
-        end = (
-            f", {_format_percent(float(dataset.attrs['slip_range']))}"
-            if "slip_range" in dataset.attrs
-            else ""
-        )
-        text = f"the allowable slip lies beyond the range of slips{end}: so does the {SKIDDING} with probability {p:g}"
-        if low == -math.inf:
-            addition = f"; {insufficient}"
-        elif low == math.inf:
-            addition = f" (95 % interval: beyond the range too, {n} samples)"
-        else:
-            addition = f" (95 % interval: from {_format_percent(low)} on, {n} samples)"
-        return f"{text}{addition}{dataset.attrs.get('search_range_hint', '')}"
-    text = f"a cage that slips by at most {_format_percent(value)} does not skid, with probability {p:g}"
-    if low == -math.inf:
-        return f"{text}; {insufficient}"
-    # an infinite upper bound comes from samples beyond the range: failed points make the lower bound unknown first
-    return f"{text} (95 % interval of this slip: {_format_percent(low)} to {_format_percent(high)}, {n} samples)"
 
 
 def describe_margin(dataset: "xr.Dataset") -> str:
