@@ -135,7 +135,7 @@ def test_errors_are_those_of_a_fit_that_did_not_see_the_condition(data, found):
 def test_a_ranking_is_told_and_drawn(found):
     account = account_of(found)
     said = " ".join(account.sentences(found))
-    assert "it is better than newtonian-thermal" in said
+    assert " is better than newtonian-thermal" in said
     assert "cannot be determined" in said
     [table] = account.tables(found)
     assert [row[0] for row in table.rows] == list(found.law.to_numpy())

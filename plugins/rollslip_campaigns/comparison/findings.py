@@ -300,28 +300,18 @@ _MIN_SLIP: Final = 1e-3
 _MIN_CLEAR_RATIO: Final = 1.05
 
 
-#: Sentence on the alternatives whose slip compares in the same way with that of the first, in the order of a report.
-_SLIP_SENTENCES: Final = {
-    "small": "{first} and {others} slip less than 0.1 %",
-    "same": "{first} and {others} are the same here",
-    "uncertain": "no clear winner between {first} and {others}: within the scatter of the data either may slip less",
-    "larger": "{first} slips less than {others}, with more than 95 %",
-    "unknown": "{first} stands first by verdict and slip; how sure that is beside {others} is not known",
-}
-
-
-#: How the slip of the second compares with that of the first, in the first line of an answer.
+#: How the slip of the first alternative compares with that of another one.
 _SLIP_VERDICTS: Final = {
-    "small": "both below 0.1 %, as is",
-    "same": "the same as",
+    "small": "it slips less than 0.1 %, as does",
+    "same": "it slips as much as",
     "uncertain": "within the scatter of the data no clear winner over",
-    "larger": "less than with 95 % confidence",
-    "unknown": "with unknown certainty over",
+    "larger": "it slips less, with 95 % confidence, than",
+    "unknown": "it slips less, with unknown certainty, than",
 }
 
 
 def _compare_slips(row: Mapping[str, Any], best: Mapping[str, Any]) -> str:
-    """Return how the slip of an alternative compares with that of the best one: a key of `_SLIP_SENTENCES`."""
+    """Return how the slip of an alternative compares with that of the best one: a key of `_SLIP_VERDICTS`."""
     low = row["ratio_low"]
     if max(abs(best["cage_slip"]), abs(row["cage_slip"])) < _MIN_SLIP:
         return "small"
@@ -386,20 +376,11 @@ class AlternativesAccount(Account):
         """Return sentences on the best alternative, its certainty, and alternatives that failed."""
         rows = rows_along(dataset, "alternative")
         failed = [f"{row['alternative']}: {row['message']}" for row in rows if row["message"]]
-        done = [row for row in rows if row["status"] == "done"]
-        if len(done) < 2:
-            return failed
-        groups: dict[str, list[str]] = {}
-        for row in done[1:]:
-            groups.setdefault(_compare_slips(row, done[0]), []).append(row["alternative"])
-        sentence = "; ".join(
-            template.format(first=done[0]["alternative"], others=", ".join(groups[group]))
-            for group, template in _SLIP_SENTENCES.items()
-            if group in groups
-        )
-        if "uncertain" in groups or "larger" in groups:
-            sentence += "; ratio: slip relative to the first row, 5 to 95 %"
-        return [sentence, *failed]
+        first, *others = [row for row in rows if row["status"] == "done"] or [{}]
+        return [
+            f"{first['alternative']} first: {_SLIP_VERDICTS[_compare_slips(row, first)]} {row['alternative']}"
+            for row in others
+        ] + failed
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:

@@ -110,19 +110,17 @@ class RankingAccount(Account):
                 *sentences,
                 f"which law is better cannot be determined: {counted} {unit} are too few, {min_conditions} are needed",
             ]
-        worse, undetermined = better(dataset, 0)
-        if worse:
-            sentences.append(
-                f"it is better than {', '.join(worse)}, with a confidence of 95 % for all statements here together"
-            )
-        if undetermined:
-            sentences.append(
-                f"whether it is better than {', '.join(undetermined)} cannot be determined: differences as large come "
-                "by chance; more conditions would show it, or less uncertain data"
-            )
-        for k in range(1, len(names)):
-            if worse := better(dataset, k)[0]:
-                sentences.append(f"{names[k]} is better than {', '.join(worse)}")
+        for k, name in enumerate(names):
+            worse, undetermined = better(dataset, k)
+            if worse:
+                sentences.append(
+                    f"{name} is better than {', '.join(worse)}, with 95 % for all sentences together"
+                )
+            if undetermined and not k:
+                sentences.append(
+                    f"whether it is better than {', '.join(undetermined)} cannot be determined: differences as large "
+                    "come by chance; more conditions would show it, or less uncertain data"
+                )
         if not groups:
             sentences.append(
                 "95 % assumes independent errors of conditions; errors in common to a rig or a day are "
