@@ -3,7 +3,6 @@
 import json
 import math
 import shlex
-from collections import Counter
 from typing import Any, Final
 
 import numpy as np
@@ -14,9 +13,9 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.table import point_rows
-from rollslip.results.text import Status, in_percent, short_label
+from rollslip.results.text import Status, in_brackets, in_percent, short_label
 from rollslip.units import format_quantity
-from rollslip_campaigns.sweep.findings import answer_table, point_table
+from rollslip_campaigns.sweep.findings import answer_table, main_reason, point_table
 
 __all__ = ["LimitAccount", "describe_limit", "satisfied_spans"]
 
@@ -137,15 +136,13 @@ def satisfied_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, boo
     ok = dataset["status"].to_numpy() == "ok"
     values = dataset["searched"].to_numpy()[ok]
     satisfied = dataset["keeps"].to_numpy()[ok] > 0.0
-    spans = list[tuple[float, float, bool, bool]]()
-    start = None
-    for k in range(values.size):
-        if satisfied[k] and start is None:
-            start = k
-        if start is not None and (k + 1 == values.size or not satisfied[k + 1]):
-            spans.append((float(values[start]), float(values[k]), start == 0, k + 1 == values.size))
-            start = None
-    return spans
+    changes = np.diff(np.concatenate(([0], satisfied.astype(int), [0])))
+    starts = np.flatnonzero(changes == 1).tolist()
+    ends = (np.flatnonzero(changes == -1) - 1).tolist()
+    return [
+        (float(values[start]), float(values[end]), start == 0, end + 1 == values.size)
+        for start, end in zip(starts, ends, strict=True)
+    ]
 
 
 def summarise_limit(dataset: "xr.Dataset") -> str:
@@ -258,15 +255,10 @@ def _describe_jumps(dataset: "xr.Dataset") -> list[str]:
 
 def _turning_points(dataset: "xr.Dataset") -> int:
     """Number of changes of direction of the result along the values; 0 if it is monotonic."""
-    results = dataset["result"].to_numpy()
-    steps = np.diff(results[np.isfinite(results)])
-    signs = (
-        np.sign(
-            steps[np.abs(steps) > _FLAT_FRACTION * np.ptp(results[np.isfinite(results)], axis=0)]
-        )
-        if steps.size
-        else steps
-    )
+    results = dataset["result"].dropna("point").to_numpy()
+    steps = np.diff(results)
+    extent = results.max(initial=-np.inf) - results.min(initial=np.inf)
+    signs = np.sign(steps[np.abs(steps) > _FLAT_FRACTION * extent])
     return int((np.diff(signs) != 0.0).sum())
 
 
@@ -294,10 +286,7 @@ def _describe_missing(dataset: "xr.Dataset") -> list[str]:
     missing = ok & ~np.isfinite(dataset["result"].to_numpy())
     if not missing.any():
         return []
-    statuses = Counter(
-        filter(None, dataset["result_status"].to_numpy()[missing].astype(str).tolist())
-    )
-    why = f" ({statuses.most_common(1)[0][0]})" if statuses else ""
+    why = in_brackets(main_reason(dataset["result_status"].to_numpy()[missing]) or "")
     return [
         f"at {int(missing.sum())} of {int(ok.sum())} values the study has no {dataset.attrs['output']}{why}; they "
         "count as not keeping the limit"

@@ -28,6 +28,7 @@ __all__ = [
     "answer_table",
     "axis_keys",
     "closure_note",
+    "main_reason",
     "named_dims",
     "point_table",
     "split_by_name",
@@ -332,7 +333,7 @@ def _summaries(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
             if status is not None:
                 split_dims = {*name_dims} & {*status.dims} - {*piece.dims}
                 reasons = status.sel({dim: piece[dim] for dim in split_dims}).broadcast_like(piece)
-                why = _main_reason(reasons.transpose(*piece.dims).to_numpy()[~np.isfinite(values)])
+                why = main_reason(reasons.transpose(*piece.dims).to_numpy()[~np.isfinite(values)])
             summaries[label] = {
                 "unit": piece.attrs["units"],
                 "values": int(finite.size),
@@ -363,8 +364,8 @@ def _status_of(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray
     return dataset[names[0]] if len(names) == 1 else None
 
 
-def _main_reason(statuses: NDArray[Any]) -> str | None:
-    """The most frequent status, with "mostly" if there are others; failed points have none."""
+def main_reason(statuses: NDArray[Any]) -> str | None:
+    """Return the most frequent status, with "mostly" if there are others; failed points have none."""
     reasons, counts = np.unique(
         statuses[statuses.astype(str) != ""].astype(str), return_counts=True
     )

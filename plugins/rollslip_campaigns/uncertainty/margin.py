@@ -492,15 +492,10 @@ def _describe_allowable(allowable: Estimate) -> str:
     """Allowable slip and its interval in one short line, whether or not its bounds lie in the range."""
     if math.isnan(allowable.value):
         return "none has a result"
-    value, low, high = (f"{100.0 * slip:.4g} %" for slip in attrs.astuple(allowable))
-    if allowable.value == math.inf:
-        value = "beyond the range"
-    if allowable.low == -math.inf:
-        return f"allowable slip {value}, too few for the low end of its interval"
-    if allowable.high == math.inf:
-        if allowable.low == math.inf:
-            low = "beyond the range"
-        return f"allowable slip {value}, 95 %: from {low} on"
+    beyond = {math.inf: "beyond the range", -math.inf: "not known"}
+    value, low, high = (
+        beyond.get(slip, f"{100.0 * slip:.4g} %") for slip in attrs.astuple(allowable)
+    )
     return f"allowable slip {value}, 95 %: {low} to {high}"
 
 
