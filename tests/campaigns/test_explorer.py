@@ -73,8 +73,8 @@ def test_what_a_node_does_not_have_is_taken_from_the_nodes_around_or_not_at_all(
     [
         ({"operation.radial_laod": "1 kN:2 kN"}, "did you mean 'operation.radial_load'"),
         ({"operation.radial_load": "2 kN:1 kN"}, "the first end must be below the second"),
-        ({"operation.radial_load": "1 kN:2 kN:1"}, "'1' is not a number of nodes from 2 to 33"),
-        ({"operation.radial_load": "1 kN"}, "is not a range; write LOW:HIGH or LOW:HIGH:NODES"),
+        ({"operation.radial_load": "1 kN:2 kN:1"}, "'1' is not a number of values from 2 to 33"),
+        ({"operation.radial_load": "1 kN"}, "is not a range; write LOW:HIGH or LOW:HIGH:COUNT"),
         ({"operation.radial_load": "1 mm:2 mm"}, "'1 mm' is a length"),
         ({"models.film": ["moes"]}, "nothing to move by a slider"),
     ],

@@ -8,16 +8,17 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_class
+from rollslip.errors import RollslipError
 from rollslip.results.text import short_label
 from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.scene.values import Scene
 from rollslip.structure import raise_problems
 from rollslip.studies.study import settings
 from rollslip.toml import as_list
-from rollslip.units import UnitError, check_typed, evenly, shown_unit
+from rollslip.units import UnitError, evenly, shown_unit
 from rollslip_campaigns.explorer import ExplorerSettings
 from rollslip_campaigns.explorer.grid import Dial, Explorer
-from rollslip_campaigns.sweep.sampling import read_overs
+from rollslip_campaigns.sweep.sampling import read_overs, read_span
 from rollslip_studies.steady_slip.minimum_load import minimum_loads_of_makers
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.quantities import quantities
@@ -36,9 +37,6 @@ _DEFAULT_RANGES: Final[Mapping[str, tuple[float, int]]] = {
 }
 #: Factor on the largest minimum load of a maker up to which loads go, so that its mark is seen. Chosen.
 _BEYOND_MAKERS: Final = 1.05
-#: Ratio of the bounds above which a quantity is interpolated over its logarithm. Chosen, as for searches
-#: (`rollslip_campaigns.limit.limit`).
-_LOGARITHMIC_RATIO: Final = 3.0
 #: Default number of nodes of a range. Twice as many make the error of interpolation far smaller, and the number of
 #: points twice as large for each quantity. Chosen: a cubic polynomial.
 _DEFAULT_NODES: Final = 4
@@ -64,8 +62,8 @@ def plan_explorer(requested: "ExplorerSettings") -> Explorer:
                 dials.append(
                     _read_dial(known[key], value if isinstance(value, str) else str(value))
                 )
-            except (UnitError, ValueError) as error:
-                problems.append(f"{key}: {error}")
+            except (RollslipError, UnitError, ValueError) as error:
+                problems.append(f"{key}: {getattr(error, 'reason', error)}")
     if not dials and not problems:
         problems.append(
             "nothing to move by a slider; name a quantity, such as operation.radial_load='1 kN:5 kN'"
@@ -110,18 +108,10 @@ def _defaults(known: Mapping[str, Quantity], scene: Scene) -> dict[str, object]:
 
 
 def _read_dial(quantity: Quantity, text: str) -> Dial:
-    """The dial of a quantity and a range, LOW:HIGH or LOW:HIGH:NODES; ValueError or UnitError if it is wrong."""
-    parts = [part.strip() for part in text.split(":")]
-    if len(parts) not in (2, 3) or not all(parts):
-        raise ValueError(f"{text!r} is not a range; write LOW:HIGH or LOW:HIGH:NODES, with units")
-    count = _DEFAULT_NODES if len(parts) == 2 else 0
-    if len(parts) == 3 and parts[2].isdecimal():
-        count = int(parts[2])
-    if not 2 <= count <= 33:
-        raise ValueError(f"{text!r}: {parts[-1]!r} is not a number of nodes from 2 to 33")
+    """The dial of a quantity and a range, LOW:HIGH or LOW:HIGH:NODES; an error if it is wrong."""
+    ends, count, logarithmic = read_span(quantity, text, _DEFAULT_NODES, range(2, 34))
     unit = str(quantity.unit)
-    check_typed(text, parts[:2], unit)
-    low, high = evenly(parts[0], parts[1], 2, unit)
+    low, high = evenly(*ends, 2, unit)
     if not low < high:
         raise ValueError(f"{text!r}: the first end must be below the second")
     for bound in (low, high):
@@ -136,5 +126,5 @@ def _read_dial(quantity: Quantity, text: str) -> Dial:
         high=high,
         start=min(max(scene_value, low), high),
         count=count,
-        logarithmic=low > 0.0 and high > _LOGARITHMIC_RATIO * low and unit != "K",
+        logarithmic=logarithmic,
     )

@@ -42,7 +42,7 @@ from rollslip.studies.bounds import exceeding
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
 from rollslip.toml import as_list
-from rollslip.units import UnitError, check_typed, evenly, format_quantity
+from rollslip.units import UnitError, format_quantity
 from rollslip_campaigns.limit import LimitSettings
 from rollslip_campaigns.limit.search import (
     Requirement,
@@ -59,10 +59,10 @@ from rollslip_campaigns.sweep.point import row_values
 from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import (
     Axis,
-    range_parts,
     read_axis,
     read_fraction,
     read_overs,
+    read_span,
 )
 from rollslip_campaigns.sweep.sweep import assemble_varied, plan_sweep, study_with_outputs
 from rollslip_studies.variation.quantities import quantities
@@ -74,9 +74,6 @@ RESULT: Final = "limit.nc"
 #: Default number of values that are computed first. With twice as many, two crossings between neighbours are found more
 #: surely, at twice the cost. Chosen: 2^3 + 1, about as many points as a bracket needs after them.
 _DEFAULT_COUNT: Final = 9
-#: Ratio of the bounds above which the grid is even in the logarithm. Up to 3 a linear grid has neighbours whose
-#: relative distances differ by this factor at most. Chosen.
-_LOGARITHMIC_RATIO: Final = 3.0
 #: Maximum number of values of the grid. A larger grid needs more memory and states no limit better than the tolerance
 #: of its results. Chosen.
 _MAX_VALUES: Final = 100_000
@@ -178,9 +175,10 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     if not isinstance(text, str):  # a text may be marked as typed, which str() would lose
         text = ",".join(map(str, as_list(text)))
     try:
-        span, count, logarithmic = _range(quantity, text)
-    except RollslipError as error:
+        ends, count, logarithmic = read_span(quantity, text, _DEFAULT_COUNT, range(3, 1000))
+    except (RollslipError, UnitError) as error:
         raise SceneError([f"{key}: {getattr(error, 'reason', error)}"]) from error
+    span = ":".join(ends)
     suffix = ":log" if logarithmic else ""
     coarse = plan_sweep(
         base,
@@ -241,25 +239,6 @@ def _searched_quantity(known: dict[str, Quantity], key: str) -> Quantity:
             ]
         )
     return quantity
-
-
-def _range(quantity: Quantity, text: str) -> tuple[str, int, bool]:
-    """Bounds as they are written, number of first values, and whether the grid is even in the logarithm."""
-    raise_problem_if(
-        ":" not in text, f"{text!r} is not a range; write LOW:HIGH or LOW:HIGH:COUNT, with units"
-    )
-    ends, count, logarithmic = range_parts(quantity.key, text)
-    raise_problem_if(
-        count and not (count.isascii() and count.isdecimal() and 3 <= int(count) <= 999),
-        f"{text!r}: {count!r} is not a number of values from 3 to 999",
-    )
-    try:
-        check_typed(text, ends, str(quantity.unit))
-        low, high = evenly(*ends, 2, str(quantity.unit))
-    except UnitError as error:
-        raise SceneError([str(error)]) from error
-    wide = low > 0.0 and high > _LOGARITHMIC_RATIO * low and quantity.unit != "K"
-    return ":".join(ends), int(count or _DEFAULT_COUNT), logarithmic or wide
 
 
 def _resolution(

@@ -59,6 +59,7 @@ __all__ = [
     "read_axis",
     "read_fraction",
     "read_overs",
+    "read_span",
 ]
 
 #: Names of the sampling methods.
@@ -70,6 +71,9 @@ REPLICATES: Final = 8
 #: Maximum number of points among which those far apart are selected. More bring them closer to the corners of the
 #: design; the time of the selection is proportional. Chosen.
 CANDIDATES: Final = 512
+#: Ratio of the bounds above which values of a search or an explorer are even in the logarithm. Up to 3 an even grid has
+#: neighbours whose relative distances differ by this factor at most. Chosen.
+_LOGARITHMIC_RATIO: Final = 3.0
 #: Maximum number of values of a range. Larger counts are typing errors, and their values would fill the memory. Chosen:
 #: the maximum number of points of a sweep.
 _MAX_COUNT = 10_000_000
@@ -344,6 +348,41 @@ def range_parts(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
     )
     low, high, count = numbers if len(numbers) == 3 else (*numbers, "")
     return (low, high), count, logarithmic
+
+
+def read_span(
+    quantity: Quantity, text: str, default: int, allowed: range
+) -> tuple[tuple[str, str], int, bool]:
+    """Return bounds of a range as they are written, its number of values, and whether these are even in the logarithm.
+
+    They are where the text says so, or where the bounds are above zero and far apart, but not for temperatures.
+
+    Parameters
+    ----------
+    quantity : Quantity
+        The quantity that is varied.
+    text : str
+        The range, "LOW:HIGH" or "LOW:HIGH:COUNT", with units.
+    default : int
+        Number of values without a count.
+    allowed : range
+        Numbers of values that are accepted.
+    """
+    refuse_if(
+        ":" not in text,
+        quantity.key,
+        f"{text!r} is not a range; write LOW:HIGH or LOW:HIGH:COUNT, with units",
+    )
+    ends, count, logarithmic = range_parts(quantity.key, text)
+    refuse_if(
+        count and not (count.isascii() and count.isdecimal() and int(count) in allowed),
+        quantity.key,
+        f"{text!r}: {count!r} is not a number of values from {allowed[0]} to {allowed[-1]}",
+    )
+    check_typed(text, ends, str(quantity.unit))
+    low, high = evenly(*ends, 2, str(quantity.unit))
+    wide = low > 0.0 and high > _LOGARITHMIC_RATIO * low and quantity.unit != "K"
+    return ends, int(count or default), logarithmic or wide
 
 
 @attrs.frozen(eq=False)
