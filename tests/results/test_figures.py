@@ -271,11 +271,11 @@ def test_a_maximum_on_the_grid_is_not_doubled():
 def test_a_largest_friction_of_a_range_that_ends_rising_is_told_as_one():
     """Boundary friction first, and a film beyond: what is largest in the range need not be so in a longer one."""
     falling = make_curve([0.0, 0.1, 0.2, 0.3], [0.0, 2.0, 1.2, 1.0], 0.1, 2.0).finding()
-    assert falling == "a: cage slip at largest traction 10.0 %, friction coefficient there 2.00"
+    assert falling == "cage slip at largest traction 10.0 %, friction coefficient there 2.00"
     rising = make_curve([0.0, 0.1, 0.2, 0.3], [0.0, 2.0, 1.0, 1.2], 0.1, 2.0).finding()
     assert rising == f"{falling}; at the end of the range, 30.0 %, it rises again"
     unknown = make_curve([0.0, 0.1, 0.2, 0.3], [0.0, 2.0, 1.2, 1.0], np.nan, np.nan).finding()
-    assert unknown == "a: found. In this range the friction coefficient reaches 2.00"
+    assert unknown == "found. In this range the friction coefficient reaches 2.00"
 
 
 def test_without_a_maximum_there_is_no_thermal_branch():

@@ -253,9 +253,8 @@ def test_the_first_of_two_maxima_is_told_where_the_critical_slip_is():
     assert dip < 0.999 * friction.max() < float(inner.critical_friction)
     sentences = [text for text in account_of(result).sentences(result) if " ring: " in text]
     told = sentences[0]
-    lines = next(text for text in account_of(result).lines(result) if text.startswith("inner ring"))
     assert f"it falls with slip already from {percent(first)} on, a first maximum of" in told
-    assert f"friction falls already from a slip of {first:.2%} on, then rises again" in lines
+    assert told in account_of(result).lines(result)
     assert account_of(result).record(result)["inner ring"]["first_maximum_slip"] == first
     outer = sentences[1]
     assert "no slip at largest traction" in outer

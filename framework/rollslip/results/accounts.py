@@ -29,7 +29,7 @@ from rollslip.results.answer import (
     collect_notes,
     merge_answers,
 )
-from rollslip.results.curves import Curve, critical_rows, curves, json_value
+from rollslip.results.curves import critical_rows, curves, json_value
 from rollslip.results.dataset import READ_ERRORS, shown_short, xr
 from rollslip.results.text import (
     LOWER_BOUNDS,
@@ -87,30 +87,14 @@ class PlainAccount(Account):
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Return critical slip or status of each curve, and every single value."""
-        slips = {
-            curve.name: [_describe_critical(curve) if curve.has_critical else curve.status]
-            for curve in curves(dataset)
-        }
-        return slips | {name: [text] for name, text in single_values(dataset).items()}
+        """Return the finding of each curve, and every single value."""
+        findings = {curve.name: curve.finding() for curve in curves(dataset)}
+        return {name: [text] for name, text in (findings | single_values(dataset)).items()}
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
-        """Return a sentence on each curve, and every single value."""
-        return [curve.finding() for curve in curves(dataset)] + _named(single_values(dataset))
-
-    def lines(self, dataset: "xr.Dataset") -> list[str]:
-        """Return critical slip and largest friction of each curve, and every single value."""
-        slips = dict[str, str]()
-        for curve in curves(dataset):
-            text = curve.status
-            if curve.has_critical:
-                text = (
-                    f"{_describe_critical(curve)}, largest friction {curve.critical_friction:.4g}"
-                )
-            if curve.is_preceded_by_fall:
-                text += f"; friction falls already from a slip of {curve.first_slip:.2%} on, then rises again"
-            slips[curve.name] = text
-        return _named(slips | single_values(dataset))
+        """Return the finding of each curve, and every single value, after their names."""
+        topics = PlainAccount.topics(dataset)
+        return [f"{name}: {text}" for name, texts in topics.items() for text in texts]
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -248,16 +232,6 @@ def account_of(dataset: "xr.Dataset") -> Account:
         return PlainAccount(name)
     account: Account = get_class("account", name)
     return account
-
-
-def _describe_critical(curve: Curve) -> str:
-    """Return critical slip and assumption of a curve as text."""
-    return f"slip at largest traction {curve.critical_slip:.2%} {curve.assumption}".rstrip()
-
-
-def _named(texts: Mapping[str, str]) -> list[str]:
-    """Return texts with their names before them."""
-    return [f"{name}: {text}" for name, text in texts.items()]
 
 
 @contextmanager

@@ -106,20 +106,20 @@ class Curve:
         return x, y, start, start + int(np.nanargmin(y[start:]))
 
     def finding(self) -> str:
-        """Return a sentence on the critical slip, without its full stop."""
+        """Return a sentence on the critical slip, without its full stop and without the name of the curve."""
         slip_name = self.slip_name if self.slip_name.endswith(" slip") else "slip"
         slopes = self._describe_slopes()
         if self.has_critical:
             slip = f"{percent(self.critical_slip)} {self.assumption}".rstrip()
             return (
-                f"{self.name}: {slip_name} at largest traction {slip}, "
+                f"{slip_name} at largest traction {slip}, "
                 f"{self.quantity} there {digits(self.critical_friction, 3)}{slopes}"
             )
         finite = np.flatnonzero(np.isfinite(self.friction))
         if not finite.size or not np.any(self.friction > 0.0):
-            return f"{self.name}: {self.status}"
+            return self.status
         largest = digits(self.friction[finite[np.argmax(self.friction[finite])]], 3)
-        return f"{self.name}: {self.status}. In this range the {self.quantity} reaches {largest}{slopes}"
+        return f"{self.status}. In this range the {self.quantity} reaches {largest}{slopes}"
 
     def _describe_slopes(self) -> str:
         """Return the clause on a first maximum, or on a rise at the end of the range; empty without both."""

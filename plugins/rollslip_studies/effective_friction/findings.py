@@ -116,10 +116,7 @@ class EffectiveFrictionAccount(PlainAccount):
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return the lines for a terminal, with the errors of the discretisation."""
-        lines = [
-            *filter(None, (_describe_skidding(dataset), _describe_running(dataset))),
-            *super().lines(_curves(dataset)),
-        ]
+        lines = self.sentences(dataset)
         a = dataset.attrs
         if {"positions_error", "resolution"} <= a.keys():
             # one slice under an even load leaves no error
