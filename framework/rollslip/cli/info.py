@@ -2,6 +2,7 @@
 
 import math
 
+import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
@@ -10,9 +11,8 @@ from rollslip.bearing.raceway import Raceway
 from rollslip.planning.plausibility import implausible
 from rollslip.results.answer import Answer, Row
 from rollslip.results.text import (
-    force_unit,
+    describe_operation,
     format_force,
-    format_plain,
     small_load_notes,
     two_digits,
 )
@@ -53,7 +53,7 @@ def scene_answer(scene: Scene, commands: tuple[str, ...]) -> Answer:
         Commands for the next step.
     """
     assembly = assemble(scene)
-    operation = scene.operation
+    bearing = scene.bearing
     kinematics = assembly.kinematics
     duty = Duty.of(assembly)
     loads = assembly.load_distribution()
@@ -65,48 +65,40 @@ def scene_answer(scene: Scene, commands: tuple[str, ...]) -> Answer:
             "outer": (float(speeds.outer_rolling), float(loads.outer_load.max())),
         },
     )
-    kappa, status = duty.viscosity_ratio
-    is_known = math.isfinite(kappa)
-    text = two_digits(kappa) if is_known else "unknown"
-    viscosity = f"{two_digits(1e3 * duty.viscosity)} mPa s" if is_known else status
+    summary = [f"Lambda {row.text}" for row in rows if row.key == "film_parameter"]
+    pressures = [row.text for row in rows if row.key == "pressure"]
+    kappa, viscosity = duty.viscosity_ratio
+    text = "unknown"
+    if math.isfinite(kappa):
+        text = two_digits(kappa)
+        viscosity = f"{two_digits(1e3 * duty.viscosity)} mPa s"
+        summary.append(f"kappa {text}")
     rows.append(Row(key="kappa", label="kappa", value=kappa, text=text, note=viscosity))
-    rating = scene.bearing.static_rating
-    load = operation.radial_load
+    load = scene.operation.radial_load
     if load > 0.0:
-        note = f"C0 {format_force(rating, rating)} after ISO 76"
-        rows.append(
-            Row(
-                key="C0/P",
-                label="C0/P",
-                value=rating / load,
-                text=two_digits(rating / load),
-                note=note,
-            )
-        )
+        safety = bearing.static_rating / load
+        note = f"C0 {format_force(bearing.static_rating, bearing.static_rating)} after ISO 76"
+        rows.append(Row(key="C0/P", label="C0/P", value=safety, text=two_digits(safety), note=note))
     speed_factor = duty.revolutions * 1e3 * duty.pitch_diameter
-    rows.append(
+    force = float(loads.inner_force.max())
+    loaded = int(np.count_nonzero(is_loaded(loads.inner_force[0])))
+    cage = kinematics.epicyclic_cage_speed
+    rollers = format_quantity(kinematics.epicyclic_roller_speed, "rad/s", 3)
+    rows += [
         Row(
             key="n_dm",
             label="n dm",
             value=speed_factor,
             text=two_digits(speed_factor),
             note="mm/min",
-        )
-    )
-    force = float(loads.inner_force.max())
-    loaded = int(np.count_nonzero(is_loaded(loads.inner_force[0])))
-    rows.append(
+        ),
         Row(
             key="loaded_rollers",
             label="rollers loaded",
             value=loaded,
-            text=f"{loaded} of {scene.bearing.rollers}",
+            text=f"{loaded} of {bearing.rollers}",
             note=f"{format_force(force, force)} at most, on the inner ring",
-        )
-    )
-    cage = kinematics.epicyclic_cage_speed
-    rollers = format_quantity(kinematics.epicyclic_roller_speed, "rad/s", 3)
-    rows.append(
+        ),
         Row(
             key="cage_speed",
             label="cage speed",
@@ -114,36 +106,23 @@ def scene_answer(scene: Scene, commands: tuple[str, ...]) -> Answer:
             unit="rad/s",
             text=format_quantity(cage, "rad/s", 3),
             note=f"without slip; rollers {rollers}",
-        )
-    )
-    clearance = scene.bearing.radial_clearance
-    mounted = scene.bearing.mounted
-    rows.append(
+        ),
         Row(
             key="clearance",
             label="radial clearance",
-            value=clearance,
+            value=bearing.radial_clearance,
             unit="m",
-            text=f"{two_digits(1e6 * clearance)} µm",
-            note="" if mounted is None else str(mounted).partition(" = ")[0],
-        )
-    )
-    films = [row for row in rows if row.key == "film_parameter"]
-    summary = [f"Lambda {row.text}" for row in films] + [f"kappa {text}"] * is_known
-    summary += [row.text for row in rows if row.key == "pressure"]
-    unit, factor = force_unit(load)
-    speed = operation.inner_speed * 30.0 / math.pi
-    outer = operation.outer_speed * 30.0 / math.pi
+            text=f"{two_digits(1e6 * bearing.radial_clearance)} µm",
+            note=str(bearing.mounted or "").partition(" = ")[0],
+        ),
+    ]
     return Answer(
-        summary=", ".join(summary),
+        summary=", ".join(summary + pressures),
         rows=tuple(rows),
         case=(
             scene.source,
             assembly.lubricant.name,
-            f"{format_plain(speed)} rpm"
-            + (f" (outer ring {format_plain(outer)} rpm)" if outer else ""),
-            f"{format_plain(load * factor)} {unit}",
-            f"{format_plain(operation.temperature - 273.15)} °C",
+            *describe_operation(attrs.asdict(scene.operation, recurse=False)).values(),
         ),
         faults=tuple(small_load_notes(implausible(scene))),
         next=commands,
@@ -152,17 +131,15 @@ def scene_answer(scene: Scene, commands: tuple[str, ...]) -> Answer:
 
 def _contact_rows(assembly: Assembly, largest: dict[str, tuple[float, float]]) -> list[Row]:
     """Return rows of the most loaded contacts, by rolling speed [m/s] and load per length [N/m] of each ring."""
-    found = {
-        raceway.ring: (heaviest_contact(assembly, raceway, *largest[raceway.ring]), raceway)
-        for raceway in assembly.raceways
-        if largest[raceway.ring][1] > 0.0
-    }
-    films = {
-        ring: float(slices.film_thickness[0]) / raceway.conditions.roughness
-        for ring, (slices, raceway) in found.items()
-    }
-    pressures = {ring: float(slices.pressure[0]) for ring, (slices, _) in found.items()}
-    if not found:
+    films = dict[str, float]()
+    pressures = dict[str, float]()
+    for raceway in assembly.raceways:
+        rolling, load = largest[raceway.ring]
+        if load > 0.0:
+            slices = heaviest_contact(assembly, raceway, rolling, load)
+            films[raceway.ring] = float(slices.film_thickness[0]) / raceway.conditions.roughness
+            pressures[raceway.ring] = float(slices.pressure[0])
+    if not films:
         return []
     thinnest = min(films, key=films.__getitem__)
     highest = max(pressures, key=pressures.__getitem__)

@@ -35,6 +35,7 @@ __all__ = [
     "describe_estimated",
     "describe_law_outputs",
     "describe_more_bounds",
+    "describe_operation",
     "describe_running",
     "describe_skidding",
     "duration",
@@ -656,23 +657,30 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
     oil = re.sub(r"^iso-vg-(\d+)$", r"ISO VG \1", oil)
     if oil.startswith("mil-"):
         oil = oil.upper()
-    inner, outer = (
-        operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer")
-    )
-    speed = f"{format_plain(inner)} rpm" + (
-        f" (outer ring {format_plain(outer)} rpm)" if outer else ""
-    )
-    load = operation["radial_load"]
-    unit, factor = force_unit(load)
     parts = {
         "bearing": bearings[0] if bearings else attributes.get("source", ""),
         "lubricant.name": oil,
+        **describe_operation(operation),
+    }
+    varied = {attributes.get("searched_key"), *json.loads(attributes.get("axes", "[]"))}
+    return tuple(text for key, text in parts.items() if text and key not in varied)
+
+
+def describe_operation(operation: Mapping[str, Any]) -> dict[str, str]:
+    """Return speeds, load and temperature of an operation in engineering units, by key of the scene."""
+    inner, outer = (
+        operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer")
+    )
+    speed = f"{format_plain(inner)} rpm"
+    if outer:
+        speed += f" (outer ring {format_plain(outer)} rpm)"
+    load = operation["radial_load"]
+    unit, factor = force_unit(load)
+    return {
         "operation.inner_speed": speed,
         "operation.radial_load": f"{format_plain(load * factor)} {unit}",
         "operation.temperature": f"{format_plain(operation['temperature'] - 273.15)} °C",
     }
-    varied = {attributes.get("searched_key"), *json.loads(attributes.get("axes", "[]"))}
-    return tuple(text for key, text in parts.items() if text and key not in varied)
 
 
 def align_columns(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
