@@ -8,12 +8,13 @@ import shutil
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rollslip.bearing.resolution import error_text
+from rollslip.bearing.resolution import combine_errors, error_text
 from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
@@ -61,21 +62,17 @@ def headline(plan: "Plan") -> str:
 
     A second line has the terms of the clearance in operation, where that is not stated.
     """
-    first = headline_of(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
-    mounted = plan.scene.bearing.mounted
-    return (
-        first
-        if mounted is None
-        else f"{first}\nclearance in operation: {describe_clearance(mounted)}"
-    )
+    text = headline_of(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
+    if (mounted := plan.scene.bearing.mounted) is not None:
+        text += f"\nclearance in operation: {describe_clearance(mounted)}"
+    return text
 
 
 def describe_clearance(mounted: "MountedClearance") -> str:
     """Return the terms of a clearance in operation as text, with the keys that are assumed."""
-    assumed = (
-        f"; assumed: {' and '.join(mounted.assumed)} (bearing.mounting)" if mounted.assumed else ""
-    )
-    return f"{mounted}{assumed}"
+    if mounted.assumed:
+        return f"{mounted}; assumed: {' and '.join(mounted.assumed)} (bearing.mounting)"
+    return str(mounted)
 
 
 def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
@@ -92,10 +89,7 @@ def print_short_plan(plan: "Plan") -> None:
 
     click.echo(f"{duration_range(plan.seconds)} for {' and '.join(plan.studies)}")
     for study in plan.studies:
-        errors: dict[str, float] = {}
-        for part in plan.parts:
-            for name, error in part.errors.items() if part.study == study else ():
-                errors[name] = errors.get(name, 0.0) + error
+        errors = combine_errors((part.errors for part in plan.parts if part.study == study), sum)
         known = error_text({name: error for name, error in errors.items() if math.isfinite(error)})
         unknown = [
             name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)
@@ -117,19 +111,14 @@ def print_short_plan(plan: "Plan") -> None:
 
 
 def print_plan(plan: "Plan") -> None:
-    """Print the plan as a table, with its size and cost."""
+    """Print the plan as a table, with its studies, its size and its cost."""
+    from rollslip.planning.lines import format_time
+
     lines = plan.lines()
     print_table(
         ["" if name == "modelled" else name for name in lines[0]],
         [[*line.values()] for line in lines],
     )
-    _print_size(plan)
-
-
-def _print_size(plan: "Plan") -> None:
-    """Print the studies, the size and the cost of a plan."""
-    from rollslip.planning.lines import format_time
-
     time = format_time(plan.seconds, plan.studies.values(), plan.assembly)
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; about "
@@ -150,12 +139,9 @@ def changed(this: "Plan", other: "Plan") -> "list[tuple[Part | None, Part | None
 
     parts = numbered(this)
     others = numbered(other)
-    pairs = [(parts.get(key), others.get(key)) for key in dict.fromkeys((*parts, *others))]
-
-    def content(part: "Part | None") -> tuple[object, ...] | None:
-        return None if part is None else (part.included, part.choice, part.resolution)
-
-    return [pair for pair in pairs if content(pair[0]) != content(pair[1])]
+    pairs = [(parts.get(key), others.get(key)) for key in parts | others]
+    content = attrgetter("included", "choice", "resolution")
+    return [pair for pair in pairs if None in pair or content(pair[0]) != content(pair[1])]
 
 
 def print_changed(
@@ -217,15 +203,11 @@ def print_answer(answer: Answer, *, max_lines: int = MAX_LINES, whole: bool = Fa
 def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> None:
     """Print the findings of each study with errors and times, or only the errors of studies above their tolerance."""
     for dataset in datasets:
+        lines = [f"{dataset.attrs['study']}:"]
+        if whole:
+            lines += [*account_of(dataset).lines(dataset), *describe_law_outputs(dataset)]
         if whole or missed_errors(dataset):
-            lines = (
-                [*account_of(dataset).lines(dataset), *describe_law_outputs(dataset)]
-                if whole
-                else []
-            )
-            click.echo(
-                "\n  ".join((f"{dataset.attrs['study']}:", *lines, accuracy_and_time(dataset)))
-            )
+            click.echo("\n  ".join((*lines, accuracy_and_time(dataset))))
 
 
 def missed_errors(dataset: "xr.Dataset") -> set[str]:
@@ -279,7 +261,7 @@ def print_details(dataset: "xr.Dataset", answer: Answer, provenance: Iterable[st
     """
     for line in account_of(dataset).lines(dataset):
         click.echo(f"  {line}")
-    for text in filter(None, [confidence([dataset])]):
+    if text := confidence([dataset]):
         click.echo(f"confidence: {text}")
     for note in answer.notes:
         click.echo(f"note {note.code} {note.text}")
@@ -335,12 +317,10 @@ def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
         "answer": answer_of(dataset).as_dict(),
         **account_of(dataset).record(dataset),
         "warnings": json.loads(a["warnings"]),
-        **{
-            name: convert(a[name])
-            for name, convert in (("evaluations", int), ("wall_time", float))
-            if name in a
-        },
     }
+    for name, convert in (("evaluations", int), ("wall_time", float)):
+        if name in a:
+            record[name] = convert(a[name])
     return with_units(record, dataset)
 
 
@@ -409,13 +389,12 @@ def _contents(dataset: "xr.Dataset") -> Groups:
     """Return contents and provenance of a result."""
     a = dataset.attrs
     found = account_of(dataset).answer(dataset)
-    assumed = (*found.assumed, *found.minor)
     less_severe = [
-        message["text"]
+        ("", message["text"])
         for message in json.loads(a.get("validity", "{}")).get("messages", ())
         if not message["is_warning"]
     ]
-    return {
+    sections = {
         "result": [
             ("study", a["study"]),
             ("scene", f"{a['source']} {a.get('scene_hash', '')[:12]}".rstrip()),
@@ -434,11 +413,12 @@ def _contents(dataset: "xr.Dataset") -> Groups:
                 for topic, texts in account_of(dataset).topics(dataset).items()
             ),
         ],
-        **({"assumed": [("", text) for text in assumed]} if assumed else {}),
+        "assumed": [("", text) for text in (*found.assumed, *found.minor)],
         "packages": list(json.loads(a["packages"]).items()),
         "warnings": [("", text) for text in json.loads(a["warnings"])],
-        **({"notes of minor effect": [("", text) for text in less_severe]} if less_severe else {}),
+        "notes of minor effect": less_severe,
     }
+    return {title: rows for title, rows in sections.items() if rows or title == "warnings"}
 
 
 def scene_info(scene: Scene) -> Groups:
