@@ -30,9 +30,11 @@ from rollslip.results.text import (
     format_plain,
     html_table,
     in_brackets,
+    message_rank,
     percent,
     python_call,
     two_digits,
+    worst_messages,
 )
 
 __all__ = [
@@ -613,23 +615,21 @@ def is_as_bad(verdict: str, other: str) -> bool:
 
 def answer_facts(answer: Answer) -> dict[Fact, _Interval]:
     """Return the facts that rules compare, as lower and upper bounds; facts that are not known are left out."""
-    rows = {row.key: row for row in answer.rows}
-    facts = dict.fromkeys((Fact.CHOICE, Fact.VISCOSITY_RATIO), (0.0, 0.0))
-    facts |= {fact: (value, value) for fact, value in answer.facts.items()}
-    film = rows.get("film_parameter")
-    thinnest = math.inf if film is None or math.isnan(film.value) else film.value
-    facts[Fact.FILM_PARAMETER] = (thinnest, thinnest)
-    facts[Fact.ACCEPTABLE_SLIP] = (answer.acceptable, answer.acceptable)
-    slip = rows.get("cage_slip")
-    if slip is not None and not math.isnan(slip.value):
+    known = {row.key: row for row in answer.rows if not math.isnan(row.value)}
+    values = {Fact.CHOICE: 0.0, Fact.VISCOSITY_RATIO: 0.0, Fact.FILM_PARAMETER: math.inf}
+    values |= answer.facts
+    if film := known.get("film_parameter"):
+        values[Fact.FILM_PARAMETER] = film.value
+    values[Fact.ACCEPTABLE_SLIP] = answer.acceptable
+    slip = known.get("cage_slip")
+    if slip and slip.band:
+        values[Fact.BAND_HIGH] = slip.band[1]
+    facts = {fact: (value, value) for fact, value in values.items()}
+    if slip:
         size = abs(slip.value)  # a cage that runs ahead slides as much
         accuracy = min(slip.tolerance, _MAX_ACCURACY)
         facts[Fact.CAGE_SLIP] = ((1.0 - accuracy) * size, (1.0 + accuracy) * size)
-        if slip.band is not None:
-            high = slip.band[1]
-            facts[Fact.BAND_HIGH] = (high, high)
-    reserve = rows.get("drag_reserve")
-    if reserve is not None and not math.isnan(reserve.value):
+    if reserve := known.get("drag_reserve"):
         facts[Fact.RESERVE] = reserve.band or (reserve.value, reserve.value)
     return facts
 
@@ -707,27 +707,20 @@ def collect_notes(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
         for result in results
         for row in json.loads(result.attrs.get("consequences", "[]"))
     }
-    messages = dict[str, dict[str, Any]]()
-    for result in results:
-        for message in json.loads(result.attrs.get("validity") or "{}").get("messages", []):
-            key = message.get("code", "") or f"{message['law']} {message['made_for']}"
-            if key not in messages or _message_rank(message) > _message_rank(messages[key]):
-                messages[key] = message
-    notes = [(_note(message, consequences), message) for message in messages.values()]
-    notes.sort(key=lambda item: (_note_rank(item[0]), _message_rank(item[1])), reverse=True)
+    messages = worst_messages(
+        results,
+        lambda message: message.get("code", "") or f"{message['law']} {message['made_for']}",
+    )
+    notes = [(_note(message, consequences), message) for message in messages]
+    notes.sort(key=lambda item: (_note_rank(item[0]), message_rank(item[1])), reverse=True)
     return tuple(note for note, _ in notes)
-
-
-def _message_rank(message: Mapping[str, Any]) -> tuple[bool, float]:
-    """Return what orders messages of one bound: warnings first, then by severity."""
-    return message["is_warning"], message["severity"]
 
 
 def _note(message: Mapping[str, Any], consequences: Mapping[str, Mapping[str, Any]]) -> Note:
     """Return the note of a message on a range, with the changes by another law, if these were evaluated."""
     code = message.get("code", "")
     row = consequences.get(code, {"changes": {}} if consequences else {})
-    if (changes := row.get("changes")) is not None:
+    if changes := row.get("changes"):
         changes = {
             name: (before, math.inf if after is None else after)
             for name, (before, after) in changes.items()

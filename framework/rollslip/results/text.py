@@ -6,8 +6,9 @@ import math
 import re
 import shlex
 import textwrap
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from html import escape
+from operator import itemgetter
 from typing import Any, Final
 
 import numpy as np
@@ -48,6 +49,7 @@ __all__ = [
     "format_rounded_up",
     "format_slip_band",
     "html_table",
+    "message_rank",
     "percent",
     "python_call",
     "short_label",
@@ -56,6 +58,7 @@ __all__ = [
     "small_load_notes",
     "two_digits",
     "with_unit",
+    "worst_messages",
 ]  # fmt: skip
 
 
@@ -250,12 +253,10 @@ def collect_warnings(
         Whether exceeded ranges of laws are among the warnings; without them the second list is empty.
     """
     others = dict[str, None]()
-    bounds = dict[tuple[str, str], dict[str, Any]]()
     results = list(datasets)
     has_row = not laws and any("makers_minimum_load" in result for result in results)
     for dataset in results:
-        exceeded = json.loads(dataset.attrs.get("validity") or "{}").get("messages", [])
-        texts = {bound["text"] for bound in exceeded}
+        texts = {bound["text"] for bound in worst_messages([dataset], itemgetter("text"))}
         warnings = json.loads(dataset.attrs.get("warnings", "[]"))
         others |= dict.fromkeys(
             text
@@ -264,18 +265,31 @@ def collect_warnings(
             and not text.startswith(OTHER_BOUNDS)
             and not (has_row and CATALOGUE_LOAD_WARNING in text)
         )
-        for bound in exceeded:
-            known = bounds.setdefault((bound["law"], bound["made_for"]), bound)
-            if (bound["is_warning"], bound["severity"]) > (known["is_warning"], known["severity"]):
-                bounds[bound["law"], bound["made_for"]] = bound
     if not laws:
         return [*others], []
     ranked = sorted(
-        bounds.values(),
+        worst_messages(results, itemgetter("law", "made_for")),
         key=lambda bound: (not bound["is_warning"], not bound["measured"], -bound["severity"]),
     )
     shown = [bound["text"] for bound in ranked[:_MAX_SHOWN_BOUNDS] if bound["is_warning"]]
     return [*others, *shown], [bound["short"] for bound in ranked[len(shown) :]]
+
+
+def worst_messages(
+    results: "Iterable[xr.Dataset]", key: Callable[[dict[str, Any]], Hashable]
+) -> list[dict[str, Any]]:
+    """Return the messages on exceeded ranges of laws in results; of several with the same key the most severe one."""
+    worst = dict[Hashable, dict[str, Any]]()
+    for result in results:
+        for message in json.loads(result.attrs.get("validity") or "{}").get("messages", []):
+            known = worst.setdefault(key(message), message)
+            worst[key(message)] = max(known, message, key=message_rank)
+    return [*worst.values()]
+
+
+def message_rank(message: Mapping[str, Any]) -> tuple[bool, float]:
+    """Return what orders messages on exceeded ranges: warnings first, then by severity."""
+    return message["is_warning"], message["severity"]
 
 
 def describe_more_bounds(more: "Sequence[str]") -> str:
@@ -310,14 +324,8 @@ def confidence(datasets: "Iterable[xr.Dataset]") -> str:
     ]
     sources += [row for result in results for row in json.loads(result.attrs.get("data", "[]"))]
     for kind in dict.fromkeys(source["kind"] for source in sources):
-        if grades := sorted(
-            {
-                grade
-                for source in sources
-                if source["kind"] == kind
-                for grade in source.get("grades", {}).values()
-            }
-        ):
+        of_kind = (source.get("grades", {}) for source in sources if source["kind"] == kind)
+        if grades := sorted(grade for each in of_kind for grade in each.values()):
             extremes = " and ".join(dict.fromkeys((grades[0], grades[-1])))
             parts.append(f"data quality of the {kind} {extremes} (A printed to D estimated)")
     return "; ".join(parts)
