@@ -88,18 +88,6 @@ class Heat(abc.ABC):
         """Go on to the next cell with the heat released in cell i at the places."""
 
 
-class GivenHeat(Heat):
-    """A uniform temperature."""
-
-    def __init__(self, temperature: Array) -> None:
-        self.weight = np.ones(1)
-        self._affine = temperature[:, None], np.zeros((temperature.size, 1, 1))
-
-    def affine(self, i: int) -> tuple[Array, Array]:
-        """Return the same for every cell."""
-        return self._affine
-
-
 class LocalHeat(Heat):
     """Uniform across the film and in proportion to the stress of the cell."""
 

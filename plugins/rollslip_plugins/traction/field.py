@@ -43,7 +43,6 @@ from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.conduction import (
     Cells,
     ConductedHeat,
-    GivenHeat,
     Heat,
     LocalHeat,
     Modes,
@@ -63,9 +62,8 @@ from rollslip_plugins.traction.stress import LINEAR
 
 #: Pressure over the contact: Hertz's, its mean, or the user's as (x/b rising from -1 to 1, p over the mean pressure).
 Pressure: TypeAlias = Literal["hertz", "mean"] | tuple[ArrayLike, ArrayLike]
-#: Heating: of the field above; uniform across the film, by the local stress; uniform, by the mean stress as in the
-#: closed forms; none.
-Heating: TypeAlias = Literal["field", "local-stress", "mean-stress", "none"]
+#: Heating: of the field above; uniform across the film, by the local stress; none.
+Heating: TypeAlias = Literal["field", "local-stress", "none"]
 
 #: Cells along the contact and modes across half the film, from one refinement to the next.
 GRIDS: Final = ((8, 3), (16, 4), (32, 6), (64, 10), (128, 16), (256, 24), (512, 32))
@@ -77,8 +75,6 @@ MAX_NEWTON_CHANGE = 3.0
 MAX_SECANT_CHANGE = 0.3
 #: Smallest change of ln(kappa) over which a secant is used: below it rounding counts.
 MIN_SECANT_CHANGE = 1e-7
-#: Maximum number of secant steps for the mean stress; a dozen are usual.
-MAX_SECANTS = 60
 #: Change of beta theta that ends Newton's method: below the smallest error that is requested.
 NEWTON_TOLERANCE = 1e-9
 #: Number of cells below which a slice without a solution is tried on a finer grid. Chosen: real ones fail on all grids.
@@ -149,7 +145,7 @@ def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
             mean_fraction = fraction @ weight
             fraction = fraction / mean_fraction[:, None]
             log = warming[todo, i] = top + np.log(mean_fraction)
-            # hotter films are met on the way to the mean stress only
+            # a Newton step may leave the floats before it returns
             kappa = oil.thinning[todo, i] * np.exp(np.minimum(log, 600))
             change = oil.change[todo, i]
             if i > 1:
@@ -217,35 +213,14 @@ def _solve(
     groups: _Groups, oil: _Oil, grid: Cells, modes: Modes, heating: Heating
 ) -> tuple[_Marched, Heat]:
     """Integrate along a grid with a kind of heating."""
-    zeta = FLASH * groups.flash / 2 + 1 / 12
     heat: Heat
     if heating == "field":
         heat = ConductedHeat(groups.capacity, groups.flash, grid, modes)
     elif heating == "local-stress":
-        heat = LocalHeat(zeta)
+        heat = LocalHeat(FLASH * groups.flash / 2 + 1 / 12)
     else:
-        heat = GivenHeat(np.zeros_like(zeta))
-    marched = _march(groups, oil, grid, heat)
-    if heating != "mean-stress":
-        return marched, heat
-    # ln S less the logarithm of the mean stress at the heat of S is rising and convex in ln S: secants that begin above
-    # its root, at the stress of the cold film, descend to it.
-    log = np.log(_mean(marched, grid))
-    # no slope yet: a step of 1e-3
-    old = log
-    residual_old = np.full_like(log, np.nan)
-    for _ in range(MAX_SECANTS):
-        heat = GivenHeat(zeta * np.exp(log))
-        marched = _march(groups, oil, grid, heat)
-        residual = log - np.log(_mean(marched, grid))
-        if not np.any(np.abs(residual) > NEWTON_TOLERANCE / 10):
-            break
-        slope = (residual - residual_old) / (log - old)
-        slope = np.where(slope >= 1, slope, np.maximum(1e3 * residual, 1))
-        old = log
-        residual_old = residual
-        log = log - np.minimum(residual / slope, 2)
-    return marched, heat
+        heat = LocalHeat(np.zeros_like(groups.flash))
+    return _march(groups, oil, grid, heat), heat
 
 
 def _mean(marched: _Marched, grid: Cells) -> Array:
@@ -355,9 +330,9 @@ def solve_friction(
         Of the oil; Barus's by default.
     pressure : "hertz", "mean" or (array_like, array_like)
         Pressure over the contact; or x/b, rising from -1 to 1, and the pressure there over the slice's, linear between.
-    heating : "field", "local-stress", "mean-stress" or "none"
-        Temperatures of film and surfaces; or theta = zeta tau V uniform across the film, with the local stress or with
-        its mean as in the closed forms; or none.
+    heating : "field", "local-stress" or "none"
+        Temperatures of film and surfaces; or theta = zeta tau V uniform across the film, with the local stress; or
+        none.
     heat_capacity : float, optional
         Of the oil, rho_f c_f [J/(m3 K)].
     accuracy : float, optional
