@@ -391,23 +391,6 @@ def _losses_record(state: "xr.Dataset") -> dict[str, Any]:
     return {"friction_torque": float(state["friction_torque"]), "losses": losses}
 
 
-def _describe_band(dataset: "xr.Dataset", name: str) -> str:
-    """Return the band of a value in square brackets; empty if the result has none."""
-    band = json.loads(dataset.attrs.get("band", "{}")).get(name)
-    if band is None:
-        return ""
-    low, high = (math.inf if band[bound] is None else band[bound] for bound in ("low", "high"))
-    what = "load"
-    bounds = f"{format_quantity(low, 'N', 3)} to {format_quantity(high, 'N', 3)}"
-    if name == "steady_slip":
-        what = "slip"
-        bounds = f"{_percent(low)} to {_percent(high) if high < 1.0 else 'skidding'}"
-    return (
-        f" [where data scatter the {what} is about {bounds} (5 to 95 %), most of it by "
-        f"{band['dominant']}]"
-    )
-
-
 def _describe_inertia(dataset: "xr.Dataset") -> str:
     """Return the relative effect of the inertia of the rollers' spin on the driving torque."""
     effect = float(dataset.attrs["inertia_effect"])
@@ -431,7 +414,6 @@ def _describe_steady_slips(dataset: "xr.Dataset") -> list[str]:
             f"steady cage slip {_percent(float(state['steady_slip']))} ({state['stability'].item()}): the cage runs at "
             f"{_RPM * float(state['cage_speed']):.5g} rpm {_describe_drag(float(state['torque']))}"
         )
-    sentences[0] += _describe_band(dataset, "steady_slip")
     return sentences
 
 
@@ -482,28 +464,15 @@ def _ratio_to_formulas(dataset: "xr.Dataset", state: "xr.Dataset | None" = None)
 
 
 def _describe_ratio(dataset: "xr.Dataset", state: "xr.Dataset") -> str:
-    """Return the ratio of the friction torque at a steady slip to the formulas of makers, and their torques."""
+    """Return the ratio of the friction torque at a steady slip to the formulas of makers; empty without them."""
     if math.isnan(ratio := _ratio_to_formulas(dataset, state)):
         return ""
-    torques = ", ".join(
-        f"{name} {format_quantity(float(value), 'N m', 3)}"
-        for name, value in zip(
-            dataset["formula"].to_numpy(), dataset["formula_torque"].to_numpy(), strict=True
-        )
-        if value > 0.0
-    )
-    doubt = f", beyond a factor of {_DOUBTFUL_FACTOR:g} from them" * _is_doubtful(dataset, ratio)
-    return f", {ratio:.2g} times what makers' formulas give ({torques}){doubt}"
+    return f", {ratio:.2g} times what makers' formulas give"
 
 
 def _is_slow(dataset: "xr.Dataset") -> bool:
     """Whether the bearing is too slow for a comparison with formulas."""
     return "formula_speed" in dataset and float(dataset["formula_speed"]) < _MIN_COMPARED_SPEED
-
-
-def _is_doubtful(dataset: "xr.Dataset", ratio: float) -> bool:
-    """Whether a ratio of the friction torque to the formulas of makers is doubtful; one that is not known is not."""
-    return not _is_slow(dataset) and _is_far(ratio)
 
 
 def _is_far(ratio: float) -> bool:
@@ -532,7 +501,7 @@ def _explain_doubt(dataset: "xr.Dataset") -> list[str]:
             f"at n d_m of {n_dm}, below {6e4 * _MIN_COMPARED_SPEED:.0f}, the torque is not comparable with makers' "
             "formulas: it lacks the weight of the rollers and most of the mixed friction"
         ]
-    if not _is_doubtful(dataset, ratio):
+    if not _is_far(ratio):
         return []
     why = (
         "a drag is missing or too small, and slip and torque are lower bounds: see cage.drag"
@@ -626,31 +595,17 @@ def _describe_jump(dataset: "xr.Dataset") -> str:
     )
 
 
-def _describe_minimum_load(dataset: "xr.Dataset") -> str:
-    """Return the minimum load of the acceptable slip, those of catalogues, and what rules of makers lack."""
-    slip = _percent(float(dataset.attrs["acceptable_slip"]))
-    load = float(dataset["minimum_load"])
+def _describe_minimum_load(dataset: "xr.Dataset") -> list[str]:
+    """Return the status of the minimum load, unless it is found, and what the rules of makers lack."""
     status = str(dataset["minimum_load_status"].item())
-    sentence = f"no minimum load for a cage slip of {slip}: {status}"
-    if not math.isnan(load):
-        sentence = (
-            f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
-            f"{status.removeprefix(Status.FOUND)}{_describe_band(dataset, 'minimum_load')}"
+    rules = [
+        f"{maker}'s rule {lack}"
+        for maker, lack in zip(
+            dataset["maker"].to_numpy(), dataset["makers_status"].to_numpy(), strict=True
         )
-    makers, loads, statuses = (
-        dataset[name].to_numpy() for name in ("maker", "makers_minimum_load", "makers_status")
-    )
-    catalogue = ", ".join(
-        f"{format_quantity(float(load), 'N', 3)} ({maker}{_at_rest(status)})"
-        for maker, load, status in zip(makers, loads, statuses, strict=True)
-        if math.isfinite(load)
-    )
-    sentence += f"; catalogue minimum loads, for any oil and cage: {catalogue}"
-    return sentence + "".join(
-        f"; {maker}'s rule {status}"
-        for maker, status in zip(makers, statuses, strict=True)
-        if status and Status.of(status) is not Status.FOUND
-    )
+        if lack and Status.of(lack) is not Status.FOUND
+    ]
+    return rules if status == Status.FOUND else [f"minimum load: {status}", *rules]
 
 
 def _describe_first_maximum(dataset: "xr.Dataset") -> str:
@@ -726,7 +681,7 @@ class SteadySlipAccount(Account):
                 else {}
             ),
             **(
-                {"minimum load": [_describe_minimum_load(dataset)]}
+                {"minimum load": _describe_minimum_load(dataset)}
                 if "minimum_load" in dataset
                 else {}
             ),
