@@ -1,7 +1,6 @@
 """Sentences that several studies say alike, and numbers as people read them."""
 
 import json
-import math
 
 import pytest
 
@@ -10,12 +9,10 @@ from rollslip.results.text import (
     Status,
     collect_warnings,
     confidence,
-    describe_running,
     format_rounded_up,
     two_digits,
 )
 
-RUNS = "with the drags of the scene the cage runs at a slip of"
 SCENE = rollslip.evolve(
     rollslip.load_scene("1032930-70C"), {"accuracy.slices": 9, "accuracy.tolerance": 1e-2}
 )
@@ -30,53 +27,6 @@ def results():
 def test_a_status_is_found_in_its_text_whatever_follows(status):
     assert Status.of(status) is status
     assert Status.of(f"{status}, however the rest is worded: found") is status
-
-
-@pytest.mark.parametrize(
-    ("slip", "reserve", "status", "said"),
-    [
-        (
-            0.1,
-            4.0,
-            "found",
-            f"{RUNS} 10 %, with a drag reserve of 4",
-        ),
-        (
-            0.1,
-            4.0,
-            "at least: no skidding up to a slip of 0.95",
-            f"{RUNS} 10 %, with a drag reserve of at least 4",
-        ),
-        (
-            0.1,
-            math.inf,
-            "at least: no torque drags the cage",
-            f"{RUNS} 10 %",
-        ),
-        (
-            0.1,
-            1.0,
-            "at least: no skidding up to a slip of 0.95",
-            f"{RUNS} 10 %",
-        ),
-        (
-            0.0,
-            math.inf,
-            "found",
-            "every drag is switched off by cage.drag = [], as in no bearing, so the cage runs without slip",
-        ),
-        (
-            0.5,
-            0.9,
-            "the cage skids: its drags are more than the rollers carry",
-            f"{RUNS} 50 %, beyond that at which skidding begins: there its drag "
-            "falls with slip faster than what the rollers carry",
-        ),
-    ],
-)
-def test_how_a_cage_runs_is_told_with_what_it_could_carry(slip, reserve, status, said):
-    assert describe_running(slip, 0.4, reserve, status) == said
-    assert describe_running(slip, math.nan, math.nan, "not known").startswith(said.split(",")[0])
 
 
 def test_confidence_is_the_error_of_an_approximation_and_the_quality_of_the_data(results):

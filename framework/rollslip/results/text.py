@@ -37,7 +37,6 @@ __all__ = [
     "describe_law_outputs",
     "describe_more_bounds",
     "describe_operation",
-    "describe_running",
     "describe_skidding",
     "duration",
     "duration_range",
@@ -135,9 +134,6 @@ _MAX_SHOWN_BOUNDS: Final = 3
 #: Slip below which it is printed as "below 0.1 %", and to which errors of smaller slips are relative. Doubled, a slip
 #: of 0.1 % may be off by twice the tolerance; halved, trials resolve slips that nobody reads. Chosen.
 SMALLEST_SLIP: Final = 1e-3
-#: Size of a negative slip up to which a cage counts as running without slip. Chosen: doubling it calls
-#: cages undriven that run up to 0.02 % ahead of pure rolling.
-_NEGLIGIBLE_SLIP: Final = 1e-4
 #: Number of names up to which a variable gives one line for each of its values. Doubling it prints up to 16 lines for
 #: one variable; chosen so that rings, makers and sources are listed and curves are not.
 _MAX_LISTED_VALUES: Final = 8
@@ -194,39 +190,6 @@ def describe_skidding(slip: float, drag: float, status: str) -> str:
         f"skidding begins at a cage slip of {three_digits(slip)}, limit drag torque "
         f"{format_quantity(drag, 'N m', 3)}"
     )
-
-
-def describe_running(slip: float, skidding_slip: float, reserve: float, status: str) -> str:
-    """Return at which slip the cage runs and its drag reserve, without a full stop.
-
-    Parameters
-    ----------
-    slip : float
-        Steady cage slip [-]; negative where the cage runs ahead of pure rolling.
-    skidding_slip : float
-        Cage slip at the onset of skidding [-]; NaN if it is not known.
-    reserve : float
-        Limit drag torque over the drag of the scene [-]; it is left out where it is NaN or infinite.
-    status : str
-        Status of the reserve; see `Status`.
-    """
-    if slip < -_NEGLIGIBLE_SLIP:
-        return f"{Status.DRIVEN}: it runs {-100.0 * slip:.2g} % faster than its epicyclic speed"
-    if slip == 0.0:
-        return f"{SWITCHED_OFF}, so the cage runs without slip"
-    with_slip = f"at a slip of {100.0 * slip:.3g} %" if slip > 0.0 else "without slip"
-    sentence = f"with the drags of the scene the cage runs {with_slip}"
-    if slip > skidding_slip:
-        return (
-            f"{sentence}, beyond that at which skidding begins: there its drag falls with slip faster than what the "
-            "rollers carry"
-        )
-    is_bound = Status.of(status) is Status.AT_LEAST
-    if not math.isfinite(reserve) or (
-        is_bound and not reserve > 1.0
-    ):  # a lower bound below 1 is no information
-        return sentence
-    return f"{sentence}, with a drag reserve of {'at least ' * is_bound}{reserve:.3g}"
 
 
 def small_load_notes(warnings: Iterable[str]) -> list[str]:

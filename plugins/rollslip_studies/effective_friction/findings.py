@@ -10,7 +10,7 @@ import attrs
 from rollslip.results.accounts import PlainAccount, with_assumptions
 from rollslip.results.answer import Answer, Row
 from rollslip.results.dataset import xr
-from rollslip.results.text import Status, describe_running, describe_skidding
+from rollslip.results.text import describe_skidding
 from rollslip_studies.steady_slip.findings import (
     UNCOMPUTED_MINIMUM_LOAD,
     next_of_others,
@@ -20,39 +20,26 @@ from rollslip_studies.steady_slip.findings import (
 
 #: Slip, drag and status of the onset of skidding.
 _SKIDDING: Final = ("skidding_slip", "limit_drag", "skidding_status")
-#: Slip, drag and status of the steady slip.
-_STEADY: Final = ("steady_cage_slip", "steady_drag", "steady_status")
+#: Values that the rows of the answer give.
+_IN_ROWS: Final = (
+    "steady_cage_slip", "steady_drag", "steady_status", "drag_reserve", "reserve_status",
+)  # fmt: skip
 #: Relative error of slip and reserve by effective friction, from docs/tables/skidding_effective_summary.csv. A smaller
 #: one would call differences from study steady-slip faults.
 _WITHIN: Final = 0.25
 
 
 def _curves(dataset: "xr.Dataset") -> "xr.Dataset":
-    """Return the dataset without the onset of skidding and the steady slip, which have sentences of their own."""
-    return dataset.drop_vars((*_SKIDDING, *_STEADY), errors="ignore")
+    """Return the dataset without the onset of skidding, which has a sentence, and what the answer gives."""
+    return dataset.drop_vars((*_SKIDDING, *_IN_ROWS), errors="ignore")
 
 
-def _describe_skidding(dataset: "xr.Dataset") -> str:
-    """Return the onset of skidding, or why there is none; empty if it was not requested."""
+def _describe_skidding(dataset: "xr.Dataset") -> list[str]:
+    """Return the onset of skidding, or why there is none; nothing if it was not requested."""
     if "skidding_slip" not in dataset:
-        return ""
+        return []
     slip, drag, status = (dataset[name].item() for name in _SKIDDING)
-    return describe_skidding(slip, drag, status)
-
-
-def _describe_running(dataset: "xr.Dataset") -> str:
-    """Return the steady slip and the drag reserve; empty if they were not requested."""
-    if "steady_cage_slip" not in dataset:
-        return ""
-    slip, drag, status = (dataset[name].item() for name in _STEADY)
-    if math.isnan(slip):
-        return str(status)
-    reserve = dataset["limit_drag"].item() / drag if drag > 0.0 else math.nan
-    reserve_status = str(Status.FOUND)
-    if "drag_reserve" in dataset:
-        reserve = dataset["drag_reserve"].item()
-        reserve_status = dataset["reserve_status"].item()
-    return describe_running(slip, dataset["skidding_slip"].item(), reserve, reserve_status)
+    return [describe_skidding(slip, drag, status)]
 
 
 def _slip_row(dataset: "xr.Dataset", slip: float, status: str) -> Row:
@@ -98,21 +85,14 @@ class EffectiveFrictionAccount(PlainAccount):
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Return the onset of skidding, the steady slip and the maxima of curves, by topic."""
-        sentences = {
-            "skidding": _describe_skidding(dataset),
-            "steady slip": _describe_running(dataset),
-        }
-        return {about: [text] for about, text in sentences.items() if text} | PlainAccount.topics(
-            _curves(dataset)
-        )
+        """Return the onset of skidding and the maxima of curves, by topic."""
+        skidding = _describe_skidding(dataset)
+        topics = {"skidding": skidding} if skidding else {}
+        return topics | PlainAccount.topics(_curves(dataset))
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
-        """Return sentences on the onset of skidding, the steady slip and the maxima of curves."""
-        return [
-            *filter(None, (_describe_skidding(dataset), _describe_running(dataset))),
-            *super().sentences(_curves(dataset)),
-        ]
+        """Return sentences on the onset of skidding and the maxima of curves."""
+        return [*_describe_skidding(dataset), *super().sentences(_curves(dataset))]
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return the lines for a terminal, with the errors of the discretisation."""
