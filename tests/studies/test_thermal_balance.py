@@ -388,8 +388,6 @@ def test_an_answer_says_that_others_warm_or_cool_the_oil(given, text):
     assert [text in note for note in notes] == [True] * bool(text)
     alone = float(found.temperature.sel(node="oil")[0]) - 273.15
     assert all(f"settles at {alone:.0f} °C" in note for note in notes)
-    sentences = " ".join(account_of(found).sentences(found))
-    assert ("by itself the bearing settles" in sentences) == bool(text)
 
 
 def test_oil_carries_all_of_an_adiabatic_bearing():

@@ -182,7 +182,7 @@ class ThermalBalanceAccount(Account):
                     note="without play in the pockets",
                 ),
                 *_margin_rows(dataset, str(names[0])),
-                attrs.evolve(given, note=_others(dataset, coldest)[1] or given.note),
+                attrs.evolve(given, note=_others(dataset, coldest) or given.note),
             ),
             assumed=tuple(filter(None, [describe_estimated(dataset)])),
             next=(f"{RUN_STEADY_SLIP} {_scene_options(coldest)}",),
@@ -198,7 +198,6 @@ class ThermalBalanceAccount(Account):
             "limit": [_limit(dataset)],
             **({"what they rest on": [estimates]} if (estimates := _estimates(dataset)) else {}),
             **({"course": [_course(dataset)]} if "course_temperature" in dataset else {}),
-            **({"other studies": [_settings(dataset)]} if stable_balances(dataset) else {}),
         }
 
     @staticmethod
@@ -252,10 +251,10 @@ def _given(dataset: "xr.Dataset") -> str:
     )
 
 
-def _others(dataset: "xr.Dataset", balance: "xr.Dataset") -> tuple[str, str]:
-    """Return the oil temperature of the scene, and that others warm or cool it to that; empty where both are near.
+def _others(dataset: "xr.Dataset", balance: "xr.Dataset") -> str:
+    """Return that others warm or cool the oil to the temperature of the scene; empty where both are near.
 
-    Both are empty where the thermal model has no node for the oil.
+    It is empty where the thermal model has no node for the oil, too.
 
     Parameters
     ----------
@@ -265,14 +264,13 @@ def _others(dataset: "xr.Dataset", balance: "xr.Dataset") -> tuple[str, str]:
         Its coldest stable balance.
     """
     if "oil" not in balance["node"].to_numpy():
-        return "", ""
+        return ""
     given = float(dataset["given_temperature"].sel(part="oil"))
     alone = float(balance["temperature"].sel(node="oil"))
     if abs(given - alone) <= _OTHERS:
-        return "", ""
+        return ""
     act = "warm" if given > alone else "cool"
-    note = f"others {act} it: by itself the bearing settles at {alone - 273.15:.0f} °C"
-    return f"{given - 273.15:.0f} °C", note
+    return f"others {act} it: by itself the bearing settles at {_degrees(alone)}"
 
 
 def _balances(dataset: "xr.Dataset") -> list[str]:
@@ -287,31 +285,15 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
         given = f", against {100.0 * slip:.3g} % at the temperatures of the scene"
     for balance in all_balances(dataset):
         loss = float(balance["loss"].sum())
-        heats = list(
-            zip(
-                balance["sink"].to_numpy(), balance["carried_away"].to_numpy().tolist(), strict=True
-            )
-        )
-        away = " and ".join(f"{_watt(heat)} leave by {sink}" for sink, heat in heats if heat > 0.0)
-        brought = "".join(
-            f", {_watt(-heat)} come in with {sink}" for sink, heat in heats if heat < 0.0
-        )
         temperatures = _temperatures(balance["node"].to_numpy(), balance["temperature"].to_numpy())
         sentences.append(
             f"heat is in balance at {temperatures} "
-            f"({balance['stability'].item()}): {_watt(loss)} are lost{brought}, {away}; the cage slip is "
+            f"({balance['stability'].item()}): {_watt(loss)} are lost, {_sinks(balance)}; the cage slip is "
             f"{100.0 * float(balance['steady_slip']):.3g} %{given}, without play in the pockets"
         )
-    if guessed := describe_estimated(dataset):
-        sentences[-1] += f"; {guessed}"
-    stable = stable_balances(dataset)
-    if stable:
-        temperature, others = _others(dataset, stable[0])
-        if others:
-            sentences.append(f"oil of the scene has {temperature}; {others}")
     if (jumps := str(dataset["jumps"].item())) != NO_JUMPS:
         sentences.append(jumps)
-    if len(stable) > 1:
+    if len(stable_balances(dataset)) > 1:
         sentences.append(
             "which of the balances that last a bearing is in depends on how it came there: warm from the colder"
         )
@@ -358,12 +340,6 @@ def _course(dataset: "xr.Dataset") -> str:
     ended = str(dataset["course_status"].item())
     early = "" if ended == COURSE_COMPLETE else f"; it ends there: {ended}"
     return f"from the temperatures of the scene it is after {float(last['time']):.4g} s at {at}{shown}{early}"
-
-
-def _settings(dataset: "xr.Dataset") -> str:
-    """Return the options with which other studies take the temperatures of the balance, as a sentence."""
-    options = _scene_options(stable_balances(dataset)[0])
-    return f"other studies take the temperatures of the scene; these are {options}"
 
 
 def _scene_options(balance: "xr.Dataset") -> str:
