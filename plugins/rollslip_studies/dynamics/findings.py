@@ -20,8 +20,8 @@ from rollslip.results.text import (
 from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
-from rollslip_studies.dynamics.history_findings import format_energy
 from rollslip_studies.steady_slip.findings import next_of_others, reserve_row
+from rollslip_studies.steady_slip.play_findings import precise_percent
 from rollslip_studies.surface_damage import findings as damage
 
 #: Option for a run that is longer, or stores more, in the status of a slip that is not known to be steady.
@@ -289,7 +289,11 @@ def ledger_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]
         "residual": float(dataset["energy_residual"][-1]),
     }
     return ("energy since the start", "", "of what was turned over"), [
-        [name, format_energy(value), f"{100 * value / size:+.3g} %" if size > 0.0 else "–"]
+        [
+            name,
+            format_quantity(value, "J", 4),
+            f"{100 * value / size:+.3g} %" if size > 0.0 else "–",
+        ]
         for name, value in entries.items()
     ]
 
@@ -303,7 +307,7 @@ def describe_differences(datasets: "Mapping[str, xr.Dataset]") -> list[str]:
     for name, dataset in others:
         gap = np.abs(relative_difference(reference, dataset, "cage_speed")).max(initial=0.0)
         sentences.append(
-            f"the cage speed of {name} is never further than {_percent(gap)} of its largest from that of {first}"
+            f"the cage speed of {name} is never further than {precise_percent(gap)} of its largest from that of {first}"
         )
         if _is_steady(reference) and _is_steady(dataset):
             change = float(dataset.attrs["steady_cage_slip"]) - reference_slip
@@ -354,11 +358,6 @@ def common_times(reference: "xr.Dataset", dataset: "xr.Dataset") -> Array:
 # Sentences ----------------------------------------------------------------------------------------------------------
 
 
-def _percent(value: float) -> str:
-    """Return a fraction in per cent."""
-    return f"{100 * value:.3g} %"
-
-
 def _time(seconds: float) -> str:
     """Return a time with its unit."""
     return f"t = {seconds:.3g} s"
@@ -388,8 +387,8 @@ def _describe_friction_error(dataset: "xr.Dataset") -> list[str]:
     if a["friction"] != "effective" or not SMALLEST_SLIP <= slip < _SMALL_SLIP:
         return []
     return [
-        f"effective friction may add up to {_SMALL_SLIP_ERROR} to slips below {_percent(_SMALL_SLIP)}: run with --set "
-        f"study.{a['study']}.friction=conventional to be sure"
+        f"effective friction may add up to {_SMALL_SLIP_ERROR} to slips below {precise_percent(_SMALL_SLIP)}: run with "
+        f"--set study.{a['study']}.friction=conventional to be sure"
     ]
 
 
@@ -436,13 +435,13 @@ def _describe_steady_slip(dataset: "xr.Dataset") -> str:
     """Describe the steady slip, or why the slip is not steady."""
     a = dataset.attrs
     if _is_steady(dataset):
-        return f"steady cage slip {_percent(float(a['steady_cage_slip']))}, the {_mean_of(dataset)}"
+        return f"steady cage slip {precise_percent(float(a['steady_cage_slip']))}, the {_mean_of(dataset)}"
     status = str(a["steady_status"])
     text = (
         f"cage slip is {status}" if status.startswith("not ") else f"no steady cage slip: {status}"
     )
     last = float(dataset["cage_slip"][-1])
-    return text if math.isnan(last) else f"{text}; at the end it is {_percent(last)}"
+    return text if math.isnan(last) else f"{text}; at the end it is {precise_percent(last)}"
 
 
 def _describe_critical_slip(dataset: "xr.Dataset") -> str:
@@ -453,10 +452,12 @@ def _describe_critical_slip(dataset: "xr.Dataset") -> str:
     if math.isnan(critical):
         text = f"{text} unknown: {a['critical_status']}"
     else:
-        text = f"{text} {_percent(critical)} {a.get('curves_with', '')}".rstrip()
+        text = f"{text} {precise_percent(critical)} {a.get('curves_with', '')}".rstrip()
     first = float(a.get("first_maximum_slip", math.nan))
     if first < (math.inf if math.isnan(critical) else critical):
-        text += f"; friction falls already from a slip of {_percent(first)} on, then rises again"
+        text += (
+            f"; friction falls already from a slip of {precise_percent(first)} on, then rises again"
+        )
     return text
 
 
@@ -473,7 +474,7 @@ def _describe_skidding(dataset: "xr.Dataset") -> list[str]:
             f"{EFFECTIVE_FRICTION_ERROR}, and slip comes near: run with --set study.{a['study']}.friction=conventional "
             "to be sure"
         )
-    value = f"the {_percent(limit)} at which skidding begins"
+    value = f"the {precise_percent(limit)} at which skidding begins"
     passages = skidding_passages(dataset)
     if not passages:
         side = "below" if slip.max() <= limit else "beyond"
@@ -483,7 +484,7 @@ def _describe_skidding(dataset: "xr.Dataset") -> list[str]:
         for k, passage in enumerate(passages)
     ]
     if slip[0] > limit:
-        events.insert(0, f"cage slip begins at {_percent(float(slip[0]))}, beyond {value}")
+        events.insert(0, f"cage slip begins at {precise_percent(float(slip[0]))}, beyond {value}")
     if len(events) > _MAX_SENTENCES:
         between = f"it passed {value} {len(events) - 2} more times in between"
         events = [events[0], between, events[-1]]
@@ -519,8 +520,8 @@ def _describe_largest_slips(dataset: "xr.Dataset") -> str:
     k = int(np.argmax(cage))
     i, j = np.unravel_index(np.argmax(rollers), rollers.shape)
     return (
-        f"largest cage slip {_percent(float(cage[k]))} at {_time(times[k])}; largest slip of a roller "
-        f"{_percent(float(rollers[i, j]))}, roller {dataset['roller'].to_numpy()[j]} at {_time(times[i])}"
+        f"largest cage slip {precise_percent(float(cage[k]))} at {_time(times[k])}; largest slip of a roller "
+        f"{precise_percent(float(rollers[i, j]))}, roller {dataset['roller'].to_numpy()[j]} at {_time(times[i])}"
     )
 
 
@@ -590,7 +591,8 @@ def _describe_ledger(dataset: "xr.Dataset") -> str:
     momentum = momentum_closure(dataset)
     text = "no energy was turned over"
     if size > 0.0:
-        text = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {format_energy(size)} turned over"
+        turned_over = format_quantity(size, "J", 4)
+        text = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {turned_over} turned over"
     if math.isnan(momentum):
         return text
     return f"{text}, angular momentum to {momentum:.1e} of its largest"

@@ -116,11 +116,6 @@ def heat_record(dataset: "xr.Dataset") -> dict[str, Any]:
     }
 
 
-def format_energy(joules: float) -> str:
-    """Return an energy with its unit, J or kJ."""
-    return f"{joules:.4g} J" if abs(joules) < 1e3 else f"{1e-3 * joules:.4g} kJ"
-
-
 def describe_heating(dataset: "xr.Dataset") -> list[str]:
     """Describe the temperatures that follow from losses, and the heat."""
     a = dataset.attrs
@@ -131,7 +126,7 @@ def describe_heating(dataset: "xr.Dataset") -> list[str]:
             list(map(str, dataset["node"].to_numpy())), rows[0], rows[-1], strict=True
         )
     )
-    made, stored, carried = (format_energy(abs(float(a[name]))) for name in HEAT[1:])
+    made, stored, carried = (format_quantity(abs(float(a[name])), "J", 4) for name in HEAT[1:])
     warmed = "warmed the parts" if float(a["heat_stored"]) >= 0.0 else "came out of the parts"
     direction = (
         "left the bearing" if float(a["heat_carried_away"]) >= 0.0 else "came into the bearing"

@@ -106,15 +106,12 @@ def _location(worst: "xr.Dataset") -> str:
 
 
 def _describe_limit(measure: "xr.Dataset") -> str:
-    """Describe whether the worst values are within the limit of a measure."""
+    """Describe the limit of a measure and its source; the row says whether the worst values are within it."""
     limit = float(measure["limit"])
     source = measure["limit_source"].item()
     if math.isnan(limit):
         return str(source)
-    value = format_value(limit, str(measure["unit"].item()))
-    if rings := rings_beyond_limit(measure):
-        return f"on the {' and '.join(rings)} ring that is beyond its limit of {value} ({source})"
-    return f"that is within its limit of {value} ({source})"
+    return f"its limit is {format_value(limit, str(measure['unit'].item()))} ({source})"
 
 
 def rows(dataset: "xr.Dataset") -> tuple[Row, ...]:
