@@ -142,7 +142,7 @@ def motions_together(datasets: "Mapping[str, xr.Dataset]") -> "Iterator[tuple[st
 
 def _speeds(dataset: "xr.Dataset") -> "Figure":
     """Draw the speeds of cage and rollers over time, with their levels without slip, and events."""
-    sheet = _sheet(1)
+    sheet = Sheet(TWO_COLUMNS, 1, 2)
     cage, roller = sheet.axes
     time = _time(dataset)
     speed = _RPM * dataset["cage_speed"].to_numpy()
@@ -248,7 +248,7 @@ def _draw_orbit_means(sheet: Sheet, dataset: "xr.Dataset") -> None:
 
 def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
     """Draw the speeds of several motions, and their differences from the first."""
-    sheet = _sheet(2, height_ratios=(3, 1), sharex="col")
+    sheet = Sheet(TWO_COLUMNS, 2, 2, height_ratios=(3, 1), sharex="col")
     panels = sheet.axes
     (first, reference), *_ = datasets.items()
     longest = max(datasets.values(), key=lambda dataset: float(dataset["time"][-1]))
@@ -419,7 +419,7 @@ def _centres(dataset: "xr.Dataset") -> "Figure":
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import BoundaryNorm
 
-    sheet = _sheet(1)
+    sheet = Sheet(TWO_COLUMNS, 1, 2)
     panels = sheet.axes
     time = _time(dataset)
     colours = light_to_dark()
@@ -561,11 +561,6 @@ def _draw_cells(
 
 
 # Shared by the figures ------------------------------------------------------------------------------------------------
-
-
-def _sheet(rows: int, **options: Any) -> Sheet:
-    """Return a sheet of two columns."""
-    return Sheet(TWO_COLUMNS, rows, 2, **options)
 
 
 def _scale(dataset: "xr.Dataset") -> float:

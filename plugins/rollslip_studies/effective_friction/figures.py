@@ -106,12 +106,6 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
     return figure
 
 
-def _operating_slip(dataset: "xr.Dataset") -> float:
-    """Return the slip at which the cage runs, of this study or of another one in a run; NaN outside the map."""
-    known = float(dataset.attrs.get("operating_slip", dataset.get("steady_cage_slip", np.nan)))
-    return known if known <= float(dataset["map_cage_slip"].max()) else np.nan
-
-
 def _map(dataset: "xr.Dataset") -> "Figure":
     """Draw contours of effective friction over cage slip and roller slip, with the curve of the closure."""
     from matplotlib.figure import Figure
@@ -127,7 +121,10 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     colours = against_zero(float(levels[0]), float(levels[-1]))
     style: dict[str, Any] = {"color": "black", "linewidth": 1.6, "linestyle": DASHES[3]}
     panels = figure.subplots(1, dataset.sizes["ring"], sharey=True, squeeze=False)[0]
-    operating_slip = _operating_slip(dataset)
+    # of this study, or of another one in a run
+    operating_slip = float(
+        dataset.attrs.get("operating_slip", dataset.get("steady_cage_slip", np.nan))
+    )
     point = list[Line2D]()
     for axes, curve, ring, values in zip(
         panels, curves(dataset), dataset["ring"].values, surface, strict=True
@@ -152,7 +149,7 @@ def _map(dataset: "xr.Dataset") -> "Figure":
             )
             axes.plot(*point_at, marker="o", markersize=5, color="white", markeredgecolor="black")
             annotate_point(axes, percent(curve.critical_slip), point_at)
-        if np.isfinite(operating_slip):
+        if 100 * operating_slip <= cage[-1]:
             point = axes.plot(
                 100 * operating_slip,
                 float(np.interp(operating_slip, curve.slip, line)),
