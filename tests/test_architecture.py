@@ -349,6 +349,7 @@ FULL = (
     + """eyring_stress = "4 MPa"
 [accuracy]
 slices = 3
+tolerance = 0.05
 [cage]
 mass = "0.4 kg"
 inertia = "3.3e-3 kg m2"
@@ -363,9 +364,11 @@ points = 5
 [study.steady-slip]
 points = 6
 max_cage_slip = 0.3
+pockets = "set"
 [study.dynamics]
 duration = "2 ms"
 points = 3
+relative_tolerance = 1e-5
 """
 )
 #: What no scene above names: other models, integrators and engines, and packages for tables, graphs and statistics.

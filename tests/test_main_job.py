@@ -10,6 +10,7 @@ import xarray as xr
 import rollslip
 import rollslip_studies.steady_slip.band as band
 from architecture import ROOT
+from coarse import coarse
 from rollslip.planning import execution
 from rollslip.planning.plan import Plan
 from rollslip.results.dataset import save
@@ -145,5 +146,5 @@ CAMPAIGNS = {
 
 @pytest.mark.parametrize("campaign", CAMPAIGNS)
 def test_points_of_campaigns_compute_nothing_for_readers(campaign, nothing_for_readers, tmp_path):
-    scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 5})
+    scene = coarse("gearbox", {"accuracy.slices": 5})
     assert CAMPAIGNS[campaign](scene, tmp_path / "out") is not None

@@ -9,16 +9,14 @@ import xarray as xr
 from click.testing import CliRunner
 
 import rollslip
+from coarse import coarse
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip.results.accounts import account_of
 from rollslip_campaigns.comparison.alternatives import ratio_band
 from without_bands import run
 
-SCENE = rollslip.evolve(
-    rollslip.load_scene("gearbox"),
-    {"accuracy.slices": 5, "accuracy.tolerance": 1e-2, "study.steady-slip.pockets": "set"},
-)
+SCENE = coarse("gearbox", {"accuracy.slices": 5, "accuracy.tolerance": 1e-2})
 
 
 @pytest.fixture(scope="module")

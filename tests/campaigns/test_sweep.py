@@ -22,6 +22,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rollslip
+from coarse import coarse
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import get_class
@@ -1162,7 +1163,7 @@ def test_names_tell_apart_keys_that_end_alike_and_what_a_study_gives():
 
 def test_few_points_are_told_one_by_one():
     over = {"load": ["1 kN", "2 kN"], "oil": ["iso-vg-68", "iso-vg-220"]}
-    scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 3})
+    scene = coarse("gearbox", {"accuracy.slices": 3})
     found = rollslip.sweep(scene, over, study="steady-slip", output="slip")
     (told,) = account_of(found).tables(found)
     assert told.head == ("operation.radial_load [kN]", "lubricant.name", "steady_slip [%]")

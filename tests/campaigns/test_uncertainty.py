@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 import rollslip
 import without_bands
+from coarse import SET_COARSE
 from drawn import words
 from rollslip import uncertainty
 from rollslip.cli.main import cli
@@ -224,9 +225,9 @@ def _points(status, slips):
 
 def test_samples_have_play_in_the_pockets():
     """Their slips are those of rollers set in the cage by the curves of a run; loads change as that of the run."""
-    scene = rollslip.evolve(load_scene("gearbox"), {"accuracy.slices": 11})
+    scene = rollslip.evolve(load_scene("gearbox"), {"accuracy.slices": 7, "models.approach": "dry"})
     nominal = without_bands.run(scene, "steady-slip")
-    options = {"samples": 16, "loads": 3}
+    options = {"samples": 8, "loads": 2}
     found = uncertainty(scene, **options)
     play = found["value"]
     run = {
@@ -559,7 +560,8 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     )
     monkeypatch.setattr(swept, "collect", points)
     out = tmp_path / "made"
-    own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8", "-v"]
+    own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", *SET_COARSE]
+    own += ["--samples", "8", "-v"]
     done = CliRunner().invoke(cli, [*own, "--out", str(out)])
     assert done.exit_code == 4, done.output
     assert "8 samples: none has a result" in done.output
