@@ -121,15 +121,18 @@ def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
         if (kind := point.group.removeprefix("rollslip.").replace("_", "-")) in kinds()
         and point.group != kind
     ]
-    if not points or not distribution.name or not distribution.version:
+    # each of these parses all of the metadata
+    package = distribution.name if points else ""
+    version = distribution.version if package else ""
+    if not version:
         return []
     state, cause = _state(distribution)
     return [
         Offer(
             kind=kind,
             name=point.name,
-            package=distribution.name,
-            version=distribution.version,
+            package=package,
+            version=version,
             module=point.value,
             state=state,
             cause=cause,
