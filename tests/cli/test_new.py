@@ -13,6 +13,7 @@ from click.testing import CliRunner
 
 import rollslip
 from rollslip import evolve, load_scene, plan
+from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import estimated_inertia
 from rollslip.cli import run
 from rollslip.cli.main import cli, main
@@ -60,7 +61,7 @@ def test_options_make_a_scene_that_says_what_they_say(tmp_path):
     assert scene.operation.temperature == pytest.approx(333.15)
     mass, _ = estimated_inertia(scene.bearing, "polyamide")
     assert scene.cage["guidance"] == "roller"
-    assert plan(scene).assembly.cage.mass == pytest.approx(mass, rel=5e-3)
+    assert assemble(scene).cage.mass == pytest.approx(mass, rel=5e-3)
     assert scene.lubrication.supply == "jet"
     assert scene.bearing.profile.shape == "none"
     assert not implausible(scene)
@@ -263,12 +264,12 @@ def test_the_cage_that_is_assumed_is_the_bearings_and_follows_its_name():
     assert "P in the name" in ecp.text
     changed = evolve(brass, {"bearing.name": "NU 2312 ECP"})
     assert changed.cage == ecp.cage
-    assert plan(changed).assembly.cage == plan(ecp).assembly.cage
+    assert assemble(changed).cage == assemble(ecp).cage
     # what is said on purpose stays
     assert new("own.toml", "--bearing", "NU 2312", "--cage", "brass", *given).exit_code == 0
     own = load_scene("own.toml")
     assert own.raw["cage"] == {"make": "brass"}
-    assert plan(own).assembly.cage.guidance == "outer"
+    assert assemble(own).cage.guidance == "outer"
     (told,) = implausible(evolve(own, {"bearing.name": "NU 2312 ECP"}))
     assert "cage.make: 'brass', but P of NU 2312 ECP says 'polyamide'" in told
 
@@ -288,9 +289,7 @@ def test_every_commented_value_of_the_cage_is_the_one_that_counts():
         "pocket_contact",
         "drag",
     }
-    cage, own = (
-        plan(one).assembly.cage for one in (evolve(scene, {"cage": written}, si=True), scene)
-    )
+    cage, own = (assemble(one).cage for one in (evolve(scene, {"cage": written}, si=True), scene))
     for name in ("make", "guidance", "pocket_stiffness", "pocket_contact"):
         assert getattr(cage, name) == getattr(own, name)
     for name in ("mass", "inertia", "pocket_clearance"):
