@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account, Table
 from rollslip.results.answer import MAX_ROWS, Answer, Row
-from rollslip.results.curves import or_none
+from rollslip.results.curves import json_value
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.text import two_digits
 from rollslip.units import format_quantity
@@ -128,20 +128,6 @@ def row_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
     return [*tables.items()]
 
 
-#: Variables of rows that are numbers.
-_NUMBERS: Final = (
-    "measured",
-    "uncertainty",
-    "calculated",
-    "calculated_low",
-    "calculated_high",
-    "ratio",
-    "ratio_low",
-    "ratio_high",
-    "seconds",
-)
-
-
 def statement_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
     """Return caption and rows of a table for the statements of each data set."""
     tables = dict[str, list[list[str]]]()
@@ -220,36 +206,11 @@ class ValidationAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return rows, series and statements as plain values; a missing value is None."""
-        texts = (
-            "data_set",
-            "series",
-            "models",
-            "quantity",
-            "unit",
-            "condition",
-            "verdict",
-            "status",
-        )
-        rows = [
-            {name: row[f"row_{name}"] for name in texts}
-            | {name: or_none(row[name]) for name in _NUMBERS}
-            for row in rows_along(dataset, "row")
-        ]
-        groups = [
-            {name: row[f"group_{name}"] for name in ("data_set", "series", "models")}
-            | {name: or_none(row[name]) for name in ("chi2", "freedom", "probability")}
-            | {"status": row["chi2_status"]}
-            for row in rows_along(dataset, "group")
-        ]
-        statements = [
-            {name.removeprefix("statement_"): text for name, text in row.items()}
-            for row in rows_along(dataset, "statement")
-        ]
         return {
             "data_sets": json.loads(dataset.attrs["data_sets"]),
-            "rows": rows,
-            "groups": groups,
-            "statements": statements,
+            "rows": _plain_values(dataset, "row"),
+            "groups": _plain_values(dataset, "group"),
+            "statements": _plain_values(dataset, "statement"),
             "samples": int(dataset.attrs["samples"]),
         }
 
@@ -262,6 +223,17 @@ class ValidationAccount(Account):
         if chi2 := chi_square_cells(dataset):
             tables.append(Table("All rows of a series together", CHI_SQUARE, chi2))
         return tables
+
+
+def _plain_values(dataset: "xr.Dataset", dim: str) -> list[dict[str, Any]]:
+    """Return the values along a dimension as plain values, by names without the dimension."""
+    return [
+        {
+            name.removeprefix(f"{dim}_").removeprefix("chi2_"): json_value(value)
+            for name, value in row.items()
+        }
+        for row in rows_along(dataset, dim)
+    ]
 
 
 def models_of(dataset: "xr.Dataset") -> list[str]:
