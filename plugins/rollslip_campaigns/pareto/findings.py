@@ -140,11 +140,6 @@ class ParetoAccount(Account):
         )
 
     @staticmethod
-    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Return the sentences under one topic."""
-        return {"found": ParetoAccount.sentences(dataset)}
-
-    @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:
         """Return sentences on the measurement of times, and on tolerance and floor of each result."""
         rounds = int(dataset.attrs["rounds"])

@@ -99,18 +99,12 @@ def _steady(points: "xr.Dataset") -> Array:
 
 def _scalar(points: "xr.Dataset", name: str) -> Array:
     """Values of a scalar output at the points, (n,), NaN where there is none."""
-    return (
-        points[name].to_numpy().astype(float)
-        if name in points
-        else np.full(points["status"].size, np.nan)
-    )
+    missing = xr.full_like(points["status"], np.nan, dtype=float)
+    return points.get(name, missing).to_numpy().astype(float)
 
 
 def _has_status(points: "xr.Dataset", name: str, *statuses: Status) -> Any:
     """Mask (n,) of the points whose status, the variable of that name, is one of the given ones."""
-    texts = (
-        points[name].to_numpy().astype(str)
-        if name in points
-        else np.full(points["status"].size, "")
-    )
+    missing = xr.full_like(points["status"], "", dtype=object)
+    texts = points.get(name, missing).to_numpy().astype(str)
     return np.array([Status.of(text) in statuses for text in texts.tolist()], dtype=bool)
