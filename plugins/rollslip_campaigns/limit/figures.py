@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from rollslip.results.dataset import xr
 from rollslip.results.style import DASHES, MODEL_COLOURS, Sheet, plain_decades, unit_label
-from rollslip.results.text import in_percent, short_label
+from rollslip.results.text import capitalise, in_percent, short_label
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.limit.findings import describe_limit, satisfied_spans
 from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
@@ -72,8 +72,8 @@ def draw_limit(dataset: "xr.Dataset") -> "Figure":
     ):
         mark_loads(sheet, catalogue_loads(dataset), x_unit)
     return sheet.done(
-        f"{_name(short_label(dataset.attrs['searched_key']))} [{unit_label(x_unit)}]",
-        f"{_name(dataset['result'].attrs['long_name'])} [{unit_label(y_unit)}]",
+        f"{capitalise(short_label(dataset.attrs['searched_key']))} [{unit_label(x_unit)}]",
+        f"{capitalise(dataset['result'].attrs['long_name'])} [{unit_label(y_unit)}]",
         columns=3 if len(sheet.handles) <= 3 else 1,
     )
 
@@ -84,8 +84,3 @@ def _converted(values: "xr.DataArray", given: str) -> tuple[Any, str]:
     numbers = values.to_numpy()
     shown = given or shown_unit(float(np.nanmax(np.abs(numbers))), unit) or unit
     return converted(numbers, unit, shown), shown
-
-
-def _name(text: str) -> str:
-    """Text with a capital first letter."""
-    return f"{text[:1].upper()}{text[1:]}"

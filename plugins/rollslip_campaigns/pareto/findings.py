@@ -224,11 +224,6 @@ def _cell(value: float, status: str, star: bool) -> str:
     return re.split(r"[ ,]", status)[0]  # "none", or a number
 
 
-def is_faster(part: "xr.Dataset", row: Any, other: Any) -> bool:
-    """Return whether each round of one choice is faster than all rounds of another."""
-    return float(part["seconds_high"][row]) < float(part["seconds_low"][other])
-
-
 def _recommended(part: "xr.Dataset", rounds: int) -> tuple[str, int]:
     """Return the recommended numerical choice of a study in words, and its number; -1 where there is none.
 
@@ -252,7 +247,8 @@ def _recommended(part: "xr.Dataset", rounds: int) -> tuple[str, int]:
             best,
         )
     best = within[0]
-    is_better = planned not in within or (rounds > 1 and is_faster(part, best, planned))
+    is_faster = float(part["seconds_high"][best]) < float(part["seconds_low"][planned])
+    is_better = planned not in within or (rounds > 1 and is_faster)
     if best == planned or not is_better:
         return f"keep the plan: {_choice_text(part, planned, errors[planned, is_known])}", planned
     plan = two_digits(1e3 * float(part["seconds"][planned]))

@@ -72,7 +72,7 @@ class SweepAccount(Account):
                 key=key,
                 label=key.replace("_", " "),
                 text=_format_range(key, item),
-                note=_why_missing(item),
+                note=f"none at {item['missing']} points" * bool(item["missing"]),
             )
             for key, item in summaries.items()
         ]
@@ -194,11 +194,6 @@ def _format_range(name: str, summary: Mapping[str, Any] | None) -> str:
         texts = [two_digits(100.0 * end) for end in ends]
         return f"{' to '.join(dict.fromkeys(texts))} %"
     return " to ".join(dict.fromkeys(with_unit(end, summary["unit"], 2) for end in ends))
-
-
-def _why_missing(summary: Mapping[str, Any]) -> str:
-    """Return at how many points an output has no value; empty where all have one."""
-    return f"none at {summary['missing']} points" * bool(summary["missing"])
 
 
 def _next_steps(dataset: "xr.Dataset", failed: int) -> tuple[str, ...]:
