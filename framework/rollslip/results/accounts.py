@@ -81,9 +81,10 @@ class PlainAccount(Account):
             for curve in curves(dataset)
             if curve.has_critical
         ]
-        for name, text in single_values(dataset).items():
-            slips.append(Row(key=name, label=name, text=text))
-        return Answer(rows=tuple(slips))
+        singles = single_values(dataset).items()
+        return Answer(
+            rows=(*slips, *(Row(key=name, label=name, text=text) for name, text in singles))
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -103,11 +104,9 @@ class PlainAccount(Account):
         for name in map(str, dataset.data_vars):
             for _, at in single_value_indices(dataset, name):
                 value = json_value(dataset[name].isel(at).item())
-                if at:
-                    (dim, k), *_ = at.items()
+                for dim, k in at.items():
                     singles.setdefault(name, {})[str(dataset[dim].to_numpy()[k])] = value
-                else:
-                    singles[name] = value
+                singles.setdefault(name, value)
         return critical_rows(dataset) | singles
 
     def figures(self, dataset: "xr.Dataset") -> "Figures":
@@ -220,17 +219,18 @@ def findings(result: "xr.Dataset", topic: str = "") -> list[str]:
 def scene_file(dataset: "xr.Dataset") -> str:
     """Return the file or the name of the shipped scene of a result; empty where there is none, or it was changed."""
     source = str(dataset.attrs.get("source", ""))
-    if "changed" in dataset.attrs:
-        return ""
-    return source if source.endswith(".toml") or source in shipped_scenes() else ""
+    is_named = source.endswith(".toml") or source in shipped_scenes()
+    if is_named and "changed" not in dataset.attrs:
+        return source
+    return ""
 
 
 def account_of(dataset: "xr.Dataset") -> Account:
     """Return the account of the study of a dataset; a `PlainAccount` where it has none."""
     name = str(dataset.attrs.get("study", ""))
-    if name not in available("account"):
-        return PlainAccount(name)
-    account: Account = get_class("account", name)
+    account: Account = PlainAccount(name)
+    if name in available("account"):
+        account = get_class("account", name)
     return account
 
 

@@ -163,17 +163,15 @@ class Figures(dict[str, "Figure"]):
         return f"figures: {', '.join(self) or 'none'}"
 
     def _repr_html_(self) -> str:
-        with styled():
-            drawn = {name: as_svg(figure, self.captions[name], "") for name, figure in self.items()}
-        pictures = {  # separate documents, because all have the same ids
-            name: f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
-            for name, svg in drawn.items()
-        }
-        return "".join(
-            f'<figure><img src="{picture}" alt="{escape(self.captions[name])}"/>'
-            f"<figcaption>{escape(self.captions[name])}</figcaption></figure>"
-            for name, picture in pictures.items()
-        )
+        page = ""
+        for name, figure in self.items():
+            caption = escape(self.captions[name])
+            with styled():
+                svg = as_svg(figure, self.captions[name], "")
+            # separate documents, because all have the same ids
+            picture = f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
+            page += f'<figure><img src="{picture}" alt="{caption}"/><figcaption>{caption}</figcaption></figure>'
+        return page
 
 
 def plot(result: "xr.Dataset | dict[str, xr.Dataset]", width: str | float | None = None) -> Figures:

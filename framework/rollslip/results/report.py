@@ -186,15 +186,8 @@ class _Section:
 
 def _first_page(first: Answer, lead: str, datasets: Datasets) -> str:
     """Return the first page: the answer with its notes, the leading figure, and the most important inputs."""
-    scene = next(
-        (
-            dataset.attrs["scene_resolved"]
-            for dataset in datasets.values()
-            if "scene_resolved" in dataset.attrs
-        ),
-        "{}",
-    )
-    inputs = dict(_flat(json.loads(scene)))
+    scenes = [*_per_study(datasets, "scene_resolved"), ("", {})]
+    inputs = dict(_flat(scenes[0][1]))
     units = _known_keys(())
     rows = [
         [name, _value(inputs[key], units.get(key, ("",))[0])]
@@ -510,11 +503,9 @@ def _citations(datasets: Datasets) -> str:
     works = citations_of(*datasets.values())
     if not works:
         return ""
-    first = "".join(_tag("li", work) for work in works[:_FULL_CITATIONS])
-    others = ", ".join(_short_citation(work) for work in works)
-    body = f"<ul>{first}</ul><p>All works: {others}.</p>"
+    others = ", ".join(map(_short_citation, works))
     return (
-        body
+        f"{_list(works[:_FULL_CITATIONS])}<p>All works: {others}.</p>"
         + _download("all works in full", "references.txt", "\n".join(map(str, works)))
         + (_download("all works as BibTeX", "references.bib", as_bibtex(works)))
     )
@@ -584,7 +575,7 @@ def _tag(name: str, text: object) -> str:
     return f"<{name}>{escape(str(text))}</{name}>"
 
 
-def _list(texts: "Iterator[str] | Sequence[str] | Mapping[str, None]") -> str:
+def _list(texts: Iterable[object]) -> str:
     """Return texts as a list of HTML; empty without texts."""
     items = "".join(_tag("li", text) for text in texts)
     return f"<ul>{items}</ul>" if items else ""

@@ -257,12 +257,10 @@ def message_rank(message: Mapping[str, Any]) -> tuple[bool, float]:
 
 def describe_more_bounds(more: "Sequence[str]") -> str:
     """Return how many exceeded ranges are only counted, and which, without a full stop."""
-    what = (
-        "1 more bound of a law is left"
-        if len(more) == 1
-        else f"{len(more)} more bounds of laws are left"
-    )
-    return f"{what}, with less or unknown consequence: {'; '.join(more)}"
+    what = f"{len(more)} more bounds of laws are"
+    if len(more) == 1:
+        what = "1 more bound of a law is"
+    return f"{what} left, with less or unknown consequence: {'; '.join(more)}"
 
 
 def confidence(datasets: "Iterable[xr.Dataset]") -> str:
