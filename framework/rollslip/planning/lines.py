@@ -62,8 +62,8 @@ def bearing_parts(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part
     scene = assembly.scene
     law = assembly.lubricant.pressure_viscosity_law
     named = dict(scene.raw or {}).get("models", {})
-    parts = [_stage(kind, model, named) for kind, model in assembly.models.items()]
-    parts.append(
+    parts = [
+        *(_stage(kind, model, named) for kind, model in assembly.models.items()),
         Part(
             part="viscosity at pressure",
             choice=law.name,
@@ -71,9 +71,9 @@ def bearing_parts(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part
             reason="; ".join(
                 filter(None, (f"the law of the oil, {assembly.lubricant.name}", law.caution()))
             ),
-        )
-    )
-    parts.append(_inlet(assembly.film))
+        ),
+        _inlet(assembly.film),
+    ]
     if (mounted := scene.bearing.mounted) is not None:
         parts.append(
             Part(
@@ -97,11 +97,19 @@ def study_parts(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     studies : mapping of str to Study
         Studies by name.
     """
-    return [
-        *_cage(assembly, studies),
-        *_heat(assembly.scene, studies),
-        *_damage(assembly.scene, studies),
-    ]
+    parts = [*_cage(assembly, studies), *_heat(assembly.scene, studies)]
+    if not any(study.with_damage for study in studies.values()):
+        # a study that measures damage has its own lines
+        parts += [
+            Part(
+                part="damage",
+                included=False,
+                choice=model.name,
+                reason="no study of this run measures damage",
+            )
+            for model in assembly.scene.models.damage
+        ]
+    return parts
 
 
 def format_time(seconds: float, studies: Iterable[Study], assembly: Assembly) -> str:
@@ -124,10 +132,10 @@ def format_time(seconds: float, studies: Iterable[Study], assembly: Assembly) ->
 
 def describe_resolution(resolution: Resolution) -> str:
     """Return the numbers of slices and roller positions of a resolution as text."""
-    slices = resolution.slices
-    positions = resolution.n_positions or 1
-    text = "1 slice of a roller" if slices == 1 else f"{slices} slices of a roller"
-    if positions > 1:
+    text = f"{resolution.slices} slices of a roller"
+    if resolution.slices == 1:
+        text = "1 slice of a roller"
+    if (positions := resolution.n_positions or 1) > 1:
         text += f", {positions} roller positions within a pitch"
     return text
 
@@ -272,21 +280,6 @@ def _heat(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
     ]
 
 
-def _damage(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
-    """Return the lines of the damage models of a scene that no study uses; a study that uses them has its own lines."""
-    if any(study.with_damage for study in studies.values()):
-        return []
-    return [
-        Part(
-            part="damage",
-            included=False,
-            choice=model.name,
-            reason="no study of this run measures damage",
-        )
-        for model in scene.models.damage
-    ]
-
-
 def _studies_without_heat(scene: Scene, studies: Mapping[str, Study]) -> list[str]:
     """Return the studies that do not use the thermal model of a scene, if it has unknown temperatures."""
     if scene.models.thermal is None:
@@ -358,17 +351,12 @@ def _inlet(film: FilmModel) -> Part:
     choice = film.inlet_heating or "isothermal inlet"
     if film.oil_layer < PLENTY:
         choice += f", an oil layer of {format_quantity(film.oil_layer, 'm', 3)}"
-    line = Part(
-        part="thermal inlet shear",
-        included=False,
-        choice=choice,
-        reason="the scene does not ask for it",
-    )
     if not film.inlet_heating:
-        return line
-    return attrs.evolve(
-        line,
-        included=True,
+        reason = "the scene does not ask for it"
+        return Part(part="thermal inlet shear", included=False, choice=choice, reason=reason)
+    return Part(
+        part="thermal inlet shear",
+        choice=choice,
         resolution="every loaded slice",
         reason=f"film model {film.name!r} asks for it",
     )
