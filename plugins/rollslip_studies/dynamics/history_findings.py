@@ -194,20 +194,18 @@ def with_history_topics(
     """
     first, *others = topics
     heating = {"temperatures": describe_heating(dataset)} if has_heating(dataset) else {}
-    if not has_history(dataset):
-        return {first: topics[first], **heating, **{name: topics[name] for name in others}}
-    replaced = heating | {
-        "history": describe_history(dataset),
-        "skidding": [
-            f"at the operation of the scene: {topics['skidding'][0]}",
-            *describe_margin(dataset),
-        ],
-        "largest slip": [describe_largest_slip(dataset)],
-    }
-    return {
-        name: replaced.get(name, topics.get(name, []))
-        for name in (first, "history", *heating, *others)
-    }
+    replaced = topics | heating
+    if has_history(dataset):
+        replaced |= {
+            "history": describe_history(dataset),
+            "skidding": [
+                f"at the operation of the scene: {topics['skidding'][0]}",
+                *describe_margin(dataset),
+            ],
+            "largest slip": describe_slips(dataset),
+        }
+    order = (first, "history", *heating, *others)
+    return {name: replaced[name] for name in order if replaced.get(name)}
 
 
 def describe_history(dataset: "xr.Dataset") -> list[str]:
@@ -251,20 +249,19 @@ def _describe_change_times(t: Array, values: Array) -> str:
     return f"at t = {end:.3g} s" if steps.size == 1 else f"between t = {start:.3g} and {end:.3g} s"
 
 
-def describe_largest_slip(dataset: "xr.Dataset") -> str:
-    """Describe the largest slip and its time, and the smallest one if the cage runs ahead."""
-    slip, time = largest_slip(dataset)
-    if math.isnan(slip):
-        return "no slip is known at any time: the rings are nearly at rest"
+def describe_slips(dataset: "xr.Dataset") -> list[str]:
+    """Describe at how many times the slip is known, if not at all, and the smallest slip if the cage runs ahead."""
+    sentences = []
     known = int(np.isfinite(dataset["cage_slip"].to_numpy()).sum())
-    text = f"largest cage slip {100 * slip:.3g} % at t = {time:.3g} s"
-    if known < dataset.sizes["time"]:
-        text += f", {dataset.attrs['slip_status']}: at {known} of {dataset.sizes['time']} instants"
-    min_slip, min_time = smallest_slip(dataset)
-    if min_slip < -_MIN_NEGATIVE_SLIP:
-        text += f"; the cage runs ahead by up to {-100 * min_slip:.3g} % of its speed without slip, at t = "
-        text += f"{min_time:.3g} s"
-    return text
+    if 0 < known < dataset.sizes["time"]:
+        status = dataset.attrs["slip_status"]
+        sentences.append(f"cage slip {status}: at {known} of {dataset.sizes['time']} instants")
+    slip, time = smallest_slip(dataset)
+    if slip < -_MIN_NEGATIVE_SLIP:
+        sentences.append(
+            f"the cage runs ahead by up to {-100 * slip:.3g} % of its speed without slip, at t = {time:.3g} s"
+        )
+    return sentences
 
 
 def row(dataset: "xr.Dataset") -> Row:
