@@ -45,7 +45,7 @@ def main():
     for name in NAMES:
         for models, scene in (
             ("the paper's", evolve(load_scene(name), TOLERANCE)),
-            ("defaults of the box", by_default(name)),
+            ("defaults of rollslip", by_default(name)),
         ):
             slip, drag, torque = found(scene)
             rows.append((name, models, f"{100 * slip:.3g}", f"{drag:.3g}", f"{torque:.3g}"))
