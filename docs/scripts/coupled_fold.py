@@ -1,6 +1,6 @@
 """Write the tables coupled_fold*.csv of docs/theory/heat.rst: what bulk temperatures make of where skidding begins.
 
-The scenes are those of plan_proof.py (tests/support/plan_scenes.py) with the network of the box, once in a bath and
+The scenes are those of plan_proof.py (tests/support/plan_scenes.py) with the built-in network, once in a bath and
 once with a flow of oil that enters at the scene's temperature. At every cage slip the network settles with the losses
 that belong to it, and the rollers carry a torque: its largest value is the fold of the coupled system. Beside it stand
 the folds of temperatures that are held: as the scene gives them, and as they are where the cage runs with its own drag.

@@ -75,7 +75,7 @@ setup(
 
 
 def build(folder: Path) -> None:
-    """Build the example as it is, and its law as a kernel of the box, and make both importable."""
+    """Build the example as it is, and its law as a built-in kernel, and make both importable."""
     example = folder / "example"
     box = folder / "box"
     shutil.copytree(

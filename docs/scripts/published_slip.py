@@ -1,6 +1,6 @@
 """Write published_slip.csv of docs/trust/dynamics.rst: what models give where publications say how slip goes.
 
-A minute; the statements are the data set published-slip of the box, which tests/studies/test_published_slip.py holds.
+A minute; the statements are the built-in data set published-slip, which tests/studies/test_published_slip.py holds.
 """
 
 import sys

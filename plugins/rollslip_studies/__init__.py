@@ -1,1 +1,1 @@
-"""Studies of the box: one question to one bearing each, one folder for each."""
+"""Built-in studies: one question to one bearing each, one folder for each."""

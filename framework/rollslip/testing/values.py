@@ -353,7 +353,7 @@ def _given(model: Any) -> Any:
 
 @rule("value")
 def check_import_does_not_change_rollslip(model: Any) -> None:
-    """A law of the box that another package changes gives other numbers, and results name rollslip for them."""
+    """A built-in law that another package changes gives other numbers, and results name rollslip for them."""
     if is_ours(type(model).__module__):
         return
     _, changed, _ = _requested(model)
