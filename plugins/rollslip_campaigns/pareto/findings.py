@@ -296,14 +296,14 @@ def _error_text(part: "xr.Dataset", row: int, result: int) -> str:
 
 def _describe_result(part: "xr.Dataset", name: str) -> str:
     """Return what no table says of a result: its tolerance, the floor of its errors, and the error of its models."""
-    finest = part.isel(choice=np.flatnonzero(part["label"].to_numpy() == REFERENCE)[0])
-    if np.isnan(finest["error"]):
+    reference = part.isel(choice=np.flatnonzero(part["label"].to_numpy() == REFERENCE)[0])
+    if np.isnan(reference["error"]):
         return f"{name}: the finest finds none, so there is no error"
     sentence = f"{name}: the scene allows an error of {_percent(float(part['tolerance']))}"
     floor = float(part["floor"])
     if floor > ROUNDING:
         sentence += f"; errors below {floor:.0e} are not known"
-    own = float(finest["difference"])
+    own = float(reference["difference"])
     if "modelling" in part["kind"].to_numpy() and np.isfinite(own):
         sentence += (
             f"; the finest of the scene's models is {_percent(own, floor)} from the exact model"

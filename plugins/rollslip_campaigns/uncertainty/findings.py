@@ -450,11 +450,11 @@ def _describe_lower_bounds(dataset: "xr.Dataset") -> list[str]:
         sentences.append(
             f"in {bounded} of {n} samples there is no skidding in the range, and the reserve is a lower bound"
         )
-    share, low, high = (
+    fraction, low, high = (
         _format_percent(float(dataset[f"skidding{suffix}"])) for suffix in ("", "_low", "_high")
     )
     if float(dataset["skidding"]) > 0.0:
-        sentences.append(f"in {share} of the samples the cage skids ({low} to {high})")
+        sentences.append(f"in {fraction} of the samples the cage skids ({low} to {high})")
     return sentences
 
 
