@@ -601,3 +601,14 @@ def test_slips_of_the_page_rise_and_fall_as_it_says(quantity, sense):
     assert (play > without).all()
     if quantity != "play of a pocket":
         assert abs(math.log(play[-1] / play[0])) < abs(math.log(without[-1] / without[0]))
+
+
+def test_plenty_of_oil_is_the_limit_of_thick_layers():
+    """The slip of rollers with play, whose tables of friction have loads far below those of the loaded zone."""
+    slips = []
+    for layer in ("0.1 mm", "plenty"):
+        scene = evolve(load_scene("gearbox"), {"lubrication.oil_layer": layer})
+        study = SteadySlip(acceptable_slip=None)
+        found, _ = study.partial_result(assemble(scene), frozenset({"steady_slip"}))
+        slips.append(float(found["steady_slip"][1][0]))
+    assert slips[1] == pytest.approx(slips[0], rel=0.02)
