@@ -165,7 +165,7 @@ def describe_scene(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
         "title": _title(given),
         "source": given.source,
         "scene": given.text,
-        "assumed": json.dumps(assumed_keys(given)),
+        "assumed": json.dumps(assumed_keys(given) if "ASSUMED" in given.text else []),
         "scene_resolved": resolved(scene),
         "scene_hash": scene_hash(scene),
         **({"changed": 1} if CHANGES in given.origins.values() else {}),

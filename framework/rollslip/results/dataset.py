@@ -198,7 +198,9 @@ def save(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
     OutputError
         If it cannot be written.
     """
+    attributes = dict(dataset.attrs)  # those of a run are computed now
     stored = dataset.copy()
+    stored.attrs = attributes
     items: list[Any] = [stored, *stored.variables.values()]
     for item in items:
         item.attrs |= {

@@ -50,6 +50,7 @@ __all__ = [
     "html_table",
     "message_rank",
     "percent",
+    "precise_percent",
     "python_call",
     "short_label",
     "single_value_indices",
@@ -434,6 +435,11 @@ def percent(fraction: float) -> str:
     ('4.3 %', 'below 0.1 %', '93 %')
     """
     return "below 0.1 %" if abs(fraction) < SMALLEST_SLIP else f"{two_digits(100.0 * fraction)} %"
+
+
+def precise_percent(fraction: float) -> str:
+    """Return a fraction in per cent with three digits."""
+    return f"{100.0 * fraction:.3g} %"
 
 
 def duration(seconds: float) -> str:

@@ -16,12 +16,12 @@ from rollslip.results.text import (
     SMALLEST_SLIP,
     describe_skidding,
     percent,
+    precise_percent,
 )
 from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.steady_slip.findings import next_of_others, reserve_row
-from rollslip_studies.steady_slip.play_findings import precise_percent
 from rollslip_studies.surface_damage import findings as damage
 
 #: Option for a run that is longer, or stores more, in the status of a slip that is not known to be steady.

@@ -538,13 +538,13 @@ def reserve(
     max_slip : float
         Largest cage slip.
     """
-    outcome = Status.of(runs.status)
+    is_found = runs.status == Status.FOUND
+    outcome = Status.FOUND if is_found else Status.of(runs.status)
     if outcome is Status.DRIVEN:
         return Reserve(math.inf, f"{Status.AT_LEAST}: {runs.status}")
     if outcome not in (Status.FOUND, Status.NO_STEADY_SLIP):
         return Reserve(math.nan, runs.status)
     is_driven = runs.slip < 0.0
-    is_found = outcome is Status.FOUND
     is_dragged = (-balance.drag(0.0) if is_driven else runs.drag) > 0.0
     if is_found and not is_dragged and not runs.slip > SKIDDING_SLIP:
         where = " without slip" if is_driven else ""

@@ -22,6 +22,7 @@ from rollslip.results.text import (
     percent,
     two_digits,
 )
+from rollslip.results.text import precise_percent as _percent
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.play_findings import (
     assumed_without_play,
@@ -29,7 +30,6 @@ from rollslip_studies.steady_slip.play_findings import (
     describe_pockets,
     slip_without_play,
 )
-from rollslip_studies.steady_slip.play_findings import precise_percent as _percent
 
 if TYPE_CHECKING:
     import xarray as xr

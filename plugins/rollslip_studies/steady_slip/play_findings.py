@@ -3,7 +3,7 @@
 import math
 
 from rollslip.results.dataset import xr
-from rollslip.results.text import Status, percent
+from rollslip.results.text import Status, percent, precise_percent
 from rollslip.units import format_quantity
 
 
@@ -47,8 +47,3 @@ def describe_pockets(dataset: "xr.Dataset") -> list[str]:
         f"{precise_percent(float(dataset['crossing_fraction']))} and is pushed by the cage for "
         f"{precise_percent(float(dataset['pushed_fraction']))}"
     ]
-
-
-def precise_percent(fraction: float) -> str:
-    """Return a fraction in per cent with three digits."""
-    return f"{100.0 * fraction:.3g} %"
