@@ -722,10 +722,10 @@ def test_a_maximum_has_nine_samples_on_four_times_the_positions():
 
 
 def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_on_all_slices():
-    """By few loads the excess passes zero just above 4.70 %, a slip of the branch, and by all slices at 4.68 %."""
+    """By few loads the excess passes zero just above 4.70 %, a slip of the branch, and by all slices below it."""
     bearing = assemble(scenes.wide(100_600))
     bearing = bearing.at(attrs.evolve(bearing.resolution, slices=313, quadrature="gauss"))
-    balance = torque_balance(bearing.at_load(1065.0), 21)
+    balance = torque_balance(bearing.at_load(1074.0), 21)
     branch = balance.loading_branch()
     slip, torque = next(pair for pair in zip(*branch.curve, strict=True) if pair[0] > 0.046)
     assert torque + balance.drag(slip) < 0.0 < balance.excess(slip), "or the load shows nothing"

@@ -445,7 +445,7 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
 @pytest.mark.parametrize(
     ("number", "changes", "slices", "n_positions", "name", "variable"),
     [
-        pytest.param(100_296, DRY, 45, 6, "cage slip", "steady_slip", id="cage slip"),
+        pytest.param(100_296, DRY, 41, 6, "cage slip", "steady_slip", id="cage slip"),
         pytest.param(100_940, {}, 18, 8, "film parameter", "film_parameter", id="film parameter"),
     ],
 )
@@ -486,8 +486,9 @@ def test_a_skidding_slip_is_compared_as_it_is_told_and_not_as_the_maximum_of_a_c
     assert found["skidding slip"] == 0.0
     finer = Resolution(**resolution | {"slices": 4 * resolution["slices"], "n_positions": 21})
     fine = plan(scene, "steady-slip").studies["steady-slip"].run(assemble(scene, finer))
-    for name in ("skidding_slip", "limit_drag"):
-        assert float(result[name]) == pytest.approx(float(fine[name]), rel=1e-2)
+    assert float(result.limit_drag) == pytest.approx(float(fine.limit_drag), rel=1e-2)
+    # the range in which the torque is within a thousandth of its maximum
+    assert float(result.limit_drag_low) < float(fine.skidding_slip) < float(result.limit_drag_high)
 
 
 def test_the_thinnest_film_of_a_curve_is_seen_too():

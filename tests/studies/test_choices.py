@@ -94,7 +94,7 @@ def test_a_choice_that_makes_the_cage_skid_makes_the_verdict_unknown_and_comes_f
     assert (answer.verdict, answer.rule) == ("UNKNOWN", "V10")
     assert answer.assumed[0].startswith("profile logarithmic; none: slip 2")
     assert answer.assumed[0].endswith(" %, SKIDS")
-    assert answer.assumed[1].startswith("cage polyamide; brass: slip 8.8 %, SLIPS")
+    assert answer.assumed[1].startswith("cage polyamide; brass: slip 8.7 %, SLIPS")
     slips = {
         choice["label"]: choice["slips"]
         for choice in json.loads(result.complete()["steady-slip"].attrs["choices"])

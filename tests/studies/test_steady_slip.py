@@ -915,7 +915,7 @@ def test_slip_over_load_goes_through_the_run_and_near_runs_at_other_loads():
     assert at(float(found.minimum_load)) == pytest.approx(0.05)
     assert load[0] < 0.6 * float(found.minimum_load)
     assert load[-1] > float(found.makers_minimum_load.max())
-    scene = evolve(load_scene("gearbox"), {"operation.radial_load": 2200.0})
+    scene = evolve(load_scene("gearbox"), {"operation.radial_load": 2200.0}, si=True)
     there = rollslip.run(evolve(scene, {"accuracy.slices": 7}), "steady-slip")
     assert at(2200.0) == pytest.approx(float(there.steady_slip[0]), rel=0.25)  # for the eye
 

@@ -39,8 +39,7 @@ SHORT = {
 }
 #: Outputs that need other settings than those above; those of a history stand in test_dynamics_history.py.
 ELSEWHERE = {
-    "thermal-balance": {"leading_temperature", "excess_heat", "heat_margin", "limit_temperature", "inlet_limit",
-                        "limit_status", "jumps", "course_temperature", "course_slip", "course_status"},
+    "thermal-balance": {"course_temperature", "course_slip", "course_status"},
     "dynamics": {"inner_speed", "outer_speed", "radial_load", "load_direction", "temperature",
                  "inner_ring_temperature", "roller_temperature", "outer_ring_temperature", "epicyclic_cage_speed",
                  "roller_sliding_distance", "roller_frictional_work", "course_temperature", "radial_clearance",

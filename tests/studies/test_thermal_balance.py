@@ -737,4 +737,4 @@ def test_a_plan_says_which_studies_a_network_does_not_act_in():
 def test_a_model_without_a_node_of_the_oil_says_nothing_of_others():
     """The temperatures of such a model are not those of the oil that the scene states."""
     balance = xr.Dataset(coords={"node": ["bearing"]}, data_vars={"temperature": ("node", [300.0])})
-    assert findings._others(xr.Dataset(), balance) == ("", "")
+    assert findings._others(xr.Dataset(), balance) == ""
