@@ -17,7 +17,7 @@ from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneErr
 from rollslip.models import FilmModel, TractionModel
 from rollslip.models.validity import FILM_REGIMES
 from rollslip.results.accounts import account_of
-from rollslip.results.curves import curve_names
+from rollslip.results.curves import curve_names, percent
 from rollslip.results.dataset import save
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
@@ -748,15 +748,17 @@ def test_a_comparison_comes_back_as_it_was_and_the_other_commands_know_it(
     assert open_result(tmp_path / "compare.nc").identical(result)
     assert all({"units", "long_name"} <= v.attrs.keys() for v in result.variables.values())
     says = {}
-    for command in ("info", "cite"):
+    for command in ("info", "info -v", "cite"):
         with pytest.raises(SystemExit) as leave:
-            main([command, "compare.nc"])
+            main([*command.split(), "compare.nc"])
         assert leave.value.code == 0, capsys.readouterr().err
         says[command] = capsys.readouterr().out
     critical = result["critical_cage_slip" if "ring" in result.dims else "critical_slip"]
     slip = float(critical.isel({critical.dims[1]: 0}).sel(combination="dowson-1968 + eyring"))
-    assert f"dowson-1968 + eyring, {curve_names(result)[0]}" in says["info"]
-    assert f"slip at largest traction {slip:.2%}" in says["info"]
+    assert says["info"].startswith(f"{account_of(result).answer(result).summary}\n")
+    curve = re.escape(f"dowson-1968 + eyring, {curve_names(result)[0]}")
+    found = rf"\n  {curve} +(cage )?slip at largest traction {re.escape(percent(slip))}"
+    assert re.search(found, says["info -v"])
     for author in (
         "Moes H.",
         "Dowson D. Elastohydrodynamics",

@@ -1118,6 +1118,8 @@ def test_the_command_writes_data_and_oil(examples, capsys):
     assert low < 6e6 < high  # what the data were made with
     assert found.attrs["measurements"] == (examples / "twin-disc.csv").read_text(encoding="utf-8")
     shown = command("info twin-disc-fit/fit.nc", capsys).out
+    assert shown.startswith(said.partition("\n")[0])
+    shown = command("info -v twin-disc-fit/fit.nc", capsys).out
     assert re.search(r"eyring_stress +6\.6\d+ MPa, 95 %: .* determined", shown)
 
 

@@ -599,6 +599,9 @@ def test_the_command_writes_data_figures_and_a_report(capsys, tmp_path):
     }
     assert not (tmp_path / "o.unfinished").exists()
     with pytest.raises(SystemExit):
+        main(["info", str(tmp_path / "o" / "pareto.nc")])
+    assert capsys.readouterr().out.startswith(lines[0])
+    with pytest.raises(SystemExit):
         main(["info", "-v", str(tmp_path / "o" / "pareto.nc")])
     assert "the scene allows an error of" in capsys.readouterr().out
 

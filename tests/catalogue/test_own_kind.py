@@ -216,7 +216,8 @@ def test_a_kind_brings_the_rules_of_its_things(seals, law, told):
 def test_a_kind_without_a_template_is_listed(seals):
     path = seals / "rollslip_seals.py"
     path.write_text(path.read_text().partition(", template=")[0] + ")\n")
-    assert "seal        lip\n" in rollslip("models", path=seals)[1]
+    assert ", 1 seal, " in rollslip("models", path=seals)[1]
+    assert "  seal        lip\n" in rollslip("models", "-v", path=seals)[1]
 
 
 def test_a_group_that_nobody_reads_is_named(seals):

@@ -130,7 +130,11 @@ def test_without_a_file_it_asks_or_says_what_to_name(monkeypatch):
     assert done.exit_code == 2
     assert "rollslip new my.toml --bearing 'NU 2210'" in done.stderr
     monkeypatch.setattr(run, "is_interactive", lambda: True)
-    assert new(input="\n" * 8).exit_code == 0
+    asked = ("file", *GIVEN)
+    assert new(input="\n" * (len(asked) - 1)).exit_code == 1
+    done = new(input="\n" * len(asked))
+    assert done.exit_code == 0
+    assert done.stderr.count("]: ") == len(asked)
     assert load_scene("my.toml").raw["bearing"]["name"] == "NU2210"
 
 

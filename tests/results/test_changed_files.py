@@ -148,7 +148,7 @@ def test_an_attribute_is_refused_with_what_it_is_and_has_to_be(
 def test_info_says_what_is_missing(result, tmp_path, name):
     less = {key: value for key, value in result.attrs.items() if key != name}
     unsealed(result.drop_attrs(deep=False).assign_attrs(less), tmp_path / "r.nc")
-    said = answer("info", tmp_path / "r.nc")
+    said = answer("info", "-v", tmp_path / "r.nc")
     assert f"there is no '{name}' in it" in said
     assert "run the scene again" in said
 

@@ -126,7 +126,10 @@ def test_the_answer_stands_before_all_else(results, figures, tmp_path):
     page = written(results, figures, tmp_path, **provenance())
     datasets = [dataset.assign_attrs(provenance()) for dataset in results.values()]
     answer = answer_of(*datasets)
-    at = page.index(answer.html())
+    slip, friction = answer.next
+    assert friction == "rollslip run some-scene.toml --study friction-curve --report"
+    instead = "rollslip uncertainty some-scene.toml"  # a report is there
+    at = page.index(attrs.evolve(answer, next=(slip, instead)).html())
     assert f"<strong>{answer.verdict}</strong> " in page[at:]
     assert "some-oil, 6371 rpm, 3.415 kN, 30 °C" in page[at:]
     assert at < page.index('<section id="figures"') < page.index('<section id="warnings"')

@@ -388,7 +388,9 @@ def result_info(path: Path) -> Groups:
 def _contents(dataset: "xr.Dataset") -> Groups:
     """Return contents and provenance of a result."""
     a = dataset.attrs
-    found = account_of(dataset).answer(dataset)
+    account = account_of(dataset)
+    found = account.answer(dataset)
+    topics = account.topics(dataset) or {"found": account.sentences(dataset)}
     less_severe = [
         ("", message["text"])
         for message in json.loads(a.get("validity", "{}")).get("messages", ())
@@ -408,10 +410,7 @@ def _contents(dataset: "xr.Dataset") -> Groups:
                 else []
             ),
             *([("accuracy", accuracy_and_time(dataset))] if "accuracy" in a else []),
-            *(
-                (topic, "; ".join(texts))
-                for topic, texts in account_of(dataset).topics(dataset).items()
-            ),
+            *((topic, "; ".join(texts)) for topic, texts in topics.items() if texts),
         ],
         "assumed": [("", text) for text in (*found.assumed, *found.minor)],
         "packages": list(json.loads(a["packages"]).items()),

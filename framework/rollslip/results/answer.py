@@ -453,12 +453,13 @@ class Answer:
         )
         groups = dict(self.groups())
         groups["assumed"] = [*self.assumed]
-        if self.minor:
-            groups["assumed"].append(f"{len(self.minor)} of little effect")
         groups["notes"] = [
             *self.faults,
             *dict.fromkeys(f"{note.code} {note.short}".strip() for note in self.notes),
         ]
+        for name, minor in (("assumed", len(self.minor)), ("notes", 0)):
+            hidden = max(len(groups[name]) - MAX_ROWS, 0) + minor
+            groups[name] = groups[name][:MAX_ROWS] + [f"{hidden} more"] * bool(hidden)
         below = "".join(
             f"<p>{name}: {'<br/>'.join(map(escape, texts))}</p>"
             for name, texts in groups.items()
@@ -485,6 +486,8 @@ class Answer:
 def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
     """Return one answer of those of several studies, with its verdict if one of them knows the cage slip.
 
+    The summary is that of the study whose slip is judged, so that no other one stands beside the verdict.
+
     Parameters
     ----------
     answers : iterable of (str, Answer)
@@ -496,8 +499,16 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
     best, disagreements = _best_rows(ranked)
     ordered = [answer for _, answer in ranked]
     summarising = next((answer for answer in ordered if answer.summary), Answer())
+    judged = next(
+        (
+            answer
+            for answer in ordered
+            if answer.commands or any(row.key == "cage_slip" for row in answer.rows)
+        ),
+        summarising,
+    )
     merged = Answer(
-        summary=summarising.summary,
+        summary=judged.summary,
         rows=tuple(best.values()),
         table=summarising.table,
         omitted=summarising.omitted,
@@ -511,7 +522,7 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
     steps = [text for answer in ordered for text in answer.next]
     if "cage_slip" in best or commands:
         merged = with_verdict(merged)
-        steps += commands.get(merged.verdict, ())
+        steps = [*commands.get(merged.verdict, ()), *steps]
     return attrs.evolve(merged, next=tuple(_command(text, scene) for text in steps))
 
 

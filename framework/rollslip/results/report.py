@@ -88,9 +88,10 @@ _FULL_CITATIONS: Final = 2
 #: A temperature in a sentence, which people write with the sign of a degree; a value in a command has quotes.
 _CELSIUS: Final = re.compile(r"(?<=\d) degC\b(?!['\"&])")
 
-#: A command that writes a report, in a shell or in Python; a report proposes a study of uncertainty in its place.
+#: A command that writes a report, in a shell or in Python; a report proposes a study of uncertainty in its place, which
+#: has no other study as an option.
 _REPORT_COMMAND: Final = re.compile(
-    r"^rollslip( run |\.report\(rollslip\.run\()(.*?)( --report|\)\))$"
+    r"^rollslip( run |\.report\(rollslip\.run\()(.*?)(?: --study \S+|, study=\"\S+\")?( --report|\)\))$"
 )
 
 
