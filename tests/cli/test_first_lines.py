@@ -14,6 +14,7 @@ pytestmark = pytest.mark.quick
 
 #: Lines and words that a default output has at most.
 MAX_LINES = 15
+#: Words of an answer at most. With twice as many it would be a page, which nobody reads at a prompt.
 MAX_WORDS = 160
 VERDICT = r"(OK|SLIPS|SKIDS|UNKNOWN)   "
 #: Stored result -> what its first line begins with: a verdict only where the question is one of slip.

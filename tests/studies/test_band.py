@@ -16,8 +16,7 @@ from coarse import SET_COARSE
 from loading_branch_scenes import catalogue
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
-from rollslip.results.accounts import account_of
-from rollslip.results.accounts import _varied_quantity
+from rollslip.results.accounts import _varied_quantity, account_of
 from rollslip.results.answer import collect_notes
 from rollslip.scene.reading import as_scene, load_scene
 from rollslip.structure import Location
@@ -277,7 +276,9 @@ def test_the_command_tells_bands_beside_its_numbers(tmp_path):
     ]
     done = CliRunner().invoke(cli, [*arguments, "--out", str(tmp_path / "o"), "--no-plots"])
     assert done.exit_code == 0, done.output
-    assert re.search(r"cage slip +0\.76 % +V7: may be above 4 %; below 0\.1 to 6\.\d %", done.output)
+    assert re.search(
+        r"cage slip +0\.76 % +V7: may be above 4 %; below 0\.1 to 6\.\d %", done.output
+    )
     assert re.search(
         r"minimum load +\d\.\d kN +\d\.\d+ to \d\.\d kN, for a slip below 2 %", done.output
     )

@@ -406,10 +406,7 @@ class Answer:
                     hidden = len(self.rows) - len(rows)
                     hidden += len(self.assumed) + len(self.minor) - len(texts)
                     shown = _with_count(texts, hidden, _ALL.get(more, more), width)
-                headed = [
-                    (f"{'' if k else name:<{_HEADING}}", text) for k, text in enumerate(shown)
-                ]
-                below += align_columns(headed, math.inf if name == "next" else width)
+                below += align_columns(_headed(name, shown), math.inf if name == "next" else width)
             omitted = self.omitted + len(self.table) - len(table)
             points = align_columns(table, width) + [f"  {omitted} more: --all"] * bool(omitted)
             parts = [part for part in (head, align_columns(rows, width), points, below) if part]
@@ -417,6 +414,11 @@ class Answer:
             if whole or len(lines) <= max_lines:
                 break
         return lines
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether the question is one of slip, so that the answer gets a verdict."""
+        return bool(self.commands) or any(row.key == "cage_slip" for row in self.rows)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the answer as plain values, for JSON: SI value, unit, band and text of each row."""
@@ -499,14 +501,7 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
     best, disagreements = _best_rows(ranked)
     ordered = [answer for _, answer in ranked]
     summarising = next((answer for answer in ordered if answer.summary), Answer())
-    judged = next(
-        (
-            answer
-            for answer in ordered
-            if answer.commands or any(row.key == "cage_slip" for row in answer.rows)
-        ),
-        summarising,
-    )
+    judged = next((answer for answer in ordered if answer.is_judged), summarising)
     merged = Answer(
         summary=judged.summary,
         rows=tuple(best.values()),
@@ -519,11 +514,16 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
         faults=(*_joined(answer.faults for answer in ordered), *disagreements),
     )
     commands = next((answer.commands for answer in ordered if answer.commands), {})
-    steps = [text for answer in ordered for text in answer.next]
+    steps = list(_joined(answer.next for answer in ordered))
     if "cage_slip" in best or commands:
         merged = with_verdict(merged)
         steps = [*commands.get(merged.verdict, ()), *steps]
     return attrs.evolve(merged, next=tuple(_command(text, scene) for text in steps))
+
+
+def _headed(name: str, texts: Iterable[str]) -> list[tuple[str, str]]:
+    """Return rows of texts, of which the first has a name before it."""
+    return [(f"{'' if k else name:<{_HEADING}}", text) for k, text in enumerate(texts)]
 
 
 def _command(text: str, scene: str) -> str:
