@@ -416,7 +416,7 @@ class Answer:
         return lines
 
     @property
-    def is_judged(self) -> bool:
+    def needs_verdict(self) -> bool:
         """Whether the question is one of slip, so that the answer gets a verdict."""
         return bool(self.commands) or any(row.key == "cage_slip" for row in self.rows)
 
@@ -501,9 +501,9 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
     best, disagreements = _best_rows(ranked)
     ordered = [answer for _, answer in ranked]
     summarising = next((answer for answer in ordered if answer.summary), Answer())
-    judged = next((answer for answer in ordered if answer.is_judged), summarising)
+    primary = next((answer for answer in ordered if answer.needs_verdict), summarising)
     merged = Answer(
-        summary=judged.summary,
+        summary=primary.summary,
         rows=tuple(best.values()),
         table=summarising.table,
         omitted=summarising.omitted,
