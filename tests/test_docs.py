@@ -8,12 +8,14 @@ import csv
 import doctest
 import importlib
 import importlib.util
+import io
 import itertools
 import re
 import shlex
 import shutil
 import sys
 import tomllib
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import attrs
@@ -88,17 +90,16 @@ def test_whole_answers_are_shown():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", console_blocks(), ids=lambda block: block.splitlines()[0])
-def test_commands_answer_as_shown(block, tmp_path, monkeypatch, capsys):
+def test_commands_answer_as_shown(block, tmp_path, monkeypatch):
     shutil.copytree(DOCS / "examples", tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "120")
     for command, want in re.findall(r"^\$ rollslip (.*)\n((?:(?!\$).*\n)*)", block, re.MULTILINE):
-        with pytest.raises(SystemExit):
+        terminal = io.StringIO()  # shows both streams in the order in which they are written
+        with redirect_stdout(terminal), redirect_stderr(terminal), pytest.raises(SystemExit):
             main(shlex.split(command))
-        captured = capsys.readouterr()
-        assert doctest.OutputChecker().check_output(want, captured.out + captured.err, FLAGS), (
-            captured
-        )
+        got = terminal.getvalue()
+        assert doctest.OutputChecker().check_output(want, got, FLAGS), got
 
 
 def toml_snippets():
@@ -533,7 +534,7 @@ def test_scenes_of_the_paper_say_what_the_defaults_make_of_their_bearing(name, m
         )  # its last digit
     for models, scene in (
         ("the paper's", load_scene(name)),
-        ("defaults of the box", paper_defaults.by_default(name)),
+        ("defaults of rollslip", paper_defaults.by_default(name)),
     ):
         slip, *_ = paper_defaults.found(evolve(scene, paper_defaults.TOLERANCE, si=True))
         told = float(cell("paper_defaults", "slip_percent", scene=name, models=models))
