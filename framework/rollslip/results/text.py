@@ -118,12 +118,12 @@ LOWER_BOUNDS: Final = "rolling resistance is not modelled: slip and torque are l
 
 #: Part of a warning that the row of the catalogue minimum loads repeats; the warning is left out beside the row.
 CATALOGUE_LOAD_WARNING: Final = "of SKF's catalogue minimum load"
-#: Smallest width of the last column.
-_MIN_COLUMN_WIDTH: Final = 16
-#: Largest width of the last column.
-_MAX_COLUMN_WIDTH: Final = 1000
 #: Key of the scene that such a warning names; an answer says "load" in its place.
 _LOAD: Final = "operation.radial_load"
+#: Smallest width of the last column [letters]. Chosen: a narrower one breaks most words.
+_MIN_COLUMN_WIDTH: Final = 16
+#: Largest width of the last column [letters], which is none: tables in files are not wrapped.
+_MAX_COLUMN_WIDTH: Final = 1000
 #: Fraction of the contact force outside the range of a law from which on the range counts as exceeded. Doubling it
 #: hides laws that are outside in up to 1 % of the force; chosen, so that slices with little load raise no warning.
 REPORTED_FROM: Final = 0.005
