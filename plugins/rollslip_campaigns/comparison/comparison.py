@@ -35,7 +35,7 @@ from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import combine_origins, origin
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import about, xr
-from rollslip.results.text import collect_warnings, describe_more_bounds, duration_range
+from rollslip.results.text import collect_warnings, duration_range
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import raise_problem_if, resolved, scene_hash
@@ -521,12 +521,7 @@ def _origin(
 
     warned: dict[str, list[str]] = {}
     for label, result in done.items():
-        warnings, more = collect_warnings([result])
-        if more:
-            warnings = [
-                *warnings,
-                f"{describe_more_bounds(more)}; rollslip run of the scene tells of each",
-            ]
+        warnings, _ = collect_warnings([result], laws=False)  # the notes of the answer are on laws
         for warning in warnings:
             warned.setdefault(warning, []).append(label)
     return {
