@@ -411,7 +411,7 @@ def typed(value: object) -> Any:
 
 
 def check_typed(text: str, ends: Sequence[str], unit: str) -> None:
-    """Raise `UnitError` where an end of a range of a command line has no unit.
+    """Raise `UnitError` where both ends of a range of a command line have no unit; `evenly` refuses one.
 
     Parameters
     ----------
@@ -422,9 +422,8 @@ def check_typed(text: str, ends: Sequence[str], unit: str) -> None:
     unit : str
         SI unit of the quantity.
     """
-    for end in ends if isinstance(text, TypedRange) and unit != "1" else ():
-        if NUMBER.fullmatch(end.strip()):
-            raise UnitError(no_unit(end.strip(), unit))
+    if isinstance(text, TypedRange) and unit != "1" and all(map(NUMBER.fullmatch, ends)):
+        raise UnitError(no_unit(ends[0], unit))
 
 
 def no_unit(number: str, unit: str) -> str:
@@ -478,9 +477,10 @@ def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:
     ends = [text.strip() for text in (low, high)]
     bare = [NUMBER.fullmatch(end) is not None for end in ends]
     if bare[0] != bare[1] and unit != "1":
-        without = ends[0] if bare[0] else ends[1]
+        without, other = ends if bare[0] else reversed(ends)
         raise UnitError(
-            f"{as_written(without)} has no unit, the other end has one; write it at both ends"
+            f"{as_written(without)} has no unit, the other end has one; write it at both ends, "
+            f"such as {without} {NUMBER.sub('', other, count=1).strip()}"
         )
     for end, plain in zip(ends, bare, strict=True):
         quantity(float(end) if plain else end, unit)  # raises for values that no field accepts

@@ -409,6 +409,7 @@ def test_importing_units_is_cheap() -> None:
 )
 def test_both_ends_of_a_grid_have_a_unit_or_none(low, high, bare):
     with pytest.raises(
-        UnitError, match=f"'{bare}' has no unit, the other end has one; write it at both ends"
+        UnitError,
+        match=f"'{bare}' has no unit, the other end has one; write it at both ends, such as {bare} kN",
     ):
         evenly(low, high, 3, "N")
