@@ -222,8 +222,8 @@ def cost_sentences(
     seconds = max(seconds, _SLICE_TIME * evaluations)
     if seconds > LONG_RUN:
         sentences.append(
-            f"this will take {format_time(seconds, studies.values(), assembly)}; {evaluations:.1e} slices to "
-            "evaluate; Ctrl-C ends it, and rollslip plan says what the time goes to"
+            f"this will take {format_time(seconds, studies.values(), assembly)}; Ctrl-C ends it, and rollslip plan "
+            "says what the time goes to"
         )
     return sentences
 
