@@ -332,10 +332,22 @@ def test_what_is_not_shown_is_counted_and_shown_on_request():
 def test_values_that_a_new_scene_assumed_are_named_with_its_cage():
     own = "the cage is the bearing's own, brass, 457 g, guided by the outer ring; cage.make says so"
     assumed = ["lubricant.name", "operation.inner_speed", "lubrication.supply", "bearing.profile"]
-    first = xr.Dataset(attrs={"assumed": json.dumps(assumed), "own_cage": own})
+    scene = {
+        "lubricant": {"name": "iso-vg-68"},
+        "operation": {"inner_speed": 100.0},
+        "lubrication": {"supply": "bath"},
+        "bearing": {"profile": {"shape": "none"}},
+    }
+    first = xr.Dataset(
+        attrs={
+            "assumed": json.dumps(assumed),
+            "scene_resolved": json.dumps(scene),
+            "own_cage": own,
+        }
+    )
     second = first.assign_attrs(choices=json.dumps([{"key": "bearing.profile"}]))
     assert describe_defaults([first, second]) == (
-        "oil, inner speed, supply as rollslip new has it; cage brass, 457 g, guided by the outer ring"
+        "oil iso-vg-68, inner speed, supply bath by rollslip new; cage brass, 457 g, guided by the outer ring"
     )
     assert describe_defaults([xr.Dataset()]) == ""
 

@@ -321,7 +321,7 @@ def _body_forces(assembly: Assembly, has_weight: bool) -> list[Part]:
     elif (fraction > tolerance and not has_weight) or direction is not None:
         weight = format_quantity(assembly.roller_mass * GRAVITY, "N", 2)
         what = "gravity of rollers"
-        why = f"{weight} each, {100.0 * fraction:.2g} % of what presses a roller on average"
+        why = f"{weight} each, {100.0 * fraction:.2g} % of the mean contact force of a roller"
         if direction is None or fraction <= tolerance:
             less = (
                 "below the tolerance"

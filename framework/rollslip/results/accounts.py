@@ -278,18 +278,27 @@ def describe_defaults(datasets: "Iterable[xr.Dataset]") -> str:
         item["key"] for values in every for item in json.loads(values.get("choices", "[]"))
     }
     assumed = dict.fromkeys(
-        key for values in every for key in json.loads(values.get("assumed", "[]"))
-    )
-    names = [
-        _NAMED.get(key, key.rpartition(".")[2]).replace("_", " ")
-        for key in assumed
+        _assumed_value(key, json.loads(values["scene_resolved"]))
+        for values in every
+        for key in json.loads(values.get("assumed", "[]"))
         if key not in evaluated
-    ]
-    texts = [f"{', '.join(names)} as rollslip new has it"] if names else []
+    )
+    texts = [f"{', '.join(assumed)} by rollslip new"] if assumed else []
     if "cage.make" not in evaluated:
         cages = dict.fromkeys(filter(None, (values.get("own_cage") for values in every)))
         texts += [f"cage {cage.partition(', ')[2].partition(';')[0]}" for cage in cages]
     return "; ".join(texts)
+
+
+def _assumed_value(key: str, scene: Mapping[str, Any]) -> str:
+    """Return the name of a key, with its value in a resolved scene where that is a text: "supply bath"."""
+    value: Any = scene
+    for part in key.split("."):
+        value = value.get(part, "")
+    if isinstance(value, dict):
+        value = value.get("shape", "")  # of a profile
+    name = _NAMED.get(key, key.rpartition(".")[2]).replace("_", " ")
+    return f"{name} {value}" if isinstance(value, str) else name
 
 
 def with_assumptions(answer: Answer, dataset: "xr.Dataset") -> Answer:

@@ -547,7 +547,7 @@ def _describe_formulas(dataset: "xr.Dataset") -> list[str]:
         sentences.append(
             f"by formula {str(name)!r} the friction torque is "
             f"{format_quantity(float(torque), 'N m', 3)}: {fractions}; it "
-            f"knows no slip, and no drag but its own terms"
+            "includes no slip and no other drag"
         )
     if "formula_estimated" in dataset and (names := str(dataset["formula_estimated"].item())):
         sentences.append(
