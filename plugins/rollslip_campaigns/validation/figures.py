@@ -25,9 +25,10 @@ __all__ = ["figures"]
 
 #: Markers of models.
 _MARKS: Final = "osD^vP*X"
-#: Lower and upper end of the axis of ratios; an arrow marks ratios beyond it. Doubling the range makes deviations of
-#: a few per cent harder to read; chosen.
+#: Lower end of the axis of ratios; an arrow marks ratios below it. A smaller one makes deviations of a few per cent
+#: harder to read; chosen.
 _MIN_RATIO = 1e-2
+#: Upper end of the axis of ratios; an arrow marks ratios above it. Chosen: as far from 1 as the lower end.
 _MAX_RATIO = 1e2
 #: Ratio of the largest to the smallest measured value above which the axis of a series is logarithmic. Chosen.
 _LOG_AXIS_RATIO = 20.0
