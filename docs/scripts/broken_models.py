@@ -24,10 +24,11 @@ ONE_LINE = 160
 
 
 def short(message):
-    """The message in one line, without what differs from run to run: addresses, lines, what threads made of others."""
+    """The message in one line, without what differs from run to run: addresses, lines, folders, what threads made."""
     message = re.sub(r" at 0x[0-9a-f]+| \(broken_\w+\.py:\d+\)", "", message)
     message = re.sub(r"(threads: \w+) = .* against .*?, (allowed)", r"\1 is another, \2", message)
     message = re.sub(r"; at .*", "", message) if "threads" in message else message
+    message = re.sub(r"'/[^']*/", "'", message)  # folders of this machine
     return message if len(message) <= ONE_LINE else message[: ONE_LINE - 3] + "..."
 
 

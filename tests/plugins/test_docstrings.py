@@ -1,4 +1,4 @@
-"""Every law of the box says its symbols with units, its range and its source, and its example runs.
+"""Every built-in law says its symbols with units, its range and its source, and its example runs.
 
 An example compares with a number that is not the law's own: worked out by hand in its text, or from a named script.
 """

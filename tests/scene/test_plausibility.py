@@ -17,6 +17,7 @@ from rollslip.datasets import Catalogue
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, Span, parameter
 from rollslip.lubricant.table import OilPoint, OilTable, OverTemperature
+from rollslip.lubricant.temperature import Constant, Product
 from rollslip.planning.plausibility import implausible, implausible_in_sweep
 from rollslip.scene.reading import from_raw, parse_scene, shipped_scenes
 from rollslip.scene.relations import RELATIONS
@@ -361,6 +362,22 @@ def test_a_law_of_a_stranger_without_ranges_goes_on_working(
     scene = evolve(SCENE, {"models.traction": {"model": "strange", "anything": -1e30}}, si=True)
     assert implausible(scene) == []
     assert assemble(scene).traction == Strange(anything=-1e30)
+
+
+def test_an_oil_of_a_package_with_a_wrong_unit_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rollslip.catalogue.discovery._registered", {})
+    sound = get_class("lubricant", "iso-vg-68")
+    thick = attrs.evolve(
+        sound, name="thick", viscosity=Product(sound.viscosity, Constant(1000.0)), synonyms=()
+    )
+    add("lubricant", thick)
+    scene = evolve(SCENE, {"lubricant": {"name": "thick"}}, si=True)
+    (message,) = (text for text in implausible(scene) if "of 'thick'" in text)
+    assert message.startswith("changes: lubricant.name: viscosity of 'thick': at 100 degC 7.")
+    assert "is unusual (from 0.5 mPa s to 3 Pa s is usual)" in message
+    own = {"name": "thick", "viscosity": 0.06, "thermoviscosity": 0.04}
+    messages = implausible(evolve(SCENE, {"lubricant": own}, si=True))
+    assert not any("of 'thick'" in text for text in messages)
 
 
 # Values that a key takes one after the other -------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""A module that changes a law of the box, to what it was, so that other tests go on."""
+"""A module that changes a built-in law, to what it was, so that other tests go on."""
 
 import attrs
 
@@ -10,7 +10,7 @@ Martin.equation = "".join([Martin.equation[:1], Martin.equation[1:]])
 
 @attrs.frozen(kw_only=True)
 class ChangesAnother(Film):
-    """Its module puts something of its own into a law of the box."""
+    """Its module puts something of its own into a built-in law."""
 
 
 BROKEN = [("check_import_does_not_change_rollslip", ChangesAnother())]

@@ -1000,6 +1000,40 @@ OILS = {  # what is wrong with it, for the table: a value has no docstring
         "check_refuses_temperatures_outside_its_range",
         oil(_Clamped),
     ),
+    "its viscosity is in mPa s": (
+        "check_properties_are_usual",
+        oil(viscosity=Vogel(0.1, 800.0, 170.0)),
+    ),
+    "its viscosity is a kinematic one": (
+        "check_properties_are_usual",
+        oil(viscosity=Vogel(1e-4 / 870.0, 800.0, 170.0)),
+    ),
+    "its pressure-viscosity coefficient is in 1/GPa": (
+        "check_properties_are_usual",
+        oil(pressure_viscosity=Constant(20.0)),
+    ),
+    "its pressure-viscosity coefficient is 10 times too large": (
+        "check_properties_are_usual",
+        oil(pressure_viscosity=Constant(2e-7)),
+    ),
+    "its conductivity is 100 times too small": (
+        "check_properties_are_usual",
+        oil(conductivity=Constant(0.0014)),
+    ),
+    "its Eyring stress is in MPa": ("check_properties_are_usual", oil(eyring_stress=5.0)),
+    "its density is in g/cm3": ("check_properties_are_usual", oil(density=Constant(0.87))),
+    "it has constants for a law of nobody": (
+        "check_constants_are_parameters_of_laws",
+        oil(models={"law-of-nobody": {"flash": 1.0}}),
+    ),
+    "it has a constant that its law does not know": (
+        "check_constants_are_parameters_of_laws",
+        oil(models={"maxwell-eyring": {"flush": 1.0}}),
+    ),
+    "it has a constant that no law knows": (
+        "check_constants_are_parameters_of_laws",
+        oil(models={"flush": 1.0}),
+    ),
 }
 BROKEN += OILS.values()
 

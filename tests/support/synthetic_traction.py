@@ -1,4 +1,4 @@
-"""A data set of traction by a law of the box with noise: what rankings of other laws are tried on."""
+"""A data set of traction by a built-in law with noise: what rankings of other laws are tried on."""
 
 import hashlib
 import itertools

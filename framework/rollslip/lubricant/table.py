@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Any, ClassVar, Final, TypeAlias
 
-from attrs import Attribute, evolve, fields_dict, frozen
+from attrs import Attribute, asdict, evolve, fields_dict, frozen
 from attrs import field as attrib
 from attrs.validators import and_, deep_iterable, optional
 
@@ -28,6 +28,7 @@ from rollslip.fields import (
     own_unit,
     positive,
     refuse_if,
+    unusual,
     within_possible,
 )
 from rollslip.lubricant.base_oil import (
@@ -59,6 +60,7 @@ __all__ = [
     "deviation_of",
     "index_of",
     "lubricant_from_table",
+    "unusual_properties",
 ]
 
 #: Range by which a fitted law is extrapolated beyond its points [K]. Doubling it accepts temperatures at which the law
@@ -721,6 +723,34 @@ def _laws(stated: Mapping[str, Any], base: Lubricant | None) -> dict[str, Any]:
         elif key in stated or (key == "viscosity" and stated.keys() & {"points", "iso_grade"}):
             laws[slope] = None  # that of the new law
     return laws
+
+
+def unusual_properties(oil: Lubricant) -> dict[str, str]:
+    """Return a message on each property of an oil that no usual oil has, by its key in ``[lubricant]``.
+
+    Data in a wrong unit are recognised so: a viscosity in mPa s in place of Pa s is 1000 times too large.
+
+    Parameters
+    ----------
+    oil : Lubricant
+        The oil, at the temperatures of a data sheet, or the next ones in its range.
+    """
+    attributes = fields_dict(OilTable)
+    messages = dict[str, str]()
+    for stated in (_AT_40, _AT_100):
+        temperature = min(max(stated, oil.minimum_temperature), oil.maximum_temperature)
+        values = asdict(oil.at(temperature))
+        if oil.density is not None:
+            values["density"] = oil.density(temperature)
+        for key, value in values.items():
+            message = (
+                unusual(attributes[key], value)
+                if not math.isnan(value) and key in attributes
+                else ""
+            )
+            if message:
+                messages[key] = f"at {format_quantity(temperature, 'K')} {message}"
+    return messages
 
 
 @frozen

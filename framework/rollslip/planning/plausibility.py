@@ -22,7 +22,7 @@ from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import PluginError, RollslipError
 from rollslip.fields import unusual
 from rollslip.lubricant.base_oil import HIGHEST_INDEX, LOWEST_INDEX
-from rollslip.lubricant.table import OilTable, deviation_of, index_of
+from rollslip.lubricant.table import OilTable, deviation_of, index_of, unusual_properties
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused_keys
 from rollslip.scene.relations import RELATIONS
@@ -101,6 +101,11 @@ def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tupl
             present = {"name": name}
         case Mapping() as table:
             present = table
+    with contextlib.suppress(RollslipError):  # the assembly reports a wrong name or oil
+        oil = get_class("lubricant", str(present.get("name", "")))
+        for key, text in unusual_properties(oil).items():
+            if key not in present:
+                yield where.at("name"), f"{key} of {oil.name!r}: {text}"
     index = index_of(present)
     if not (math.isnan(index) or LOWEST_INDEX <= index <= HIGHEST_INDEX):
         yield (

@@ -8,16 +8,19 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from itertools import pairwise
+from typing import Final
 
 import attrs
 import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
+from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
+from rollslip.lubricant.table import unusual_properties
 from rollslip.models import (
     ContactModel,
     DragModel,
@@ -57,6 +60,9 @@ from rollslip.testing.samples import (
 from rollslip_kernels.chain import Chain
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag as compiled
+
+#: Kinds of the laws of a contact, for which an oil has constants.
+_CONTACT_KINDS: Final = ("contact", "film", "pressure", "traction")
 
 # Contact and deflection ----------------------------------------------------------------------------------------------
 
@@ -533,6 +539,38 @@ def check_viscosity_falls_with_temperature(oil: Lubricant) -> None:
                 math.isnan(value) or low <= value < math.inf,
                 f"{name} = {value:g} at {state.temperature:g} K",
             )
+
+
+@rule(Lubricant)
+def check_properties_are_usual(oil: Lubricant) -> None:
+    """They are in the ranges that a scene takes for usual, in SI units: a wrong unit is a factor of 1000 off."""
+    found = unusual_properties(oil)
+    refuse_unless(not found, "; ".join(f"{key} {text}" for key, text in found.items()))
+
+
+@rule(Lubricant)
+def check_constants_are_parameters_of_laws(oil: Lubricant) -> None:
+    """Constants in a table of a law are its parameters, and others are parameters of some law of a contact."""
+    laws = {
+        name: attrs.fields_dict(get_class(kind, name)).keys()
+        for kind in _CONTACT_KINDS
+        for name in available(kind)
+    }
+    every = set().union(*laws.values())
+    unknown = [
+        key
+        for key, value in oil.models.items()
+        if key not in (laws if isinstance(value, Mapping) else every)
+    ]
+    unknown += [
+        f"{law}.{key}"
+        for law, table in oil.models.items()
+        if law in laws and isinstance(table, Mapping)
+        for key in table.keys() - laws[law]
+    ]
+    refuse_unless(
+        not unknown, f"its constants {', '.join(unknown)} are of no law that is installed"
+    )
 
 
 @rule(Lubricant)
