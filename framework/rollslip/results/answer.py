@@ -16,9 +16,11 @@ import math
 import shutil
 import textwrap
 from collections import ChainMap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from html import escape
 from itertools import chain
+from operator import delitem
 from typing import Any, Final
 
 import attrs
@@ -39,6 +41,9 @@ from rollslip.results.text import (
 
 __all__ = [
     "ACCEPTABLE",
+    "COLOURS",
+    "MAX_LINES",
+    "MAX_ROWS",
     "NEGLIGIBLE_SLIP",
     "RULES",
     "SKIDDING_SLIP",
@@ -52,13 +57,14 @@ __all__ = [
     "is_as_bad",
     "merge_answers",
     "summarise_notes",
+    "with_verdict",
 ]
 
 
 class Verdict(enum.StrEnum):
     """The verdict of an answer on the slip of the cage."""
 
-    OK = "OK"  #: It slips less than is acceptable, whatever is known to scatter.
+    OK = "OK"  #: It slips less than is acceptable, and where data scatter less than twice that.
     SLIPS = "SLIPS"  #: It slips more than is acceptable, or may, and does not skid.
     SKIDS = "SKIDS"  #: It slips by more than `SKIDDING_SLIP`, or the drags are larger than the limit drag torque.
     UNKNOWN = "UNKNOWN"  #: It may skid, or nothing is known, or the models are outside their range.
@@ -85,9 +91,11 @@ COLOURS: Final = {
     Verdict.SKIDS: ("white", "red"),
     Verdict.UNKNOWN: ("white", "magenta"),
 }
-#: Cage slip that is acceptable where no result states another. Chosen; see `RULES`.
+#: Cage slip that is acceptable where no result states another. Chosen, since no source states one: with a larger one
+#: minimum loads are lower, and the rules V6 and V7 hold later.
 ACCEPTABLE: Final = 0.05
-#: Cage slip from which a cage skids. Chosen; drags near the limit drag torque lead to such slips.
+#: Cage slip from which a cage skids, in verdicts, reserves and motions alike. Chosen: drags near the limit drag torque
+#: lead to such slips.
 SKIDDING_SLIP: Final = 0.2
 #: Slip [-] below which neither an assumption nor a law outside its range matters. Chosen: a tenth of `ACCEPTABLE`.
 NEGLIGIBLE_SLIP: Final = 0.005
@@ -99,16 +107,19 @@ _NO_CHANGE: Final = 0.01
 _LARGE_CHANGE: Final = 0.1
 #: Notes that are shown on their own, at most; the others are counted, so that an answer keeps its length.
 _MAX_SHOWN_NOTES: Final = 2
-#: Relative changes below which notes are counted: the smallest that holds for all is shown.
+#: Relative changes below which notes are counted: the smallest that holds for all is shown. Without others shown on
+#: their own all changes are below `_LARGE_CHANGE`, so that one of them holds.
 _CHANGE_LIMITS: Final = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)
 #: Difference of two cage slips [-] that is no disagreement of two studies, whatever they are relative to each other.
 _SLIP_RESOLUTION: Final = 1e-3
 #: Lines of an answer at most, so that it fits on a terminal with the command above it.
-MAX_LINES = 15
+MAX_LINES: Final = 15
 #: Rows of an answer at most; with more the lines below them would not fit.
-MAX_ROWS = 8
+MAX_ROWS: Final = 8
 #: Head and rows of a table that stay where an answer is shortened. Chosen: fewer do not show how a result changes.
 _MIN_TABLE: Final = 5
+#: Letters of the note of a row at least, where lines are narrow. Chosen: one short word.
+_MIN_NOTE: Final = 4
 #: Width of lines where there is no terminal.
 _WIDTH: Final = 100
 #: Smallest width for which lines are wrapped.
@@ -117,7 +128,8 @@ _MIN_WIDTH: Final = 40
 _HEADING: Final = len("assumed")
 #: Option that shows notes in full -> what shows all assumptions.
 _ALL: Final = {"-v": "--all", ".notes": ".lines(whole=True)"}
-#: Largest relative error of a slip that rules take into account. Chosen: a study with a larger one has no accuracy.
+#: Largest relative error of a slip that rules take into account: 10 %, also for studies that are less accurate, so that
+#: their slips lead to a verdict. Chosen.
 _MAX_ACCURACY: Final = 0.1
 
 #: Quantity -> its value in the answer, and by another law.
@@ -169,7 +181,7 @@ class Note:
         changes = {
             name: _relative_change(before, after)
             for name, (before, after) in (self.changes or {}).items()
-            if (max(before, after) >= NEGLIGIBLE_SLIP if name == "slip" else before > 0.0)
+            if (max(abs(before), abs(after)) >= NEGLIGIBLE_SLIP if name == "slip" else before > 0.0)
         }
         name = max(changes, key=changes.__getitem__, default="")
         if changes.get("slip", 0.0) > _LARGE_CHANGE:
@@ -208,8 +220,10 @@ class Note:
 
 
 def _relative_change(before: float, after: float) -> float:
-    """Return the relative change of a value; infinite where there is none after it."""
-    return abs(after / before - 1.0) if math.isfinite(after) else math.inf
+    """Return the relative change of a value; infinite from 0, and where there is none after it."""
+    if before == after:
+        return 0.0
+    return abs(after / before - 1.0) if math.isfinite(after) and before else math.inf
 
 
 def _quantity_text(name: str, value: float) -> str:
@@ -398,7 +412,9 @@ class Answer:
         rows = [(row.label, row.text, row.note) for row in self.visible_rows(whole=whole)]
         table = list(self.table if whole else self.table[: MAX_ROWS + 1])
         groups = self.groups(more, whole=whole)
-        for _ in _shortened(rows, table, groups, width, f" ({more})"):
+        for shorten in (None, *_shortening_steps(rows, table, groups, width, f" ({more})")):
+            if shorten is not None:
+                shorten()
             below = list[str]()
             for name, texts in groups:
                 shown = texts
@@ -515,7 +531,7 @@ def merge_answers(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Ans
     )
     commands = next((answer.commands for answer in ordered if answer.commands), {})
     steps = list(_joined(answer.next for answer in ordered))
-    if "cage_slip" in best or commands:
+    if commands or merged.needs_verdict:
         merged = with_verdict(merged)
         steps = [*commands.get(merged.verdict, ()), *steps]
     return attrs.evolve(merged, next=tuple(_command(text, scene) for text in steps))
@@ -586,7 +602,8 @@ def _decide(facts: Mapping[Fact, _Interval]) -> tuple[Rule, Verdict, str]:
     """Return the rule that decides, its verdict and the remark.
 
     A rule that known facts leave open counts as one that holds, because its accuracy does not exclude it; a rule for
-    SKIDS leads to UNKNOWN then. A rule whose facts are not known leads to UNKNOWN where its verdict is worse.
+    SKIDS leads to UNKNOWN then. A rule whose facts are not known leads to UNKNOWN where its verdict is worse, unless
+    that is UNKNOWN itself, as of ranges of the models.
     """
     candidates = list[tuple[Rule, Verdict, str]]()
     unknown = list[tuple[Rule, Verdict, str]]()
@@ -599,7 +616,7 @@ def _decide(facts: Mapping[Fact, _Interval]) -> tuple[Rule, Verdict, str]:
             remark = f"whether it {rule.verdict.lower()} is not known: no {' and '.join(missing)}"
             unknown.append((rule, Verdict.UNKNOWN, remark))
         elif state is None and rule.verdict is Verdict.SKIDS:
-            remark = f"whether it is {rule.remark} is not known"
+            remark = f"whether {rule.condition} is not known"
             candidates.append((rule, Verdict.UNKNOWN, remark))
         elif state is not False:
             candidates.append((rule, rule.verdict, rule.remark))
@@ -627,6 +644,7 @@ def is_as_bad(verdict: str, other: str) -> bool:
 def answer_facts(answer: Answer) -> dict[Fact, _Interval]:
     """Return the facts that rules compare, as lower and upper bounds; facts that are not known are left out."""
     known = {row.key: row for row in answer.rows if not math.isnan(row.value)}
+    # a study that does not compute these three is not worse for it; without slip and reserve nothing can be said
     values = {Fact.CHOICE: 0.0, Fact.VISCOSITY_RATIO: 0.0, Fact.FILM_PARAMETER: math.inf}
     values |= answer.facts
     if film := known.get("film_parameter"):
@@ -634,7 +652,7 @@ def answer_facts(answer: Answer) -> dict[Fact, _Interval]:
     values[Fact.ACCEPTABLE_SLIP] = answer.acceptable
     slip = known.get("cage_slip")
     if slip and slip.band:
-        values[Fact.BAND_HIGH] = slip.band[1]
+        values[Fact.BAND_HIGH] = max(map(abs, slip.band))
     facts = {fact: (value, value) for fact, value in values.items()}
     if slip:
         size = abs(slip.value)  # a cage that runs ahead slides as much
@@ -699,11 +717,10 @@ def _count_notes(notes: Sequence[Note], has_others: bool) -> str:
     """Return the number of notes and a limit on what they change, after others that are shown on their own."""
     largest = max(note.largest_change[1] for note in notes)
     limit = next(
-        (f"{100.0 * fraction:g} %" for fraction in _CHANGE_LIMITS if largest <= fraction),
-        "a factor of 2",
+        (f"{100.0 * fraction:g} %" for fraction in _CHANGE_LIMITS if largest <= fraction), ""
     )
     if has_others:
-        return f"{len(notes)} more below {limit}"
+        return f"{len(notes)} more{f' below {limit}' if limit else ', of more than 100 %'}"
     quantities = " or ".join(sorted({note.largest_change[0] for note in notes}))
     if len(notes) == 1:
         return f"{notes[0].code} moves the {quantities} by up to {limit}"
@@ -758,42 +775,40 @@ def _note_rank(note: Note) -> float:
 # Lines ---------------------------------------------------------------------------------------------------------------
 
 
-def _shortened(
+def _shortening_steps(
     rows: list[tuple[str, str, str]],
     table: list[tuple[str, ...]],
     groups: Sequence[tuple[str, list[str]]],
     width: int,
     more: str,
-) -> Iterator[None]:
-    """Shorten an answer in place, step by step, what matters least first; rows are removed last."""
+) -> list[Callable[[], object]]:
+    """Return functions that shorten the parts of an answer in place, what matters least first; rows go last."""
     (_, assumed), (_, notes), (_, commands) = groups
-    yield
-    del commands[1:]
-    yield from _popped(table, _MIN_TABLE)
-    yield from _popped(assumed, 2)
-    yield
-    for texts in (assumed, notes):
-        texts[:] = [_line(text, width, more) for text in texts]
-    yield
     room = max(
-        width - sum(max((len(row[k]) for row in rows), default=0) + 2 for k in (0, 1)) - 2, 4
+        width - sum(max((len(row[k]) for row in rows), default=0) + 2 for k in (0, 1)) - 2,
+        _MIN_NOTE,
     )
-    for k in reversed(range(len(rows))):
-        label, text, note = rows[k]
-        if len(note) > room:
-            rows[k] = label, text, textwrap.shorten(note, room, placeholder=" ...")
-            yield
-    del assumed[1:]
-    yield
-    yield from _popped(rows, 0)
-    yield
+    return [
+        partial(delitem, commands, slice(1, None)),
+        *[table.pop] * (len(table) - _MIN_TABLE),
+        *[assumed.pop] * (len(assumed) - 2),
+        partial(_keep_first_parts, assumed, width, more),
+        partial(_keep_first_parts, notes, width, more),
+        *(partial(_shorten_note, rows, k, room) for k in reversed(range(len(rows)))),
+        partial(delitem, assumed, slice(1, None)),
+        *[rows.pop] * len(rows),
+    ]
 
 
-def _popped(items: list[Any], count: int) -> Iterator[None]:
-    """Remove the last items one by one until a number of them is left."""
-    while len(items) > count:
-        yield
-        items.pop()
+def _shorten_note(rows: list[tuple[str, str, str]], k: int, room: int) -> None:
+    """Shorten the note of a row to a number of letters."""
+    label, text, note = rows[k]
+    rows[k] = label, text, textwrap.shorten(note, room, placeholder=" ...")
+
+
+def _keep_first_parts(texts: list[str], width: int, more: str) -> None:
+    """Replace texts by those of their parts that fit on one line."""
+    texts[:] = [_line(text, width, more) for text in texts]
 
 
 def _with_count(texts: Sequence[str], hidden: int, option: str, width: int) -> list[str]:
