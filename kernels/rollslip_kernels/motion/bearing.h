@@ -50,7 +50,7 @@ typedef struct {
 typedef struct {
     double half_clearance;   /* [m] */
     double stiffness;        /* [N/m] */
-    double damping;          /* [N s/m] */
+    double damping;          /* of the force, over the speed of approach [s/m] */
     double friction;         /* coefficient [1] */
     double film;             /* 13.33 eta l r^1.5 [N s m^0.5]; 0 without a film */
     double roughness;        /* least height of the film [m] */
@@ -93,7 +93,7 @@ typedef struct {
     double roller_radius;        /* r [m] */
     double orbit_radius;         /* R_m [m] */
     double half_clearance;       /* G_r/2 [m] */
-    double inner_speed;          /* w_i [rad/s]; speeds and load may vary in time */
+    double inner_speed;          /* w_i [rad/s]; this and the next three are `operation`, which may vary in time */
     double outer_speed;          /* w_o [rad/s] */
     double load_direction;       /* [rad] */
     double load;                 /* [N] */
@@ -146,7 +146,7 @@ typedef struct {
     double *push;                /* force of the bars along the orbit [N] */
     double *lift;                /* force of the bars along the radius [N] */
     double *moment;              /* of the bars on the spin [N m] */
-    double *stored;              /* power of elastic forces of the bars [W] */
+    double *stored;              /* power into elastic bars [W]; push to lost are cleared together */
     double *lost;                /* power that the bars dissipate [W] */
     double *added[RS_ADDED];     /* what a roller adds to head and ledger */
     double *turns;               /* position on the orbit, 0 to 1 */

@@ -58,6 +58,10 @@ Order of an evaluation, `all_rates`:
    (loops.rates); their sums (loops.totals), which `add_roller_sums` adds; `shape_rates`, and the rollers' forces on
    shapes.
 
+One more force on the cage is added to fx, fy and torque of `head_and_ledger_rates`, with an entry of `LEDGER_UNITS` and
+planar_columns.h for its work and its impulse. A torque that depends on speeds alone is a drag model instead. A stiff
+contact needs `kick_contacts`, `until_contact` and `contact_frequency` too, which bound the steps by it.
+
 `roller_rates` and `head_rates` are the two halves of it for Jacobians. A step of leapfrog takes `renew_held_friction`
 now and then, `rates_with_held_friction` in its middle, and `drift`; or, if contacts of the cage have smaller steps,
 `drift_with_contacts`, in which `kick_contacts` has the forces of bars and metal.
@@ -69,10 +73,12 @@ force                                      function
 =========================================  ===========================================================================
 normal force, by the table of the gap      loops.forces (planar_loops.h)
 normal force, by slices                    `normal_forces_by_slices`
-damping of the contacts                    loops.damped (planar_loops.h), rs_damping (rollslip_pocket.pxd)
+damping of the contacts                    loops.damped (planar_loops.h); rs_damping (rollslip_pocket.pxd) of slices and
+                                           metal of lands
 traction and rolling resistance            rs_by_table, rs_ring_friction (rollslip_bearing.pxd), `tabulated_resistance`
 the same, held between evaluations         loops.tractions, loops.implicit (planar_loops.h), held.h
-bars of the pockets, and their friction    `bar_forces_on_roller`, rs_pocket_bars (rollslip_pocket.pxd)
+bars of the pockets: stiffness, damping,   `bar_forces_on_roller`, rs_pocket_bars, rs_pocket_side (rollslip_pocket.pxd)
+film and friction
 land                                       `add_land_forces`, rs_land_force (rollslip_land.pxd)
 drag on the cage                           rs_drag_on_cage (rollslip_bearing.pxd), in `head_and_ledger_rates`
 load; weight of ring and cage              `head_and_ledger_rates`
@@ -88,7 +94,7 @@ Notes
 
 - Small displacements: x_i, x_c and rho are small against R_m; terms of first order are exact, which is what makes
   angular momentum close.  The radial motion enters the sliding speeds through x_i and v_i only; approaches, smaller
-  than clearances, are left out of the rolling radii.  Beyond FAR of the roller's radius x_i and x_c are refused where
+  than clearances, are left out of the rolling radii.  Beyond MAX_DISPLACEMENT x_i and x_c are refused where
   they are watched: after a step, since the trials of an explicit method may lie anywhere.
 - A cage that no land holds is held by the rollers: their pockets have a play along the radius too, with the same
   stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
@@ -138,7 +144,8 @@ LEDGER_UNITS: Mapping[str, str] = {
 }
 
 #: What `Planar` takes as plain numbers: lengths [m], speeds [rad/s], masses [kg], inertias [kg m2], unbalance [kg m],
-#: damping [s/m], load [N], stiffnesses [N/m]; films as they are used, see `planar_t`.
+#: damping [s/m], load [N], stiffnesses [N/m], gravity [m/s2], direction +1 or -1 of the speeds, friction [1]; films in
+#: the units of rs_pocket (bearing.h) and rs_land (rollslip_land.pxd).
 NUMBERS: tuple[str, ...] = (
     "inner_radius", "outer_radius", "roller_radius", "orbit_radius", "half_clearance", "inner_speed",
     "outer_speed", "roller_mass", "roller_inertia", "ring_mass", "cage_mass", "cage_inertia", "unbalance", "gravity_x",
@@ -174,8 +181,8 @@ ctypedef struct planar_t:
     int contact_apart              # forces of bars and metal are left out where friction is held: they have own steps
     double last_head[HEAD]         # of the last evaluation while `contact_apart` is set
 
-# Multiple of a part of a step in which a bar may be touched: forces change speeds in it. With 1 touches are missed,
-# with 4 more rollers are evaluated. Chosen.
+# Multiple of the half of a step, at the present speeds, in which a bar may be touched: forces change speeds in it. With
+# 1 touches are missed, with 4 more rollers are evaluated. Chosen.
 cdef double CONTACT_MARGIN = 2.0
 # Displacement of ring, cage or shape over the radius of a roller, beyond which it is not small. Chosen: with 0.2 terms
 # of second order, which the equations leave out, are up to four times as large, with 0.05 a quarter.
@@ -185,7 +192,7 @@ cdef double MAX_DISPLACEMENT = 0.1
 cdef inline double tabulated_resistance(const planar_t *p, size_t ring, double force) noexcept nogil:
     """Rolling resistance of a contact that carries a force; beyond the table along its last cell."""
     cdef double place = sqrt(force) / p.resistance_step[ring]
-    cdef size_t k = min(<size_t>min(place, 1e9), p.resistance_cells[ring] - 1)
+    cdef size_t k = min(<size_t>min(place, 1e9), p.resistance_cells[ring] - 1)   # 1e9 is safe to convert
     cdef const double *node = p.resistance_nodes[ring] + k
     return node[0] + (node[1] - node[0]) * (place - <double>k)
 
@@ -311,7 +318,7 @@ cdef int renew_held_friction(double t, const double *y, int compared, double *me
     """Linearise friction anew; measured are its strongest damping and, if compared, by how much it had been off."""
     cdef planar_t *p = <planar_t *>state
     cdef size_t Z = p.c.rollers, ring
-    cdef double *before = p.c.room + Z
+    cdef double *before = p.c.room + Z   # rs_ring_friction works in the first Z
     cdef int status
     if compared:
         status = ring_contacts(y, y + p.head_size, p, False, KEPT)
@@ -439,11 +446,11 @@ cdef void drift_rollers(const planar_t *p, double h, double *y, const size_t *in
 
 
 cdef void kick_contacts(planar_t *p, double h, double *y, size_t n_touching, double turned, bint metal) noexcept nogil:
-    """Kick the speeds by bars and by the metal of the land over h, at places that stand.
+    """Kick the speeds by bars and by metal of the land over h, at fixed positions, by the explicit midpoint rule.
 
-    Forces are those of the speeds in the middle of h which they bring about: the second of two stages takes the rates
-    of the first. ``turned`` is the angle of the cage since the columns of angles were made; of each touching roller
-    ``kicks`` has the rates of orbit, spin and rise, cos and sin of its angle.
+    The first of two stages has the rates at the speeds before the kick, the second those at the speeds in its middle,
+    which are the kick. ``turned`` is the angle of the cage since the columns of angles were made; of each touching
+    roller ``kicks`` has the rates of orbit, spin and rise, cos and sin of its angle.
     """
     cdef double *ledger = y + p.head_size + p.c.rollers * BLOCK
     cdef double *kicks = p.c.room   # (5 Z,)
@@ -721,7 +728,7 @@ cdef int head_and_ledger_rates(
 
 cdef int watched_values(double t, const double *y, double *values, void *state) noexcept nogil:
     """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, NaN where it is
-    not watched; an approach at the inner ring, below zero the largest."""
+    not watched; largest approach at the inner ring, negative while no roller touches it."""
     cdef planar_t *p = <planar_t *>state
     cdef int status = check_displacements(y, p)
     if status != 0:
@@ -758,6 +765,7 @@ cdef double until_contact(double t, const double *y, void *state) noexcept nogil
 
 
 cdef int drift(double h, double *y, void *state) noexcept nogil:
+    """Move all bodies over h at the present speeds."""
     cdef planar_t *p = <planar_t *>state
     drift_rollers(p, h, y, NULL, p.c.rollers)
     return 0
@@ -807,6 +815,10 @@ cdef class Planar:
         Both are as the ring stands, unless the form turns with it. By default rings are rigid and round.
     critical_slip, film_limit : float
         Cage slip and smallest film parameter whose passing is an event; NaN for none.
+    rollers : int
+        Number Z of rollers.
+    guidance : int
+        What guides the cage, ROLLERS, INNER_LAND or the land of the outer ring, in the order of rollslip_land.pxd.
     scale : array_like
         Typical magnitudes of the unknowns.
     each : bool
@@ -1017,6 +1029,9 @@ def land(
     double x, double y, double vx, double vy, double journal_speed, double bush_speed, **numbers: float
 ) -> tuple[float, float, float, float, float, float]:
     """Return force on the journal (x, y), torques on journal and bush, power stored and power lost of a land.
+
+    The power stored is positive where the metal is pressed; ``stored`` of the ledger is the work of the forces, its
+    negative.
 
     ``numbers`` are those of `NUMBERS` that begin with land, without it.
     """
