@@ -179,6 +179,18 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
     return command
 
 
+class _Option(click.Option):
+    """An option whose help says what is missing where it is required and not given."""
+
+    def process_value(self, ctx: click.Context, value: Any) -> Any:
+        """Return the value; the error on a missing one ends with the help of the option."""
+        try:
+            return super().process_value(ctx, value)
+        except click.MissingParameter as error:
+            text = f"{self.metavar}: {self.help}"
+            raise click.MissingParameter(text, ctx, self) from error
+
+
 def _option(field: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
     """Return the option of a field."""
     metadata = field.metadata
@@ -191,6 +203,7 @@ def _option(field: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
     return click.option(
         f"--{field.name.replace('_', '-')}",
         field.name,
+        cls=_Option,
         metavar=metadata["metavar"],
         multiple=metadata["repeatable"],
         required=field.default is attrs.NOTHING,
