@@ -87,9 +87,7 @@ def test_what_takes_long_is_told_in_words():
     scene = load_scene(SCENE)
     assert cost_sentences(assemble(scene), {}, 0.5 * LONG_RUN, 0) == []
     (told,) = cost_sentences(assemble(scene), {}, 7200.0, 10**6)
-    assert told.startswith(
-        "this will take 1 h 0 min to 6 h 0 min; Ctrl-C"
-    )
+    assert told.startswith("this will take 1 h 0 min to 6 h 0 min; Ctrl-C")
     (by_slices,) = cost_sentences(
         assemble(scene), {}, 0.0, 10**11
     )  # 20 ns each, whatever was estimated from small parts

@@ -19,7 +19,7 @@ import attrs
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.discovery import load, named_data
-from rollslip.catalogue.registry import Offer, find, get_class
+from rollslip.catalogue.registry import Offer, available, find, get_class
 from rollslip.datasets import SURFACES
 from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant
@@ -30,8 +30,9 @@ from rollslip.references import KLEBANOV, Citation, as_dict, rollslip_itself, un
 from rollslip.results.dataset import CITED
 from rollslip.scene.changes import CHANGES, NOTED, assumed_keys
 from rollslip.scene.named import surface_name
-from rollslip.scene.values import Scene
+from rollslip.scene.values import ModelChoice, Scene, model_kind
 from rollslip.structure import resolved, scene_hash
+from rollslip.toml import as_list
 
 __all__ = [
     "citations",
@@ -43,6 +44,7 @@ __all__ = [
     "describe_models",
     "describe_scene",
     "models_origin",
+    "offers_of",
     "origin",
     "packages_of",
     "references_of",
@@ -51,7 +53,9 @@ __all__ = [
 
 
 def origin(**facts: Any) -> dict[str, Any]:
-    """Return facts as attributes of a dataset, with the time of its creation."""
+    """Return facts as attributes of a dataset, with the time of its creation and the package of its campaign."""
+    if "packages" in facts:
+        facts["packages"] = _packages_behind(str(facts.get("study", ""))) | facts["packages"]
     return as_attributes(**facts) | {
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     }
@@ -101,12 +105,9 @@ def models_origin(plan: Plan, study: str) -> dict[str, Any]:
     scene = plan.scene
     assembly = plan.assemblies[study]
     raw: Mapping[str, Any] = scene.raw or {}
-    offers = [
-        find(kind, part.name) for pair in plan.models for kind, part in (pair, *submodels(pair[1]))
-    ]
     own = describe_own_cage(scene, plan.studies)
     return as_attributes(
-        packages=packages_of([*offers, *named_data(raw)]),
+        packages=_packages_behind(study) | packages_of(offers_of(scene, study, plan.models)),
         models=describe_models(plan.models),
         lubricant=describe_lubricant(assembly.lubricant),
         **(
@@ -165,7 +166,7 @@ def describe_scene(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
         "title": _title(given),
         "source": given.source,
         "scene": given.text,
-        "assumed": json.dumps(assumed_keys(given) if "ASSUMED" in given.text else []),
+        "assumed": json.dumps(assumed_keys(given)),
         "scene_resolved": resolved(scene),
         "scene_hash": scene_hash(scene),
         **({"changed": 1} if CHANGES in given.origins.values() else {}),
@@ -203,6 +204,38 @@ def packages_of(offers: Iterable[Offer]) -> dict[str, str]:
     used = {offer.package: offer.version for offer in offers}
     used |= {name: _version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
     return dict(sorted(used.items())) | {"python": sys.version.split()[0]}
+
+
+def _packages_behind(name: str) -> dict[str, str]:
+    """Return the packages of the study or campaign of a name, and of what reports on it, with their versions."""
+    kinds = [kind for kind in ("study", "campaign", "account") if name in available(kind)]
+    return {offer.package: offer.version for offer in (find(kind, name) for kind in kinds)}
+
+
+def offers_of(scene: Scene, study: str, models: Iterable[tuple[str, Any]]) -> list[Offer]:
+    """Return what offers the study, models and data of a run, those beside contacts too: rings, heat, damage, torque.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    study : str
+        Name of the study.
+    models : iterable of (str, model)
+        Models of contacts and study with their kinds.
+    """
+    stated = [
+        (model_kind(field.name), choice)
+        for field in attrs.fields(type(scene.models))
+        for choice in as_list(getattr(scene.models, field.name))
+        if isinstance(choice, ModelChoice)
+    ]
+    parts = [(kind, part) for pair in models for kind, part in (pair, *submodels(pair[1]))]
+    named = {(kind, part.name) for kind, part in (*parts, *stated)}
+    return [
+        *(find(*key) for key in sorted({("study", study), *named})),
+        *named_data(scene.raw or {}),
+    ]
 
 
 def describe_models(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:

@@ -22,17 +22,15 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.catalogue.discovery import named_data
 from rollslip.catalogue.installed import THIS_PROCESS
 from rollslip.catalogue.packages import check_required
-from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
-from rollslip.fields import FieldError, submodels
+from rollslip.fields import FieldError
 from rollslip.files import whole_file
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import estimate, require_memory
 from rollslip.planning.plausibility import implausible_in_sweep
-from rollslip.planning.provenance import collect_citations, data_references
+from rollslip.planning.provenance import collect_citations, data_references, offers_of
 from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve, full_key
 from rollslip.scene.reading import as_scene, from_raw, load_scene, parse_scene, shipped_scenes
@@ -436,24 +434,19 @@ def _packages(
     assemblies: Sequence[Assembly], study: str
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Packages that the points need, and models that are registered in this process only."""
-    offers = {("study", study): find("study", study)}
-    for assembly in assemblies:
-        for kind, model in (
-            *assembly.models.items(),
-            *settings(assembly.scene, study)[study].models(assembly),
-        ):
-            offers |= {
-                (model_kind, part.name): find(model_kind, part.name)
-                for model_kind, part in ((kind, model), *submodels(model))
-                if hasattr(part, "name")
-            }
-        offers |= {
-            (offer.kind, offer.name): offer for offer in named_data(assembly.scene.raw or {})
-        }
+    offers = {
+        offer
+        for assembly in assemblies
+        for offer in offers_of(
+            assembly.scene,
+            study,
+            (*assembly.models.items(), *settings(assembly.scene, study)[study].models(assembly)),
+        )
+    }
     local = sorted(
-        f"{kind} {name}" for (kind, name), offer in offers.items() if offer.package == THIS_PROCESS
+        f"{offer.kind} {offer.name}" for offer in offers if offer.package == THIS_PROCESS
     )
-    packages = {offer.package for offer in offers.values()} - {THIS_PROCESS}
+    packages = {offer.package for offer in offers} - {THIS_PROCESS}
     return tuple(sorted(packages | {"rollslip", "numpy", "scipy"})), tuple(local)
 
 
