@@ -149,6 +149,28 @@ def test_the_ring_that_bears_the_reaction_of_a_drag_pays_for_it():
     assert found.rings[0] - alone.rings[0] == pytest.approx(1e-4 * (inner - cage) * inner)
 
 
+@pytest.mark.parametrize(
+    ("inner", "outer"), [(300.0, 270.0), (270.0, 300.0), (300.0, -60.0), (0.0, 300.0)]
+)
+def test_torques_of_both_rings_and_of_drags_of_a_body_at_rest_are_in_balance(inner, outer):
+    """Housing and rings bear all torques together; what rings and housing turn is what they put in."""
+    drag = {"model": "constant-torque", "size": 0.02}
+    changes = {"cage.drag": [drag], "operation.inner_speed": inner, "operation.outer_speed": outer}
+    balance = balanced(bearing(changes), inertia=False)
+    slip = balance.loading_branch(0.5).find_steady_motions(balance.drag)[0].slip
+    found = power_balance(balance, balance.orbit(slip))
+    k = balance.assembly.kinematics
+    cage = k.direction * balance.cage_speed(slip)
+    housing = k.direction * balance.drags.torques[0].torque(cage, inner, outer)
+    assert sum(found.torques) == pytest.approx(-housing, rel=1e-6)
+    speeds = k.direction * np.array([inner, outer])
+    assert found.rings == pytest.approx(np.array(found.torques) * speeds)
+    driving = int(np.argmax(found.rings))
+    assert found.friction_torque == pytest.approx(abs(found.torques[driving]))
+    if 0.0 in speeds:
+        assert found.friction_torque == pytest.approx(found.total / abs(speeds).max(), rel=1e-6)
+
+
 def test_one_drag_named_twice_is_two_sources():
     balance = balanced(bearing({"cage.drag": ["constant-torque", "constant-torque"]}))
     found = power_balance(balance, balance.orbit(0.1))

@@ -204,10 +204,11 @@ class Churning(DragModel):
     - phi: its share of the volume between the rings (``oil_fraction``) [1]
     - C_D: drag coefficient of a roller (``coefficient``) [1]
 
-    Range: turbulent wakes; the mist itself stands still. C_D is about 1 for a long cylinder alone (Re from 1e3 to 1e5)
-    and less in the wake of the next; the default of 0.5 is an estimate (D). phi follows from the supply of oil, with
-    which the torque of a bath is that of SKF's later bath drag (C): `rollslip.scene.supply`. The torque is in
-    proportion to both: it is known to a factor of two.
+    Range: turbulent wakes; the mist itself stands still, as it does in a housing at rest. An outer ring that turns
+    takes oil along, by how much was not measured: in the sense of the cage the torque is less. C_D is about 1 for a
+    long cylinder alone (Re from 1e3 to 1e5) and less in the wake of the next; the default of 0.5 is an estimate (D).
+    phi follows from the supply of oil, with which the torque of a bath is that of SKF's later bath drag (C):
+    `rollslip.scene.supply`. The torque is in proportion to both: it is known to a factor of two.
 
     Raises
     ------

@@ -44,6 +44,9 @@ class PowerBalance:
     """Losses of a bearing and the power that supplies them."""
 
     losses: tuple[Loss, ...]  # by source, in one order for all states of a scene
+    #: Torque that drives inner and outer ring [N m], positive in the sense in which the inner ring turns relative to
+    #: the outer one. It holds a ring that stands.
+    torques: tuple[float, float]
     #: Power that inner and outer ring supply [W]; negative where a ring receives power.
     rings: tuple[float, float]
     #: Power that accelerates cage and rollers [W]: at a steady slip, rounding and the discretisation error in
@@ -54,6 +57,11 @@ class PowerBalance:
     def total(self) -> float:
         """Sum of the losses [W]."""
         return sum(loss.power for loss in self.losses)
+
+    @property
+    def friction_torque(self) -> float:
+        """Torque of the ring that supplies most power [N m]: all losses over its speed where the other ring stands."""
+        return abs(self.torques[0 if self.rings[0] >= self.rings[1] else 1])
 
     def heat(self, place: str) -> float:
         """Sum of the losses at a place [W]."""
@@ -124,6 +132,7 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
     rings = torques[0] * ring_speeds[0], torques[1] * ring_speeds[1]
     return PowerBalance(
         losses=_number_sources(losses),
+        torques=(torques[0], torques[1]),
         rings=rings,
         stored=stored,
     )

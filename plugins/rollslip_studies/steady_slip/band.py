@@ -687,13 +687,11 @@ def _compared_values(balance: TorqueBalance, near: float, acceptable: float) -> 
     The slip is infinite where the cage skids; what is not known is NaN.
     """
     slip = math.exp(_log_steady_slip(balance, math.log(near), None)[0])
-    operation = balance.assembly.scene.operation
     values = {SLIP: slip, RESERVE: math.nan, TORQUE: math.nan}
     if not math.isnan(acceptable):
         values[RESERVE] = acceptable_reserve(balance, acceptable)[0]
     if math.isfinite(slip):
-        power = sum(loss.power for loss in power_balance(balance, balance.orbit(slip)).losses)
-        values[TORQUE] = power / abs(operation.inner_speed - operation.outer_speed)
+        values[TORQUE] = power_balance(balance, balance.orbit(slip)).friction_torque
     return values
 
 

@@ -161,14 +161,19 @@ def _torque_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
     """Return the row of the friction torque at a steady slip; None where it is not known."""
     if "loss" not in state or not math.isfinite(torque := float(state["friction_torque"])):
         return None
-    size, unit = (1e3 * torque, "mN m") if torque < 0.1 else (torque, "N m")
-    notes = [f"{format_power(float(state['loss'].sum()))} of heat", describe_doubt(dataset)]
+    factor, unit = (1e3, "mN m") if torque < 0.1 else (1.0, "N m")
+    sizes = [torque]
+    rings = ""
+    if "ring_torque" in state and state["ring_power"].all():  # both rings turn
+        sizes = np.abs(state["ring_torque"].to_numpy()).tolist()
+        rings = "of the inner and the outer ring"
+    notes = [rings, f"{format_power(float(state['loss'].sum()))} of heat", describe_doubt(dataset)]
     return Row(
         key="friction_torque",
         label="friction torque",
         value=torque,
         unit="N m",
-        text=f"{two_digits(size)} {unit}",
+        text=f"{' and '.join(two_digits(factor * size) for size in sizes)} {unit}",
         note="; ".join(filter(None, notes)),
         rank=_KNOWN,
     )

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
+from rollslip.bearing.raceway import Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about, xr
 from rollslip.results.text import Status
@@ -58,12 +58,13 @@ def loss_variables(
     """
     balances = [power_balance(balance, state) for state in (states if steady else states[:1])]
     power = np.array([[loss.power for loss in state.losses] for state in balances]).T
-    operation = balance.assembly.scene.operation
+    sense = balance.assembly.kinematics.direction
     values = {
         "loss": power,
-        "ring_power": np.array([state.rings for state in balances]).T.reshape(len(RINGS), -1),
+        "ring_power": np.array([state.rings for state in balances]).T,
+        "ring_torque": sense * np.array([state.torques for state in balances]).T,
         "stored_power": np.array([state.stored for state in balances]),
-        "friction_torque": power.sum(axis=0) / abs(operation.inner_speed - operation.outer_speed),
+        "friction_torque": np.array([state.friction_torque for state in balances]),
     }
     variables = {
         name: LOSSES[name].variable(value if steady else np.full_like(value, np.nan))
@@ -165,8 +166,6 @@ def _errors(
 def _steady_errors(balance: TorqueBalance, result: "xr.Dataset") -> Iterator[tuple[str, float]]:
     """Yield the errors of a steady slip by one secant step, and of friction torque and thinnest film at its end."""
     slip = float(result["steady_slip"])
-    operation = balance.assembly.scene.operation
-    speed = abs(operation.inner_speed - operation.outer_speed)
     start = float(result["roller_slip"][0] / balance.motions.unit(np.array([slip]))[0])
     film_factor = 1.0
 
@@ -175,7 +174,7 @@ def _steady_errors(balance: TorqueBalance, result: "xr.Dataset") -> Iterator[tup
         film, film_factor = min(
             _thinnest(contacts) for contacts in balance.evaluate_contacts(orbit) if contacts.total
         )
-        return np.array([power_balance(balance, orbit).total / speed, film])
+        return np.array([power_balance(balance, orbit).friction_torque, film])
 
     error, (torque, film) = estimate_by_secant(balance, slip, torque_and_film, start)
     yield "friction torque", _relative_error(float(result["friction_torque"]), torque)

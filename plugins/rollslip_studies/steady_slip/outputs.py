@@ -20,6 +20,12 @@ LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "loss": Output("source steady", "W", "power lost to friction", status="status"),
         "ring_power": Output("ring steady", "W", "power that a ring puts in", status="status"),
+        "ring_torque": Output(
+            "ring steady",
+            "N m",
+            "torque that drives or holds a ring, positive in the sense of positive speeds",
+            status="status",
+        ),
         "stored_power": Output(
             "steady",
             "W",
@@ -29,7 +35,7 @@ LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
         "friction_torque": Output(
             "steady",
             "N m",
-            "friction torque of the bearing, all losses over the relative speed",
+            "friction torque of the bearing: torque of the ring that puts most power in",
             status="status",
         ),
     }
