@@ -19,6 +19,7 @@ from rollslip_kernels.slices import Slices
 from rollslip_studies.motion import loading_branch, spins
 from rollslip_studies.motion.loading_branch import (
     SEARCH,
+    Jump,
     _drop_doubtful,
     _estimate_rise,
     _find_intervals,
@@ -404,10 +405,11 @@ def test_finer_slips_change_nothing_beyond_the_error_that_is_told(number, resist
     )
     branch = one.loading_branch()
     dense = one.loading_branch(steps=250)
-    assert (branch.skidding_jump is None) == (dense.skidding_jump is None)
-    if (away := branch.skidding_jump) is not None:
-        known = away.error + dense.skidding_jump.error + 1e-6  # exactness of a vertex
-        assert away.drag == pytest.approx(dense.skidding_jump.drag, rel=known)
+    away, finer = (scenes.doubling_jump(found) for found in (branch, dense))
+    assert (away is None) == (finer is None)
+    if away is not None:
+        known = away.error + finer.error + 1e-6  # exactness of a vertex
+        assert away.drag == pytest.approx(finer.drag, rel=known)
     known = branch.maximum_error + dense.maximum_error + 1e-6
     assert branch.maximum[1] == pytest.approx(dense.maximum[1], rel=known)
 
@@ -442,11 +444,29 @@ def test_units_in_which_a_bearing_is_given_change_nothing(number):
 def test_whether_a_slip_doubles_is_told_as_by_many_slips(number):
     """It is 2.01 times as large in both; straight lines between the slips of the search told 1.97 and 1.99."""
     one = scenes.balance(scenes.free(number))
-    away = one.loading_branch(0.95).skidding_jump
-    dense = one.loading_branch(0.95, steps=250).skidding_jump
+    away = scenes.doubling_jump(one.loading_branch(0.95))
+    dense = scenes.doubling_jump(one.loading_branch(0.95, steps=250))
     assert away is not None
     assert away.drag == pytest.approx(dense.drag, rel=away.error + dense.error + 1e-6)
     assert away.slip_after == pytest.approx(dense.slip_after, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("slip", "slip_after", "is_skidding"),
+    [
+        (0.05, 0.09, False),
+        (0.05, 0.11, False),
+        (0.05, 0.19, False),
+        (0.15, 0.21, True),
+        (0.15, math.nan, True),
+        (0.3, 0.4, False),
+        (0.3, 0.7, True),
+    ],
+)
+def test_a_cage_skids_from_a_jump_on_that_leads_to_skidding_slips(slip, slip_after, is_skidding):
+    """Where a jump leads decides, so that twice the slip before it is no edge."""
+    jump = Jump(slip, 1.0, slip_after, 0.0, lambda fraction: [slip, slip])
+    assert jump.is_skidding == is_skidding
 
 
 @pytest.mark.parametrize("number", range(6))
@@ -793,9 +813,8 @@ def in_time(monkeypatch):
 def test_a_cage_runs_away_at_the_drag_at_which_it_does_in_time_or_at_none_if_it_does_not(
     row, in_time
 ):
-    away = (
-        in_time.of(row["kind"], int(row["number"]), row["resists"]).loading_branch().skidding_jump
-    )
+    branch = in_time.of(row["kind"], int(row["number"]), row["resists"]).loading_branch()
+    away = scenes.doubling_jump(branch)
     if not row["interval"]:
         assert away is None
         return
@@ -813,7 +832,7 @@ def test_a_drag_a_thousandth_above_runs_away_in_time_and_a_hundredth_below_does_
     kind, number, in_time
 ):
     one = in_time.of(kind, number, 0)
-    away = one.loading_branch().skidding_jump
+    away = scenes.doubling_jump(one.loading_branch())
     told = in_time.InTime(one, (away.slip, away.drag))
     beyond = in_time.beyond_of(away)
     held, state, slip, _ = told.held(told.start(), in_time.BELOW * away.drag, beyond, begin=0.0)

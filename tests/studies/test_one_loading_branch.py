@@ -11,6 +11,7 @@ import loading_branch_scenes as scenes
 from rollslip import evolve, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.results.accounts import account_of
 from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.text import Status
 from rollslip_studies.dynamics.over_time import onset_of
@@ -108,7 +109,7 @@ def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
 def test_the_least_load_of_a_slip_that_the_cage_on_its_loading_branch_jumps_over_is_that_with_less_of_which_it_jumps():
     """Between the jump and where it leads to, though the rollers of a cage from above would hold it there."""
     bearing = few(HARD["two motions"])
-    jump = torque_balance(bearing, 1).loading_branch().skidding_jump
+    jump = torque_balance(bearing, 1).loading_branch().jumps[0]
     slip = math.sqrt(jump.slip * jump.slip_after)
     found, _ = SteadySlip(acceptable_slip=slip, pockets="set").partial_result(
         bearing, frozenset({"minimum_load"})
@@ -126,13 +127,24 @@ def test_the_least_load_of_a_slip_that_the_cage_on_its_loading_branch_jumps_over
 
 def test_the_slip_that_a_larger_drag_takes_the_cage_to_has_a_status_of_its_own():
     jumps, ends, none = (
-        SteadySlip().run(few(HARD[name])) for name in ("two motions", "skids", "no fold")
+        SteadySlip().run(few(scene))
+        for scene in (scenes.catalogue(19), HARD["skids"], HARD["no fold"])
     )
     assert (jumps.jump_slip_status.item(), float(jumps.jump_slip) > 0.0) == ("found", True)
     assert ends.skidding_status.item() == "found"
     assert ends.jump_slip_status.item() == "a larger drag is carried by no slip up to 0.95"
     assert np.isnan(ends.jump_slip)
     assert none.jump_slip_status.item() == none.skidding_status.item()
+
+
+def test_a_jump_to_a_slip_that_is_none_of_skidding_is_reported_from_and_to():
+    result = SteadySlip().run(few(HARD["two motions"]))
+    jump = torque_balance(few(HARD["two motions"]), 1).loading_branch().jumps[0]
+    assert np.isnan(result.limit_drag)
+    found = float(result.first_maximum_slip), float(result.first_jump_slip)
+    assert found == pytest.approx((jump.slip, jump.slip_after))
+    (said,) = account_of(result).topics(result)["limit drag torque"]
+    assert said.endswith(f"a larger drag takes the cage to {100.0 * jump.slip_after:.3g} %")
 
 
 @pytest.mark.parametrize("error", [DomainError, ConvergenceError])

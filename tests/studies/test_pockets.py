@@ -3,6 +3,7 @@
 import functools
 import math
 import re
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
@@ -27,6 +28,10 @@ from rollslip_studies.steady_slip.play import Play
 from rollslip_studies.steady_slip.study import SteadySlip
 from tabled import TABLES, rows_of
 
+#: What play changes where the cage skids, or the drag is known.
+LIMIT = {
+    "drag_reserve", "limit_drag", "skidding_slip", "limit_drag_low", "limit_drag_high", "jump_slip"
+}  # fmt: skip
 #: Name -> scene.
 SCENES = {
     # on as many slices as a run takes: on 101 there is no table of friction within 1 %
@@ -419,7 +424,7 @@ def test_play_changes_its_answers_and_keeps_those_without(results):
     expected = {
         "steady_slip", "cage_speed", "torque", "driving_torque", "minimum_load", "acceptable_reserve"
     }  # fmt: skip
-    assert expected <= changed <= expected | {"drag_reserve", "limit_drag", "skidding_slip"}
+    assert expected <= changed <= expected | LIMIT
 
 
 def test_play_takes_slip_and_load_up_and_reserves_down(results):
@@ -612,3 +617,18 @@ def test_plenty_of_oil_is_the_limit_of_thick_layers():
         found, _ = study.partial_result(assemble(scene), frozenset({"steady_slip"}))
         slips.append(float(found["steady_slip"][1][0]))
     assert slips[1] == pytest.approx(slips[0], rel=0.02)
+
+
+def test_the_limit_drag_with_play_is_found_where_the_play_takes_it_to_far_larger_slips():
+    """Without play at 0.1 %; with play the torque rises up to 6 %, beyond the slips that are evaluated first."""
+    play = object.__new__(Play)
+    play._max_slip = 0.95
+    play.set_balance = SimpleNamespace(torques=lambda slips: np.full(slips.size, 2.0))
+    with_play = SimpleNamespace(torques=lambda slips: 1.0 - np.log(slips / 0.06) ** 2)
+    known = {"skidding_slip": 1e-3, "limit_drag": 2.0, "limit_drag_low": 9e-4}
+    result = xr.Dataset(known | {"limit_drag_high": 1.2e-3, "jump_slip": 0.03})
+    found = {name: float(value) for name, value in play._limit_drag(with_play, result).items()}
+    assert found["limit_drag"] == pytest.approx(1.0, abs=2e-3)  # slips of the search differ by 8 %
+    assert found["skidding_slip"] == pytest.approx(0.06, rel=0.05)
+    assert found["limit_drag_low"] < found["skidding_slip"] < found["limit_drag_high"]
+    assert math.isnan(found["jump_slip"]), "it lies below"

@@ -135,6 +135,11 @@ def balance(scene, *, slices=12, positions=56, inertia=True):
     return TorqueBalance(resisting, resisting.cage.drags, n_positions=n_positions, inertia=inertia)
 
 
+def doubling_jump(branch):
+    """The first jump of a branch that at least doubles the slip, or leads nowhere; None without one."""
+    return next((jump for jump in branch.jumps if not jump.slip_after < 2.0 * jump.slip), None)
+
+
 def finer(one, times):
     """The same with so many times the positions."""
     return TorqueBalance(

@@ -48,8 +48,8 @@ def held(given):
         dense = scenes.finer(one, 4).loading_branch(RANGE, steps=250)
     except RollslipError as error:
         return row | {"refused": str(error)[:80]}
-    away = way.skidding_jump
-    reference = dense.skidding_jump
+    away = scenes.doubling_jump(way)
+    reference = scenes.doubling_jump(dense)
     row |= {"most [N m]": way.maximum[1], "most, dense [N m]": dense.maximum[1]}
     for name, jump in (("", away), (", dense", reference)):
         row[f"slip{name}"] = math.nan if jump is None else jump.slip

@@ -362,8 +362,8 @@ def row(kind, number, resists):
         "inner [rpm]": 60.0 * o.inner_speed / TURN, "outer [rpm]": 60.0 * o.outer_speed / TURN,
         "load [N]": o.radial_load, "maxima": len(way.jumps), "most [N m]": way.maximum[1],
     }  # fmt: skip
-    away = way.skidding_jump
-    dense = scenes.finer(one, 4).loading_branch(RANGE, steps=250).skidding_jump
+    away = scenes.doubling_jump(way)
+    dense = scenes.doubling_jump(scenes.finer(one, 4).loading_branch(RANGE, steps=250))
     out["finer way [N m]"] = math.nan if dense is None else dense.drag
     if away is not None:
         out |= {

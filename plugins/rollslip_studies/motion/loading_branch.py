@@ -23,7 +23,8 @@ The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque 
    is the stated error: what still more positions would change decreases irregularly. A maximum that finer positions
    do not have is dropped.
 9. Find where the torque regains the maximum, both on the coarse positions: the slip to which the cage jumps.
-10. Skidding starts at the first jump which at least doubles the slip, or after which no slip carries the drag.
+10. Skidding starts at the first jump which leads to a slip above `SKIDDING_SLIP`, or after which no slip carries the
+    drag. Of jumps that start above it, one counts which at least doubles the slip.
 
 The slips are chosen by the bearing and the range alone, so that the result does not depend on earlier calls.
 Roots are found by regula falsi (Illinois) and secants, `rollslip.search`.
@@ -40,6 +41,7 @@ import numpy as np
 
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.search import illinois_root, polynomial_maximum, secant_root
 from rollslip_studies.motion.spins import (
     DISTINCT,
@@ -129,8 +131,9 @@ class SearchTolerances:
 
 
 SEARCH: Final = SearchTolerances()
-#: Ratio of the slips after and before a jump from which on the cage skids: the rule by which a verdict says SKIDS. Half
-#: or twice the value moves the onset of skidding to another jump in bearings with several; chosen, as a convention.
+#: Ratio of the slips after and before a jump, both above `SKIDDING_SLIP`, from which on the jump is the onset of
+#: skidding. Half or twice the value moves the onset to another jump in bearings with several. No verdict or reserve
+#: depends on it: the cage skids before. Chosen, as a convention.
 SKIDDING_RATIO: Final = 2.0
 
 
@@ -153,8 +156,9 @@ class Jump:
 
     @property
     def is_skidding(self) -> bool:
-        """Whether the slip at least doubles, or nothing carries the drag: the cage skids."""
-        return not self.slip_after < SKIDDING_RATIO * self.slip
+        """Whether the cage skids after the jump: by its slip there, or because nothing carries the drag."""
+        ratio = SKIDDING_RATIO if self.slip > SKIDDING_SLIP else 1.0
+        return not self.slip_after < ratio * max(self.slip, SKIDDING_SLIP)
 
 
 @attrs.frozen

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip.results.accounts import account_of
+from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.dataset import xr
 from rollslip.results.style import (
     DASHES,
@@ -91,8 +92,6 @@ _SLIPS: Final = (1e-4, 0.9, 20)
 _SHIFTED_SLIPS: Final = (1e-6, 0.999)
 #: Lower end of the axis of slips [%]. Chosen: a smaller slip is printed as below 0.1 %.
 _LOWEST_SLIP: Final = 0.1
-#: Slip above which the verdict is SKIDS: rule V3.
-_SKIDDING_SLIP: Final = 0.2
 #: Verdict -> its colour, pale enough for lines and letters on it, from the smallest slips on.
 _ZONES: Final = {"OK": "#e3f1e4", "SLIPS": "#fdf0d2", "SKIDS": "#f9dedb"}
 #: Slips [%], torques [N m], label and style of a curve.
@@ -352,7 +351,7 @@ def _over_load(dataset: "xr.Dataset", load: Array, slip: Array) -> "Figure":
     unit = shown_unit(float(load[-1]), "N")
     shown = converted(load, "N", unit)
     acceptable = 100 * float(dataset.attrs["acceptable_slip"])
-    edges = [_LOWEST_SLIP, min(acceptable, 100 * _SKIDDING_SLIP), 100 * _SKIDDING_SLIP, 100.0]
+    edges = [_LOWEST_SLIP, min(acceptable, 100 * SKIDDING_SLIP), 100 * SKIDDING_SLIP, 100.0]
     for low, high, (verdict, colour) in zip(edges[:-1], edges[1:], _ZONES.items(), strict=True):
         axes.axhspan(low, high, color=colour, linewidth=0.0, zorder=0)
         axes.text(

@@ -621,9 +621,11 @@ def _describe_first_maximum(dataset: "xr.Dataset") -> str:
     if slip >= float(dataset["skidding_slip"]):  # which may be NaN
         return ""
     torque = format_quantity(float(dataset["first_maximum_torque"]), "N m", 3)
+    jump_slip = float(dataset.get("first_jump_slip", math.nan))
+    end = "slips beyond" if math.isnan(jump_slip) else _percent(jump_slip)
     return (
         f"; their torque falls with slip already from {_percent(slip)} on, a first maximum of {torque}, before it "
-        "rises once more: a larger drag takes the cage to slips beyond"
+        f"rises once more: a larger drag takes the cage to {end}"
     )
 
 

@@ -173,6 +173,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             status="skidding_status",
         ),
         "first_maximum_slip": Output("", "1", "cage slip at that point", status="skidding_status"),
+        "first_jump_slip": Output(
+            "", "1", "cage slip to which it jumps from there", status="skidding_status"
+        ),
         "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
         "torque": Output(
             "steady",

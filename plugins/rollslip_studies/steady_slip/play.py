@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.dataset import about
@@ -145,11 +146,10 @@ class Play:
         variables = {name: OUTPUTS[name].variable(value) for name, value in values.items()}
         if self._balance is None:
             return dataset.assign(variables)
-        values = {
-            "driving_torque": self._balance.torques(
-                dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
-            )
-        }
+        torques = self._balance.torques(
+            dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
+        )
+        values = {"driving_torque": torques}
         coords: dict[str, Any] = {}
         if self._skids or found.status == Status.FOUND:
             values |= self._steady(dataset)
@@ -164,8 +164,8 @@ class Play:
                 about("rad", "position from the line of load, in the sense of the orbit"),
             )
         if math.isfinite(float(dataset["skidding_slip"])):
-            values |= self._limit_drag(self._balance, dataset)
-        values |= self._reserve(self._balance, dataset, values)
+            dataset = dataset.assign(self._limit_drag(self._balance, dataset))
+        values |= self._reserve(self._balance, dataset, torques)
         if self._acceptable is not None:
             factor, status = acceptable_reserve(self._balance, self._acceptable)
             values |= {"acceptable_reserve": factor, "acceptable_reserve_status": status}
@@ -198,30 +198,40 @@ class Play:
             "torque": np.array([0.0 - self.set_balance.drag(slip) for slip in slips]),
         }
 
-    def _limit_drag(self, balance: BalanceWithPlay, dataset: "xr.Dataset") -> dict[str, float]:
-        """Return the limit drag torque and its slip, of a cage that skids in the range."""
-        slips = float(dataset["skidding_slip"]) * _NEAR_MAXIMUM
-        slips = slips[slips < 1.0]
-        torques = balance.torques(slips)
-        without = float(self.set_balance.torques(slips[:1])[0])
-        largest = int(np.nanargmax(torques))
-        factor = min(float(torques[largest]) / without, 1.0)
+    def _limit_drag(self, balance: BalanceWithPlay, dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the limit drag torque, its slip and the slip after the jump, of a cage that skids in the range."""
+        without_slip = float(dataset["skidding_slip"])
+        without = float(self.set_balance.torques(np.array([without_slip]))[0])
+        largest = -1
+        slips = np.array([without_slip])
+        while slips[largest] == slips[-1] < self._max_slip:  # the torque still rises
+            slips = np.minimum(slips[-1] * _NEAR_MAXIMUM, self._max_slip)
+            torques = balance.torques(slips)
+            largest = int(np.nanargmax(torques))
+        shift = float(slips[largest]) / without_slip
+        factors = {
+            "limit_drag": min(float(torques[largest]) / without, 1.0),
+            "skidding_slip": shift,
+            "limit_drag_low": shift,
+            "limit_drag_high": shift,
+            "jump_slip": 1.0 if float(dataset["jump_slip"]) > slips[largest] else math.nan,
+        }
         return {
-            "limit_drag": factor * float(dataset["limit_drag"]),
-            "skidding_slip": float(slips[largest]),
+            name: dataset[name].copy(data=factor * dataset[name])
+            for name, factor in factors.items()
         }
 
     def _reserve(
-        self, balance: BalanceWithPlay, dataset: "xr.Dataset", known: dict[str, Any]
+        self, balance: BalanceWithPlay, dataset: "xr.Dataset", torques: Array
     ) -> dict[str, Any]:
         """Return the drag reserve to skidding, and its status where the cage skids because of the play."""
         factor = float(dataset["drag_reserve"])
-        if not math.isfinite(factor) or self._balance is None:
+        if not math.isfinite(factor):
             return {"drag_reserve": factor}
-        onset = float(known.get("skidding_slip", dataset["skidding_slip"]))
+        onset = float(dataset["skidding_slip"])
         limit = SKIDDING_SLIP if math.isnan(onset) else min(SKIDDING_SLIP, onset)
         slips = dataset["cage_slip"].to_numpy()
-        largest, _ = largest_ratio(balance, slips, known["driving_torque"], limit)
+        largest, _ = largest_ratio(balance, slips, torques, limit)
         if self._skids:
             status = f"{Status.SKIDS}: its drags, or the rolling resistance, are more than the rollers carry"
             return {"drag_reserve": min(largest, 1.0), "reserve_status": status}

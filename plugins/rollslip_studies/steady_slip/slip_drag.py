@@ -61,7 +61,7 @@ def slip_drag_variables(
         Table of the scene with the settings of the study.
     """
     onset = branch.skidding_jump
-    first_drag, first_slip, _, _ = _jump_numbers(next(iter(branch.jumps), None))
+    first_drag, first_slip, _, first_jump_slip = _jump_numbers(next(iter(branch.jumps), None))
     limit_drag, skidding_slip, limit_error, jump_slip = _jump_numbers(onset)
     is_inside = max(slips or [math.inf]) <= max_cage_slip or skidding_slip <= max_cage_slip
     end = min(max_cage_slip, branch.end) if is_inside else branch.end
@@ -90,6 +90,7 @@ def slip_drag_variables(
         "largest_torque_error": _or_nan(lambda: branch.maximum_error),
         "first_maximum_torque": first_drag,
         "first_maximum_slip": first_slip,
+        "first_jump_slip": first_jump_slip,
     }
     known = ~np.isnan(torque)
     left_out = _left_out_errors(slip[known], torque[known]).max(initial=0.0)

@@ -377,9 +377,9 @@ class SteadySlip(Study):
             ring_power, ring_torque; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle):
             normal_force, all of these one NaN where there is no steady slip and ``status`` says why; scalars: status,
             limit_drag, skidding_slip, skidding_status, limit_drag_error, _low and _high, jump_slip, largest_torque,
-            largest_torque_slip, largest_torque_error, first_maximum_torque, first_maximum_slip. For each followed
-            condition X, if a branch was found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit,
-            X_limit_slip, X_limit_status.
+            largest_torque_slip, largest_torque_error, first_maximum_torque, first_maximum_slip, first_jump_slip. For
+            each followed condition X, if a branch was found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars
+            X_limit, X_limit_slip, X_limit_status.
 
         Raises
         ------
