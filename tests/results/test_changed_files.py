@@ -206,6 +206,40 @@ def test_what_is_changed_in_place_is_refused(result, tmp_path, change):
     assert not (tmp_path / "r.html").exists()
 
 
+def test_texts_of_attributes_have_a_fixed_length_for_netcdf_tools(result, tmp_path):
+    """As netCDF's own library writes them; some tools show no texts of variable length."""
+    path = tmp_path / "r.nc"
+    longest = "x" * 70_000
+    changed = result.assign_attrs(note="10 \u00b5m", log=longest, source="")
+    save(changed, path)
+    assert open_result(path).identical(changed)
+    with h5py.File(path) as file:
+        variable = file["friction"].attrs
+        for attributes, names in (
+            (variable, ("units", "long_name")),
+            (file.attrs, ("study", "title", "note", "source", "scene_resolved")),
+        ):
+            for name in names:
+                assert h5py.check_string_dtype(attributes.get_id(name).dtype).length is not None, (
+                    name
+                )
+        assert h5py.check_string_dtype(file.attrs.get_id("log").dtype).length is None
+        assert variable["units"].decode() == result["friction"].attrs["units"]
+
+
+def test_a_flipped_bit_in_the_values_is_seen_by_other_readers(result, tmp_path):
+    path = tmp_path / "r.nc"
+    values = np.arange(1000.0)
+    save(result.assign(large=("k", values), small=("s", values[:3])), path)
+    content = bytearray(path.read_bytes())
+    content[content.index(values.tobytes()) + 4004] ^= 1
+    path.write_bytes(content)
+    with h5py.File(path) as file:
+        assert not file["small"].fletcher32
+        with pytest.raises(OSError, match="filter returned failure"):
+            file["large"][()]
+
+
 def test_a_file_without_a_mark_is_read_with_and_without_a_checksum(result, tmp_path):
     """As results were written before the mark, and before the checksum; a change of the latter cannot be seen."""
     unsealed(result, tmp_path / "oldest.nc")
