@@ -368,13 +368,6 @@ class Motions:
         self._idle_slip = 0.0  # mean roller slip without cage slip
         self._max_idle_slip = 0.0
         self._last: tuple[bytes, list[LoadedContacts]] = b"", []
-        inner, outer = (ring.contacts.carried for ring in self.contacts(np.zeros(1)))
-        weight = inner
-        if self.resists:
-            mean = (inner + outer).mean()
-            weight = _UNIFORM_WEIGHT * mean + (1.0 - _UNIFORM_WEIGHT) * (inner + outer)
-        #: weights of the positions in distances of motions, by the load, (K,)
-        self._weight = np.asarray(weight / (weight.sum() or 1.0) / (1.0 - self._inner_ratio))
         if similar is not None:
             self._idle_slip = similar._idle_slip
             self._max_idle_slip = similar._max_idle_slip
@@ -416,6 +409,16 @@ class Motions:
         psi = angular_positions(self.assembly.scene.bearing.rollers, self.n_positions).ravel()
         order = np.argsort(psi)[(int(self.sense) * np.arange(self.positions)) % self.positions]
         return order, psi[order]
+
+    @cached_property
+    def _weight(self) -> Array:
+        """Weights of the positions in distances of motions, by the load, (K,)."""
+        inner, outer = (ring.contacts.carried for ring in self.contacts(np.zeros(1)))
+        weight = inner
+        if self.resists:
+            mean = (inner + outer).mean()
+            weight = _UNIFORM_WEIGHT * mean + (1.0 - _UNIFORM_WEIGHT) * (inner + outer)
+        return np.asarray(weight / (weight.sum() or 1.0) / (1.0 - self._inner_ratio))
 
     def unit(self, slips: Array) -> Array:
         """Roller slips of fraction one, (n,): of rolling on the outer ring, and without cage slip."""
@@ -572,12 +575,15 @@ class Motions:
         changes = None
         if self.rubbing > 0.0:
             brakes, changes = self._find_brakes(slips, pairs)
-        march = self._march(slips, pairs, brakes=brakes)
+        spins = self.spins(slips, brakes=brakes)
+        march = self._march(slips, pairs, None if self._inertia else spins, brakes)
         doubled = [] if starts is not None else self._find_doubled(march, unit)
         rows = np.array([*range(slips.size), *doubled])
         walkers = np.array([0] * slips.size + [1] * len(doubled))
         roller_slips = march.roller_slips[rows, walkers]
-        motions = self._refine(slips, rows, roller_slips, march.changes[rows, walkers], brakes)
+        motions = self._refine(
+            spins, slips, rows, roller_slips, march.changes[rows, walkers], brakes
+        )
         if changes is not None:
             motions = [
                 attrs.evolve(
@@ -608,12 +614,17 @@ class Motions:
     # Second order -----------------------------------------------------------------------------------------------------
 
     def _refine(
-        self, slips: Array, rows: Rows, marched: Array, changes: Array, brakes: Array | None
+        self,
+        spins: Spins,
+        slips: Array,
+        rows: Rows,
+        marched: Array,
+        changes: Array,
+        brakes: Array | None,
     ) -> list[Motion]:
         """Motions of second order near marched roller slips (m, K), at some rows of the slips, (m,)."""
         unit = self.unit(slips)[rows]
         inertia = (self._inertia * np.abs(1.0 - slips))[rows]
-        spins = self.spins(slips, brakes=brakes)
         error = np.zeros(rows.size)
         if self._inertia:
             found, multiplier, torque, is_found, status = spins.kernel.periodic_rows(
