@@ -246,6 +246,28 @@ def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last
         Kernel(*parts)
 
 
+def turned_by(scene, ring, sense):
+    """The bearing with one ring that turns, at the speed of the scene."""
+    speed = sense * scene.operation.inner_speed
+    speeds = {f"operation.{name}_speed": 0.0 for name in ("inner", "outer")}
+    return evolve(scene, speeds | {f"operation.{ring}_speed": speed}, si=True)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_march_of_first_order_states_its_error_whichever_ring_turns(monkeypatch, sense):
+    """It replaces Newton's method, as if that had found another motion, and a march of second order of one orbit."""
+    monkeypatch.setattr(spins, "CONTINUES", -1.0)
+    monkeypatch.setattr(spins, "_SECOND_ORDER_ORBITS", 1)
+    errors = []
+    for ring in ("inner", "outer"):
+        motions = scenes.balance(turned_by(scenes.free(20), ring, sense)).motions
+        assert motions.sense == (1.0 if ring == "inner" else -1.0)
+        errors.append([here[0].error for here in motions.find(np.array([0.01, 0.1]), np.zeros(2))])
+    inner, outer = errors
+    assert min(outer) > 1e-3
+    assert outer == pytest.approx(inner, rel=0.5)
+
+
 # Of any bearing ------------------------------------------------------------------------------------------------------
 
 

@@ -363,7 +363,7 @@ class Motions:
         #: torque of the body force on a roller along the orbit, in its sense [N m], (K,)
         self._body_torque = np.asarray(self.sense * k.orbit_radius * force)
         self._lever = 1.0 + k.outer_radius / k.roller_radius
-        self._rollers = self.sense * assembly.scene.bearing.rollers
+        self._rollers = assembly.scene.bearing.rollers
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
         self._idle_slip = 0.0  # mean roller slip without cage slip
         self._max_idle_slip = 0.0
@@ -631,7 +631,7 @@ class Motions:
                 rows, self.positions, inertia, marched, unit, _NEWTON_TOLERANCE
             )
             spins.check(status)
-            torque = self._rollers * torque
+            torque = self.sense * self._rollers * torque
             change = np.abs(found - marched) @ self._weight / unit
             is_other = (changes <= _PERIODIC_TOLERANCE) & (change > CONTINUES)
             converged = is_found & (np.abs(multiplier) < 1.0) & ~is_other
@@ -669,7 +669,7 @@ class Motions:
             rows, self.positions, inertia, roller_slips, unit, as_guessed=True
         )
         spins.check(status)
-        return np.asarray(self._rollers * torque), multiplier
+        return np.asarray(self.sense * self._rollers * torque), multiplier
 
     def _march_second_order(
         self, spins: Spins, slips: Array, rows: Rows, marched: Array, inertia: Array, unit: Array
