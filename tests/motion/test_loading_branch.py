@@ -142,6 +142,26 @@ def test_a_branch_whose_end_does_not_converge_says_that_it_was_not_looked_at(mon
     assert "KEY" not in skidding_onset(one, RANGE, "KEY").status
 
 
+def test_a_branch_that_ends_before_a_law_has_no_value_states_both():
+    def torque(logit):
+        if logit > 2.0:
+            raise DomainError("the law has no value")
+        return 1.0 + logit
+
+    class Motionless(Torques):
+        def find(self, slips, starts=None):
+            return [
+                [attrs.evolve(motion, converged=motion.slip < 0.5)]
+                for (motion,) in super().find(slips, starts)
+            ]
+
+    motions = Motionless(torque)
+    branch = find_loading_branch(motions, 0.9, motions)
+    assert branch.end < 0.5
+    assert branch.refusal.startswith("the search for the motion of the rollers does not converge")
+    assert branch.refusal.endswith("the law has no value")
+
+
 # A plain march -------------------------------------------------------------------------------------------------------
 
 
@@ -634,6 +654,44 @@ def test_a_maximum_that_finer_positions_have_far_beyond_is_followed():
     (jump,) = find_loading_branch(motions, 0.9, motions).jumps
     assert logit_slip(jump.slip) == pytest.approx(-1.3, abs=0.02)
     assert jump.drag == pytest.approx(1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("extensions", [1, 3])
+def test_samples_on_finer_positions_are_extended_as_often_as_is_allowed(extensions, monkeypatch):
+    monkeypatch.setattr(loading_branch, "SEARCH", attrs.evolve(SEARCH, max_extensions=extensions))
+    motions = Torques(lambda logit: 10.0 + logit)
+    (start,) = motions.find(np.array([0.01]))[0]
+    count = motions.count
+    _Search(motions, motions)._find_fine_vertex(start, start.logit_slip, 0.1, end=math.inf)
+    assert motions.count - count == 3 + extensions
+
+
+class TwoMotions(Torques):
+    """Motions from both rings at one slip, where a march from a start reaches another one, converged or not."""
+
+    def __init__(self, is_converged):
+        super().__init__(lambda logit: 1.0)
+        self.is_converged = is_converged
+
+    def find(self, slips, starts=None):
+        found = super().find(slips)
+        for here in found[-1:]:
+            other = attrs.evolve(here[0], fraction=np.full(1, 0.5))
+            here.append(other)
+            if starts is not None:
+                here[:] = [attrs.evolve(other, fraction=np.ones(1), converged=self.is_converged)]
+        return found
+
+    def distance(self, first, second):
+        return abs(first[0] - second[0])
+
+
+@pytest.mark.parametrize("is_converged", [False, True])
+def test_a_march_replaces_the_nearest_motion_only_if_it_converges(is_converged):
+    motions = TwoMotions(is_converged)
+    branch = _Search(motions, motions).follow([0.1, 0.2])
+    assert branch[1].fraction == (1.0 if is_converged else 0.0)
+    assert branch[1].converged
 
 
 @pytest.mark.parametrize(("fall", "is_jump"), [(0.015, False), (0.03, True)])

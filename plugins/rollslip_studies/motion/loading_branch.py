@@ -17,8 +17,8 @@ The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque 
 5. Bisect the intervals beside a maximum of the torque, and those in which a motion ends, while a bound on the torque
    inside exceeds the running maximum by 0.1 %.
 6. A motion from which the torque falls by more than 0.2 % before it is exceeded is a candidate for a jump.
-7. At a smooth maximum, find the vertex of the interpolating polynomial through five to nine samples. At the end of a
-   motion, take the last sample.
+7. At a smooth maximum, find the vertex of the polynomial through the five samples around the largest one, evaluate it
+   there, and repeat this with the new sample, up to nine samples. At the end of a motion, take the last sample.
 8. Repeat step 7 with four times as many positions of the orbit. The change, added to the error of the interpolation,
    is the stated error: what still more positions would change decreases irregularly. A maximum that finer positions
    do not have is dropped.
@@ -101,8 +101,8 @@ class SearchTolerances:
     #: 4e-6, twice the value by 4e-8; chosen, below half a step of the grid.
     max_half_width: float = 0.1
     #: How often the samples on finer positions are extended, each time twice as far, where the torque still rises
-    #: at their end. Half and twice as many have no effect; chosen, so that they reach several steps of the grid.
-    max_extensions: int = 5
+    #: at their end. Half and twice as many have no effect; chosen, so that they reach a dozen steps of the grid.
+    max_extensions: int = 4
     #: Number of samples in a pass on finer positions at the end of a motion. Half as many have no effect on the
     #: torque, twice as many cost up to 18 % at such a jump; chosen.
     end_samples: int = 9
@@ -388,7 +388,8 @@ class _Search:
             np.array([branch[k - 1].fraction[0] for k in ambiguous]),
         )
         for k, (motion, *_) in zip(ambiguous, marched, strict=True):
-            if self.motions.distance(motion.fraction, branch[k].fraction) >= DISTINCT:
+            is_other = self.motions.distance(motion.fraction, branch[k].fraction) >= DISTINCT
+            if is_other and motion.converged:
                 candidates[k] = [motion]
                 return True
         return False
@@ -506,7 +507,7 @@ class _Search:
         half_width = min(half_width, SEARCH.max_half_width)
         known = dict[float, Motion]()
         logits = [logit - half_width, logit, min(logit + half_width, end)]
-        for _ in range(SEARCH.max_extensions):
+        for _ in range(1 + SEARCH.max_extensions):
             slips = np.array([slip_from_logit(x) for x in logits])
             found = self._fine_motions.find(slips, np.full(slips.size, start.fraction[0]))
             for x, (motion, *_) in zip(logits, found, strict=True):
@@ -521,7 +522,7 @@ class _Search:
                 break
             beyond = min(top + half_width, end)
             if top == first:
-                beyond = max(top - half_width, first - half_width)
+                beyond = first - half_width
             if beyond in known:
                 break
             logits = [beyond]
@@ -560,7 +561,11 @@ class _Search:
         return fine.converged and fine.torque >= (1.0 - SEARCH.min_fall) * maximum.torque
 
     def estimate_error(self, motion: Motion) -> float:
-        """Relative error of the torque of a motion: its own, and twice the change by four times the positions."""
+        """Relative error of the torque of a motion: its own, and twice the change by four times the positions.
+
+        The finer torque may still differ by that change from the exact one, as is stated of a jump (step 8). Of a jump
+        the finer torque itself is stated, here the coarse one, which differs from that by the change once more.
+        """
         fine = self._find_fine_motion(motion)
         if not fine.converged:
             return math.inf
@@ -742,7 +747,8 @@ def find_loading_branch(
             "there is no slip to report; it converges where more load is on the rollers: raise operation.radial_load"
         )
     if branch[-1].slip < slips[-1]:
-        refusal = "the search for the motion of the rollers does not converge"
+        unconverged = "the search for the motion of the rollers does not converge"
+        refusal = f"{unconverged}; further on, {refusal}" if refusal else unconverged
     torque_without_slip = 0.0
     if motions.resists:
         torque_without_slip = full_motions.find(np.zeros(1), np.zeros(1))[0][0].torque
