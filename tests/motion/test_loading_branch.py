@@ -288,6 +288,19 @@ def test_a_march_of_first_order_states_its_error_whichever_ring_turns(monkeypatc
     assert outer == pytest.approx(inner, rel=0.5)
 
 
+def test_a_march_of_second_order_to_an_unstable_motion_does_not_count(monkeypatch):
+    motions = scenes.balance(scenes.free(20)).motions
+    slips = np.array([0.1])
+    monkeypatch.setattr(spins, "CONTINUES", -1.0)
+    assert motions.find(slips, np.zeros(1))[0][0].converged
+
+    def unstable(self, spins, rows, *_):
+        return np.ones(rows.size), np.full(rows.size, 1.5)
+
+    monkeypatch.setattr(Motions, "_mean_torques", unstable)
+    assert not motions.find(slips, np.zeros(1))[0][0].converged
+
+
 # Of any bearing ------------------------------------------------------------------------------------------------------
 
 

@@ -66,9 +66,10 @@ SLOW: Final = 1e-3
 #: half nor twice the value changes a result of 55 random bearings; chosen, 2 % of
 #: the distance from rolling on one ring to rolling on the other one.
 DISTINCT: Final = 0.02
-#: The same distance up to which a motion continues the motion at the previous slip. Half the
-#: value splits branches where slips change fast: jumps differ in 3 of 55 random bearings. Twice the value changes
-#: torques by less than 1e-11. Chosen, so that a change from ring to ring, which is near 1, is a gap.
+#: The same distance up to which a motion continues the motion at the previous slip, and up to which the result of
+#: Newton's method is the motion from which it started. Half the value, in both uses, splits branches where slips
+#: change fast: jumps differ in 3 of 55 random bearings. Twice the value changes torques by less than 1e-11. Chosen, so
+#: that a change from ring to ring, which is near 1, is another motion.
 CONTINUES: Final = 0.15
 
 
@@ -96,6 +97,10 @@ _BALANCE_WITHOUT_INERTIA: Final = 1e-12
 #: value makes it fail near rounding, and changes a torque by 1.6e-3, where a march then replaces it; twice the
 #: value changes torques by less than 2e-7, because the convergence is quadratic; chosen.
 _NEWTON_TOLERANCE: Final = 1e-7
+#: What a march of second order would still change, relative to the width of its search, up to which it counts as
+#: periodic after `_SECOND_ORDER_ORBITS`, although it has not ended at `_NEWTON_TOLERANCE`. Neither half nor twice the
+#: value changes a result of 62 random bearings; chosen, far below the discretisation error.
+_SECOND_ORDER_TOLERANCE: Final = 100.0 * _NEWTON_TOLERANCE
 #: What a march by implicit Euler would still change, extrapolated and relative as `_BALANCE_TOLERANCE`, at which it
 #: ends and counts as periodic. Half and twice the value change torques of 36 random bearings by up to 1e-10; chosen,
 #: below `DISTINCT`.
@@ -103,6 +108,41 @@ _PERIODIC_TOLERANCE: Final = 1e-3
 #: Relative discretisation error of implicit Euler up to which a motion counts as converged. Neither
 #: half nor twice the value changes a result of 55 random bearings; chosen.
 _MAX_ERROR: Final = 1e-2
+
+# Scales and bounds of roller slips.
+
+#: Part of the weights of positions that is uniform where unloaded rollers are braked, too. Half
+#: the value costs 1 % more evaluations and changes torques by 3.5e-4; chosen, because unloaded rollers are braked.
+_UNIFORM_WEIGHT: Final = 0.5
+#: Smallest mean roller slip without cage slip that counts; it keeps quotients finite. Half and twice the value
+#: change torques of 55 random bearings by less than 1e-11; chosen, far below the slips of rollers with rolling
+#: resistance.
+_MIN_IDLE_SLIP: Final = 1e-9
+#: Smallest unit of roller slips; it keeps quotients finite where neither cage nor rollers slip. Doubling it has no
+#: effect on any result; chosen, far below the roller slips of bearings.
+_MIN_UNIT: Final = 1e-12
+#: Smallest torque [N m] by which the error of a march of first order is divided; it keeps the quotient finite where
+#: rollers carry nothing. Any value far below the torques of bearings has the same effect; chosen.
+_MIN_TORQUE: Final = 1e-300
+#: Width of the first search, in roller slips, for the slip of rollers on a cage that does not slip. Half and
+#: twice the value change torques by rounding; chosen, near the slips of rollers with rolling resistance.
+_IDLE_WIDTH: Final = 1e-3
+#: Torque at the upper start of a march that counts as rounding, relative to the largest one. Neither half nor
+#: twice the value changes a result of 55 random bearings; chosen, a few thousand times the rounding.
+_ZERO_TORQUE: Final = 1e-12
+#: Status of the compiled search where torques balance nowhere between the bounds. A ring is that whose law has no
+#: value, and no status is success.
+_NO_BALANCE: Final = "lost"
+#: First step by which the upper start of a march with resistance is above rolling, over the distance of rolling on
+#: either ring. Neither half nor twice
+#: the value changes torques of 62 random bearings by more than 2e-14; chosen, so that the start is clearly outside.
+_START_WIDTH_FRACTION: Final = 0.25
+#: Further first step, over the largest roller slip without cage slip. Neither half nor twice the value changes
+#: torques of 62 random bearings by more than 3e-16; chosen, more than 1, because rollers slip more with a cage slip.
+_START_IDLE_FACTOR: Final = 1.25
+#: Largest upper start of a march, as a roller slip. Half and twice the value change no result of 55 random
+#: bearings; chosen, so that the doubling search for it ends.
+_MAX_START: Final = 64.0
 
 # The fixed-point iteration of the moments by which neighbours brake rollers.
 
@@ -120,28 +160,6 @@ _N_AVERAGED: Final = 8
 #: more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
 #: below 1 so that slow convergence counts, too.
 _STALL_RATIO: Final = 0.8
-#: Part of the weights of positions that is uniform where unloaded rollers are braked, too. Half
-#: the value costs 1 % more evaluations and changes torques by 3.5e-4; chosen, because unloaded rollers are braked.
-_UNIFORM_WEIGHT: Final = 0.5
-#: Smallest mean roller slip without cage slip that counts; it keeps quotients finite. Half and twice the value
-#: change torques of 55 random bearings by less than 1e-11; chosen, far below the slips of rollers with rolling
-#: resistance.
-_MIN_IDLE_SLIP: Final = 1e-9
-#: Smallest unit of roller slips; it keeps quotients finite where neither cage nor rollers slip. Doubling it has no
-#: effect on any result; chosen, far below the roller slips of bearings.
-_MIN_UNIT: Final = 1e-12
-#: Width of the first search, in roller slips, for the slip of rollers on a cage that does not slip. Half and
-#: twice the value change torques by rounding; chosen, near the slips of rollers with rolling resistance.
-_IDLE_WIDTH: Final = 1e-3
-#: Torque at the upper start of a march that counts as rounding, relative to the largest one. Neither half nor
-#: twice the value changes a result of 55 random bearings; chosen, a few thousand times the rounding.
-_ZERO_TORQUE: Final = 1e-12
-#: Status of the compiled search where torques balance nowhere between the bounds. A ring is that whose law has no
-#: value, and no status is success.
-_NO_BALANCE: Final = "lost"
-#: Largest upper start of a march, as a roller slip. Half and twice the value change no result of 55 random
-#: bearings; chosen, so that the doubling search for it ends.
-_MAX_START: Final = 64.0
 
 
 class ConventionalFriction:
@@ -502,7 +520,10 @@ class Motions:
         starts = self._rolling_slips(slips)
         if not self.resists:
             return starts
-        step = 0.25 * (starts[:, 1] - starts[:, 0]) + 1.25 * self._max_idle_slip
+        step = (
+            _START_WIDTH_FRACTION * (starts[:, 1] - starts[:, 0])
+            + _START_IDLE_FACTOR * self._max_idle_slip
+        )
         starts[:, 1] += step
         while True:
             torques, _ = self._torques(spins, np.repeat(starts[:, 1], self.positions))
@@ -641,7 +662,8 @@ class Motions:
                     spins, slips, rows[failed], marched[failed], inertia[failed], unit[failed]
                 )
                 found[failed], multiplier[failed], torque[failed], error[failed] = of_failed
-                converged[failed] = error[failed] < _MAX_ERROR
+                is_stable = np.abs(multiplier) < 1.0
+                converged[failed] = is_stable[failed] & (error[failed] < _MAX_ERROR)
         else:
             found = marched
             multiplier = np.zeros(rows.size)
@@ -691,7 +713,7 @@ class Motions:
             np.repeat(marched[:, None], 2, axis=1),
         )
         spins.check(status)
-        is_periodic = change[:, 0] <= 100.0 * _NEWTON_TOLERANCE
+        is_periodic = change[:, 0] <= _SECOND_ORDER_TOLERANCE
         found = np.where(is_periodic[:, None], second[:, 0], marched)
         torque, multiplier = self._mean_torques(spins, rows, found, inertia, unit)
         bend = 0.5 * marched - np.roll(marched, 1, axis=1) + 0.5 * np.roll(marched, 2, axis=1)
@@ -700,7 +722,7 @@ class Motions:
             * self._lever
             * inertia
             * np.abs(bend).mean(axis=1)
-            / np.maximum(np.abs(torque), 1e-300)
+            / np.maximum(np.abs(torque), _MIN_TORQUE)
         )
         return found, multiplier, torque, np.where(is_periodic, 0.0, error)
 
