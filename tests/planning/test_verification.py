@@ -198,6 +198,21 @@ def test_an_error_beyond_its_tolerance_is_told_with_what_to_type(plan):
     )
 
 
+@pytest.mark.parametrize(
+    ("stated", "key"), [({}, "tolerance"), ({"accuracy.friction": 1e-4}, "friction")]
+)
+def test_stated_slices_that_exceed_a_tolerance_have_one_warning(stated, key):
+    """Also where the error exceeds the tolerance of friction alone, and not that of all results."""
+    made = planned(evolve(SCENE, stated), STUDY)
+    tolerance = made.scene.accuracy.of("friction")
+    errors = {"friction": 5.0 * tolerance, "critical_slip": 1e-4}
+    (said,) = error_warnings(made, STUDY, ErrorEstimate(errors={"slices": errors}))
+    assert said.startswith(
+        f"4 slices leave a relative error of about {5.0 * tolerance:.1e}, more than "
+        f"accuracy.{key} = {tolerance:g}; raise accuracy.slices"
+    )
+
+
 def test_slips_that_are_followed_are_to_be_more():
     [continued] = settings(
         evolve(SCENE, {"study.effective-friction": {"points": 9, "closure": "free-roller"}}),
@@ -255,7 +270,6 @@ def test_a_run_tells_its_largest_error_its_time_and_what_it_evaluated(left, warn
     made = planned(SCENE, STUDY)
     error = ErrorEstimate(errors={"slices": {"friction": 1e-5, "critical_slip": left}})
     monkeypatch.setattr(execution, "estimate_error", lambda *_: error)
-    monkeypatch.setattr(execution, "error_warnings", lambda *_: [])
     first, second = (execution.execute(made, STUDY, fixed_resolution=True) for _ in range(2))
     assert first.attrs["slices_error"] == left
     assert first.attrs["evaluations"] == second.attrs["evaluations"] > 0

@@ -329,11 +329,4 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         for setting, reason in plan.choices[study].reasons.items()
         if setting in stated
     ]
-    error = dataset.attrs.get("slices_error", 0.0)
-    if accuracy.slices is not None and error > accuracy.tolerance:
-        texts.append(
-            f"{plan.choices[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
-            f"accuracy.tolerance = {accuracy.tolerance:g}; raise accuracy.slices, or let a plan choose by --set "
-            "accuracy.slices=auto"
-        )
     return texts, validity.validity_record(excesses, difference, messages)

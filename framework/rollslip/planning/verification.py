@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import reference_resolution
+from rollslip.bearing.resolution import Errors, reference_resolution
 from rollslip.planning.plan import Plan
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import xr
@@ -43,15 +43,25 @@ def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
         The estimated error of the result.
     """
     accuracy = plan.scene.accuracy
-    slice_errors = error.errors.get("slices", {}) if accuracy.slices is not None else {}
+    by_stated_slices: Errors = {}
+    if accuracy.slices is not None:
+        by_stated_slices = exceeding(error.errors.get("slices", {}), accuracy)
     warnings = list[str]()
     if error.refusal:
         warnings.append(
             f"the discretisation error is not known, as on more slices or positions {error.refusal}"
         )
+    if by_stated_slices:
+        result = max(by_stated_slices, key=lambda name: by_stated_slices[name] / accuracy.of(name))
+        key = "tolerance" if getattr(accuracy, result, None) is None else result
+        warnings.append(
+            f"{accuracy.slices} slices leave a relative error of about {by_stated_slices[result]:.1e}, more than "
+            f"accuracy.{key} = {accuracy.of(result):g}; raise accuracy.slices, or let a "
+            "plan choose by --set accuracy.slices=auto"
+        )
     for result, size in exceeding(error.total, accuracy).items():
-        # "exact" is the finest, whatever it leaves; slices that the scene fixes have a warning of their own
-        if accuracy.of(result) == EXACT or slice_errors.get(result, 0.0) > accuracy.of(result):
+        # "exact" is the reference resolution, whatever error it leaves
+        if accuracy.of(result) == EXACT or result in by_stated_slices:
             continue
         if result in plan.studies[study].irreducible_errors:
             warnings.append(
