@@ -16,6 +16,7 @@ from coarse import SET_COARSE
 from loading_branch_scenes import catalogue
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
+from rollslip.errors import ConvergenceError
 from rollslip.results.accounts import _varied_quantity, account_of
 from rollslip.results.answer import collect_notes
 from rollslip.scene.reading import as_scene, load_scene
@@ -126,6 +127,35 @@ def test_two_quantities_of_one_torque_are_one_of_the_sum_of_their_variances(corr
     )
     assert math.log(two.high) == pytest.approx(math.log(one.high), rel=1e-3)
     assert math.log(two.low) == pytest.approx(math.log(one.low), rel=1e-3)
+
+
+def test_a_quantity_whose_quantile_is_refused_is_left_out_of_the_band():
+    """Of a land 2 mm wide with a deviation of 8 mm the quantile of 5 % is a negative width."""
+    table = factor_of_land(0.3)
+    alone = bands(uncertain(SCENE, **table), 0.0077)["steady_slip"]
+    table["cage"]["land_width"] = {"distribution": "normal", "deviation": "8 mm"}
+    found = bands(uncertain(SCENE, **table), 0.0077, 0.02)
+    assert found.keys() == {"steady_slip", "minimum_load"}
+    assert found["steady_slip"].left_out == ("cage.land_width",)
+    assert (found["steady_slip"].low, found["steady_slip"].high) == (alone.low, alone.high)
+
+
+def test_a_quantity_at_which_no_slip_can_be_computed_is_left_out_of_the_band(monkeypatch):
+    def refuse(balance, near, slope):
+        if balance.assembly.lubricant.viscosity_factor > limit:
+            raise ConvergenceError("no balance of moments")
+        return log_steady_slip(balance, near, slope)
+
+    limit = 1.0
+    log_steady_slip = band._log_steady_slip
+    monkeypatch.setattr(band, "_log_steady_slip", refuse)
+    table = factor_of_land(0.3)
+    table["lubricant"] = {"viscosity_factor": {"distribution": "normal", "scatter": 0.1}}
+    assert bands(uncertain(SCENE, **table), 0.0077)["steady_slip"].left_out == (
+        "lubricant.viscosity_factor",
+    )
+    limit = 0.0
+    assert bands(uncertain(SCENE, **table), 0.0077) == {}
 
 
 @pytest.mark.parametrize("number", [350_005, 350_013, 350_031])

@@ -363,7 +363,11 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
         key: tuple(distribution.quantile(np.array(QUANTILES)).tolist())
         for key, distribution in table.distributions.items()
     }
-    alone = {key: [bearing({key: value}) for value in values] for key, values in quantiles.items()}
+    at_quantiles = dict[str, list[Assembly]]()
+    for key, values in quantiles.items():
+        # a value that the scene refuses leaves the effect of its quantity unknown
+        with suppress(RollslipError):
+            at_quantiles[key] = [bearing({key: value}) for value in values]
     searches = {"steady_slip": _slip_search(nominal, slip)}
     if acceptable is not None:
         searches["minimum_load"] = _load_search(nominal, acceptable)
@@ -372,8 +376,13 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
         if search is None:
             continue
         effects = [
-            QuantityEffect(key, known[key].unit or "", quantiles[key], tuple(map(search, both)))
-            for key, both in alone.items()
+            QuantityEffect(
+                key,
+                known[key].unit or "",
+                values,
+                tuple(map(search, at_quantiles.get(key, ()))) or (math.nan, math.nan),
+            )
+            for key, values in quantiles.items()
         ]
 
         def factor(values: Mapping[str, float], search: _Factor = search) -> float:
@@ -410,6 +419,8 @@ def _factors(
 ) -> _Factor | None:
     """Return the function that finds factors at bearings near the nominal one; None if that has no value.
 
+    A factor is NaN where the value is not known.
+
     Parameters
     ----------
     log_value : callable
@@ -421,13 +432,19 @@ def _factors(
     scale : callable
         Returns the logarithm of the quantity of the factors from that of the value.
     """
-    start, slope = log_value(nominal, math.log(value), None)
+    try:
+        start, slope = log_value(nominal, math.log(value), None)
+    except RollslipError:
+        return None
     if not math.isfinite(start):
         return None
 
     def factor(assembly: Assembly) -> float:
         nonlocal slope
-        found, own_slope = log_value(assembly, start, slope)
+        try:
+            found, own_slope = log_value(assembly, start, slope)
+        except RollslipError:
+            return math.nan
         slope = slope or own_slope
         return math.exp(scale(found) - scale(start))
 
