@@ -373,6 +373,28 @@ def test_a_trial_that_fails_does_not_agree_with_one_that_does_not(level, samples
     assert tolerance == 1e-9 < reached
 
 
+def test_a_later_start_whose_pieces_are_left_out_is_not_covered_by_another(monkeypatch):
+    """Two starts of two pieces: the work of the second exceeds its limit after one piece."""
+
+    def trial(moving, times, tolerance, before=None):
+        is_second = before.last_t == 1.0
+        speeds = np.full((times.size, 2), tolerance)
+        return SimpleNamespace(
+            t=times, y=speeds, evaluations=2 if is_second else 0, last_t=before.last_t
+        )
+
+    moving = SimpleNamespace(split=lambda y: {"cage_speed": y[:, 0], "roller_spin": y})
+    starts = [SimpleNamespace(last_t=0.0), SimpleNamespace(last_t=1.0)]
+    monkeypatch.setattr(estimates, "_starting_points", lambda *_: starts)
+    monkeypatch.setattr(estimates, "_max_speeds", lambda _: (1.0, 1.0))
+    monkeypatch.setattr(estimates, "_MAX_EVALUATIONS", 3)
+    study = SimpleNamespace(trial_motion=trial)
+    first, second = estimates._divergence(study, moving, (0.5, 0.25), [1.0, 2.0])
+    assert first == pytest.approx(np.full((2, 32), 0.25))
+    assert second[:, :16] == pytest.approx(np.full((2, 16), 0.25))
+    assert np.isnan(second[:, 16:]).all()
+
+
 @pytest.mark.parametrize(
     ("estimated", "found", "says"),
     [(None, None, "is not known, as a"), (2e-3, None, "off by 2.0e-03"), (1e-4, None, ""), (None, 1.0, "")],

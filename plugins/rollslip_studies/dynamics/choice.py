@@ -565,8 +565,8 @@ def step_tolerance(
     factor = error_accumulation(study, coarse, span) if estimates_decay else study.duration / span
     cage = _divergence(
         study, moving, (_USUAL_TOLERANCE, _REFERENCE_RATIO * _USUAL_TOLERANCE), [span]
-    )[0]
-    error = float(np.nan_to_num(cage[-1], nan=np.inf, posinf=np.inf)) * factor
+    )[:, 0]
+    error = float(np.nan_to_num(cage[:, -1], nan=np.inf, posinf=np.inf).max()) * factor
     allowed = _STEPS_FRACTION * assembly.scene.accuracy.of("cage_speed")
     lower = reference_resolution(assembly.scene).integrator_tolerance or 0.0
     tolerance = min(max(_USUAL_TOLERANCE * allowed / max(error, 1e-300), lower), _USUAL_TOLERANCE)
@@ -582,7 +582,7 @@ def _divergence(
     """Return how far motions with smaller step tolerances diverge from a first one, at some times.
 
     All start from the same state: that of the motion, and along a history also from states without slip in its middle
-    and late. The largest difference counts.
+    and late.
 
     Parameters
     ----------
@@ -598,12 +598,14 @@ def _divergence(
     Returns
     -------
     ndarray
-        Differences of speeds of cage and rollers, relative to the largest without slip, (2, samples of all pieces); NaN
-        at times that were left out, infinite after a motion failed: two that were not compared do not agree.
+        Largest differences of speeds of cage and rollers, relative to the largest without slip, (starts, 2, samples of
+        all pieces); NaN at times that were left out, infinite after a motion failed: two that were not compared do not
+        agree.
     """
     max_speeds = np.array(_max_speeds(moving))[:, None]
-    differences = np.full((2, len(ends), _DIVERGENCE_SAMPLES), np.nan)
-    for start in _starting_points(study, moving, tolerances[0], ends[-1]):
+    starts = _starting_points(study, moving, tolerances[0], ends[-1])
+    differences = np.full((len(starts), 2, len(ends), _DIVERGENCE_SAMPLES), np.nan)
+    for of_start, start in zip(differences, starts, strict=True):
         motions = [start] * len(tolerances)
         evaluations = 0
         for k, (first_time, last_time) in enumerate(itertools.pairwise((0.0, *ends))):
@@ -619,13 +621,13 @@ def _divergence(
                 cage, spin = (
                     np.abs(other[name] - first[name]) for name in ("cage_speed", "roller_spin")
                 )
-                piece = differences[:, k, :count]
+                piece = of_start[:, k, :count]
                 piece[:] = np.fmax(piece, np.stack((cage, spin.max(axis=-1))) / max_speeds)
             if count < _DIVERGENCE_SAMPLES:
-                differences[:, k, count:] = np.inf
+                of_start[:, k, count:] = np.inf
             if evaluations > _MAX_EVALUATIONS or count < _DIVERGENCE_SAMPLES:
                 break
-    return differences.reshape(2, -1)
+    return differences.reshape(len(starts), 2, -1)
 
 
 def _starting_points(
