@@ -21,7 +21,8 @@ from rollslip.results.accounts import _varied_quantity, account_of
 from rollslip.results.answer import collect_notes
 from rollslip.scene.reading import as_scene, load_scene
 from rollslip.structure import Location
-from rollslip_plugins.traction.eyring import MaxwellEyring
+from rollslip_plugins.film.formulas import Moes
+from rollslip_plugins.traction.eyring import MaxwellEyring, Muraki
 from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.band import Band, QuantityEffect, bands, with_bands
@@ -287,6 +288,21 @@ def test_another_law_without_compiled_form_is_evaluated_like_one_with_it(steady,
     monkeypatch.setattr(MaxwellEyring, "kernel", lambda law: None)
     for name, values in consequence().items():
         assert values == pytest.approx(compiled[name], rel=1e-6), name
+
+
+def test_of_laws_with_one_code_the_one_that_exceeds_its_range_most_is_replaced(steady, monkeypatch):
+    """A film and a traction state ranges of one code; the message on the film is the first."""
+    messages = [
+        {"code": "W99", "law": law, "made_for": "a range"}
+        for law in ("film 'moes'", "traction 'muraki'")
+    ]
+    for law, instead in ((Moes, "pan-hamrock"), (Muraki, "maxwell-eyring")):
+        (*_, bound) = Muraki().validity
+        bound = attrs.evolve(bound, code="W99", replacement=instead)
+        monkeypatch.setattr(law, "validity", (bound,))
+    dataset = steady.assign_attrs(validity=json.dumps({"messages": messages}))
+    (row,) = band.consequences(SCENE, band._coarse_assembly(SCENE), dataset, 0.0077)
+    assert row["instead"] == "pan-hamrock"
 
 
 @pytest.mark.parametrize("slip", [0.0, math.nan, math.inf, -1e-3])

@@ -623,7 +623,8 @@ def consequences(
 ) -> list[dict[str, Any]]:
     """Return the effect of each validity range that a result exceeds, as rows of values for JSON.
 
-    A row has the "code" of the range and as "instead" the name of the other law, empty if the range names none.
+    A row has the "code" of the range and as "instead" the name of the other law, empty if the range names none. Of
+    several laws with the same code it is of the one that exceeds its range most: messages are in that order.
     "changes" has by `SLIP`, `RESERVE` and `TORQUE` the value and the value by the other law, a slip of None where the
     cage skids. A value that is not known before or after has no change: the result is scaled by the ratio of both. It
     is missing where nothing was evaluated. "refused" says why the other law could not be evaluated. There are no rows
@@ -643,7 +644,7 @@ def consequences(
     if not 0.0 < slip < math.inf:
         return []
     exceeded = json.loads(dataset.attrs.get("validity", "{}")).get("messages", ())
-    codes = {bound["code"]: bound["made_for"] for bound in exceeded if bound.get("code")}
+    worst = {message["code"]: message for message in reversed(exceeded) if message.get("code")}
     acceptable = float(dataset.attrs.get("acceptable_slip", math.nan))
     try:
         balance = torque_balance(coarse, n_positions=1, inertia=False)
@@ -659,29 +660,31 @@ def consequences(
         TORQUE: float(np.ravel(dataset.get("friction_torque", math.nan))[0]),
     }
     rows = []
-    for code, reference in codes.items():
+    for code, message in reversed(worst.items()):
         row: dict[str, Any] = {"code": code, "instead": ""}
-        for key, model, instead in _exceeded_laws(coarse, code, reference):
-            row["instead"] = instead.partition(".")[0]
-            try:
-                other = _with_other_law(scene, coarse, key, model, instead)
-                changed = torque_balance(other, n_positions=1, inertia=False, similar=balance)
-                after = _compared_values(changed, before[SLIP], acceptable)
-            except RollslipError as refusal:
-                row["refused"] = str(refusal)
-                continue
-            changes = {
-                name: [value, _json_value(name, _scaled(name, value, before[name], after[name]))]
-                for name, value in values.items()
-                if _is_known(name, value, before[name], after[name])
-            }
-            if SLIP in changes:
-                changes[SLIP] = [
-                    value if value is None else with_play(value) for value in changes[SLIP]
-                ]
-            if changes:
-                row["changes"] = changes
         rows.append(row)
+        if (law := _exceeded_law(coarse, message)) is None:
+            continue
+        key, model, instead = law
+        row["instead"] = instead.partition(".")[0]
+        try:
+            other = _with_other_law(scene, coarse, key, model, instead)
+            changed = torque_balance(other, n_positions=1, inertia=False, similar=balance)
+            after = _compared_values(changed, before[SLIP], acceptable)
+        except RollslipError as refusal:
+            row["refused"] = str(refusal)
+            continue
+        changes = {
+            name: [value, _json_value(name, _scaled(name, value, before[name], after[name]))]
+            for name, value in values.items()
+            if _is_known(name, value, before[name], after[name])
+        }
+        if SLIP in changes:
+            changes[SLIP] = [
+                value if value is None else with_play(value) for value in changes[SLIP]
+            ]
+        if changes:
+            row["changes"] = changes
     return rows
 
 
@@ -712,10 +715,11 @@ def _compared_values(balance: TorqueBalance, near: float, acceptable: float) -> 
     return values
 
 
-def _exceeded_laws(
-    assembly: Assembly, code: str, reference: str
-) -> Iterator[tuple[str, SliceModel, str]]:
-    """Yield key, model and name of the other law for each law of a bearing that has a validity range with a code."""
+def _exceeded_law(
+    assembly: Assembly, message: Mapping[str, str]
+) -> tuple[str, SliceModel, str] | None:
+    """Return key, model and name of the other law for the law of a message; None where there is no other law."""
+    code = message["code"]
     laws = [
         law
         for kind, model in assembly.models.items()
@@ -723,10 +727,13 @@ def _exceeded_laws(
     ]
     laws += [("lubricant.pressure_viscosity_law", assembly.lubricant.pressure_viscosity_law)]
     for key, model in laws:
-        if code == APPROXIMATION and getattr(model, "solved_by", None) == reference:
-            yield key, model, reference
-        elif instead := next((v.replacement for v in model.validity if v.code == code), ""):
-            yield key, model, instead
+        if code == APPROXIMATION and getattr(model, "solved_by", None) == message["made_for"]:
+            return key, model, message["made_for"]
+        instead = next((v.replacement for v in model.validity if v.code == code), "")
+        # a message names its law with the kind before it
+        if instead and message["law"].endswith(repr(model.name)):
+            return key, model, instead
+    return None
 
 
 def _nested_laws(key: str, model: SliceModel) -> Iterator[tuple[str, SliceModel]]:
