@@ -130,6 +130,25 @@ def test_two_quantities_of_one_torque_are_one_of_the_sum_of_their_variances(corr
     assert math.log(two.low) == pytest.approx(math.log(one.low), rel=1e-3)
 
 
+def test_a_nominal_value_far_from_the_median_counts_as_no_scatter():
+    """One quantity is four times as effective at its median as in the scene, and scatters by a tenth."""
+    shifted = QuantityEffect("shifted", "1", (0.0, 0.0), (3.6, 4.4))
+    scattered = QuantityEffect("scattered", "1", (0.0, 0.0), (0.7, 1.5))
+    found = band._combine(
+        [shifted, scattered],
+        np.eye(2),
+        lambda scores: 4.0 if scores == {"shifted": 0.0} else math.nan,
+    )
+    assert found.dominant == "scattered"
+    assert found.effects == (scattered, shifted)
+    # nothing is found at the quantiles: squares of the changes from the medians, which are at four times the slip
+    assert found.low == pytest.approx(4.0 * math.exp(-math.hypot(math.log(0.9), math.log(0.7))))
+    assert found.high == pytest.approx(4.0 * math.exp(math.hypot(math.log(1.1), math.log(1.5))))
+    assert band._largest_change((0.36, 0.44), 0.1) == pytest.approx(0.5 * math.log(0.44 / 0.36))
+    assert band._largest_change((0.2, None), 0.1) == math.inf
+    assert band._largest_change((0.05, 0.1), 0.1) == pytest.approx(math.log(2.0))
+
+
 def test_a_quantity_whose_quantile_is_refused_is_left_out_of_the_band():
     """Of a land 2 mm wide with a deviation of 8 mm the quantile of 5 % is a negative width."""
     table = factor_of_land(0.3)

@@ -141,7 +141,7 @@ class Band:
 
     low: float  #: Factor to the 5 % quantile [-].
     high: float  #: Factor to the 95 % quantile [-], infinite where the cage skids.
-    dominant: str  #: Key of the quantity with the largest effect.
+    dominant: str  #: Key of the quantity that changes the value most, from its median if that is far from the nominal.
     effects: tuple[QuantityEffect, ...] = ()  #: Effects of all quantities, the largest first.
     median: float = 1.0  #: Factor to the slip where all quantities are at their medians [-].
     left_out: tuple[str, ...] = ()  #: Keys of quantities whose effect is not known.
@@ -321,8 +321,15 @@ def _scale_odds(slip: float, factor: float) -> float:
 
 
 def _largest_change(values: Sequence[float | None], slip: float) -> float:
-    """Return the largest change of the logarithm of a slip; infinite where the cage skids."""
-    return max(math.inf if value is None else abs(math.log(value / slip)) for value in values)
+    """Return the largest change of the logarithm of a slip; infinite where the cage skids.
+
+    Where all values are above the slip, or all below, it is the change from their middle.
+    """
+    logs = [math.inf if value is None else math.log(value / slip) for value in values]
+    low = min(logs)
+    high = max(logs)
+    middle = 0.5 * (low + high) if low * high > 0.0 and high < math.inf else 0.0
+    return max(high - middle, middle - low)
 
 
 def _json_value(name: str, value: float) -> float | None:
@@ -570,19 +577,22 @@ def _combine(
     if unknown.all():
         return None
     logs[unknown] = 0.0
-    ranks = np.argsort(-np.abs(logs).max(axis=1), kind="stable").tolist()
-    ranked = [effects[k] for k in ranks if not unknown[k]]
     # both change alike where the nominal value is far from the median: changes are those from the median then
+    at_medians = 0.0
     for k in np.flatnonzero(np.sign(logs).prod(axis=1) > 0.0).tolist():
         centre = factor_at({keys[k]: 0.0})
-        logs[k] -= math.log(centre) if math.isfinite(centre) else 0.0
+        if math.isfinite(centre):
+            logs[k] -= math.log(centre)
+            at_medians += math.log(centre)
+    ranks = np.argsort(-np.abs(logs).max(axis=1), kind="stable").tolist()
+    ranked = [effects[k] for k in ranks if not unknown[k]]
     bounds = []
     for sign in (-1.0, 1.0):
         change, scores = _design_point(sign * logs, correlation)
         bound = math.nan
         if math.isfinite(change):
             bound = factor_at(dict(zip(keys, scores, strict=True)))
-        bounds.append(math.exp(sign * change) if math.isnan(bound) else bound)
+        bounds.append(math.exp(at_medians + sign * change) if math.isnan(bound) else bound)
     low, high = bounds
     left_out = tuple(keys[k] for k in np.flatnonzero(unknown))
     return Band(low, high, ranked[0].key, tuple(ranked), left_out=left_out)
