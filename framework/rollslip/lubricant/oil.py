@@ -195,31 +195,30 @@ class Lubricant:
     def __attrs_post_init__(self) -> None:
         low = self.minimum_temperature
         high = self.maximum_temperature
-        refuse_if(
-            low >= high,
-            "minimum_temperature",
-            f"{_celsius(low)} is not below the maximum, {_celsius(high)}",
-        )
+        if low >= high:
+            raise FieldError(
+                "minimum_temperature", f"{_celsius(low)} is not below the maximum, {_celsius(high)}"
+            )
         try:
             falls = self.viscosity(low) >= self.viscosity(high) > 0.0
         except ArithmeticError:  # a pole of the law
             falls = False
-        refuse_if(
-            not falls,
-            "minimum_temperature",
-            f"the viscosity does not fall from {_celsius(low)} to {_celsius(high)} after {self.viscosity}; "
-            "narrow the range from lubricant.minimum_temperature to lubricant.maximum_temperature",
-        )
+        if not falls:
+            raise FieldError(
+                "minimum_temperature",
+                f"the viscosity does not fall from {_celsius(low)} to {_celsius(high)} after {self.viscosity}; "
+                "narrow the range from lubricant.minimum_temperature to lubricant.maximum_temperature",
+            )
         law = self.pressure_viscosity_law.of_oil(
             self.pressure_viscosity_kind, self.pressure_exponent_factor
         )
         object.__setattr__(self, "pressure_viscosity_law", law)
         factors = (self.pressure_viscosity_factor, self.pressure_thermoviscosity_factor)
         refuse_if(
-            factors != (1.0, 1.0) and not math.isnan(self.pressure_viscosity_law.coefficient(low)),
+            factors != (1.0, 1.0) and not math.isnan(law.coefficient(low)),
             "pressure_viscosity_law",
             (
-                f"{self.pressure_viscosity_law.name!r} fixes alpha itself, so factors on it have no effect; leave out "
+                f"{law.name!r} fixes alpha itself, so factors on it have no effect; leave out "
                 "pressure_viscosity_factor and pressure_thermoviscosity_factor"
             ),
         )
