@@ -1,13 +1,18 @@
 """What is told of a scene, a plan and a model without a run: against the bearing itself, and by hand."""
 
+import json
+import lzma
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+import recorded
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.cli import console, models
+from rollslip.cli.main import cli
 from rollslip.errors import UnknownNameError
 from rollslip.units import quantity
 
@@ -40,6 +45,16 @@ def test_what_follows_from_a_scene_is_that_of_its_bearing():
     assert float(of["  film parameter"]) == pytest.approx(
         film / quantity(of["composite roughness"], "m"), rel=1e-2
     )
+
+
+def test_json_of_a_result_has_all_its_warnings_and_assumptions(tmp_path):
+    path = tmp_path / "steady-slip.nc"
+    path.write_bytes(lzma.decompress((recorded.STORED / "steady-slip.nc.xz").read_bytes()))
+    values = json.loads(CliRunner().invoke(cli, ["info", str(path), "--json"]).stdout)
+    assert values["warnings"] == json.loads(rollslip.open_result(path).attrs["warnings"])
+    assert len(values["warnings"]) == 7
+    assert len(values["assumed"]) == 13
+    assert values["result"]["study"] == "steady-slip"
 
 
 def test_errors_of_parts_of_a_plan_are_summed(capsys):

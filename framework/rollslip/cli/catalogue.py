@@ -80,8 +80,13 @@ def info(target: str | None, changes: Sequence[str], verbose: bool, as_json: boo
         more = shlex.join(["rollslip", "info", "-v", *arguments])
         _print_info(target, scene, shlex.join(arguments), more)
         return
-    rows = console.info(target if scene is None else scene)
-    print_either(as_json, {section: dict(values) for section, values in rows.items()}, rows)
+    sections = console.info(target if scene is None else scene)
+    # what has no names, such as warnings, is a list
+    values = {
+        title: dict(rows) if any(name for name, _ in rows) else [text for _, text in rows]
+        for title, rows in sections.items()
+    }
+    print_either(as_json, values, sections)
 
 
 def _print_info(target: str | None, scene: "Scene | None", arguments: str, more: str) -> None:
