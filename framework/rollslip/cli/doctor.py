@@ -76,7 +76,7 @@ def as_text(found: list[Finding], *, verbose: bool = False) -> str:
         for state in ("fault", "warning", "ok")
     }
     totals = [
-        f"{count[state]} {state}{'s' * (count[state] != 1)}"
+        f"{count[state]} {state}{'s' if count[state] != 1 else ''}"
         for state in ("fault", "warning")
         if count[state]
     ]

@@ -504,7 +504,7 @@ def format_force(load: float, reference: float, *, unit: bool = True) -> str:
         Whether the name of the unit follows.
     """
     name, factor = force_unit(reference)
-    return f"{two_digits(load * factor)}{f' {name}' * unit}"
+    return f"{two_digits(load * factor)}{f' {name}' if unit else ''}"
 
 
 def format_power(watts: float) -> str:

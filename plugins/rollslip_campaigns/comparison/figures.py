@@ -116,7 +116,11 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
             continue
         x, y, critical, _ = curve.branches()
         sheet.line(
-            100 * x, y, name + ": reference" * (label == reference), panels["curves"], **style
+            100 * x,
+            y,
+            name + (": reference" if label == reference else ""),
+            panels["curves"],
+            **style,
         )
         if curve.has_critical:
             panels["curves"].plot(

@@ -72,7 +72,9 @@ def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
 def _interval(limits: NDArray[np.float64], unit: str, unknown: Sequence[bool]) -> str:
     """Return an interval in words: "none" where the data give no limit, "?" where it is not known."""
     low, high = (
-        format_quantity(float(limit), unit, 4) if math.isfinite(limit) else "?" * is_unknown
+        format_quantity(float(limit), unit, 4)
+        if math.isfinite(limit)
+        else ("?" if is_unknown else "")
         for limit, is_unknown in zip(limits, unknown, strict=True)
     )
     if low == high == "?":
@@ -100,7 +102,7 @@ class FitAccount(Account):
         """Return the first parameter with its interval, and a row for each parameter."""
         rows = parameter_rows(dataset)
         name, value, _, _, limits, _ = rows[0]
-        others = f"; {len(rows) - 1} more below" * (len(rows) > 1)
+        others = f"; {len(rows) - 1} more below" if len(rows) > 1 else ""
         table = FitAccount("fit").tables(dataset)[0]
         return Answer(
             summary=f"{name} {value} (95 %: {limits}){others}",
@@ -129,7 +131,9 @@ class FitAccount(Account):
         a = dataset.attrs
         largest = float(np.abs(dataset["friction"]).max())
         chi2 = f", chi2 {a['chi2']:.4g}" if "chi2" in a else ""
-        points = f"{dataset.sizes['point']} operating point{'s' * (dataset.sizes['point'] > 1)}"
+        points = (
+            f"{dataset.sizes['point']} operating point{'s' if dataset.sizes['point'] > 1 else ''}"
+        )
         lines = [
             f"{dataset.sizes['row']} rows at {points}, {a['freedom']} degrees of freedom"
             f"{chi2}; residuals of {a['scatter']:.3g}, {a['scatter'] / largest:.2%} of the largest friction; "

@@ -169,16 +169,18 @@ def summarise_limit(dataset: "xr.Dataset") -> str:
     ((low, high, is_first, is_last),) = spans
     if is_first and is_last:
         return f"{requirement} at every {label} {extent}"
-    bounds = [f"minimum {label} {_format_searched(dataset, low, 3)}"] * (not is_first)
-    bounds += [f"maximum {label} {_format_searched(dataset, high, 3)}"] * (not is_last)
+    bounds = [] if is_first else [f"minimum {label} {_format_searched(dataset, low, 3)}"]
+    bounds += [] if is_last else [f"maximum {label} {_format_searched(dataset, high, 3)}"]
     return f"{', '.join(bounds)} for {requirement}"
 
 
 def _turns(dataset: "xr.Dataset") -> list[str]:
     """Return a remark where the result is not monotonic, so that the limit may be crossed unseen."""
     turns = _turning_points(dataset)
-    return [f"the result turns back {turns} times: the limit may be crossed more often"] * bool(
-        turns
+    return (
+        [f"the result turns back {turns} times: the limit may be crossed more often"]
+        if turns
+        else []
     )
 
 
@@ -274,8 +276,8 @@ def _describe_monotonicity(dataset: "xr.Dataset") -> list[str]:
         ]
     first = int(dataset.attrs["first"])
     return [
-        f"{name} turns back {turns} time{'s' * (turns != 1)} over the {n} values with a result: between two of the "
-        f"first {first} it may pass the limit and come back unseen; --over {dataset.attrs['searched_key']}="
+        f"{name} turns back {turns} time{'s' if turns != 1 else ''} over the {n} values with a result: between two of "
+        f"the first {first} it may pass the limit and come back unseen; --over {dataset.attrs['searched_key']}="
         f"LOW:HIGH:{2 * first - 1} looks at more"
     ]
 

@@ -352,7 +352,9 @@ def _coordinates(family: Family) -> dict[str, Any]:
         name: (
             "choice",
             np.array([row[name] for row in rows]),
-            about("1", name.replace("_", " ") + (", relative" * name.endswith("tolerance"))),
+            about(
+                "1", name.replace("_", " ") + (", relative" if name.endswith("tolerance") else "")
+            ),
         )
         for name in rows[0]
     }

@@ -258,7 +258,7 @@ class Sweep(SweepWork):
             count = len(axis.values)
             ends = [axis.format_value(value) for value in axis.values]
             values = ", ".join(ends) if count <= 5 else f"{ends[0]}, {ends[1]} ... {ends[-1]}"
-            lines.append(f"{axis.key}: {count} value{'s' * (count != 1)}, {values}")
+            lines.append(f"{axis.key}: {count} value{'s' if count != 1 else ''}, {values}")
             if axis.key == "models.traction" and "hydrodynamic" in dict(
                 self.scene.models.traction.parameters
             ):

@@ -72,16 +72,19 @@ class RankingAccount(Account):
             summary = (
                 f"{names[0]} first: error {two_digits(errors[0])} times the uncertainty of the data"
             )
-            summary += f"; better than {', '.join(worse)}" * bool(worse)
-            summary += f"; not distinguishable from {', '.join(undetermined)}" * bool(undetermined)
+            summary += f"; better than {', '.join(worse)}" if worse else ""
+            summary += (
+                f"; not distinguishable from {', '.join(undetermined)}" if undetermined else ""
+            )
         table = RankingAccount("ranking").tables(dataset)[0]
         body = [(row[0], row[1], row[3], row[4]) for row in table.rows]
         return Answer(
             summary=summary,
             table=(("law", "error, 95 %", "time of a value", "better than"), *body[:MAX_ROWS]),
             omitted=max(len(body) - MAX_ROWS, 0),
-            assumed=("errors of conditions are independent (--groups=set, --groups=series)",)
-            * (not dataset.attrs.get("groups")),
+            assumed=()
+            if dataset.attrs.get("groups")
+            else ("errors of conditions are independent (--groups=set, --groups=series)",),
             faults=tuple(text for text in sentences if "too few" in text),
         )
 
