@@ -459,7 +459,7 @@ def test_finer_slips_change_nothing_beyond_the_error_that_is_told(number, resist
         scenes.free(number) if resists is None else scenes.catalogue(number, resists=resists)
     )
     branch = one.loading_branch()
-    dense = one.loading_branch(steps=250)
+    dense = scenes.dense_branch(one)
     away, finer = (scenes.doubling_jump(found) for found in (branch, dense))
     assert (away is None) == (finer is None)
     if away is not None:
@@ -500,7 +500,7 @@ def test_whether_a_slip_doubles_is_told_as_by_many_slips(number):
     """It is 2.01 times as large in both; straight lines between the slips of the search told 1.97 and 1.99."""
     one = scenes.balance(scenes.free(number))
     away = scenes.doubling_jump(one.loading_branch(0.95))
-    dense = scenes.doubling_jump(one.loading_branch(0.95, steps=250))
+    dense = scenes.doubling_jump(scenes.dense_branch(one))
     assert away is not None
     assert away.drag == pytest.approx(dense.drag, rel=away.error + dense.error + 1e-6)
     assert away.slip_after == pytest.approx(dense.slip_after, rel=1e-2)

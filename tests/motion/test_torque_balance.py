@@ -16,6 +16,7 @@ from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import (
     Running,
     SkiddingOnset,
+    TorqueBalance,
     describe_no_skidding,
     reserve,
     torque_balance,
@@ -97,6 +98,23 @@ def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip(slip)
     )
     assert found.factor == pytest.approx(0.5)
     assert found.status.startswith(Status.SKIDS)
+
+
+def test_a_cage_that_rolling_resistance_alone_lets_skid_has_no_drag_at_the_onset():
+    found = reserve(
+        balance(lambda _: 0.0, lambda slip: 10.0 * slip),
+        SkiddingOnset(0.1, 1.0, "found"),
+        Running(0.3, 0.0, Status.FOUND),
+    )
+    assert found.factor == 0.0
+    assert found.status.startswith(Status.SKIDS)
+
+
+def test_rollers_that_nothing_resists_have_one_motion_without_a_search(monkeypatch):
+    drags = SimpleNamespace(pocket_friction=None, torques=())
+    one = TorqueBalance(assemble(load_scene("1032930-50C")), drags, n_positions=2)
+    monkeypatch.delattr(Motions, "find")
+    assert not one.has_several_motions(0.3)
 
 
 def test_a_cage_beyond_the_slip_of_skidding_has_a_reserve_of_1_at_most():

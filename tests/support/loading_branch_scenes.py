@@ -6,6 +6,7 @@ writes them, with rolling resistance and hysteresis, or without. Each number giv
 
 import tempfile
 from pathlib import Path
+from unittest import mock
 
 import attrs
 import numpy as np
@@ -14,7 +15,8 @@ from click.testing import CliRunner
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
-from rollslip_studies.motion.torque_balance import TorqueBalance
+from rollslip_studies.motion import loading_branch
+from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 
 #: Seeds of the three kinds: the same number of a scene gives other random values in each.
 FREE = 7
@@ -145,3 +147,10 @@ def finer(one, times):
     return TorqueBalance(
         one.assembly, one.drags, n_positions=times * one.n_positions, inertia=one.inertia
     )
+
+
+def dense_branch(one):
+    """Its loading branch, found on five times as many slips."""
+    denser = attrs.evolve(loading_branch.SEARCH, grid_step=0.2 * loading_branch.SEARCH.grid_step)
+    with mock.patch.object(loading_branch, "SEARCH", denser):
+        return loading_branch.find_loading_branch(one._reduced_motions, RANGE, one.motions)

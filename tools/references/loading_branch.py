@@ -45,7 +45,7 @@ def held(given):
         begin = time.process_time()
         way = one.loading_branch(RANGE)
         row["milliseconds"] = round(1e3 * (time.process_time() - begin), 1)
-        dense = scenes.finer(one, 4).loading_branch(RANGE, steps=250)
+        dense = scenes.dense_branch(scenes.finer(one, 4))
     except RollslipError as error:
         return row | {"refused": str(error)[:80]}
     away = scenes.doubling_jump(way)

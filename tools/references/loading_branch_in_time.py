@@ -363,7 +363,7 @@ def row(kind, number, resists):
         "load [N]": o.radial_load, "maxima": len(way.jumps), "most [N m]": way.maximum[1],
     }  # fmt: skip
     away = scenes.doubling_jump(way)
-    dense = scenes.doubling_jump(scenes.finer(one, 4).loading_branch(RANGE, steps=250))
+    dense = scenes.doubling_jump(scenes.dense_branch(scenes.finer(one, 4)))
     out["finer way [N m]"] = math.nan if dense is None else dense.drag
     if away is not None:
         out |= {

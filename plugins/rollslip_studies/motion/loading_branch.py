@@ -701,9 +701,7 @@ def _drop_doubtful(branch: list[Motion]) -> list[Motion]:
     ]
 
 
-def find_loading_branch(
-    motions: Motions, max_slip: float, full_motions: Motions, *, steps: int = 0
-) -> LoadingBranch:
+def find_loading_branch(motions: Motions, max_slip: float, full_motions: Motions) -> LoadingBranch:
     """Return the loading branch of a bearing.
 
     Parameters
@@ -714,8 +712,6 @@ def find_loading_branch(
         Largest cage slip, where the range ends unless a law has no value there.
     full_motions : Motions
         The same on all slices, by which steady motions are found.
-    steps : int
-        Least number of steps of the grid of slips; the default steps are uniform in logit(S).
 
     Raises
     ------
@@ -725,7 +721,7 @@ def find_loading_branch(
     start = logit_slip(min(SEARCH.smallest_slip, 0.5 * max_slip))
     end = logit_slip(max_slip)
     refusal = ""
-    count = max(math.ceil((end - start) / SEARCH.grid_step), steps)
+    count = math.ceil((end - start) / SEARCH.grid_step)
     logits = np.linspace(start, end, count + 1)[:-1].tolist()
     slips = [*(slip_from_logit(x) for x in logits), max_slip]
     search = _Search(motions, full_motions)

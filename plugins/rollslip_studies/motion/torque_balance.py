@@ -65,10 +65,10 @@ _COST_MIN_RANGE: Final = 1e-3
 
 #: Smallest number of positions of an orbit on which rollers are followed. Doubling it doubles the time; chosen,
 #: because the change by four times as many positions is part of stated errors, 1.4e-3 in the median of 79 bearings.
-_MIN_POSITIONS: Final = 56
-#: Largest number of positions of an orbit. Doubling it lets a requested number of roller positions count that costs
-#: twice the time; chosen.
-_MAX_POSITIONS: Final = 512
+_MIN_ORBIT_POSITIONS: Final = 56
+#: Number of positions of an orbit up to which a requested number of roller positions within a pitch counts; more are
+#: not used. Doubling it doubles the time of such a request and changes no other; chosen, nine times the minimum.
+_MAX_ORBIT_POSITIONS: Final = 512
 #: Slips, relative to the end of a loading branch, at which validity ranges of laws are checked. Twice as many would
 #: double the time of that; chosen, denser at small slips, where friction rises.
 _CHECKED_SLIPS: Final = (0.0, 0.02, 0.15, 0.5, 1.0)
@@ -134,7 +134,7 @@ class TorqueBalance:
         self.effective = effective
         self.inertia = inertia
         self._orbits: dict[float, Orbit] = {}
-        self._branches: dict[tuple[float, int], LoadingBranch] = {}
+        self._branches: dict[float, LoadingBranch] = {}
         friction = drags.pocket_friction
         self._pocket = 0.0 if friction is None else friction.coefficient
         self._rubbing = assembly.scene.models.neighbour_friction or 0.0
@@ -157,22 +157,13 @@ class TorqueBalance:
         """Motions by a few loads of a roller, which stand for its slices."""
         return self.motions.with_resolution(self.n_positions, _N_LOADS)
 
-    def loading_branch(self, max_slip: float = RANGE, *, steps: int = 0) -> LoadingBranch:
-        """Return the loading branch; see `find_loading_branch`.
-
-        Parameters
-        ----------
-        max_slip : float
-            Largest cage slip.
-        steps : int
-            Least number of steps of the grid of slips.
-        """
-        key = max_slip, steps
-        if key not in self._branches:
-            self._branches[key] = find_loading_branch(
-                self._reduced_motions, max_slip, self.motions, steps=steps
+    def loading_branch(self, max_slip: float = RANGE) -> LoadingBranch:
+        """Return the loading branch up to a largest cage slip; see `find_loading_branch`."""
+        if max_slip not in self._branches:
+            self._branches[max_slip] = find_loading_branch(
+                self._reduced_motions, max_slip, self.motions
             )
-        return self._branches[key]
+        return self._branches[max_slip]
 
     def seconds(self, max_slip: float = RANGE) -> float:
         """Return an estimate of the processor time [s] of the loading branch, from that of some of its slips."""
@@ -191,10 +182,12 @@ class TorqueBalance:
 
     def has_several_motions(self, slip: float) -> bool:
         """Whether rollers have several motions at a cage slip, or none that converges, so that the branch decides."""
-        with contextlib.suppress(DomainError):
-            candidates = self._reduced_motions.find(np.array([slip]))[0]
-            return not self.rolls_freely and not _is_unique(candidates)
-        return False
+        if self.rolls_freely:
+            return False
+        try:
+            return not _is_unique(self._reduced_motions.find(np.array([slip]))[0])
+        except DomainError:
+            return False
 
     @property
     def rolls_freely(self) -> bool:
@@ -324,7 +317,7 @@ def _positions_within_pitch(assembly: Assembly, positions: int) -> int:
 
 def minimum_positions(assembly: Assembly) -> int:
     """Return the smallest number of roller positions within a pitch: 56 positions of the orbit."""
-    return _positions_within_pitch(assembly, _MIN_POSITIONS)
+    return _positions_within_pitch(assembly, _MIN_ORBIT_POSITIONS)
 
 
 def torque_balance(
@@ -356,7 +349,7 @@ def torque_balance(
     assembly = assembly.with_resistance()
     n_positions = min(
         max(n_positions, minimum_positions(assembly)),
-        _positions_within_pitch(assembly, _MAX_POSITIONS),
+        _positions_within_pitch(assembly, _MAX_ORBIT_POSITIONS),
     )
     return TorqueBalance(
         assembly,
@@ -555,10 +548,8 @@ def reserve(
         return Reserve(math.nan, onset.status)
     limit = SKIDDING_SLIP if math.isnan(onset.slip) else min(SKIDDING_SLIP, onset.slip)
     factor, slip = largest_ratio(balance, slips, torques, limit)
-    if (
-        not math.isnan(onset.slip) and onset.slip <= limit
-    ):  # an end of the branch is no slip of a smooth curve
-        factor, slip = max((factor, slip), (onset.drag / -balance.drag(onset.slip), onset.slip))
+    if onset.slip <= limit:  # an end of the branch is no slip of a smooth curve
+        factor, slip = max((factor, slip), (_ratio(balance, onset.slip, onset.drag), onset.slip))
     if is_found and runs.slip <= limit:
         status: str = Status.FOUND
         if slips[-1] < limit:
