@@ -21,7 +21,7 @@ from rollslip_studies.motion.loading_branch import (
     SEARCH,
     Jump,
     _drop_doubtful,
-    _estimate_rise,
+    _estimate_excess_over_samples,
     _find_intervals,
     _find_maxima,
     _Maximum,
@@ -101,13 +101,13 @@ def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_conve
     branch = one.loading_branch()
     assert branch.end == RANGE
     assert branch.refusal == ""
-    assert all(motion.converged and motion.linked for motion in branch.motions[1:])
+    assert all(motion.converged and motion.is_continuous for motion in branch.motions[1:])
     (jump,) = branch.jumps
     below = max(
         (motion for motion in branch.motions if motion.slip < jump.slip),
         key=lambda motion: motion.slip,
     )
-    again = one.motions.find(np.array([jump.slip]), below.fraction[:1])[0][0]
+    again = one.motions.find(np.array([jump.slip]), below.normalised_slip[:1])[0][0]
     assert jump.error < 1e-3
     assert again.torque == pytest.approx(
         jump.drag, rel=1.01 * jump.error
@@ -170,7 +170,7 @@ def marched(one, slip, start):
     motions = one.motions
     kernel = motions.spins(np.array([slip])).kernel
     K = motions.positions
-    c = motions._inertia * (1.0 - slip)
+    c = motions._inertia_torque * (1.0 - slip)
     (low, high) = motions._rolling_slips(np.array([slip]))[0]
     at = start
     orbit = np.empty(K)
@@ -210,9 +210,9 @@ def test_rollers_are_sent_round_as_by_a_plain_march(drags, slip):
     for walker in range(2):
         want = marched(one, slip, ends[0, walker])
         np.testing.assert_allclose(
-            march.roller_slips[0, walker], want, atol=2e-3 * float(motions.unit(slips)[0])
+            march.roller_slips[0, walker], want, atol=2e-3 * float(motions.slip_scale(slips)[0])
         )
-    assert march.changes.max() < 1e-3, "of rolling on either ring, which are 1.8 units apart"
+    assert march.orbit_changes.max() < 1e-3, "of rolling on either ring, which are 1.8 units apart"
 
 
 def test_a_march_ends_at_the_tolerance_by_which_it_counts_as_periodic(monkeypatch):
@@ -224,7 +224,7 @@ def test_a_march_ends_at_the_tolerance_by_which_it_counts_as_periodic(monkeypatc
     for tolerance in (0.1, 1e-3):
         monkeypatch.setattr(spins, "_PERIODIC_TOLERANCE", tolerance)
         own = motions.spins(slips, motions._march_loads)
-        change = motions._march(slips, starts, own).changes.max()
+        change = motions._march(slips, starts, own).orbit_changes.max()
         found.append((sum(own.kernel.evaluated), change))
     (few, large), (many, small) = found
     assert few < 0.8 * many
@@ -250,7 +250,9 @@ def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last
     def found():
         motions = one.motions.with_resolution(1, 0)
         return motions.spins(slips), [
-            (motion.torque, *motion.fraction) for here in motions.find(slips) for motion in here
+            (motion.torque, *motion.normalised_slip)
+            for here in motions.find(slips)
+            for motion in here
         ]
 
     _, whole = found()
@@ -316,17 +318,17 @@ def test_all_motions_lie_between_those_that_both_ends_lead_to(number, resists, p
     motions = one.motions
     slips = np.array([slip])
     found = motions.find(slips)[0]
-    high = found[0].fraction
-    low = found[-1].fraction
+    high = found[0].normalised_slip
+    low = found[-1].normalised_slip
     low_end, high_end = (
-        motions._march_starts(motions.spins(slips), slips)[0] / motions.unit(slips)[0]
+        motions._march_starts(motions.spins(slips), slips)[0] / motions.slip_scale(slips)[0]
     )
     between = motions.find(slips, np.array([low_end + part * (high_end - low_end)]))[0][0]
-    nearest = min(motions.distance(between.fraction, one) for one in (high, low))
+    nearest = min(motions.distance(between.normalised_slip, one) for one in (high, low))
     if len(found) == 1:
         assert nearest < 0.02
     ends = np.minimum(low, high) - 0.1, np.maximum(low, high) + 0.1
-    assert np.mean((between.fraction > ends[0]) & (between.fraction < ends[1])) > 0.9
+    assert np.mean((between.normalised_slip > ends[0]) & (between.normalised_slip < ends[1])) > 0.9
 
 
 @given(number=st.integers(0, 10_000), order=st.permutations([0.003, 0.02, 0.15, 0.4, 0.7, 0.9]))
@@ -578,13 +580,15 @@ def test_pocket_friction_and_effective_friction_have_a_branch_and_both_rings_may
 def curve(*torques, gaps=()):
     """Motions at places one apart; before some of them there is a gap."""
     return [
-        Motion(slip_from_logit(float(k)), torque, np.zeros(1), 1.0, True, linked=k not in gaps)
+        Motion(
+            slip_from_logit(float(k)), torque, np.zeros(1), 1.0, True, is_continuous=k not in gaps
+        )
         for k, torque in enumerate(torques)
     ]
 
 
 class Torques:
-    """Motions of a bearing whose torque is a function of logit(S); they are not linked across the ``end`` of one."""
+    """Motions of a bearing whose torque is a function of logit(S); none continues across the ``end`` of one."""
 
     resists = False
     n_positions = 1
@@ -606,9 +610,9 @@ class Torques:
             for slip, torque in zip(slips.tolist(), torques, strict=True)
         ]
 
-    def link(self, below, motion):
-        is_linked = (below.logit_slip <= self.end) == (motion.logit_slip <= self.end)
-        return attrs.evolve(motion, linked=is_linked)
+    def mark_continuity(self, below, motion):
+        is_continuous = (below.logit_slip <= self.end) == (motion.logit_slip <= self.end)
+        return attrs.evolve(motion, is_continuous=is_continuous)
 
     def distance(self, first, second):
         return 0.0
@@ -689,10 +693,12 @@ class TwoMotions(Torques):
     def find(self, slips, starts=None):
         found = super().find(slips)
         for here in found[-1:]:
-            other = attrs.evolve(here[0], fraction=np.full(1, 0.5))
+            other = attrs.evolve(here[0], normalised_slip=np.full(1, 0.5))
             here.append(other)
             if starts is not None:
-                here[:] = [attrs.evolve(other, fraction=np.ones(1), converged=self.is_converged)]
+                here[:] = [
+                    attrs.evolve(other, normalised_slip=np.ones(1), converged=self.is_converged)
+                ]
         return found
 
     def distance(self, first, second):
@@ -703,7 +709,7 @@ class TwoMotions(Torques):
 def test_a_march_replaces_the_nearest_motion_only_if_it_converges(is_converged):
     motions = TwoMotions(is_converged)
     branch = _Search(motions, motions).follow([0.1, 0.2])
-    assert branch[1].fraction == (1.0 if is_converged else 0.0)
+    assert branch[1].normalised_slip == (1.0 if is_converged else 0.0)
     assert branch[1].converged
 
 
@@ -784,7 +790,7 @@ def test_the_height_of_a_maximum_is_predicted_to_a_millionth():
 def test_the_gap_at_the_end_of_a_motion_is_bisected_nine_times():
     motions = Torques(lambda logit: 2.0 + logit if logit <= -1.0 else 0.5 - 0.1 * logit, end=-1.0)
     branch = find_loading_branch(motions, 0.9, motions).motions
-    (k,) = (k for k in range(1, len(branch)) if not branch[k].linked)
+    (k,) = (k for k in range(1, len(branch)) if not branch[k].is_continuous)
     assert branch[k].logit_slip - branch[k - 1].logit_slip <= 0.25 / 2.0**9
 
 
@@ -840,7 +846,7 @@ def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_o
     bearing = bearing.at(attrs.evolve(bearing.resolution, slices=313, quadrature="gauss"))
     balance = torque_balance(bearing.at_load(1074.0), 21)
     branch = balance.loading_branch()
-    slip, torque = next(pair for pair in zip(*branch.curve, strict=True) if pair[0] > 0.046)
+    slip, torque = next(pair for pair in zip(*branch.torque_curve, strict=True) if pair[0] > 0.046)
     assert torque + balance.drag(slip) < 0.0 < balance.excess(slip), "or the load shows nothing"
     steady = branch.find_steady_motions(balance.drag)[0]
     assert steady.motion.torque == pytest.approx(steady.torque, rel=1e-6)
@@ -866,8 +872,8 @@ def test_the_bend_of_a_parabola_is_its_second_derivative_and_none_is_told_at_a_g
 
 def test_what_a_maximum_may_be_over_the_largest_value_is_by_the_slopes_beside_it():
     # 1 and 2 at both sides of it, one apart: by the slope of the left side on the right one 1, the other way 2, of 4
-    assert _estimate_rise([0.0, 1.0, 2.0], [3.0, 4.0, 2.0]) == pytest.approx(0.5)
-    assert _estimate_rise([0.0, 1.0, 2.0], [1.0, 2.0, 4.0]) == pytest.approx(
+    assert _estimate_excess_over_samples([0.0, 1.0, 2.0], [3.0, 4.0, 2.0]) == pytest.approx(0.5)
+    assert _estimate_excess_over_samples([0.0, 1.0, 2.0], [1.0, 2.0, 4.0]) == pytest.approx(
         1.0
     )  # still rises by 2: as far again, 2 * 2
 

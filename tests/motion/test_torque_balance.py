@@ -28,7 +28,7 @@ pytestmark = pytest.mark.quick
 def balance(drag, carried, end=0.95, points=60):
     """The torques of a bearing: drags, and what rollers carry, as functions of the slip."""
     slips = np.geomspace(1e-4, end, points)
-    branch = SimpleNamespace(curve=(slips, np.array([*map(carried, slips)])))
+    branch = SimpleNamespace(torque_curve=(slips, np.array([*map(carried, slips)])))
     return SimpleNamespace(
         drag=drag,
         torques=lambda slips: np.array([*map(carried, slips)]),

@@ -171,7 +171,7 @@ def test_a_steady_slip_that_is_off_is_judged_by_a_secant_and_damage_where_that_l
         ).max(keepdims=True)
 
     exact = worst(balance.orbit_from_motion(steady.motion))
-    for fraction in (None, steady.motion.fraction[0]):
+    for fraction in (None, steady.motion.normalised_slip[0]):
         for off in (0.004, -0.01):
             found, at = estimate_by_secant(balance, (1.0 + off) * steady.slip, worst, fraction)
             assert found == pytest.approx(abs(off), rel=0.03)

@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 import loading_branch_scenes as scenes
 from rollslip.bearing.equilibrium import angular_positions
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import SLOW, logit_slip, orbit_loads, slip_from_logit
+from rollslip_studies.motion.spins import MIN_FILM_SPEED, logit_slip, orbit_loads, slip_from_logit
 
 TABLE = Path(__file__).with_name("loading_branch_in_time.csv")
 RANGE = 0.95
@@ -169,7 +169,7 @@ class InTime:
             table = Slices(load.size, raceway.conditions, load=np.ones(load.size))
             self.tables[ring, load.size] = table, raceway.chain.bind(table)
         table, evaluate = self.tables[ring, load.size]
-        film = np.hypot(rolling, SLOW)
+        film = np.hypot(rolling, MIN_FILM_SPEED)
         table.load[:] = np.maximum(load, self.least).ravel()
         table.rolling_speed[:] = np.repeat(film, n)
         table.sliding_speed[:] = np.repeat(sliding, n)

@@ -220,7 +220,7 @@ class LoadingBranch:
         return self.motions[-1].slip
 
     @cached_property
-    def curve(self) -> tuple[Array, Array]:
+    def torque_curve(self) -> tuple[Array, Array]:
         """Slips from zero on, and torques there [N m], (n,) each."""
         points = [(motion.slip, motion.torque) for motion in self.motions]
         slips, torques = zip((0.0, self.torque_without_slip), *points, strict=True)
@@ -236,19 +236,19 @@ class LoadingBranch:
         drag : callable
             Torque of all drags at a cage slip [N m], negative where it resists.
         """
-        slips, torques = (values.tolist() for values in self.curve)
+        slips, torques = (values.tolist() for values in self.torque_curve)
         excesses = [torque + drag(slip) for slip, torque in zip(slips, torques, strict=True)]
         steady = self._find_driven_motion(drag, excesses[0]) if excesses[0] > 0.0 else []
         for k, motion in enumerate(self.motions):
             low, high = excesses[k : k + 2]
-            if (low < 0.0) != (high < 0.0) and (k == 0 or motion.linked):
+            if (low < 0.0) != (high < 0.0) and (k == 0 or motion.is_continuous):
                 known = self.motions[max(k - 1, 0) : k + 1]
                 steady.append(self._balance(known, drag, (slips[k], slips[k + 1]), (low, high)))
         return steady
 
     def interpolate(self, slips: Sequence[float]) -> list[Motion]:
         """Return the motions of the branch at other slips of its range, on few loads of a roller."""
-        starts = np.array([self.motion_below(slip).fraction[0] for slip in slips])
+        starts = np.array([self.motion_below(slip).normalised_slip[0] for slip in slips])
         found = self._search.motions.find(np.array(slips), starts)
         return [motions[0] for motions in found]
 
@@ -310,7 +310,7 @@ class _ExcessTorque:
 
     def __call__(self, slip: float) -> float:
         nearest = min(self.known, key=lambda motion: abs(motion.slip - slip))
-        self.motion = self.motions.find(np.array([slip]), nearest.fraction[:1])[0][0]
+        self.motion = self.motions.find(np.array([slip]), nearest.normalised_slip[:1])[0][0]
         excess = self.motion.torque + self.drag(slip)
         is_rounding = abs(excess) <= SEARCH.steady_slip * abs(self.motion.torque)
         return 0.0 if is_rounding else excess
@@ -325,7 +325,7 @@ class _ExcessTorque:
         """Derivative with respect to the slip at the last slip [N m], by the central difference."""
         step = SEARCH.slope_step
         slips = self.motion.slip * np.array([1.0 - step, 1.0 + step])
-        found = self.motions.find(slips, np.full(2, self.motion.fraction[0]))
+        found = self.motions.find(slips, np.full(2, self.motion.normalised_slip[0]))
         left, right = (motions[0] for motions in found)
         rise = right.torque + self.drag(right.slip) - left.torque - self.drag(left.slip)
         return rise / (right.slip - left.slip)
@@ -353,7 +353,9 @@ class _Search:
         """Return the motions of the loading branch at some slips (steps 1 to 3)."""
         candidates = self.motions.find(np.array(slips))
         branch = self._take_nearest(slips, candidates)
-        while self._correct(slips, candidates, branch):  # what follows is chosen anew
+        while self._replace_first_mismatch(
+            slips, candidates, branch
+        ):  # what follows is chosen anew
             branch = self._take_nearest(slips, candidates)
         return branch
 
@@ -366,14 +368,17 @@ class _Search:
             pair = candidates[k]
             if previous.converged and not any(motion.converged for motion in pair):
                 # neither march from a ring converges, that from the previous motion may
-                pair = motions.find(np.array(slips[k : k + 1]), previous.fraction[:1])[0]
+                pair = motions.find(np.array(slips[k : k + 1]), previous.normalised_slip[:1])[0]
             nearest = min(
-                pair, key=lambda motion: motions.distance(motion.fraction, previous.fraction)
+                pair,
+                key=lambda motion: motions.distance(
+                    motion.normalised_slip, previous.normalised_slip
+                ),
             )
-            branch.append(motions.link(previous, nearest))
+            branch.append(motions.mark_continuity(previous, nearest))
         return branch
 
-    def _correct(
+    def _replace_first_mismatch(
         self, slips: Sequence[float], candidates: list[list[Motion]], branch: list[Motion]
     ) -> bool:
         """Replace the candidates at the first slip at which a march from the previous motion reaches another motion.
@@ -385,10 +390,12 @@ class _Search:
             return False
         marched = self.motions.find(
             np.array([slips[k] for k in ambiguous]),
-            np.array([branch[k - 1].fraction[0] for k in ambiguous]),
+            np.array([branch[k - 1].normalised_slip[0] for k in ambiguous]),
         )
         for k, (motion, *_) in zip(ambiguous, marched, strict=True):
-            is_other = self.motions.distance(motion.fraction, branch[k].fraction) >= DISTINCT
+            is_other = (
+                self.motions.distance(motion.normalised_slip, branch[k].normalised_slip) >= DISTINCT
+            )
             if is_other and motion.converged:
                 candidates[k] = [motion]
                 return True
@@ -400,14 +407,16 @@ class _Search:
         while intervals := _find_intervals(branch, lowest):
             logits = [0.5 * (branch[k].logit_slip + branch[k + 1].logit_slip) for k in intervals]
             middle = np.array([slip_from_logit(x) for x in logits])
-            found = self.motions.find(middle, np.array([branch[k].fraction[0] for k in intervals]))
+            found = self.motions.find(
+                middle, np.array([branch[k].normalised_slip[0] for k in intervals])
+            )
             for k, (motion, *_) in reversed(list(zip(intervals, found, strict=True))):
                 if not motion.converged:  # it only bisects the interval
                     torque = min(branch[k].torque, branch[k + 1].torque)
                     motion = attrs.evolve(motion, torque=torque)
                 branch[k + 1 : k + 2] = [
-                    self.motions.link(branch[k], motion),
-                    self.motions.link(motion, branch[k + 1]),
+                    self.motions.mark_continuity(branch[k], motion),
+                    self.motions.mark_continuity(motion, branch[k + 1]),
                 ]
         return branch
 
@@ -415,7 +424,7 @@ class _Search:
 
     def find_jump(self, branch: list[Motion], k: int) -> Jump | None:
         """The jump from the maximum at motion k (steps 7 to 9); None if finer positions have no such maximum."""
-        is_smooth = _is_linked_to_both(branch, k)
+        is_smooth = _is_continuous_on_both_sides(branch, k)
         if is_smooth:
             coarse = self._find_vertex(self.motions, branch[k - 1 : k + 2])
         else:
@@ -440,7 +449,7 @@ class _Search:
             change = abs(fine.torque / coarse.torque - 1.0)
             error = max(coarse.error, branch[k].error, fine.error)
             maximum = attrs.evolve(fine, error=error + change)
-        if self._is_artefact(maximum, lowest):
+        if self._vanishes_on_finer_positions(maximum, lowest):
             return None
         return Jump(
             slip=slip_from_logit(maximum.logit),
@@ -452,11 +461,11 @@ class _Search:
 
     def _find_regain(self, below: Motion, above: Motion, drag: float) -> float:
         """The slip between two motions of the branch at which a drag is carried again."""
-        if not above.linked:
+        if not above.is_continuous:
             return slip_from_logit(above.logit_slip)
 
         def excess(logit: float) -> float:
-            found = self.motions.find(np.array([slip_from_logit(logit)]), below.fraction[:1])
+            found = self.motions.find(np.array([slip_from_logit(logit)]), below.normalised_slip[:1])
             return found[0][0].torque - drag
 
         logit = illinois_root(
@@ -479,14 +488,16 @@ class _Search:
             if logit in known:  # a kink, or the largest sample is at an end
                 break
             nearest = min(known.values(), key=lambda motion: abs(motion.logit_slip - logit))
-            motion = motions.find(np.array([slip_from_logit(logit)]), nearest.fraction[:1])[0][0]
+            motion = motions.find(np.array([slip_from_logit(logit)]), nearest.normalised_slip[:1])[
+                0
+            ][0]
             if not motion.converged:
                 break
             known[logit] = motion
             error = abs(motion.torque / height - 1.0)
         logits = sorted(known)
         best = max(known.values(), key=lambda motion: motion.torque)
-        rise = _estimate_rise(logits, [known[x].torque for x in logits])
+        rise = _estimate_excess_over_samples(logits, [known[x].torque for x in logits])
         return _Maximum(best.logit_slip, best.torque, min(error, rise))
 
     # The same on more positions ---------------------------------------------------------------------------------------
@@ -498,7 +509,7 @@ class _Search:
 
     def _find_fine_motion(self, motion: Motion) -> Motion:
         """A motion on four times as many positions."""
-        return self._fine_motions.find(np.array([motion.slip]), motion.fraction[:1])[0][0]
+        return self._fine_motions.find(np.array([motion.slip]), motion.normalised_slip[:1])[0][0]
 
     def _find_fine_vertex(
         self, start: Motion, logit: float, half_width: float, end: float
@@ -509,7 +520,7 @@ class _Search:
         logits = [logit - half_width, logit, min(logit + half_width, end)]
         for _ in range(1 + SEARCH.max_extensions):
             slips = np.array([slip_from_logit(x) for x in logits])
-            found = self._fine_motions.find(slips, np.full(slips.size, start.fraction[0]))
+            found = self._fine_motions.find(slips, np.full(slips.size, start.normalised_slip[0]))
             for x, (motion, *_) in zip(logits, found, strict=True):
                 if motion.converged:
                     known[x] = motion
@@ -537,7 +548,7 @@ class _Search:
         for _ in range(SEARCH.end_passes):
             logits = np.linspace(low, high, n).tolist()
             slips = np.array([slip_from_logit(x) for x in logits])
-            found = self._fine_motions.find(slips, np.full(n, motion.fraction[0]))
+            found = self._fine_motions.find(slips, np.full(n, motion.normalised_slip[0]))
             torques = [fine.torque if fine.converged else -math.inf for fine, *_ in found]
             top = int(np.argmax(torques))
             if not 0 < top < n - 1 or torques[top] == 0.0:
@@ -548,7 +559,7 @@ class _Search:
             maximum = _Maximum(logits[top], torques[top], error)
         return maximum
 
-    def _is_artefact(self, maximum: _Maximum, lowest: Motion) -> bool:
+    def _vanishes_on_finer_positions(self, maximum: _Maximum, lowest: Motion) -> bool:
         """Whether the torque falls behind a maximum because of the positions alone, which only finer ones tell.
 
         They make it fall by little, or by more where the finer torque rises up to the lowest motion itself.
@@ -576,9 +587,9 @@ class _Search:
 # Intervals and maxima of a branch -------------------------------------------------------------------------------------
 
 
-def _is_linked_to_both(branch: list[Motion], k: int) -> bool:
-    """Whether motion k is linked to the motions at the previous and at the next slip."""
-    return 0 < k < len(branch) - 1 and branch[k].linked and branch[k + 1].linked
+def _is_continuous_on_both_sides(branch: list[Motion], k: int) -> bool:
+    """Whether motion k continues that at the previous slip, and that at the next slip continues motion k."""
+    return 0 < k < len(branch) - 1 and branch[k].is_continuous and branch[k + 1].is_continuous
 
 
 def _find_intervals(branch: list[Motion], lowest: float) -> list[int]:
@@ -590,7 +601,7 @@ def _find_intervals(branch: list[Motion], lowest: float) -> list[int]:
     intervals = []
     for k, (a, b) in enumerate(itertools.pairwise(branch)):
         bound = 0.0
-        if not b.linked:
+        if not b.is_continuous:
             bound = _bound_in_gap(a, b, lowest)
         elif is_maximum[k : k + 2].any():
             bound = _bound_at_maximum(branch, k)
@@ -601,7 +612,7 @@ def _find_intervals(branch: list[Motion], lowest: float) -> list[int]:
 
 
 def _bound_in_gap(a: Motion, b: Motion, lowest: float) -> float:
-    """Upper bound of the torque between two motions that are not linked [N m].
+    """Upper bound of the torque between two motions of which the second does not continue the first [N m].
 
     Along a motion, the torque in excess of the lowest one grows at most in proportion to the slip.
     """
@@ -620,7 +631,7 @@ def _bound_at_maximum(branch: list[Motion], k: int) -> float:
 
 def _second_derivative(branch: list[Motion], k: int) -> float:
     """Absolute second derivative of the torque with respect to the logit of the slip; 0 at a gap."""
-    if not _is_linked_to_both(branch, k):
+    if not _is_continuous_on_both_sides(branch, k):
         return 0.0
     a, b, c = branch[k - 1 : k + 2]
     left = (b.torque - a.torque) / (b.logit_slip - a.logit_slip)
@@ -659,7 +670,7 @@ def _slips_within(
         while 0 <= j < len(branch):
             next_root = math.sqrt(max(1.0 - branch[j].torque / maximum.torque, 0.0))
             if next_root > level:
-                if j == k or branch[max(j, j - step)].linked:
+                if j == k or branch[max(j, j - step)].is_continuous:
                     end += (level - root) / (next_root - root) * (branch[j].logit_slip - end)
                 break
             end = branch[j].logit_slip
@@ -672,14 +683,16 @@ def _slips_within(
 def _estimate_rise_in_gap(branch: list[Motion], k: int) -> float:
     """By how much the torque may rise in the gap at the end of a motion [N m], by the slope on its other side."""
     sides = list(itertools.pairwise(branch))[max(k - 1, 0) : k + 1]
-    gaps = [b.logit_slip - a.logit_slip for a, b in sides if not b.linked]
+    gaps = [b.logit_slip - a.logit_slip for a, b in sides if not b.is_continuous]
     slopes = [
-        abs(b.torque - a.torque) / (b.logit_slip - a.logit_slip) for a, b in sides if b.linked
+        abs(b.torque - a.torque) / (b.logit_slip - a.logit_slip)
+        for a, b in sides
+        if b.is_continuous
     ]
     return max(gaps, default=0.0) * max(slopes, default=branch[k].torque)
 
 
-def _estimate_rise(x: list[float], y: list[float]) -> float:
+def _estimate_excess_over_samples(x: list[float], y: list[float]) -> float:
     """Relative excess that a maximum may have over the largest sample: on either side, by the slope of the other."""
     best = int(np.argmax(y))
     slopes = np.abs(np.diff(y) / np.diff(x))
@@ -697,7 +710,7 @@ def _drop_doubtful(branch: list[Motion]) -> list[Motion]:
     return [
         motion
         for k, motion in enumerate(branch)
-        if motion.linked or k in (0, last) or branch[k + 1].linked
+        if motion.is_continuous or k in (0, last) or branch[k + 1].is_continuous
     ]
 
 

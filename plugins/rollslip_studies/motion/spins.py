@@ -59,9 +59,9 @@ Flags: TypeAlias = NDArray[np.bool_]
 CompiledCurve: TypeAlias = tuple[Array, tuple[float, float], float, Array, Array]
 
 
-#: Lower bound of the entrainment speed in the film [m/s], u_film = sqrt(u^2 + SLOW^2). Doubling it thickens films
-#: where a contact hardly rolls. Chosen, so that the film does not vanish there.
-SLOW: Final = 1e-3
+#: Lower bound of the entrainment speed in the film [m/s], u_film = sqrt(u^2 + MIN_FILM_SPEED^2). Doubling it
+#: thickens films where a contact hardly rolls. Chosen, so that the film does not vanish there.
+MIN_FILM_SPEED: Final = 1e-3
 #: Load-weighted L1 distance of normalised roller slips from which on two motions are different ones. Neither
 #: half nor twice the value changes a result of 55 random bearings; chosen, 2 % of
 #: the distance from rolling on one ring to rolling on the other one.
@@ -118,9 +118,9 @@ _UNIFORM_WEIGHT: Final = 0.5
 #: change torques of 55 random bearings by less than 1e-11; chosen, far below the slips of rollers with rolling
 #: resistance.
 _MIN_IDLE_SLIP: Final = 1e-9
-#: Smallest unit of roller slips; it keeps quotients finite where neither cage nor rollers slip. Doubling it has no
+#: Smallest scale of roller slips; it keeps quotients finite where neither cage nor rollers slip. Doubling it has no
 #: effect on any result; chosen, far below the roller slips of bearings.
-_MIN_UNIT: Final = 1e-12
+_MIN_SLIP_SCALE: Final = 1e-12
 #: Smallest torque [N m] by which the error of a march of first order is divided; it keeps the quotient finite where
 #: rollers carry nothing. Any value far below the torques of bearings has the same effect; chosen.
 _MIN_TORQUE: Final = 1e-300
@@ -172,7 +172,7 @@ class ConventionalFriction:
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
         contacts = self.contacts
-        film = np.hypot(rolling, SLOW)
+        film = np.hypot(rolling, MIN_FILM_SPEED)
         friction = contacts.friction(film[contacts.owner], sliding[contacts.owner])
         traction = contacts.per_roller(friction * contacts.force)
         if not self.resists:
@@ -208,10 +208,10 @@ class EffectiveFriction:
     ) -> None:
         self._table = table
         self._force = friction.contacts.per_roller(friction.contacts.force)
-        free = np.full_like(self._force, rolling)
-        self._resistance = 0.0 * free
+        rolling_speeds = np.full_like(self._force, rolling)
+        self._resistance = 0.0 * rolling_speeds
         if friction.resists:
-            self._resistance = friction(free, np.zeros_like(free))[1]
+            self._resistance = friction(rolling_speeds, np.zeros_like(rolling_speeds))[1]
 
     @property
     def compiled(self) -> CompiledCurve:
@@ -226,7 +226,7 @@ class EffectiveFriction:
 
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
-        resistance = self._resistance * rolling / np.hypot(rolling, SLOW)
+        resistance = self._resistance * rolling / np.hypot(rolling, MIN_FILM_SPEED)
         return self._table.friction(sliding) * self._force, resistance
 
 
@@ -246,12 +246,12 @@ class Motion:
 
     slip: float  # cage slip
     torque: float  # mean torque of all rollers on the cage [N m], positive where it drives
-    fraction: Array  # normalised roller slips: roller slips along the orbit over ``unit``, (K,)
-    unit: float  # roller slip of fraction one
+    normalised_slip: Array  # roller slips along the orbit over ``slip_scale``, (K,)
+    slip_scale: float  # roller slip of normalised slip one
     #: Whether the motion is periodic, stable and of second order, or is of first order with a small error.
     converged: bool
     error: float = 0.0  # relative discretisation error of the torque, where it is of first order
-    linked: bool = True  # whether it continues the motion at the previous slip
+    is_continuous: bool = True  # whether it continues the motion at the previous slip
     #: Moments by which neighbours brake the spin, without a cage [N m], (K,).
     brakes: Array | None = None
     #: Floquet's multiplier of a disturbance of the spin over an orbit: the motion is stable if it is below 1 in
@@ -266,7 +266,7 @@ class Motion:
     @property
     def roller_slip(self) -> Array:
         """Roller slips at the positions of the orbit, (K,)."""
-        return self.fraction * self.unit
+        return self.normalised_slip * self.slip_scale
 
 
 class Spins:
@@ -279,7 +279,7 @@ class Spins:
         # Loaded contacts of inner and outer ring at the positions, or their friction curves.
         contacts: Sequence[LoadedContacts | CompiledCurve],
         *,
-        slow: float = 0.0,  # lower bound of the speed in the film [m/s], 0 for none
+        min_film_speed: float = 0.0,  # lower bound of the speed in the film [m/s], 0 for none
         pocket: float = 0.0,  # coefficient of friction in the pockets
         brakes: Array | None = None,  # further moments that brake the spins [N m], (positions,)
         # Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
@@ -299,7 +299,7 @@ class Spins:
         radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
         rolling = k.roller_radius * k.epicyclic_roller_speed
         rings = curves or [ring for *_, ring in self._gathered]
-        self.kernel = Kernel(positions, rings, radii, rolling, slow, pocket, brakes)
+        self.kernel = Kernel(positions, rings, radii, rolling, min_film_speed, pocket, brakes)
 
     def check(self, status: str) -> str:
         """Return how a call of the kernel ended, report to the chains what it evaluated, and raise their refusals.
@@ -329,7 +329,9 @@ class _March:
 
     roller_slips: Array  # (n, 2, K)
     agree: Flags  # whether both rollers reach the same motion, (n,)
-    changes: Array  # over the last orbit, relative to the width of the search, (n, 2)
+    orbit_changes: (
+        Array  # what further orbits would change, relative to the width of the search, (n, 2)
+    )
 
 
 class Motions:
@@ -362,12 +364,14 @@ class Motions:
         self.sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
         self.resists = assembly.inner.chain.resists or pocket > 0.0 or rubbing > 0.0
         self._inner_ratio = -k.inner_radius / k.outer_radius
-        spin = 0.5 * assembly.roller_mass * k.roller_radius**2 * k.epicyclic_roller_speed
-        pace = abs(k.epicyclic_cage_speed) * self.positions / (2.0 * np.pi)
-        #: torque that changes the roller slip by one from a position to the next, at no cage slip
-        self._inertia = spin * pace if inertia else 0.0
+        angular_momentum = (
+            0.5 * assembly.roller_mass * k.roller_radius**2 * k.epicyclic_roller_speed
+        )
+        positions_per_second = abs(k.epicyclic_cage_speed) * self.positions / (2.0 * np.pi)
+        #: torque that changes the roller slip by one from a position to the next, at no cage slip [N m]
+        self._inertia_torque = angular_momentum * positions_per_second if inertia else 0.0
         #: loads of a roller that is marched, None for those of the motions: without inertia nothing refines it
-        self._march_loads = _MARCH_LOADS if self._inertia else None
+        self._march_loads = _MARCH_LOADS if self._inertia_torque else None
         along, across = assembly.body_force
         if pocket > 0.0 and (along or across):
             where = Location(assembly.scene.origins, ("cage", "drag"))
@@ -438,9 +442,11 @@ class Motions:
             weight = _UNIFORM_WEIGHT * mean + (1.0 - _UNIFORM_WEIGHT) * (inner + outer)
         return np.asarray(weight / (weight.sum() or 1.0) / (1.0 - self._inner_ratio))
 
-    def unit(self, slips: Array) -> Array:
-        """Roller slips of fraction one, (n,): of rolling on the outer ring, and without cage slip."""
-        return np.maximum(np.abs(self._outer_rolling_slip(slips)) + self._idle_slip, _MIN_UNIT)
+    def slip_scale(self, slips: Array) -> Array:
+        """Roller slips of normalised slip one, (n,): of rolling on the outer ring, and without cage slip."""
+        return np.maximum(
+            np.abs(self._outer_rolling_slip(slips)) + self._idle_slip, _MIN_SLIP_SCALE
+        )
 
     def _outer_rolling_slip(self, slips: Array) -> Array:
         """Roller slips of rolling on the outer ring, (n,)."""
@@ -483,9 +489,9 @@ class Motions:
         if self.effective is None:
             return contacts
         k = self.assembly.kinematics
-        free = k.roller_radius * k.epicyclic_roller_speed
+        rolling = k.roller_radius * k.epicyclic_roller_speed
         return tuple(
-            EffectiveFriction(curve, ring, free)
+            EffectiveFriction(curve, ring, rolling)
             for curve, ring in zip(self.effective, contacts, strict=True)
         )
 
@@ -500,7 +506,7 @@ class Motions:
             k,
             self.positions * slips.size,
             rings,
-            slow=SLOW,
+            min_film_speed=MIN_FILM_SPEED,
             pocket=self.pocket,
             tables=self._tables[n_loads is None],
             brakes=None if brakes is None else brakes.ravel(),
@@ -557,27 +563,27 @@ class Motions:
             spins = self.spins(slips, self._march_loads, brakes)
         if starts is None:
             starts = self._march_starts(spins, slips)
-        roller_slips, agree, changes, status = spins.kernel.march_orbits(
+        roller_slips, agree, orbit_changes, status = spins.kernel.march_orbits(
             np.arange(slips.size),
             self.positions,
-            self._inertia * np.abs(1.0 - slips),
+            self._inertia_torque * np.abs(1.0 - slips),
             self._rolling_slips(slips),
             self._march_widths(slips),
             starts,
             _EULER_ORBITS,
-            _BALANCE_TOLERANCE if self._inertia else _BALANCE_WITHOUT_INERTIA,
+            _BALANCE_TOLERANCE if self._inertia_torque else _BALANCE_WITHOUT_INERTIA,
             _PERIODIC_TOLERANCE,
         )
         if spins.check(status) == _NO_BALANCE:
             raise ConvergenceError(
                 "the march of the rollers round the orbit finds no balance of their torques"
             )
-        return _March(roller_slips, agree, changes)
+        return _March(roller_slips, agree, orbit_changes)
 
     def _march_widths(self, slips: Array) -> Array:
         """Widths of the search for balances, in roller slips, (n,)."""
         idle = _IDLE_WIDTH * (self.resists and not self._idle_slip)
-        return (self.unit(slips) + idle) * (1.0 - self._inner_ratio)
+        return (self.slip_scale(slips) + idle) * (1.0 - self._inner_ratio)
 
     def find(self, slips: Array, starts: Array | None = None) -> list[list[Motion]]:
         """Return the motions at cage slips: one each, or the two between which all others lie.
@@ -590,47 +596,47 @@ class Motions:
             Normalised roller slips at the first position, (n,). With them there is one motion at each slip, which
             rollers reach from there; without, those which they reach from rolling on either ring.
         """
-        unit = self.unit(slips)
-        pairs = None if starts is None else np.repeat((starts * unit)[:, None], 2, axis=1)
+        scale = self.slip_scale(slips)
+        pairs = None if starts is None else np.repeat((starts * scale)[:, None], 2, axis=1)
         brakes = None
-        changes = None
+        brake_errors = None
         if self.rubbing > 0.0:
-            brakes, changes = self._find_brakes(slips, pairs)
+            brakes, brake_errors = self._find_brakes(slips, pairs)
         spins = self.spins(slips, brakes=brakes)
-        march = self._march(slips, pairs, None if self._inertia else spins, brakes)
-        doubled = [] if starts is not None else self._find_doubled(march, unit)
-        rows = np.array([*range(slips.size), *doubled])
-        walkers = np.array([0] * slips.size + [1] * len(doubled))
+        march = self._march(slips, pairs, None if self._inertia_torque else spins, brakes)
+        ambiguous = [] if starts is not None else self._find_ambiguous(march, scale)
+        rows = np.array([*range(slips.size), *ambiguous])
+        walkers = np.array([0] * slips.size + [1] * len(ambiguous))
         roller_slips = march.roller_slips[rows, walkers]
         motions = self._refine(
-            spins, slips, rows, roller_slips, march.changes[rows, walkers], brakes
+            spins, slips, rows, roller_slips, march.orbit_changes[rows, walkers], brakes
         )
-        if changes is not None:
+        if brake_errors is not None:
             motions = [
                 attrs.evolve(
                     motion,
-                    error=max(motion.error, change),
-                    converged=motion.converged and change < _MAX_ERROR,
+                    error=max(motion.error, error),
+                    converged=motion.converged and error < _MAX_ERROR,
                 )
-                for motion, change in zip(motions, changes[rows].tolist(), strict=True)
+                for motion, error in zip(motions, brake_errors[rows].tolist(), strict=True)
             ]
         out = [[motion] for motion in motions[: slips.size]]
-        for row, motion in zip(doubled, motions[slips.size :], strict=True):
+        for row, motion in zip(ambiguous, motions[slips.size :], strict=True):
             if brakes is not None:  # neighbours brake it by moments of its own
-                motion = self.find(slips[row : row + 1], motion.fraction[:1])[0][0]
-            if self.distance(out[row][0].fraction, motion.fraction) >= DISTINCT:
+                motion = self.find(slips[row : row + 1], motion.normalised_slip[:1])[0][0]
+            if self.distance(out[row][0].normalised_slip, motion.normalised_slip) >= DISTINCT:
                 out[row].append(motion)
         return out
 
-    def _find_doubled(self, march: _March, unit: Array) -> list[int]:
+    def _find_ambiguous(self, march: _March, scale: Array) -> list[int]:
         """The slips at which marches from both rings reach motions that differ, or may do so."""
-        doubled = []
+        ambiguous = []
         for row in np.flatnonzero(~march.agree).tolist():
-            first, second = march.roller_slips[row] / unit[row]
-            is_periodic = march.changes[row].max() <= _PERIODIC_TOLERANCE
+            first, second = march.roller_slips[row] / scale[row]
+            is_periodic = march.orbit_changes[row].max() <= _PERIODIC_TOLERANCE
             if self.distance(first, second) >= (DISTINCT if is_periodic else 0.0):
-                doubled.append(row)
-        return doubled
+                ambiguous.append(row)
+        return ambiguous
 
     # Second order -----------------------------------------------------------------------------------------------------
 
@@ -640,26 +646,26 @@ class Motions:
         slips: Array,
         rows: Rows,
         marched: Array,
-        changes: Array,
+        orbit_changes: Array,
         brakes: Array | None,
     ) -> list[Motion]:
         """Motions of second order near marched roller slips (m, K), at some rows of the slips, (m,)."""
-        unit = self.unit(slips)[rows]
-        inertia = (self._inertia * np.abs(1.0 - slips))[rows]
+        scale = self.slip_scale(slips)[rows]
+        inertia = (self._inertia_torque * np.abs(1.0 - slips))[rows]
         error = np.zeros(rows.size)
-        if self._inertia:
+        if self._inertia_torque:
             found, multiplier, torque, is_found, status = spins.kernel.periodic_rows(
-                rows, self.positions, inertia, marched, unit, _NEWTON_TOLERANCE
+                rows, self.positions, inertia, marched, scale, _NEWTON_TOLERANCE
             )
             spins.check(status)
             torque = self.sense * self._rollers * torque
-            change = np.abs(found - marched) @ self._weight / unit
-            is_other = (changes <= _PERIODIC_TOLERANCE) & (change > CONTINUES)
+            change = np.abs(found - marched) @ self._weight / scale
+            is_other = (orbit_changes <= _PERIODIC_TOLERANCE) & (change > CONTINUES)
             converged = is_found & (np.abs(multiplier) < 1.0) & ~is_other
             failed = np.flatnonzero(~converged)
             if failed.size:
                 of_failed = self._march_second_order(
-                    spins, slips, rows[failed], marched[failed], inertia[failed], unit[failed]
+                    spins, slips, rows[failed], marched[failed], inertia[failed], scale[failed]
                 )
                 found[failed], multiplier[failed], torque[failed], error[failed] = of_failed
                 is_stable = np.abs(multiplier) < 1.0
@@ -667,14 +673,14 @@ class Motions:
         else:
             found = marched
             multiplier = np.zeros(rows.size)
-            torque, _ = self._mean_torques(spins, rows, found, inertia, unit)
+            torque, _ = self._mean_torques(spins, rows, found, inertia, scale)
             converged = np.ones(rows.size, dtype=bool)
         return [
             Motion(
                 slip=float(slips[r]),
                 torque=float(torque[k]),
-                fraction=found[k] / unit[k],
-                unit=float(unit[k]),
+                normalised_slip=found[k] / scale[k],
+                slip_scale=float(scale[k]),
                 converged=bool(converged[k]),
                 error=float(error[k]),
                 multiplier=float(multiplier[k]),
@@ -684,17 +690,17 @@ class Motions:
         ]
 
     def _mean_torques(
-        self, spins: Spins, rows: Rows, roller_slips: Array, inertia: Array, unit: Array
+        self, spins: Spins, rows: Rows, roller_slips: Array, inertia: Array, scale: Array
     ) -> tuple[Array, Array]:
         """Mean torques of all rollers on the cage [N m] and multipliers of given roller slips (m, K), (m,) each."""
         _, multiplier, torque, _, status = spins.kernel.periodic_rows(
-            rows, self.positions, inertia, roller_slips, unit, as_guessed=True
+            rows, self.positions, inertia, roller_slips, scale, as_guessed=True
         )
         spins.check(status)
         return np.asarray(self.sense * self._rollers * torque), multiplier
 
     def _march_second_order(
-        self, spins: Spins, slips: Array, rows: Rows, marched: Array, inertia: Array, unit: Array
+        self, spins: Spins, slips: Array, rows: Rows, marched: Array, inertia: Array, scale: Array
     ) -> tuple[Array, Array, Array, Array]:
         """Roller slips, multipliers, torques [N m] and relative errors by a march of second order, (m, ...) each.
 
@@ -715,7 +721,7 @@ class Motions:
         spins.check(status)
         is_periodic = change[:, 0] <= _SECOND_ORDER_TOLERANCE
         found = np.where(is_periodic[:, None], second[:, 0], marched)
-        torque, multiplier = self._mean_torques(spins, rows, found, inertia, unit)
+        torque, multiplier = self._mean_torques(spins, rows, found, inertia, scale)
         bend = 0.5 * marched - np.roll(marched, 1, axis=1) + 0.5 * np.roll(marched, 2, axis=1)
         error = (
             self._rollers
@@ -726,10 +732,10 @@ class Motions:
         )
         return found, multiplier, torque, np.where(is_periodic, 0.0, error)
 
-    def link(self, below: Motion, motion: Motion) -> Motion:
+    def mark_continuity(self, below: Motion, motion: Motion) -> Motion:
         """Return a motion, marked by whether it continues the motion at the previous slip."""
-        distance = self.distance(below.fraction, motion.fraction)
-        return attrs.evolve(motion, linked=distance <= CONTINUES)
+        distance = self.distance(below.normalised_slip, motion.normalised_slip)
+        return attrs.evolve(motion, is_continuous=distance <= CONTINUES)
 
     # Neighbours -------------------------------------------------------------------------------------------------------
 

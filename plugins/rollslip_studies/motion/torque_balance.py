@@ -255,7 +255,7 @@ class TorqueBalance:
         for slip, candidates in zip(slips.tolist(), motions.find(slips), strict=True):
             if not _is_unique(candidates):
                 below = found[-1:] or [self.loading_branch(max(RANGE, slip)).motion_below(slip)]
-                candidates = motions.find(np.array([slip]), below[0].fraction[:1])[0]
+                candidates = motions.find(np.array([slip]), below[0].normalised_slip[:1])[0]
             found.append(candidates[0])
         return found
 
@@ -543,7 +543,7 @@ def reserve(
         where = " without slip" if is_driven else ""
         return Reserve(math.inf, f"{Status.AT_LEAST}: no torque drags the cage{where}")
     try:
-        slips, torques = balance.loading_branch(max_slip).curve
+        slips, torques = balance.loading_branch(max_slip).torque_curve
     except (DomainError, ConvergenceError):
         return Reserve(math.nan, onset.status)
     limit = SKIDDING_SLIP if math.isnan(onset.slip) else min(SKIDDING_SLIP, onset.slip)

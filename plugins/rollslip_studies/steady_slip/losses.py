@@ -166,7 +166,7 @@ def _errors(
 def _steady_errors(balance: TorqueBalance, result: "xr.Dataset") -> Iterator[tuple[str, float]]:
     """Yield the errors of a steady slip by one secant step, and of friction torque and thinnest film at its end."""
     slip = float(result["steady_slip"])
-    start = float(result["roller_slip"][0] / balance.motions.unit(np.array([slip]))[0])
+    start = float(result["roller_slip"][0] / balance.motions.slip_scale(np.array([slip]))[0])
     film_factor = 1.0
 
     def torque_and_film(orbit: Orbit) -> Array:

@@ -114,7 +114,7 @@ def _jump_numbers(jump: Jump | None) -> tuple[float, float, float, float]:
 
 def _curve(branch: LoadingBranch, end: float, points: int) -> tuple[Array, Array]:
     """Return slips of the loading branch up to an end and torques there [N m], at least a number of points, (n,)."""
-    slip, torque = branch.curve
+    slip, torque = branch.torque_curve
     own = slip[slip <= end]
     more = [end]
     if own.size < points:
