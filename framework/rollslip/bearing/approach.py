@@ -16,11 +16,12 @@ its length than a dry one.
    meets numerical solutions for Moes's M up to 0.3 to 3 %, and for M from 1 on and L = 10 to 9 %.
 
 The law is a table over the load. Its approach is measured from the gap at which the contact begins to carry, which is
-the gap without load: the layer of oil on the surfaces, or `_WIDEST_GAP` where there is oil in plenty. The equilibrium
-then needs no change but a clearance that is smaller by these gaps (`Raceway.gap`). The film is that of a bearing that
-rolls without slip.
+the gap without load: the layer of oil on the surfaces, or `_THICKEST_LAYER` where there is oil in plenty. The
+equilibrium then needs no change but a clearance that is smaller by these gaps (`Raceway.gap`). The film is that of a
+bearing that rolls without slip.
 """
 
+import math
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -39,11 +40,9 @@ from rollslip_kernels.stages import contact as compiled
 #: one the load is proportional to the approach, above the largest one it rises along the tangent. Chosen: no film and
 #: no bearing has loads beyond them.
 _DEFLECTIONS = (1e-16, 2e-3)
-#: Ratio of the thinner of film and layer to the thicker one, below which the thicker one has no effect on the last bit.
-_MIN_FRACTION = 1e-30
-#: Largest gap in which a film carries load [m]. Chosen: ten times the thickest films of unloaded rollers, 0.1 mm in
+#: Thickest layer of oil that counts [m]. Chosen: ten times the thickest films of unloaded rollers, 0.1 mm in
 #: large and slow bearings full of oil.
-_WIDEST_GAP = 1e-3
+_THICKEST_LAYER = 1e-3
 
 
 @attrs.frozen(eq=False)
@@ -103,9 +102,8 @@ def limited_by_layer(flooded: Array, layer: float, exponent: float) -> Array:
     exponent : float
         The exponent g: the larger, the less oil flows to the sides.
     """
-    thin = np.minimum(flooded, layer)
-    fraction = np.maximum(thin / np.maximum(flooded, layer), _MIN_FRACTION)
-    return np.asarray(thin * (1.0 + fraction**exponent) ** (-1.0 / exponent))
+    powers = np.logaddexp(-exponent * np.log(flooded), -exponent * math.log(layer))
+    return np.asarray(np.exp(-powers / exponent))
 
 
 def squared_exit(starvation: Array) -> Array:
@@ -159,21 +157,11 @@ def film_deflection(
     DomainError
         If the film rises with the load faster than the bodies yield.
     """
-    layer = float(np.fmin(oil_layer, film.oil_layer))
-    bodies = Chain(contact.deflection(), compiled=is_compiled)
-    flooded = Chain(contact, film.flooded, compiled=is_compiled)
-
-    def evaluated(first: float) -> Slices:
-        deflections = np.geomspace(first, _DEFLECTIONS[1], compiled.KNOTS)
-        slices = Slices(compiled.KNOTS, conditions, approach=deflections, rolling_speed=speed)
-        bodies(slices)
-        flooded(slices)
-        return slices
-
-    slices = evaluated(_DEFLECTIONS[0])
-    wide = np.minimum(slices.film_thickness, layer) > _WIDEST_GAP
-    if wide[0]:
-        slices = evaluated(float(slices.approach[~wide][0]))
+    deflections = np.geomspace(*_DEFLECTIONS, compiled.KNOTS)
+    slices = Slices(compiled.KNOTS, conditions, approach=deflections, rolling_speed=speed)
+    Chain(contact.deflection(), compiled=is_compiled)(slices)
+    Chain(contact, film.flooded, compiled=is_compiled)(slices)
+    layer = float(np.fmin.reduce([oil_layer, film.oil_layer, _THICKEST_LAYER]))
     h = _smallest_gap(slices, film, layer)
     log_load = np.log(slices.load)
     fall = np.gradient(h, log_load)
