@@ -13,7 +13,8 @@ does not change, so that the mean of R_m P is that of H. The drags T and the rol
 1. Solve loads over the angle at every slip, and tabulate friction over force and speeds, as motions in time do.
 2. March a roller round the orbit, at many slips at once, until its motion repeats. Bars do not rebound: a film of oil
    damps them.
-3. Search the smallest slip, from above zero, at which the balance changes its sign.
+3. Search the smallest slip, from above zero, at which the balance changes its sign. Where rollers drive the cage there,
+   as those do that a turning outer ring carries along, search ahead of pure rolling.
 
 Without play the result is that of rollers that are set in the cage.
 """
@@ -33,7 +34,7 @@ from rollslip.search import illinois_root
 from rollslip_kernels.motion import pocket as compiled
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_studies.motion.spins import orbit_loads
-from rollslip_studies.motion.torque_balance import TorqueBalance
+from rollslip_studies.motion.torque_balance import SLIP_FLOOR, TorqueBalance
 
 # Effects of other values were measured on the slips of the bearings in tests/studies/test_pockets.py.
 
@@ -368,35 +369,47 @@ def steady_slip_with_play(with_play: BalanceWithPlay, slip: float, max_slip: flo
     max_slip : float
         Largest cage slip of the search, below 1.
     """
-    if not slip > 0.0:
-        return SlipWithPlay("rollers that are set in the cage have no steady slip above zero")
-    return _search(with_play, _FIRST_SLIP * slip, max_slip)
+    if math.isnan(slip):
+        return SlipWithPlay("rollers that are set in the cage have no steady slip")
+    return _search(with_play, _FIRST_SLIP * max(slip, SLIP_FLOOR), max_slip)
 
 
 def _search(with_play: BalanceWithPlay, first_slip: float, max_slip: float) -> SlipWithPlay:
-    """Return the first slip, from a small one on, at which the excess torque changes from negative to positive."""
+    """Return the first slip, from a small one on, at which the excess torque no longer moves the cage on.
+
+    Where rollers drive the cage at the first slip it runs ahead of pure rolling, and slips are negative.
+    """
+    sense = 1.0
+
+    def torques_at(magnitudes: Array) -> Array:
+        return sense * with_play.excess(sense * magnitudes)
+
     ratios = np.array([_RATIO**n for n in range(_BATCH)])
     slips = np.minimum(first_slip * ratios, max_slip)
-    torques = with_play.excess(slips)
+    torques = torques_at(slips)
     if torques[0] >= 0.0:
-        reason = f"with play it is less than {100.0 * first_slip:.3g} %"
-        is_small = first_slip < SMALLEST_SLIP
-        return SlipWithPlay(reason if is_small else f"{Status.NOT_KNOWN}: {reason}")
+        sense = -1.0
+        slips = _FIRST_SLIP * SLIP_FLOOR * ratios
+        torques = torques_at(slips)
+        if torques[0] >= 0.0:
+            reason = f"with play it is less than {100.0 * first_slip:.3g} %"
+            is_small = first_slip < SMALLEST_SLIP
+            return SlipWithPlay(reason if is_small else f"{Status.NOT_KNOWN}: {reason}")
     while not (torques >= 0.0).any():
         if np.isnan(torques[-1]):
             return SlipWithPlay(f"{Status.NOT_KNOWN}: a law has no value below {slips[-1]:.3g}")
         if slips[-1] == max_slip:
             return SlipWithPlay(f"{Status.NO_STEADY_SLIP} up to {max_slip:.3g}")
         slips = np.minimum(slips[-1] * ratios, max_slip)
-        torques = with_play.excess(slips)
+        torques = torques_at(slips)
     upper = int(np.argmax(torques >= 0.0))
     log = illinois_root(
-        lambda log: float(with_play.excess(np.array([math.exp(log)]))[0]),
+        lambda log: float(torques_at(np.array([math.exp(log)]))[0]),
         *np.log(slips[upper - 1 : upper + 1]).tolist(),
         *torques[upper - 1 : upper + 1].tolist(),
         tolerance=_SLIP_TOLERANCE,
     )
-    root = math.exp(log)
+    root = sense * math.exp(log)
     motion = with_play.pockets.march(np.array([root]))
     if np.isnan(motion.torque[0]):  # contacts leave the tables of friction
         return SlipWithPlay(NO_CHANGE)

@@ -81,6 +81,10 @@ _NEARLY_STILL: Final = 0.94
 #: Largest slip of a loading branch unless a larger range is requested: there the cage nearly stands still. Chosen;
 #: with twice the distance from 1, a slip of 0.9, limit drags at larger slips would be missed.
 RANGE: Final = 0.95
+#: Slip in place of that of a cage which rolls or is driven: a search with play begins at half of it, and a band takes
+#: its logarithm. Half or twice as much moves bounds below 0.1 %, which are printed without a number, and no slip with
+#: play of gearbox from 1 to 30 kN by more than 1e-4.
+SLIP_FLOOR: Final = 1e-5
 
 
 class CageTorques(Protocol):

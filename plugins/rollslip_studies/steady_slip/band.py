@@ -61,7 +61,7 @@ from rollslip.search import Array, secant_root
 from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, torque_balance
+from rollslip_studies.motion.torque_balance import RANGE, SLIP_FLOOR, TorqueBalance, torque_balance
 from rollslip_studies.steady_slip.evaluated import (
     slip_with_play,
     without_play,
@@ -101,9 +101,6 @@ _MAX_STEP: Final = 1.0
 #: scenes. Chosen, above rounding errors of the torque and below the width of its maximum.
 _FIRST_STEP: Final = 0.05
 
-#: Slip in place of that of a cage which rolls or is driven, so that it has a logarithm. Half or twice as much moves
-#: bounds below 0.1 %, which are printed without a number, and none of four scenes of the catalogue.
-_SLIP_FLOOR: Final = 1e-5
 #: Slip below which the torque at the floor is evaluated first, because a cage that hardly slips may be driven at the
 #: quantile of a quantity. Twice as much costs one more evaluation of some bearings and changes no band of these scenes.
 #: Chosen: 0.1 %, as printed.
@@ -155,7 +152,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     "left_out", the keys of those whose effect is not known. A bound is null where the cage skids. Attribute
     ``consequences`` has the effects of exceeded validity ranges (see `consequences`), attribute ``choices`` the choices
     that the scene leaves open (`open_choices`), with the "slips" of their alternatives and the names of "refused" ones.
-    A result without a steady slip, or of a cage that is driven, is returned unchanged.
+    A result without a steady slip is returned unchanged. The slip of a cage that is driven counts as a small one.
 
     Parameters
     ----------
@@ -167,12 +164,12 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
         Name of the variable with the steady slip.
     """
     slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
-    # no steady slip, a cage without drag, or one that is driven
-    if not slips.size or slips[0] == 0.0 or not -_SMALL_SLIP <= slips[0] < math.inf:
+    # no steady slip, or a cage without drag
+    if not slips.size or slips[0] == 0.0 or not slips[0] < math.inf:
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "minimum_load" in dataset else None
     without = float(np.ravel(without_play(dataset)[slip])[0])
-    values = {"steady_slip": max(without, _SLIP_FLOOR)}
+    values = {"steady_slip": max(without, SLIP_FLOOR)}
     if acceptable is not None and Status.of(dataset["minimum_load_status"].item()) is Status.FOUND:
         values["minimum_load"] = float(dataset["minimum_load"])
     acceptable_slip = float(acceptable) if "minimum_load" in values else None  # type: ignore[arg-type]
@@ -273,6 +270,8 @@ def _add_pockets(record: dict[str, Any], scene: Scene, dataset: "xr.Dataset") ->
     if "play_status" not in dataset or dataset["play_status"].item() != Status.FOUND:
         return
     slip = float(dataset["steady_slip"][0])
+    if slip <= 0.0:
+        return
     by_play = max(slip - float(dataset["slip_without_play"]), 0.0)
     stated: Mapping[str, object] = scene.cage or {}
     others = []
@@ -479,8 +478,8 @@ def _log_steady_slip(
     balance: TorqueBalance, near: float, slope: float | None
 ) -> tuple[float, float | None]:
     """Return the logarithm of a steady slip near another, and the slope of the excess torque if secants found it."""
-    if near < math.log(_SMALL_SLIP) and balance.excess(_SLIP_FLOOR) >= 0.0:
-        return math.log(_SLIP_FLOOR), None
+    if near < math.log(_SMALL_SLIP) and balance.excess(SLIP_FLOOR) >= 0.0:
+        return math.log(SLIP_FLOOR), None
     found, own_slope = _root_by_secants(
         lambda log: balance.excess(min(math.exp(log), RANGE)), near, math.log(RANGE), slope
     )
@@ -490,9 +489,9 @@ def _log_steady_slip(
     branch = balance.loading_branch(RANGE)
     steady = next(iter(branch.find_steady_motions(balance.drag)), None)
     if steady is not None:
-        return math.log(max(steady.slip, _SLIP_FLOOR)), None
+        return math.log(max(steady.slip, SLIP_FLOOR)), None
     if branch.torque_without_slip + balance.drag(0.0) > 0.0:  # the drags drive the cage
-        return math.log(_SLIP_FLOOR), None
+        return math.log(SLIP_FLOOR), None
     return math.nan if branch.refusal else math.inf, None
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.results.dataset import xr
-from rollslip.results.text import Status
+from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.studies.answers import LoadedSlices, ResolutionChoice
 from rollslip.studies.study import Study
 from rollslip_studies.effective_friction.raceways import no_load_error, regime_variables
@@ -203,6 +203,7 @@ def slip_with_play(dataset: "xr.Dataset") -> Callable[[float], float]:
     """
     if "play_status" not in dataset or dataset["play_status"].item() != Status.FOUND:
         return lambda slip: slip
+    with_play = float(dataset["steady_slip"].to_numpy()[0])
     without = float(dataset["slip_without_play"])
     slips = dataset["cage_slip"].to_numpy()
     set_torques = dataset["driving_torque_without_play"].to_numpy()
@@ -211,11 +212,11 @@ def slip_with_play(dataset: "xr.Dataset") -> Callable[[float], float]:
     def at_same_torque(slip: float) -> float:
         torque = np.interp(slip, slips, set_torques)
         reaches = np.flatnonzero(torques >= torque)
-        if not 0.0 < slip < slips[-1] or not reaches.size or reaches[0] == 0:
+        if not -SMALLEST_SLIP < slip < slips[-1] or not reaches.size or reaches[0] == 0:
             return slip
         around = [reaches[0] - 1, reaches[0]]
         return max(slip, float(np.interp(torque, torques[around], slips[around])))
 
-    # the curve is interpolated: the slip of the result itself is kept
-    factor = float(dataset["steady_slip"].to_numpy()[0]) / at_same_torque(without)
+    # the curve is interpolated: the slip of the result itself is kept, unless the cage is driven
+    factor = with_play / at_same_torque(without) if with_play > 0.0 else 1.0
     return lambda slip: factor * at_same_torque(slip)

@@ -198,7 +198,8 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
     if math.isnan(slip):
         return Row(key="cage_slip", label="cage slip", text="not found", note=status, rank=known)
     band = None
-    note = "driven: it runs ahead of pure rolling" if slip < -_MIN_DRIVEN_SLIP else ""
+    note = ""
+    driven = "driven: it runs ahead of pure rolling" if slip < -_MIN_DRIVEN_SLIP else ""
     stored = json.loads(dataset.attrs.get("band", "{}")).get("steady_slip")
     if stored is not None:
         band = stored["low"], math.inf if stored["high"] is None else stored["high"]
@@ -208,7 +209,7 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
             note += f", {percent(stored['median'])} with all data at their medians"
         if missing := stored.get("left_out"):
             note += f", without the scatter of {', '.join(missing)}"
-    note = ", ".join(filter(None, (note, slip_without_play(dataset))))
+    note = ", ".join(filter(None, (note, driven, slip_without_play(dataset))))
     return Row(
         key="cage_slip",
         label="cage slip",

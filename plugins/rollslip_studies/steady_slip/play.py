@@ -94,7 +94,9 @@ class Play:
         found = steady_slip_with_play(self._balance, self._slip, self._max_slip)
         # where rollers never leave the bar that they drive, only tables of friction change the slip
         return (
-            SlipWithPlay("the play does not add to the slip") if found.slip <= self._slip else found
+            SlipWithPlay("the play does not add to the slip")
+            if abs(found.slip) <= abs(self._slip)
+            else found
         )
 
     @property
